@@ -1,11 +1,10 @@
 //! A scene rendered in memory, for programs that use this one as a library.
 
-use crate::cli::MOST_SAMPLES;
 use crate::error::{Error, Result};
 use crate::film::Picture;
 use crate::flatten::flatten;
 use crate::gpu::device::{Adapters, Device};
-use crate::job::{Goal, Job};
+use crate::job::{Goal, Job, MOST_SAMPLES};
 use crate::options::RenderOptions;
 use crate::plan::Plan;
 use crate::render::{Next, Renderer, empty_film};

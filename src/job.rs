@@ -72,6 +72,52 @@ impl Crop {
     }
 }
 
+/// The size of an image, in pixels or as a share of the scene's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    Pixels(u32, u32),
+    Share(f64),
+}
+
+impl Size {
+    /// The size in pixels, at least one in each direction.
+    pub fn in_pixels(self, (width, height): (u32, u32)) -> (u32, u32) {
+        match self {
+            Size::Pixels(width, height) => (width, height),
+            Size::Share(share) => {
+                let part = |n: u32| ((f64::from(n) * share).round() as u32).max(1);
+                (part(width), part(height))
+            }
+        }
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    /// The limits are those of a scene's `image`; a share is at most 100 % of the scene's size.
+    fn from_str(text: &str) -> Result<Size, String> {
+        let expected = || {
+            "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360, or a share of the scene's up to 100%"
+                .to_string()
+        };
+        if let Some(percent) = text.strip_suffix('%') {
+            let share = percent.parse::<f64>().ok().filter(|percent| *percent > 0.0 && *percent <= 100.0);
+            return share.map(|percent| Size::Share(percent / 100.0)).ok_or_else(expected);
+        }
+        let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+        let number = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=65_536).contains(n)).ok_or_else(expected);
+        let (width, height) = (number(width)?, number(height)?);
+        match u64::from(width) * u64::from(height) <= 1 << 30 {
+            true => Ok(Size::Pixels(width, height)),
+            false => Err(expected()),
+        }
+    }
+}
+
+/// The most samples of a pixel. Sample indices are 32-bit words, and must leave room to round up to a block.
+pub const MOST_SAMPLES: i64 = 1 << 31;
+
 /// The job of a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {

@@ -4,8 +4,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use gpu_rt::cli::Cli;
-use gpu_rt::commands;
+use gpu_rt::commands::{self, Cli};
 use gpu_rt::gpu::device::any_failed;
 
 fn main() -> ExitCode {

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgMatches, Command};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::aov::{Aovs, ChannelNames, SeenSurface};
 use crate::bvh::Quality;
 use crate::data::Sampler;
+use crate::job::{MOST_SAMPLES, Size};
 
 /// What is asked of a render beside its scene and its job. The default is that of the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +22,6 @@ pub struct RenderOptions {
     pub fresnel: Fresnel,
     /// The most indirect radiance that a path may add, in scene units; `None` for no limit.
     pub clamp: Option<f64>,
-    pub offset: Offset,
     pub precision: Precision,
     pub build: Quality,
     pub aov: Aovs,
@@ -45,7 +45,6 @@ impl Default for RenderOptions {
             filter: Filter::Box,
             fresnel: Fresnel::Exact,
             clamp: None,
-            offset: Offset::Robust,
             precision: Precision::Strict,
             build: Quality::Medium,
             aov: Aovs::default(),
@@ -172,12 +171,6 @@ words!(
     }
 );
 words!(
-    enum Offset {
-        Robust = "robust",
-        Fast = "fast",
-    }
-);
-words!(
     enum Precision {
         Strict = "strict",
         Fast = "fast",
@@ -206,7 +199,7 @@ words!(
 words!(SeenSurface { Rough = "rough", First = "first", });
 words!(ChannelNames { Plain = "plain", Blender = "blender", });
 words!(Sampler { Sobol = "sobol", Independent = "independent", });
-words!(Quality { Fast = "fast", Medium = "medium", Best = "best", });
+words!(Quality { Medium = "medium", Best = "best", });
 
 /// What an option's values other than the default give up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -256,8 +249,10 @@ pub struct Knob {
     pub class: Class,
     /// What its values other than the default give up, in a sentence.
     pub gives_up: &'static str,
-    /// How its value gets into [`RenderOptions`]; `None` for samples, size and depth, which are the job's.
+    /// How its value gets into [`RenderOptions`]; `None` for an option that a command has by itself.
     reading: Option<Reading>,
+    /// How the command line takes an option that is not in [`RenderOptions`].
+    own: Option<fn(Arg) -> Arg>,
     /// The module that a value links, for an option that chooses between modules.
     links: Option<fn(&RenderOptions) -> &'static str>,
 }
@@ -343,9 +338,14 @@ impl Knob {
     }
 
     /// The option for the command line.
-    fn arg(&'static self, reading: &Reading) -> Arg {
-        let Reading { read, takes, .. } = *reading;
+    fn arg(&'static self) -> Arg {
         let arg = Arg::new(self.name).long(self.name).help(self.help()).help_heading(self.class.heading());
+        // Tests and `plan` compare kernels with all features; nobody renders better or faster by them.
+        let arg = arg.hide(self.name == "features");
+        if let Some(own) = self.own {
+            return own(arg);
+        }
+        let Some(Reading { read, takes, .. }) = self.reading else { return arg };
         let arg = match takes {
             Takes::Words(words) => arg.value_name("WORD").value_parser(PossibleValuesParser::new(words())),
             Takes::Text(name) => arg
@@ -359,10 +359,42 @@ impl Knob {
     }
 }
 
+/// An option of the table that only some commands have, as a group of one argument: `None` where it is not given.
+macro_rules! argument {
+    ($name:ident, $setting:ident, $value:ty) => {
+        #[derive(Clone, Copy, Debug, Default)]
+        pub struct $name(pub Option<$value>);
+
+        impl clap::Args for $name {
+            fn augment_args(command: Command) -> Command {
+                command.arg($setting.arg())
+            }
+
+            fn augment_args_for_update(command: Command) -> Command {
+                $name::augment_args(command)
+            }
+        }
+
+        impl clap::FromArgMatches for $name {
+            fn from_arg_matches(matches: &ArgMatches) -> Result<$name, clap::Error> {
+                Ok($name(matches.get_one($setting.name).copied()))
+            }
+
+            fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+                $name::from_arg_matches(matches).map(|found| *self = found)
+            }
+        }
+    };
+}
+
+argument!(SppArg, SPP, u32);
+argument!(SizeArg, SIZE, Size);
+argument!(MaxDepthArg, MAX_DEPTH, u32);
+argument!(DenoiseArg, DENOISE, bool);
+
 impl clap::Args for RenderOptions {
     fn augment_args(command: Command) -> Command {
-        let args = all().filter_map(|knob| Some(knob.arg(knob.reading.as_ref()?)));
-        command.args(args)
+        command.args(all().filter(|knob| knob.reading.is_some()).map(Knob::arg))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -413,22 +445,20 @@ pub const SPP: Knob = Knob {
     name: "spp",
     about: "Samples per pixel [default: the scene's].",
     values: &["1", "4", "16", "64", "256"],
-    default: None,
     class: Class::Noise,
     gives_up: "A quarter of the samples has about twice the error.",
-    reading: None,
-    links: None,
+    own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(1..=MOST_SAMPLES))),
+    ..PLAIN
 };
 
 pub const SIZE: Knob = Knob {
     name: "size",
     about: "Image size in pixels, or in percent of the scene's [default: the scene's].",
     values: &["25%", "50%", "100%"],
-    default: None,
     class: Class::Detail,
     gives_up: "Fewer pixels show less detail: each is the mean over a larger square.",
-    reading: None,
-    links: None,
+    own: Some(|arg| arg.value_name("WxH|N%").value_parser(value_parser!(Size))),
+    ..PLAIN
 };
 
 pub const INTEGRATOR: Knob = Knob {
@@ -439,7 +469,7 @@ pub const INTEGRATOR: Knob = Knob {
     class: Class::Noise,
     gives_up: "A `bsdf` path costs less. Its noise grows as the lights get smaller.",
     reading: word!(integrator: Integrator),
-    links: None,
+    ..PLAIN
 };
 
 pub const ROULETTE: Knob = Knob {
@@ -454,6 +484,7 @@ pub const ROULETTE: Knob = Knob {
         Switch::On => "step/roulette",
         Switch::Off => "null/roulette",
     }),
+    ..PLAIN
 };
 
 pub const SAMPLER: Knob = Knob {
@@ -468,6 +499,7 @@ pub const SAMPLER: Knob = Knob {
         Sampler::Sobol => "sampler/sobol",
         Sampler::Independent => "sampler/independent",
     }),
+    ..PLAIN
 };
 
 pub const FILTER: Knob = Knob {
@@ -485,17 +517,17 @@ pub const FILTER: Knob = Knob {
         Filter::Gauss => "filter/gauss",
         Filter::Mitchell => "filter/mitchell",
     }),
+    ..PLAIN
 };
 
 pub const MAX_DEPTH: Knob = Knob {
     name: "max-depth",
     about: "The most scattering events per path [default: the scene's].",
     values: &["1", "2", "4", "8", "16"],
-    default: None,
     class: Class::Bias,
     gives_up: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
-    reading: None,
-    links: None,
+    own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(0..=1_000_000))),
+    ..PLAIN
 };
 
 pub const FRESNEL: Knob = Knob {
@@ -510,6 +542,7 @@ pub const FRESNEL: Knob = Knob {
         Fresnel::Exact => "lib/fresnel",
         Fresnel::Schlick => "lib/fresnel_schlick",
     }),
+    ..PLAIN
 };
 
 pub const CLAMP: Knob = Knob {
@@ -528,20 +561,7 @@ pub const CLAMP: Knob = Knob {
         None => "null/clamp",
         Some(_) => "step/clamp",
     }),
-};
-
-pub const OFFSET: Knob = Knob {
-    name: "offset",
-    about: "The offset of a spawned ray from its surface: `robust` uses each shape's own rounding bound, `fast` a fraction of the distance.",
-    values: &["robust", "fast"],
-    default: Some("robust"),
-    class: Class::Numerics,
-    gives_up: "`fast` fails for shapes smaller than 1/16384 of their distance, and huge shapes close to the camera shadow themselves. No saving of time was measured.",
-    reading: word!(offset: Offset),
-    links: Some(|options| match options.offset {
-        Offset::Robust => "geometry/offset",
-        Offset::Fast => "geometry/offset_fast",
-    }),
+    ..PLAIN
 };
 
 pub const PRECISION: Knob = Knob {
@@ -556,17 +576,18 @@ pub const PRECISION: Knob = Knob {
         Precision::Strict => "geometry/sphere_chord",
         Precision::Fast => "geometry/sphere_chord_fast",
     }),
+    ..PLAIN
 };
 
 pub const BUILD: Knob = Knob {
     name: "build",
     about: "The quality of the BVH: build time against traversal time.",
-    values: &["fast", "medium", "best"],
+    values: &["medium", "best"],
     default: Some("medium"),
     class: Class::Exact,
-    gives_up: "`fast` builds sooner and renders slower, `best` the reverse. `best` also cuts the boxes of long thin faces, which takes memory.",
+    gives_up: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
     reading: word!(build: Quality),
-    links: None,
+    ..PLAIN
 };
 
 /// It leaves the image as it is, and writes another one beside it. So it is no knob of the image, and `tradeoff` sweeps it like one.
@@ -575,28 +596,15 @@ pub const DENOISE: Knob = Knob {
     about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the image at the end without its noise, by Open Image \
             Denoise. The image itself gets the channels albedo and normal.",
     values: &[""],
-    default: None,
     class: Class::Bias,
     gives_up: "What is denoised loses detail that looks like noise, which biases the result.",
-    reading: None,
-    links: None,
+    own: Some(|arg| arg.action(ArgAction::SetTrue)),
+    ..PLAIN
 };
 
 /// All that trade one thing for another, or a look for another, those first that are the first to be measured where time is short.
-pub const KNOBS: &[&Knob] = &[
-    &SPP,
-    &INTEGRATOR,
-    &SAMPLER,
-    &ROULETTE,
-    &MAX_DEPTH,
-    &FRESNEL,
-    &CLAMP,
-    &BUILD,
-    &OFFSET,
-    &PRECISION,
-    &SIZE,
-    &FILTER,
-];
+pub const KNOBS: &[&Knob] =
+    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &PRECISION, &SIZE, &FILTER];
 
 pub const AOV: Knob = Knob {
     name: "aov",
@@ -607,7 +615,7 @@ pub const AOV: Knob = Knob {
         read: |options, text| Aovs::parse(text).map(|list| options.aov.set(list)),
         value: |options| options.aov.words(),
     }),
-    ..OF_THE_DEVICE
+    ..PLAIN
 };
 
 /// What a file has beside the picture.
@@ -619,7 +627,7 @@ const OF_FILES: &[&Knob] = &[
         default: Some("rough"),
         class: Class::Channels,
         reading: word!(aov.surface: SeenSurface),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
     &Knob {
         name: "aov-names",
@@ -627,7 +635,7 @@ const OF_FILES: &[&Knob] = &[
         default: Some("plain"),
         class: Class::Channels,
         reading: word!(aov.names: ChannelNames),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
 ];
 
@@ -637,19 +645,19 @@ const TUNING: &[&Knob] = &[
         name: "slots",
         about: "Paths in flight [default: by the device and the image].",
         reading: number!(slots: 1..=1 << 24),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
     &Knob {
         name: "workgroup",
         about: "Invocations per workgroup [default: by the device].",
         reading: number!(workgroup: 1..=256),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
     &Knob {
         name: "bounces",
         about: "Bounces per submission [default: measured, for about 100 ms].",
         reading: number!(bounces: 1..=4096),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
     &Knob {
         name: "scatter",
@@ -660,18 +668,19 @@ const TUNING: &[&Knob] = &[
             read: |options, text| Scatter::read(text).map(|scatter| options.scatter = Some(scatter)),
             value: |options| options.scatter.map(Words::word),
         }),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
     &Knob {
         name: "features",
         about: "What kernels contain: only what the scene requires, or everything that any scene can require.",
         default: Some("scene"),
         reading: word!(features: FeatureSet),
-        ..OF_THE_DEVICE
+        ..PLAIN
     },
 ];
 
-const OF_THE_DEVICE: Knob = Knob {
+/// An option that gives nothing up. Each entry says what is different.
+const PLAIN: Knob = Knob {
     name: "",
     about: "",
     values: &[],
@@ -679,6 +688,7 @@ const OF_THE_DEVICE: Knob = Knob {
     class: Class::Exact,
     gives_up: "",
     reading: None,
+    own: None,
     links: None,
 };
 

@@ -9,31 +9,13 @@ mod wide;
 
 use crate::data::HIT_NOTHING;
 use crate::threads::cores;
-use split::{Group, Item, Search};
+use split::{Group, Item};
 
 pub use bounds::Bounds;
 #[cfg(test)]
 pub use bounds::unit_numbers;
+pub use split::Quality;
 pub use wide::{Bvh, WIDTH};
-
-/// The trade-off between the time of the build and the time of the walks. It does not change the image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quality {
-    Fast,
-    #[default]
-    Medium,
-    Best,
-}
-
-impl Quality {
-    fn search(self) -> Search {
-        match self {
-            Quality::Fast => Search { bins: 16, all_axes: false },
-            Quality::Medium => Search { bins: 16, all_axes: true },
-            Quality::Best => Search { bins: 32, all_axes: true },
-        }
-    }
-}
 
 /// The expected number of boxes that a line hits if it hits the box around all of them: the ratio of the sum of their
 /// surfaces to its surface. The surface area heuristic uses the same ratio (Goldsmith and Salmon, IEEE CG&A 7(5),
@@ -54,6 +36,6 @@ pub fn build_with_threads(bounds: &[Bounds], codes: &[u32], quality: Quality, th
     match &mut items[..] {
         [] => Bvh { nodes: Vec::new(), root: HIT_NOTHING, stack_size: 0 },
         [only] => Bvh { nodes: Vec::new(), root: only.code, stack_size: 0 },
-        items => grow::grow(Group::new(items), &quality.search(), threads),
+        items => grow::grow(Group::new(items), quality, threads),
     }
 }

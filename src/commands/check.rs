@@ -1,21 +1,31 @@
 //! `gpu-rt check`: a scene's errors and warnings, without a GPU.
 
+use clap::Args;
 use serde_json::json;
 
-use super::scene::load_scene;
-use super::{Target, flatten_for, path_text, planned, print_json, print_line};
-use crate::cli::CheckArgs;
+use super::console::{path_text, print_json, print_line};
+use super::scene::{flatten_for, load};
+use super::target::{Target, planned};
+use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;
 use crate::options::RenderOptions;
-use crate::scene::Assets;
+
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Reads, validates and flattens the scene, links its kernels, and compares its buffers with the limits of this machine's device.
 pub fn run(args: &CheckArgs) -> Result<()> {
     match examine(args) {
         Ok((primitives, warnings)) => {
             if args.json {
-                let file = path_text(&args.scene);
+                let file = path_text(&args.scene.path);
                 print_json(&json!({"scene": file, "valid": true, "primitives": primitives, "warnings": warnings}))?;
             } else {
                 warnings.iter().try_for_each(|warning| print_line(&format!("warning: {warning}")))?;
@@ -25,7 +35,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
                     n => format!("{n} warnings"),
                 };
                 let counted = if primitives == 1 { "primitive" } else { "primitives" };
-                print_line(&format!("{}: valid, {primitives} {counted}, {warned}", args.scene.display()))?;
+                print_line(&format!("{}: valid, {primitives} {counted}, {warned}", args.scene.path.display()))?;
             }
             Ok(())
         }
@@ -34,7 +44,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
                 let errors: Vec<_> = error.each().iter().map(describe).collect();
                 let first = errors.first();
                 print_json(
-                    &json!({"scene": path_text(&args.scene), "valid": false, "error": first, "errors": errors}),
+                    &json!({"scene": path_text(&args.scene.path), "valid": false, "error": first, "errors": errors}),
                 )?;
             }
             Err(error)
@@ -43,7 +53,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 }
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
-    let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
+    let scene = load(&args.scene)?;
     // With the default options of `render`.
     let (size, flat) = flatten_for(&scene, None, &RenderOptions::default())?;
     let target = Target::find(None)?;

@@ -1,13 +1,13 @@
 //! `gpu-rt compare`: the error of an image against a reference.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde_json::{Value, json};
 
-use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
-use crate::cli::{CompareArgs, Limit, Metric};
+use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::outputs::{PNG, check_name, check_outputs};
 use crate::data::SampleSpread;
 use crate::error::{Error, Result};
 use crate::metrics::difference::{Difference, ErrorSource, MeanDifference, difference};
@@ -20,14 +20,74 @@ use crate::metrics::verdict::verdict;
 use crate::output::exr::{ExrImage, StateFile, read_exr, read_layer, read_state};
 use crate::output::png::write_heatmap;
 
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The EXR to judge.
+    #[arg(value_name = "A.exr")]
+    pub image: PathBuf,
+    /// The reference: an EXR of the same size, from any renderer.
+    #[arg(value_name = "B.exr")]
+    pub reference: PathBuf,
+    /// Compare this layer of both files instead of the picture: albedo, N, Z, direct, … as `render --aov` names them, or those of other programs.
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
+    /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
+    #[arg(long, value_name = "FILE.png")]
+    pub heatmap: Option<PathBuf>,
+    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse,
+    /// relmse_trimmed, flip and mean_difference (its magnitude). Can be given several times. A pixel that is not finite
+    /// fails too.
+    #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
+    pub fail_above: Vec<Limit>,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A metric for which 0 is best, by its name.
+type Metric = (&'static str, fn(&Errors) -> f64);
+
+const METRICS: [Metric; 6] = [
+    ("mse", |errors| errors.mse),
+    ("rmse", |errors| errors.mse.sqrt()),
+    ("relmse", |errors| errors.relmse),
+    ("relmse_trimmed", |errors| errors.relmse_trimmed),
+    ("flip", |errors| errors.flip),
+    ("mean_difference", |errors| errors.mean_difference.abs()),
+];
+
+/// A limit of `--fail-above`.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    metric: Metric,
+    value: f64,
+}
+
+fn limit(text: &str) -> std::result::Result<Limit, String> {
+    let names = || METRICS.map(|(name, _)| name).join(", ");
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("expected METRIC=VALUE, with a METRIC of {}", names()))?;
+    if name == "psnr" {
+        return Err(
+            "a higher psnr is better, so it cannot have an upper limit; use mse, or flip for the perceived difference"
+                .to_string(),
+        );
+    }
+    let metric = METRICS.into_iter().find(|(known, _)| *known == name);
+    let metric = metric.ok_or_else(|| format!("expected one of {}, found {name}", names()))?;
+    match value.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(Limit { metric, value }),
+        _ => Err(format!("expected a number of at least 0 as the limit of {name}, such as {name}=0.01")),
+    }
+}
+
 /// Reads both images, prints their differences, and fails if an error is above its limit.
 pub fn run(args: &CompareArgs) -> Result<()> {
     let images = [args.image.clone(), args.reference.clone()];
     images.iter().try_for_each(|path| check_name(path, "an EXR: images are read more than once"))?;
     if let Some(path) = &args.heatmap {
-        let heatmap = OutputImage { option: "--heatmap", path, formats: PNG };
-        let beside = Beside { inputs: &images, stdout: Some("the report"), undone: "nothing has been compared" };
-        check_outputs(&[heatmap], &beside)?;
+        let heatmap = ("--heatmap", Some(path.as_path()), PNG);
+        check_outputs(&[heatmap], &images, Some("the report"), "nothing has been compared")?;
     }
     let read = |path| match &args.layer {
         Some(layer) => read_layer(path, layer),
@@ -171,24 +231,12 @@ struct Errors {
     mean_difference: f64,
 }
 
-impl Errors {
-    fn of(&self, metric: Metric) -> f64 {
-        match metric {
-            Metric::Mse => self.mse,
-            Metric::Rmse => self.mse.sqrt(),
-            Metric::Relmse => self.relmse,
-            Metric::RelmseTrimmed => self.relmse_trimmed,
-            Metric::Flip => self.flip,
-            Metric::MeanDifference => self.mean_difference.abs(),
-        }
-    }
-}
-
 /// Fails if a metric is above its limit, or if pixels were left out, because these have no error to compare with a limit.
 fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
-    let above = limits.iter().filter(|limit| errors.of(limit.metric) > limit.value);
-    let mut words: Vec<String> = above
-        .map(|limit| format!("{} is {:.4e}, above {}", limit.metric.name(), errors.of(limit.metric), limit.value))
+    let found = limits.iter().map(|Limit { metric: (name, error), value }| (name, error(errors), value));
+    let mut words: Vec<String> = found
+        .filter(|(_, error, value)| error > value)
+        .map(|(name, error, value)| format!("{name} is {error:.4e}, above {value}"))
         .collect();
     if !limits.is_empty() && pixels.not_finite[2] > 0 {
         words.push(pixels.broken_words());

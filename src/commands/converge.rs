@@ -1,30 +1,57 @@
 //! `gpu-rt converge`: the error of a render against a reference at 1, 2, 4 … samples, with the seconds of each.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::outputs::check_name;
-use super::scene::{load_scene, name_of, stem_of};
+use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::outputs::{check_name, make_folder};
+use super::scene::{flatten_for, load, name_of, stem_of, tell_biases};
 use super::signals::Signals;
-use super::{
-    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_colours,
-    tell_denoised, tell_software,
-};
-use crate::cli::{ConvergeArgs, Size};
+use super::target::{open_device, tell_software};
+use crate::cli::{PathArgs, SceneArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::identity::Identity;
-use crate::job::{Frame, Goal, Job};
+use crate::job::{Frame, Goal, Job, Size};
 use crate::metrics::error as metrics;
+use crate::options::{RenderOptions, SppArg};
 use crate::output::atomic;
 use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, Width, svg};
 use crate::plan::Plan;
-use crate::render::{Look, Next, Outcome, Renderer, empty_film};
-use crate::scene::Assets;
+use crate::render::{Next, Outcome, Renderer, Snapshot, empty_film};
+
+#[derive(Debug, Args)]
+pub struct ConvergeArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The reference image, from any renderer. The render has its size.
+    #[arg(long, value_name = "R.exr")]
+    pub reference: PathBuf,
+    /// The folder for SCENE-converge.csv and SCENE-converge.svg; created if missing.
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub spp: SppArg,
+    /// Stop before a doubling of the samples would exceed this time [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    #[command(flatten)]
+    pub paths: PathArgs,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// The render after a number of samples.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -54,8 +81,8 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         tell_colours(&args.reference, reference.colours.as_deref());
     }
     let own_error = error_of_reference(&reference);
-    let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
-    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
+    let scene = load(&args.scene)?;
+    let biases = tell_biases(&args.options, args.paths.max_depth.0, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
             "warning: {} was also rendered with seed {}. The two images share noise, which hides error; give another --seed",
@@ -70,8 +97,8 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let device = open_device(args.paths.device.as_deref())?;
     tell_software(&device, args.quiet);
 
-    let end = args.spp.unwrap_or(scene.render.samples);
-    let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
+    let end = args.spp.0.unwrap_or(scene.render.samples);
+    let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
     if !args.quiet
         && state.is_some_and(|state| {
@@ -96,7 +123,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Outcome, _: Option<Look<'_>>| match signals.came() {
+        let mut go_on = |_: &Outcome, _: Option<Snapshot<'_>>| match signals.came() {
             true => Next::Stop,
             false => Next::GoOn,
         };
@@ -122,7 +149,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let rows: Vec<Value> = steps.iter().map(|step| json!(step)).collect();
     atomic::write(&table, csv(COLUMNS, &rows).as_bytes())?;
-    let name = name_of(&args.scene);
+    let name = name_of(&args.scene.path);
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
     report(args, &biases, &device.name.to_string(), (&steps, rows), own_error, (&table, &plot))?;
@@ -135,7 +162,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
 /// The paths of the table and the plot. Creates their folder.
 fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     make_folder(&args.output, "nothing has been rendered")?;
-    let stem = stem_of(&args.scene).to_string_lossy();
+    let stem = stem_of(&args.scene.path).to_string_lossy();
     let file = |ending: &str| args.output.join(format!("{stem}-converge.{ending}"));
     Ok((file("csv"), file("svg")))
 }
@@ -216,7 +243,7 @@ fn report(
     let slope = slope(steps, own_error.unwrap_or(0.0));
     if args.json {
         print_json(&json!({
-            "scene": path_text(&args.scene),
+            "scene": path_text(&args.scene.path),
             "reference": path_text(&args.reference),
             "device": device,
             "integrator": args.options.integrator.to_string(),

@@ -1,11 +1,26 @@
 //! `gpu-rt convert`: a glTF scene in the form of a scene file.
 
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::console::tell;
 use super::outputs::check_name;
 use super::scene::convert;
-use super::tell;
-use crate::cli::ConvertArgs;
+use crate::cli::GltfArgs;
 use crate::error::{Error, Result};
 use crate::output::{atomic, place::same_file, writable};
+
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// The .glb or .gltf file. Its meshes and images stay in it.
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
+    /// The scene file to write.
+    #[arg(short, long, value_name = "SCENE.ron")]
+    pub output: PathBuf,
+}
 
 /// Writes the scene file, and says what is not as the glTF file has it.
 pub fn run(args: &ConvertArgs) -> Result<()> {

@@ -3,17 +3,41 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use clap::Args;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::outputs::{Beside, EXR, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, tell, tell_colours};
-use crate::cli::DenoiseArgs;
+use super::console::{object, path_text, print_json, tell, tell_colours};
+use super::outputs::{EXR, PNG, check_name, check_outputs};
+use crate::cli::{OIDN, ViewArgs};
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
 use crate::output::exr::{NoisyFile, read_noisy, write_denoised};
 use crate::output::png::write_png;
 use crate::output::view_transform::ViewTransform;
+
+#[derive(Debug, Args)]
+pub struct DenoiseArgs {
+    /// The EXR: red, green and blue, and to keep more detail albedo and normal, as `render --aov albedo,normal` writes them.
+    #[arg(value_name = "IN.exr")]
+    pub image: PathBuf,
+    /// The denoised EXR to write. It has no estimate of its error, and cannot be resumed or joined.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: PathBuf,
+    /// Also write a tone-mapped picture of it, - for standard output.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[arg(long, value_name = "FOLDER", help = OIDN)]
+    pub oidn: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Where the denoised image goes.
 pub struct Target {
@@ -41,21 +65,17 @@ pub struct Denoised {
 /// Denoises, and says what that changes.
 pub fn run(args: &DenoiseArgs) -> Result<()> {
     check_name(&args.image, "an EXR: it is not read as a stream")?;
-    let exr = OutputImage { option: "-o", path: &args.output, formats: EXR };
-    let png = args.png.as_deref().map(|path| OutputImage { option: "--png", path, formats: PNG });
-    let images: Vec<OutputImage<'_>> = std::iter::once(exr).chain(png).collect();
+    let images = [("-o", Some(args.output.as_path()), EXR), ("--png", args.png.as_deref(), PNG)];
     let inputs = std::slice::from_ref(&args.image);
     let stdout = args.json.then_some("the report of --json");
-    check_outputs(&images, &Beside { inputs, stdout, undone: "nothing has been denoised" })?;
+    check_outputs(&images, inputs, stdout, "nothing has been denoised")?;
     let denoiser = Denoiser::open(args.oidn.as_deref())?;
     let target = Target { exr: args.output.clone(), png: args.png.clone(), view: args.view.transform() };
     let (denoised, size) = denoise(&denoiser, &args.image, &target, args.quiet)?;
     if args.json {
-        let mut report = json!({ "input": path_text(&args.image), "width": size.0, "height": size.1 });
-        if let (Some(report), Some(more)) = (report.as_object_mut(), json!(denoised).as_object()) {
-            report.extend(more.clone());
-        }
-        print_json(&report)?;
+        let mut report = object(json!({ "input": path_text(&args.image), "width": size.0, "height": size.1 }));
+        report.extend(object(json!(denoised)));
+        print_json(&Value::Object(report))?;
     }
     Ok(())
 }

@@ -1,13 +1,20 @@
 //! `gpu-rt devices`: the devices of this machine.
 
+use clap::Args;
 use serde_json::json;
 
-use super::{print_json, print_line};
-use crate::cli::DevicesArgs;
+use super::console::{print_json, print_line};
 use crate::error::Result;
 use crate::gpu::device::{Adapters, Device};
 use crate::gpu::numerics::{LOOPS, Numerics};
 use crate::gpu::probe::numerics;
+
+#[derive(Debug, Args)]
+pub struct DevicesArgs {
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Lists the adapters, their drivers, the limits that decide whether a scene fits, and the findings of the numerics probe.
 pub fn run(args: &DevicesArgs) -> Result<()> {

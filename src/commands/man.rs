@@ -1,18 +1,25 @@
 //! `gpu-rt man`: the manual pages.
 
 use std::io;
+use std::path::PathBuf;
 
-use clap::{Command, CommandFactory};
+use clap::{Args, Command};
 use clap_mangen::Man;
 
-use super::{make_folder, print_text};
-use crate::cli::{Cli, ManArgs};
+use super::console::print_text;
+use super::outputs::make_folder;
 use crate::error::{Error, Result};
 use crate::output::atomic;
 
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The folder for a page of each command; created if missing.
+    pub folder: Option<PathBuf>,
+}
+
 /// Prints the page of the program, or writes the pages of all its commands.
-pub fn run(args: &ManArgs) -> Result<()> {
-    let mut program = Cli::command().disable_help_subcommand(true);
+pub fn run(args: &ManArgs, program: Command) -> Result<()> {
+    let mut program = program.disable_help_subcommand(true);
     // The commands take the program's name before their own.
     program.build();
     let failed = |error: io::Error| Error::Usage(format!("the manual page cannot be made: {error}"));

@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use clap::Args;
+use serde_json::{Value, json};
 
-use super::outputs::{Beside, EXR, OutputImage, check_name, check_outputs};
+use super::console::{command_line, object, path_text, print_json, tell};
+use super::outputs::{EXR, check_name, check_outputs};
 use super::render::{Finish, attributes_of, doubts, error_words, excluded, noise_words};
-use super::{command_line, path_text, print_json, tell};
-use crate::cli::MergeArgs;
+use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -17,12 +18,40 @@ use crate::output::progress::Loading;
 use crate::render::{Noise, look_after, look_at};
 use crate::samples::Samples;
 
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command, or folders of them.
+    #[arg(value_name = "PART.exr", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Fail unless the parts together have exactly these samples.
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "allow_gaps")]
+    pub samples: Option<Range<u32>>,
+    /// Join parts until the relative error is below this, as `render --noise` would: it is checked at 16, 32, 64 … samples, and a part
+    /// must end at each check.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "allow_gaps")]
+    pub noise: Option<f64>,
+    /// The EXR to write. It can be resumed, and joined with others.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: PathBuf,
+    /// Join parts that leave out samples between them.
+    #[arg(long)]
+    pub allow_gaps: bool,
+    /// Join parts of several devices or drivers, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Joins the parts. It takes the memory of one film, whatever their number.
 pub fn run(args: &MergeArgs) -> Result<()> {
     let paths = files(&args.parts)?;
     paths.iter().try_for_each(|path| check_name(path, "an EXR: parts are read more than once"))?;
-    let output = OutputImage { option: "-o", path: &args.output, formats: EXR };
-    check_outputs(&[output], &Beside { inputs: &paths, stdout: None, undone: "nothing has been joined" })?;
+    check_outputs(&[("-o", Some(args.output.as_path()), EXR)], &paths, None, "nothing has been joined")?;
     let mut loading = Loading::new(args.quiet);
     let parts = parts_of(args, &paths, &mut loading)?;
     let Some(first) = parts.first() else { return Err(Error::Usage("no part is there".to_string())) };
@@ -42,23 +71,20 @@ pub fn run(args: &MergeArgs) -> Result<()> {
 
     let Joined { count, samples, devices, looks, noise } = &joined;
     let complete = samples.ranges().len() == 1;
-    // What the parts were asked is the same; what came of them is told of the whole.
+    // The parts were asked for the same; the results are those of the whole.
     let mut attributes = read_attributes(first.path)?;
-    let text = |name: &str| attribute_text(&attributes, name);
-    let finish = Finish::of(&film, samples, devices, *noise, complete);
-    let mut record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
-    if let Some(record) = record.as_object_mut() {
-        record.insert("command".to_string(), json!(command_line()));
-    }
-    if let (Some(error), Some(noise), Some(record)) = (args.noise, noise, record.as_object_mut()) {
+    let biases = attribute_text(&attributes, "gpu-rt:biases");
+    let finish = Finish::new(&film, samples, devices, *noise, complete);
+    let mut record = finish.record(&excluded(&biases));
+    record.insert("command".to_string(), json!(command_line()));
+    if let (Some(error), Some(noise)) = (args.noise, noise) {
         record.insert("noise".to_string(), json!(error));
         record.insert("noise_reached".to_string(), json!(noise.reached));
     }
     // Also what is not known of the whole, and has no attribute.
-    let is_of_film = |name: &str| record.get(name).is_some();
     let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
     attributes.retain(|(name, _)| {
-        name.strip_prefix("gpu-rt:").is_some_and(|name| !is_of_film(name) && !is_of_one_part(name))
+        name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
     });
     attributes.extend(attributes_of(&record));
     let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *looks);
@@ -82,17 +108,15 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
     }
     if args.json {
-        let mut report = json!({
+        let mut report = object(json!({
             "output": path_text(&args.output),
             "parts": count,
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": samples.count(),
-        });
-        if let (Some(report), Some(record)) = (report.as_object_mut(), record.as_object()) {
-            report.extend(record.clone());
-        }
-        print_json(&report)?;
+        }));
+        report.extend(record);
+        print_json(&Value::Object(report))?;
     }
     Ok(())
 }

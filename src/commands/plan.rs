@@ -1,24 +1,49 @@
 //! `gpu-rt plan`: the kernels and buffers that a scene requires.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::outputs::check_name;
-use super::scene::load_scene;
-use super::{Target, flatten_for, make_folder, open_device, path_text, planned, print_json, print_text, tell};
-use crate::cli::PlanArgs;
+use super::console::{path_text, print_json, print_text, tell};
+use super::outputs::{check_name, make_folder};
+use super::scene::{flatten_for, load};
+use super::target::{Target, open_device, planned};
+use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::probe::numerics;
+use crate::options::{RenderOptions, SizeArg};
 use crate::output::atomic;
 use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
-use crate::scene::Assets;
+
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Write the linked shaders into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub wgsl: Option<PathBuf>,
+    /// Explain one kernel: its modules, with the user of each and the object or option that asked for it; its bindings,
+    /// path state and constants. With --json: list this kernel only.
+    #[arg(long, value_name = "KERNEL")]
+    pub why: Option<String>,
+    #[command(flatten)]
+    pub size: SizeArg,
+    /// The device whose sizes to plan for.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Prints the kernels and buffers, and the reason for each.
 pub fn run(args: &PlanArgs) -> Result<()> {
     args.wgsl.iter().try_for_each(|path| check_name(path, "a folder"))?;
-    let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
-    let (size, flat) = flatten_for(&scene, args.size, &args.options)?;
+    let scene = load(&args.scene)?;
+    let (size, flat) = flatten_for(&scene, args.size.0, &args.options)?;
     let target = Target::find(args.device.as_deref())?;
     let plan = planned(&scene, size, &flat, &target, &args.options)?;
     let mut report = Report::new(&plan, &target.limits);
@@ -35,10 +60,10 @@ pub fn run(args: &PlanArgs) -> Result<()> {
         report.allow_steps(steps_of(args.device.as_deref()));
     }
     if args.json {
-        return print_json(&as_json(&report, &path_text(&args.scene), &target.name, why));
+        return print_json(&as_json(&report, &path_text(&args.scene.path), &target.name, why));
     }
     let text = why.and_then(|kernel| report.why(kernel)).unwrap_or_else(|| report.text());
-    print_text(&format!("{} on {}\n{text}", args.scene.display(), target.name))
+    print_text(&format!("{} on {}\n{text}", args.scene.path.display(), target.name))
 }
 
 /// The limit on a walk's steps on the device, if there is one and its numerics are known.

@@ -3,21 +3,30 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use crate::cli::GltfArgs;
+use super::console::tell;
+use crate::cli::{GltfArgs, SceneArgs};
 use crate::error::Result;
+use crate::flatten::{DeviceScene, flatten};
+use crate::job::Size;
+use crate::options::{Knob, MAX_DEPTH, RenderOptions};
 use crate::output::place::is_standard;
 use crate::scene::{Assets, GltfOptions, OnProgress, Scene};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
-pub fn load_scene(path: &Path, gltf: &GltfArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-    let options = options(gltf);
-    match is_standard(path) {
+pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+    let options = options(&scene.gltf);
+    match is_standard(&scene.path) {
         true => {
-            options.refuse(path)?;
+            options.refuse(&scene.path)?;
             Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress)
         }
-        false => Scene::load_as(path, &options, progress, assets),
+        false => Scene::load_as(&scene.path, &options, progress, assets),
     }
+}
+
+/// Reads the scene without telling its progress.
+pub fn load(scene: &SceneArgs) -> Result<Scene> {
+    load_with(scene, &mut |_, _, _| {}, &mut Assets::default())
 }
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.
@@ -46,4 +55,31 @@ pub fn name_of(path: &Path) -> String {
         true => "stdin".to_string(),
         false => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
     }
+}
+
+/// The size of the image, and the scene flattened for it.
+pub fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Result<((u32, u32), DeviceScene)> {
+    let size = size_of(scene, size);
+    Ok((size, flatten(scene, size, options)?))
+}
+
+/// The size of the image: the one asked for, or the scene's.
+pub fn size_of(scene: &Scene, asked: Option<Size>) -> (u32, u32) {
+    let of_scene = (scene.image.width, scene.image.height);
+    asked.map_or(of_scene, |size| size.in_pixels(of_scene))
+}
+
+/// The options that bias the result or are less exact, with their values.
+pub fn biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene) -> Vec<(&'static Knob, String)> {
+    let cut = max_depth.filter(|depth| *depth < scene.render.max_depth);
+    cut.map(|depth| (&MAX_DEPTH, depth.to_string())).into_iter().chain(options.biases()).collect()
+}
+
+/// Prints warnings about the settings that bias the result or are less exact, unless `quiet`. Returns these options as the user gave them.
+pub fn tell_biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
+    let biases = biases(options, max_depth, scene);
+    if !quiet {
+        biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
+    }
+    biases.iter().map(|(knob, value)| knob.option(value)).collect()
 }

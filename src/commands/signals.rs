@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::tell;
+use super::console::tell;
 use crate::error::Error;
 
 /// The signals that have come since the program listens.

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use clap::Args;
 use serde_json::{Value, json};
 
-use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
+use super::console::{object, path_text, print_json, print_line, tell};
+use super::outputs::{PNG, check_name, check_outputs};
 use super::render::{Finish, doubts, error_words, excluded};
-use super::{path_text, print_json, print_line, tell};
-use crate::cli::{CHECKPOINT, StatusArgs, duration};
+use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::jobs::parts::{Came, Part, Parts};
@@ -18,6 +19,27 @@ use crate::output::png::write_png;
 use crate::output::progress::Loading;
 use crate::samples::Samples;
 
+#[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The folder that `gpu-rt submit` has written.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Also join the samples that are there, and print the error of their image.
+    #[arg(long)]
+    pub error: bool,
+    /// Also join the samples that are there, and write a tone-mapped picture of them.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Print results and errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// A part is under way if its file was written within so many intervals of `--checkpoint`: one checkpoint may be late, and another one fail.
 const INTERVALS: u32 = 3;
 
@@ -25,11 +47,8 @@ const INTERVALS: u32 = 3;
 pub fn run(args: &StatusArgs) -> Result<()> {
     check_name(&args.folder, "a folder")?;
     let folder = Folder::read(&args.folder)?;
-    if let Some(png) = &args.png {
-        let image = OutputImage { option: "--png", path: png, formats: PNG };
-        let inputs = files_of(&folder);
-        let beside = Beside { inputs: &inputs, stdout: Some("the report"), undone: "nothing has been joined" };
-        check_outputs(&[image], &beside)?;
+    if let Some(png) = args.png.as_deref() {
+        check_outputs(&[("--png", Some(png), PNG)], &files_of(&folder), Some("the report"), "nothing has been joined")?;
     }
     let mut loading = Loading::new(args.quiet);
     let count = folder.parts().len().max(1) as f64;
@@ -117,7 +136,7 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
 /// What the samples that are there have come to.
 fn finish(film: &Film, samples: &Samples, parts: &Parts, folder: &Folder) -> Finish {
     let [start, end] = folder.asked.samples;
-    Finish::of(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
+    Finish::new(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
 }
 
 /// What the error is not about, as the header of a part tells.
@@ -303,7 +322,7 @@ impl Report<'_> {
         let counts = self.counts().into_iter().map(|(state, count)| (state.replace(' ', "_"), json!(count)));
         let not_usable: Vec<Value> =
             self.not_usable().map(|(path, why)| json!({"path": path_text(path), "reason": why})).collect();
-        let mut report = json!({
+        let mut report = object(json!({
             "folder": path_text(&self.folder.path),
             "output": path_text(&self.folder.output()),
             "width": asked.width,
@@ -318,13 +337,12 @@ impl Report<'_> {
             "seconds_per_sample": self.seconds_per_sample,
             "seconds_left": self.seconds_left(),
             "image": self.image.name(),
-        });
-        if let (true, Some(report)) = (args.error, report.as_object_mut()) {
-            let unknown = || json!({"relative_error": null, "relative_error_bound": null, "reliable": null});
-            let record = finish.map_or_else(unknown, |finish| json!(finish.record(&excluded_of(self.parts))));
-            report.extend(record.as_object().cloned().unwrap_or_default());
+        }));
+        if args.error {
+            let unknown = || object(json!({"relative_error": null, "relative_error_bound": null, "reliable": null}));
+            report.extend(finish.map_or_else(unknown, |finish| finish.record(&excluded_of(self.parts))));
         }
-        report
+        Value::Object(report)
     }
 }
 

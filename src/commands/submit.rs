@@ -2,24 +2,101 @@
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
+use std::time::Duration;
 
-use super::outputs::check_name;
-use super::scene::load_scene;
-use super::{make_folder, print_line, size_of};
-use crate::cli::{CHECKPOINT, MOST_SAMPLES, SubmitArgs, duration};
+use clap::{Args, Subcommand};
+
+use super::console::print_line;
+use super::outputs::{check_name, make_folder};
+use super::scene::{load, size_of};
+use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error};
 use crate::error::{Error, Result};
+use crate::job::MOST_SAMPLES;
 use crate::jobs::scripts::{line, text_of};
 use crate::jobs::slurm::{Ids, Slurm, forget_tries};
 use crate::jobs::{Asked, Folder, MERGE, RENDER, split};
+use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::render::LAST_LOOK;
-use crate::scene::{Assets, Scene, Thin};
+use crate::scene::{Scene, Thin};
+
+/// Who runs the processes.
+#[derive(Debug, Subcommand)]
+pub enum Scheduler {
+    /// Share it through Slurm: write a folder with the scene and scripts, submit an array of tasks that render, and a job that joins their images.
+    Slurm(SlurmArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct SlurmArgs {
+    /// The scene file. It is copied, and so are the files that it names by relative paths.
+    #[arg(required_unless_present_any = ["missing", "next"])]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
+    #[command(flatten)]
+    pub spp: SppArg,
+    /// Render until the relative error is below this with 95 % confidence, in rounds that double the samples, limited by --spp if
+    /// given.
+    #[arg(long, value_name = "E", value_parser = relative_error)]
+    pub noise: Option<f64>,
+    /// The parts that the samples are split into: at most one for 8 samples.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=1_000_000), required_unless_present_any = ["missing", "next"])]
+    pub parts: Option<u32>,
+    /// The folder, which all machines must see; created if missing [default: SCENE-job].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Submit the parts of this folder whose images lack samples, and the join after them.
+    #[arg(long, value_name = "DIR", conflicts_with_all = of_a_new_folder().chain(["next"]))]
+    pub missing: Option<PathBuf>,
+    /// Submit the next round of this folder, unless the error is reached. The job that joins does it.
+    #[arg(long, value_name = "DIR", conflicts_with_all = of_a_new_folder())]
+    pub next: Option<PathBuf>,
+    /// Write the folder and print what would be submitted.
+    #[arg(long)]
+    pub dry_run: bool,
+    #[command(flatten)]
+    pub size: SizeArg,
+    #[command(flatten)]
+    pub paths: PathArgs,
+    /// Write the images of parts so far at this interval [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
+    pub checkpoint: Duration,
+    /// Allow several devices or drivers, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Options of sbatch.
+    #[arg(last = true, value_name = "SBATCH OPTION")]
+    pub sbatch: Vec<String>,
+}
+
+/// The arguments of `submit` that a folder has already.
+fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
+    let own = [
+        "scene",
+        "camera",
+        "sky",
+        "sun",
+        "watts",
+        "thin",
+        "spp",
+        "noise",
+        "parts",
+        "output",
+        "size",
+        "checkpoint",
+        "mixed_drivers",
+    ];
+    own.into_iter().chain(["max-depth", "seed", "device"]).chain(RenderOptions::names())
+}
 
 /// Bytes of a pixel in an EXR with its state: 14 of a sample, 60 to 73 of 256 and 84 of 16,384 samples were measured, on several scenes.
 const PIXEL_BYTES: f64 = 80.0;
 
 /// Writes or reads the folder, and submits what it lacks.
-pub fn run(args: &SubmitArgs) -> Result<()> {
+pub fn run(args: &SlurmArgs) -> Result<()> {
     args.scene.iter().try_for_each(|path| check_name(path, "a scene file, which is copied"))?;
     let folders = [&args.output, &args.missing, &args.next];
     folders.into_iter().flatten().try_for_each(|path| check_name(path, "a folder"))?;
@@ -81,7 +158,7 @@ pub fn run(args: &SubmitArgs) -> Result<()> {
 }
 
 /// The folder, with its whole path and the new options of sbatch.
-fn read(path: &Path, args: &SubmitArgs) -> Result<Folder> {
+fn read(path: &Path, args: &SlurmArgs) -> Result<Folder> {
     let mut folder = Folder::read(&whole(path)?)?;
     if !args.sbatch.is_empty() {
         folder.asked.sbatch = args.sbatch.clone();
@@ -105,12 +182,12 @@ fn whole(path: &Path) -> Result<PathBuf> {
 }
 
 /// Makes the folder with the copy of the scene.
-fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
-    let scene = load_scene(scene_path, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
+fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
+    let scene = load(&SceneArgs { path: scene_path.to_owned(), gltf: args.gltf.clone() })?;
     let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
-    let (width, height) = size_of(&scene, args.size);
-    let spp = args.spp.unwrap_or(scene.render.samples);
-    let most = args.noise.map(|_| args.spp.unwrap_or(MOST_SAMPLES as u32));
+    let (width, height) = size_of(&scene, args.size.0);
+    let spp = args.spp.0.unwrap_or(scene.render.samples);
+    let most = args.noise.map(|_| args.spp.0.unwrap_or(MOST_SAMPLES as u32));
     let all = 0..most.unwrap_or(spp);
     let count = args.parts.unwrap_or(1);
     if count > split::runs(&all) {
@@ -169,7 +246,7 @@ fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
 }
 
 /// The options of each part, as words of the command line.
-fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Result<Vec<String>> {
+fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>> {
     let mut words = Vec::new();
     let sky = args.gltf.sky.as_ref().map(|path| whole(path)).transpose()?;
     let sky = sky.map(|path| text_of(&path).map(str::to_string)).transpose()?;
@@ -177,8 +254,8 @@ fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Result<Vec<String
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
     add("--camera", args.gltf.camera.clone());
     add("--sky", sky);
-    add("--size", args.size.map(|_| format!("{width}x{height}")));
-    add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
+    add("--size", args.size.0.map(|_| format!("{width}x{height}")));
+    add("--max-depth", args.paths.max_depth.0.map(|depth| depth.to_string()));
     add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
     add("--device", args.paths.device.clone());
     let is_default = duration(CHECKPOINT) == Ok(args.checkpoint);

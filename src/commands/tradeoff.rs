@@ -3,18 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use clap::Parser;
+use clap::{Args, Parser};
 
-use super::outputs::check_name;
-use super::scene::{load_scene, name_of, stem_of};
+use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::outputs::{check_name, make_folder};
+use super::render::RenderArgs;
+use super::scene::{load, name_of, stem_of};
 use super::signals::Signals;
-use super::{
-    make_folder, open_device, path_text, print_json, print_line, tell, tell_colours, tell_denoised, tell_software,
-};
+use super::target::{open_device, tell_software};
 use crate::aov::Aov;
-use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
+use crate::cli::{OIDN, SceneArgs, duration};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
+use crate::job::Size;
 use crate::metrics::error::relmse;
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
@@ -24,7 +25,7 @@ use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::Width;
 use crate::output::png;
 use crate::output::progress::Loading;
-use crate::scene::{Assets, Scene};
+use crate::scene::Scene;
 use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::pace::swing;
@@ -33,6 +34,38 @@ use crate::tradeoff::replicates::{FEWEST_ROUNDS, Pixels, signed_bias};
 use crate::tradeoff::report::{Findings, Shown};
 use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Stop, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
+
+#[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The time limit, compiling included.
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
+    pub budget: Duration,
+    /// The reference image, from any renderer [default: the mean image of the unbiased settings].
+    #[arg(long, value_name = "R.exr")]
+    pub reference: Option<PathBuf>,
+    /// The settings to sweep, by their options' names [default: all].
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
+    pub knobs: Vec<String>,
+    #[arg(long, value_name = "FOLDER", help = OIDN)]
+    pub oidn: Option<PathBuf>,
+    /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json; created if missing [default: SCENE-tradeoff].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    /// Print results and errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// The shares of the budget after which compiling and measuring end, and after which the calibration at the whole size
 /// ends. The rest is for pictures and the report.
@@ -56,7 +89,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let stop = || signals.came();
     args.reference.iter().try_for_each(|path| check_name(path, "an EXR"))?;
     args.output.iter().try_for_each(|path| check_name(path, "a folder"))?;
-    let mut scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
+    let mut scene = load(&args.scene)?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {
@@ -152,7 +185,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         found.map(|(distance, _)| distance.signed).or_else(|| against(&sweep, truth))
     };
     let report = Findings {
-        scene: name_of(&args.scene),
+        scene: name_of(&args.scene.path),
         device: device.name.name.clone(),
         driver: device.name.driver.clone(),
         size,
@@ -271,21 +304,24 @@ fn denoiser_of(args: &TradeoffArgs, knobs: &[&Knob]) -> Result<Option<Denoiser>>
 /// The folder for the report. Creates it unless it exists.
 fn folder_of(args: &TradeoffArgs) -> Result<PathBuf> {
     let folder = args.output.clone().unwrap_or_else(|| {
-        let stem = stem_of(&args.scene).to_string_lossy();
+        let stem = stem_of(&args.scene.path).to_string_lossy();
         PathBuf::from(format!("{stem}-tradeoff"))
     });
     make_folder(&folder, "nothing has been measured")?;
     Ok(folder)
 }
 
+/// The command line of a render.
+#[derive(Parser)]
+struct RenderLine {
+    #[command(flatten)]
+    args: RenderArgs,
+}
+
 /// Parses options with `render`'s own parser.
 fn options(more: &[String]) -> Result<RenderArgs> {
-    let words = ["gpu-rt", "render", "scene.ron"].into_iter().map(str::to_string).chain(more.iter().cloned());
-    match Cli::try_parse_from(words) {
-        Ok(Cli { command: Command::Render(args) }) => Ok(args),
-        Ok(_) => Err(Error::Usage("expected the options of a render".to_string())),
-        Err(error) => Err(Error::Usage(error.to_string())),
-    }
+    let words = ["render", "scene.ron"].into_iter().map(str::to_string).chain(more.iter().cloned());
+    RenderLine::try_parse_from(words).map(|line| line.args).map_err(|error| Error::Usage(error.to_string()))
 }
 
 /// The defaults, and each value of each knob that is not the default.
@@ -295,15 +331,16 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
         // A flag has no value.
         let given: Vec<String> = given.into_iter().filter(|word| !word.is_empty()).collect();
         let mut args = options(&given)?;
-        if args.denoise {
+        let denoise = args.denoise();
+        if denoise {
             args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
         }
-        let scale = match args.size {
+        let scale = match args.size.0 {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };
-        let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
-        Ok(Setting { knob, value: value.to_string(), options: args.options, max_depth, scale, denoise: args.denoise })
+        let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
+        Ok(Setting { knob, value: value.to_string(), options: args.options, max_depth, scale, denoise })
     };
     let mut settings = vec![setting(None, "")?];
     for knob in knobs {

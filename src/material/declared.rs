@@ -30,7 +30,8 @@ declare! {
             /// The radiance that it emits beside what it reflects, on both sides.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             emission: Option<Texture> = RADIANCE, "none: it emits nothing";
-            /// The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads and meshes.
+            /// The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads, disks and
+            /// meshes.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = SHARE, "1";
             /// With it, the surface stops all light where its alpha is at least this, and none elsewhere.

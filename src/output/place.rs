@@ -67,6 +67,11 @@ impl Place {
     }
 }
 
+/// Whether a later file can replace what is there. A pipe gets one file, at the end.
+pub fn can_be_replaced(path: &Path) -> bool {
+    !matches!(Place::of(path), Ok(Place::Stream))
+}
+
 /// The folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {

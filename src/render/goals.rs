@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::Renderer;
 use super::outcome::{Noise, level_after};
-use super::stretch::{Pilot, Stretch};
+use super::sample_range::{Caller, PaceProbe};
 use crate::data::RUN_LENGTH;
 use crate::error::Result;
 use crate::film::{Film, Totals};
@@ -41,47 +41,42 @@ fn seconds_until(deadline: Instant) -> f64 {
 
 impl Renderer<'_> {
     /// Renders as many samples as fit until the deadline: one at least, where the film is empty.
-    pub(super) fn render_until(
-        &mut self,
-        most: Range<u32>,
-        deadline: Instant,
-        stretch: &mut Stretch<'_>,
-    ) -> Result<()> {
-        if let Some(mut pace) = self.render_pilot(&most, deadline, stretch)? {
-            self.fill(most, deadline, &mut pace, stretch)?;
+    pub(super) fn render_until(&mut self, most: Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<()> {
+        if let Some(mut pace) = self.probe_pace(&most, deadline, caller)? {
+            self.fill(most, deadline, &mut pace, caller)?;
         }
         Ok(())
     }
 
     /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing where no other sample fits. Then the one stays,
     /// but in a film that goes on with an earlier render: it would cut a run in two.
-    fn render_pilot(&mut self, most: &Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<Option<f64>> {
+    fn probe_pace(&mut self, most: &Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
-        let goes_on = stretch.film.totals().paths > 0;
-        stretch.pilot = Some(Pilot { discards: goes_on });
-        self.render_samples(most.start..most.start + 1, stretch)?;
-        stretch.pilot = None;
+        let goes_on = caller.film.totals().paths > 0;
+        caller.probe = Some(PaceProbe { is_dropped: goes_on });
+        self.render_samples(most.start..most.start + 1, caller)?;
+        caller.probe = None;
         let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
-        let last = pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted;
+        let last = pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || caller.outcome.interrupted;
         if last && !goes_on {
             return Ok(None);
         }
         // Its runs of one sample would be parts of longer runs.
         self.drop_film();
         if !goes_on {
-            stretch.film.clear();
+            caller.film.clear();
         }
-        stretch.outcome.totals = Totals::default();
-        stretch.outcome.samples = Samples::default();
+        caller.outcome.totals = Totals::default();
+        caller.outcome.samples = Samples::default();
         Ok((!last).then_some(pace))
     }
 
     /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
     ///
-    /// Their number is fixed before the last stretch begins, from the pace of the one before it: to stop when a pass happens
-    /// to end would favour short paths. The last stretch is short, so that an error of the pace does little, and ends within a
+    /// Their number is fixed before the last range begins, from the pace of the one before it: to stop when a pass happens
+    /// to end would favour short paths. The last range is short, so that an error of the pace does little, and ends within a
     /// run: whole runs may be longer than what an error of the pace does.
-    fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, stretch: &mut Stretch<'_>) -> Result<u32> {
+    fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, caller: &mut Caller<'_>) -> Result<u32> {
         /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
         const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
         let begin = Instant::now();
@@ -104,16 +99,16 @@ impl Renderer<'_> {
             if end <= done {
                 continue;
             }
-            self.render_samples(done..end, stretch)?;
+            self.render_samples(done..end, caller)?;
             *pace = f64::from(end - done) / (begin.elapsed().as_secs_f64() - spent).max(1e-6);
             done = end;
-            if stretch.outcome.interrupted || done == most.end {
+            if caller.outcome.interrupted || done == most.end {
                 break;
             }
         }
-        if done == most.start && stretch.outcome.totals.paths == 0 && stretch.film.totals().paths == 0 {
-            // The pilot was wrong about a second sample, and is gone.
-            self.render_samples(done..done + 1, stretch)?;
+        if done == most.start && caller.outcome.totals.paths == 0 && caller.film.totals().paths == 0 {
+            // The probe was wrong about a second sample, and is gone.
+            self.render_samples(done..done + 1, caller)?;
             done += 1;
         }
         Ok(done)
@@ -132,14 +127,14 @@ impl Renderer<'_> {
         error: f64,
         deadline: Option<Instant>,
         (begun, looks): (u32, u32),
-        stretch: &mut Stretch<'_>,
+        caller: &mut Caller<'_>,
     ) -> Result<()> {
         let mut done = most.start;
         let mut noise = Noise { looks, reached: false };
-        stretch.outcome.noise = Some(noise);
+        caller.outcome.noise = Some(noise);
         let mut timed = None;
         if let Some(deadline) = deadline {
-            match self.render_pilot(&most, deadline, stretch)? {
+            match self.probe_pace(&most, deadline, caller)? {
                 Some(pace) => timed = Some((deadline, pace)),
                 None => return Ok(()),
             }
@@ -150,19 +145,19 @@ impl Renderer<'_> {
         loop {
             let end = most.end.min(aim(look));
             done = match &mut timed {
-                Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
+                Some((deadline, pace)) => self.fill(done..end, *deadline, pace, caller)?,
                 None => {
-                    self.render_samples(done..end, stretch)?;
+                    self.render_samples(done..end, caller)?;
                     end
                 }
             };
-            if stretch.outcome.interrupted {
+            if caller.outcome.interrupted {
                 return Ok(());
             }
-            self.bring_film(stretch.film)?;
+            self.bring_film(caller.film)?;
             let ends;
-            (noise, ends) = look_at(stretch.film, done - begun, noise.looks, error);
-            stretch.outcome.noise = Some(noise);
+            (noise, ends) = look_at(caller.film, done - begun, noise.looks, error);
+            caller.outcome.noise = Some(noise);
             if ends || done < end || done == most.end {
                 return Ok(());
             }

@@ -7,7 +7,7 @@ use crate::samples::Samples;
 /// What a render came to, beside its film.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The samples that every pixel has, and none beyond. While a render goes on, those at the last look at a whole film.
+    /// The samples that every pixel has, and none beyond. While a render goes on, those of the last snapshot of a whole film.
     pub samples: Samples,
     pub interrupted: bool,
     /// What this render has added to the film, including what only the device's film has so far.
@@ -20,16 +20,23 @@ pub struct Outcome {
     pub first_pass: f64,
     /// Processor seconds of the thread that renders, from the first pass to the last. A driver's own threads are not in it.
     pub host_seconds: f64,
-    /// Seconds on the device by stage, where they were asked for and the device can tell.
+    /// The times on the device, where they were asked for and the device can tell.
+    pub profile: Profile,
+}
+
+/// Times on the device.
+#[derive(Clone, Debug, Default)]
+pub struct Profile {
+    /// Seconds by stage.
     pub stages: Vec<(String, f64)>,
-    /// The share of the time in which the device ran no kernel, where it was asked for and the device can tell; 0 to 1.
-    pub device_idle: Option<f64>,
+    /// The share of the time in which the device ran no kernel, 0 to 1.
+    pub idle: Option<f64>,
 }
 
 impl Outcome {
     /// Adds what a later render of the same film came to.
     pub fn join(&mut self, later: Outcome) {
-        let idle = [&*self, &later].map(|outcome| outcome.device_idle.map(|idle| idle * outcome.seconds));
+        let idle = [&*self, &later].map(|outcome| outcome.profile.idle.map(|idle| idle * outcome.seconds));
         self.samples = later.samples;
         self.interrupted |= later.interrupted;
         self.totals += later.totals;
@@ -39,16 +46,16 @@ impl Outcome {
         }
         self.seconds += later.seconds;
         self.host_seconds += later.host_seconds;
-        later.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
+        later.profile.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
         let known: Vec<f64> = idle.into_iter().flatten().collect();
-        self.device_idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
+        self.profile.idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
     }
 
     /// Adds seconds of a stage.
     pub(super) fn add_stage(&mut self, name: &str, seconds: f64) {
-        match self.stages.iter_mut().find(|(known, _)| known == name) {
+        match self.profile.stages.iter_mut().find(|(known, _)| known == name) {
             Some((_, sum)) => *sum += seconds,
-            None => self.stages.push((name.to_owned(), seconds)),
+            None => self.profile.stages.push((name.to_owned(), seconds)),
         }
     }
 }

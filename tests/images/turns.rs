@@ -122,7 +122,7 @@ fn looks_do_not_show() {
                 looks += 1;
                 paths = paths.max(seen);
             }
-            Next::Look
+            Next::Snapshot
         });
         assert!(looked.0 == whole, "{tile:?}");
         assert!(looks > 10 && paths > 0, "{looks} looks, {paths} paths");
@@ -168,13 +168,13 @@ fn a_whole_film_has_whole_samples() {
             (0..=40).map(|end| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0).collect();
         let (mut calls, mut seen) = (0, Vec::new());
         let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.whole) {
+            if let Some(look) = look.filter(|look| look.is_whole) {
                 assert!(*look.film == each[outcome.samples.hull().end as usize], "{:?}", outcome.samples);
                 seen.push(outcome.samples.hull().end);
             }
             // A look at what is under way in between must not matter.
             calls += 1;
-            if calls % 3 == 0 { Next::Look } else { Next::Whole }
+            if calls % 3 == 0 { Next::Snapshot } else { Next::WholeSnapshot }
         });
         assert!(looked.0 == each[40] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
     }
@@ -196,7 +196,7 @@ fn goals_go_on_with_a_film() {
             let mut film = render(&options, SIZE, 0..24, None, &mut |_, _| Next::GoOn).0;
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
             let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
-            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::Whole);
+            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::WholeSnapshot);
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");

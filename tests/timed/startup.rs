@@ -17,7 +17,7 @@ use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Look, Next, Outcome, Renderer};
+use gpu_rt::render::{Next, Outcome, Renderer, Snapshot};
 use gpu_rt::scene::Scene;
 
 const SIZE: (u32, u32) = (16, 9);
@@ -36,7 +36,7 @@ fn start(device: &Device, scene: &Scene, scatter: Scatter, to_be_rendered: bool)
     let mut film = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, Sampler::Sobol).expect("the film fits");
     let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("the device renders");
     assert_eq!(film.totals().paths, u64::from(SIZE.0 * SIZE.1));
-    outcome.stages.into_iter().map(|(name, _)| name).collect()
+    outcome.profile.stages.into_iter().map(|(name, _)| name).collect()
 }
 
 /// The kernels that were compiled in vain: for nothing, or once more.
@@ -78,7 +78,7 @@ fn submission(device: &Device, bounces: Option<u32>) -> f64 {
     let mut renderer = Renderer::new(device, &plan, &job, false).expect("the kernels compile");
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
     let mut ends = vec![Instant::now()];
-    let mut watch = |_: &Outcome, _: Option<Look<'_>>| {
+    let mut watch = |_: &Outcome, _: Option<Snapshot<'_>>| {
         ends.push(Instant::now());
         if ends.len() < 24 { Next::GoOn } else { Next::Stop }
     };

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Output, can_be_replaced};
+use super::args::RenderArgs;
 use crate::aov::Aov;
-use crate::cli::RenderArgs;
 use crate::commands::denoise::{Denoised, Target, denoise};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
+use crate::output::place::can_be_replaced;
 
 /// The channels that a denoiser wants.
 pub const WANTED: [Aov; 2] = [Aov::Albedo, Aov::Normal];
@@ -19,15 +19,15 @@ pub struct Denoising {
 }
 
 impl Denoising {
-    /// Loads the library before anything costs time; nothing where nobody asks for it.
-    pub fn of(args: &RenderArgs, output: &Output<'_>) -> Result<Option<Denoising>> {
-        if !args.denoise {
+    /// Loads the library before anything costs time; `None` without `--denoise`.
+    pub fn open(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
+        if !args.denoise() {
             return Ok(None);
         }
         let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
         let denoiser = Denoiser::open(args.oidn.as_deref()).map_err(undone)?;
-        let (exr, png) = (beside(&output.image), output.png.and_then(picture_beside));
-        Ok(Some(Denoising { denoiser, target: Target { exr, png, view: output.view } }))
+        let (exr, png) = (beside(image), args.png.as_deref().and_then(picture_beside));
+        Ok(Some(Denoising { denoiser, target: Target { exr, png, view: args.view.transform() } }))
     }
 
     /// Denoises the image of the render, which its file holds.
@@ -48,7 +48,7 @@ pub fn beside(image: &Path) -> PathBuf {
     image.with_extension(format!("denoised.{ending}"))
 }
 
-/// The same of the picture. A pipe gets one picture, that of the render.
+/// The name of the denoised picture. A pipe gets one picture, that of the render.
 pub fn picture_beside(png: &Path) -> Option<PathBuf> {
     can_be_replaced(png).then(|| beside(png))
 }

@@ -1,30 +1,24 @@
-//! A session: what stays between renders, and the renders of `--watch`.
+//! A session: what stays between the renders of `--watch`.
 
-use std::sync::LazyLock;
-use std::time::Instant;
-
+use super::args::RenderArgs;
 use super::changes::Changes;
-use super::resume::more_there;
-use super::{can_be_replaced, frame_of, image_of, job_of, render};
-use crate::cli::{RenderArgs, Size};
-use crate::commands::scene::{load_scene, name_of};
+use super::rendering::Clock;
+use crate::commands::scene::{load_with, size_of};
 use crate::commands::signals::Signals;
-use crate::commands::{size_of, tell};
-use crate::error::{Error, Result};
-use crate::flatten::Hierarchies;
+use crate::commands::target::{open_devices, tell_software};
+use crate::error::Result;
+use crate::flatten::{DeviceScene, Hierarchies, flatten, flatten_again};
 use crate::gpu::device::Device;
-use crate::identity::Identity;
-use crate::job::{Crop, Frame};
-use crate::output::place::is_standard;
 use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
+use crate::threads::beside;
 
 /// What stays between renders. The devices keep the kernels that they have compiled.
 #[derive(Default)]
 pub struct Session {
     /// Empty before the first render.
     pub devices: Vec<Device>,
-    /// Nothing before somebody listens.
+    /// `None` before somebody listens.
     pub signals: Option<Signals>,
     /// Under `--watch`: the files that end a render when they change.
     pub changes: Option<Changes>,
@@ -34,69 +28,7 @@ pub struct Session {
     pub told: bool,
     /// Under `--watch`: the hierarchies of the scene's meshes.
     pub hierarchies: Option<Hierarchies>,
-    assets: Assets,
-}
-
-/// The pictures that come before an image: shares of its width and height, and the samples of each pixel. The first one takes a sixteenth of
-/// the time of one sample of the whole, and the second one about all of it.
-const PREVIEWS: [(f64, u32); 2] = [(0.25, 1), (0.5, 4)];
-
-/// Renders the scene, and again whenever it is saved, until a signal comes.
-pub fn watch(args: &RenderArgs, start: Instant) -> Result<()> {
-    refuse(args)?;
-    let signals = Signals::listen("nothing has been written");
-    let mut session = Session {
-        signals: Some(signals.clone()),
-        changes: Some(Changes::new()),
-        hierarchies: Some(Hierarchies::default()),
-        ..Session::default()
-    };
-    let (mut start, mut began) = (start, false);
-    loop {
-        match session.pass(args, start) {
-            Err(Error::Dropped) => began = true,
-            Err(error) if session.ends(args, &error, began) => return Err(error),
-            passed => {
-                began |= passed.is_ok();
-                if let Err(error) = passed {
-                    error.messages().iter().for_each(|message| tell(&format!("error: {message}")));
-                }
-                if !args.quiet {
-                    tell("waiting for the next save; Ctrl-C ends");
-                }
-            }
-        }
-        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.came()));
-        let Some((files, noted)) = changed else {
-            let image = image_of(args);
-            return Err(signals.interrupted(&match began {
-                true => format!("{} holds the last picture", image.display()),
-                false => "nothing has been written".to_owned(),
-            }));
-        };
-        if !args.quiet {
-            let names: Vec<String> = files.into_iter().map(name_of).collect();
-            tell(&format!("{} changed", names.join(", ")));
-        }
-        start = noted;
-    }
-}
-
-/// Refuses what cannot be watched.
-fn refuse(args: &RenderArgs) -> Result<()> {
-    if is_standard(&args.scene) {
-        return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
-    }
-    let image = image_of(args);
-    for (option, path) in [("-o", Some(&image)), ("--png", args.png.as_ref())] {
-        if let Some(path) = path.filter(|path| !can_be_replaced(path)) {
-            let path = path.display();
-            return Err(Error::Usage(format!(
-                "{option} {path}: --watch replaces it again and again: give the name of a file"
-            )));
-        }
-    }
-    Ok(())
+    pub assets: Assets,
 }
 
 impl Session {
@@ -104,97 +36,43 @@ impl Session {
     pub fn load(&mut self, args: &RenderArgs) -> Result<Scene> {
         let mut loading = Loading::new(args.quiet);
         let progress = &mut |file: &_, done, whole| loading.update(file, done, whole);
-        load_scene(&args.scene, &args.gltf, progress, &mut self.assets)
+        load_with(&args.scene, progress, &mut self.assets)
     }
 
-    /// Loads the scene and renders it: previews first, but not over samples of this very image.
-    fn pass(&mut self, args: &RenderArgs, start: Instant) -> Result<()> {
-        let (is_first, mut compiled, mut read) = (self.devices.is_empty(), self.compiled(), self.assets.read);
-        let scene = self.load(args);
-        if let Some(changes) = &mut self.changes {
-            changes.follow(&self.assets.files);
+    /// Flattens the scene. If no device is open, the driver loads meanwhile. A scene that does not load waits for no driver.
+    pub fn flatten(
+        &mut self,
+        args: &RenderArgs,
+        scene: &Scene,
+        clock: &mut Clock,
+    ) -> (Result<Vec<Device>>, Result<DeviceScene>) {
+        let size = size_of(scene, args.size.0);
+        let opening = || match self.devices.is_empty() {
+            true => open_devices(args.paths.device.as_deref()),
+            false => Ok(Vec::new()),
+        };
+        beside(opening, || {
+            let flat = match &mut self.hierarchies {
+                Some(hierarchies) => flatten_again(scene, size, &args.options, hierarchies),
+                None => flatten(scene, size, &args.options),
+            };
+            clock.seconds.build = clock.lap();
+            flat
+        })
+    }
+
+    /// Adds devices, and tells which of them are software, once in a session.
+    pub fn add_devices(&mut self, opened: Vec<Device>, quiet: bool) {
+        self.devices.extend(opened);
+        for (number, device) in self.devices.iter().enumerate() {
+            let is_told = self.devices.iter().take(number).any(|other| other.name == device.name);
+            tell_software(device, quiet || is_told || self.told);
         }
-        let scene = scene?;
-        let frame = frame_of(args, size_of(&scene, args.size))?;
-        let job = job_of(args, &scene, frame.part.size(), start);
-        let identity = LazyLock::new(|| Identity::of(&scene, &frame, &job, &args.options));
-        let is_held = !args.force && more_there(&image_of(args), &identity, 0).is_some();
-        let most = args.spp.unwrap_or(scene.render.samples);
-        let mut begun = start;
-        for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
-            let (width, height) = Size::Share(share).of(frame.whole);
-            render(&of_preview(args, &frame, (width, height), samples.min(most)), &scene, self, begun)?;
-            begun = Instant::now();
-            let new = self.compiled() - std::mem::replace(&mut compiled, self.compiled());
-            if new > 0 && !is_first && !args.quiet {
-                let kernels = if new == 1 { "1 kernel".to_owned() } else { format!("{new} kernels") };
-                tell(&format!("{kernels} compiled for the change: {:.2} s", self.compile));
-            }
-            if args.verbose {
-                let (seconds, all) = (start.elapsed().as_secs_f64(), self.assets.count());
-                let files = self.assets.read - std::mem::replace(&mut read, self.assets.read);
-                tell(&format!(
-                    "preview of {width} x {height} pixels after {seconds:.2} s: {new} kernels compiled, {files} of {all} images and \
-                     meshes read"
-                ));
-            }
-        }
-        render(args, &scene, self, begun)
+        self.told |= !quiet;
     }
 
     /// How many kernels have been compiled.
-    fn compiled(&self) -> usize {
+    pub fn compiled(&self) -> usize {
         self.devices.iter().map(|device| device.kernels.compiled_names().len()).sum()
-    }
-
-    /// Whether no save can mend an error. Before anything was rendered, the arguments are to blame, and not the scene.
-    fn ends(&self, args: &RenderArgs, error: &Error, began: bool) -> bool {
-        match error {
-            Error::Interrupted { .. } => true,
-            Error::Scene { .. } | Error::Several { .. } => !began && !args.scene.is_file(),
-            _ => !began || self.devices.iter().any(|device| device.check().is_err()),
-        }
-    }
-}
-
-/// What is asked of a preview.
-fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
-    RenderArgs {
-        size: Some(Size::Pixels(size.0, size.1)),
-        crop: frame.crop().map(|crop| scaled(&crop, frame.whole, size)),
-        spp: Some(samples),
-        time: None,
-        noise: None,
-        no_state: true,
-        strict: false,
-        quiet: true,
-        ..args.clone()
-    }
-}
-
-/// The same part of an image in another size, in whole pixels around it.
-fn scaled(crop: &Crop, (width, height): (u32, u32), (to_width, to_height): (u32, u32)) -> Crop {
-    let along = |first: u32, count: u32, all: u32, to: u32| {
-        let at = |place: u64| place * u64::from(to);
-        let begin = at(u64::from(first)) / u64::from(all);
-        let end = at(u64::from(first) + u64::from(count)).div_ceil(u64::from(all));
-        (begin as u32, (end - begin) as u32)
-    };
-    let (left, part_width) = along(crop.left, crop.width, width, to_width);
-    let (top, part_height) = along(crop.top, crop.height, height, to_height);
-    Crop { left, top, width: part_width, height: part_height }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A part keeps its place in a preview, is never empty, and never leaves the image.
-    #[test]
-    fn a_part_is_scaled_to_the_pixels_around_it() {
-        let scaled = |crop: &str| scaled(&crop.parse().unwrap(), (1200, 675), (300, 169)).to_string();
-        assert_eq!(scaled("400,200,320,180"), "100,50,80,46");
-        assert_eq!(scaled("1199,674,1,1"), "299,168,1,1");
-        assert_eq!(scaled("0,0,1200,675"), "0,0,300,169");
     }
 }

@@ -1,32 +1,18 @@
 //! What a render says at its end.
 
-use std::time::Duration;
-
-use super::Output;
-use super::record::{About, Finish};
-use crate::commands::tell;
+use super::record::{Finish, Held, overrun};
+use super::request::Request;
+use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
 use crate::film::{Totals, Verdict};
 use crate::render::{Noise, Outcome};
 
-/// Seconds beyond the time that was asked for, if the render took longer.
-pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
-    time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
-}
-
 /// The share of `--time` that a render may leave unused without a word.
 const LEAST_OF_TIME: f64 = 0.9;
 
-/// The last line, and before it what the user should know.
-pub fn summarise(
-    about: &About<'_>,
-    output: &Output<'_>,
-    outcome: &Outcome,
-    finish: &Finish,
-    stays: Option<u64>,
-    total: f64,
-) {
-    let About { args, job, .. } = about;
+/// The last line, and before it what the user should know. `total` is the seconds of the whole render.
+pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held: &Held, total: f64) {
+    let Request { args, job, .. } = request;
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
@@ -47,7 +33,7 @@ pub fn summarise(
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
     let ended_by_time = args.time.filter(|_| {
-        let all = args.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+        let all = args.spp.0.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
         !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
     });
     if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {
@@ -57,11 +43,15 @@ pub fn summarise(
         ));
     }
     if args.profile {
-        match outcome.stages.is_empty() {
+        match outcome.profile.stages.is_empty() {
             true => tell("stages: this device has no timestamps"),
-            false => outcome.stages.iter().for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
+            false => outcome
+                .profile
+                .stages
+                .iter()
+                .for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
         }
-        if let Some(idle) = outcome.device_idle {
+        if let Some(idle) = outcome.profile.idle {
             tell(&format!("the device was idle for {} % of the time", percent(idle)));
         }
     }
@@ -70,22 +60,22 @@ pub fn summarise(
         tell(&noise_words(wish, &noise, &finish.verdict));
     }
     if args.verbose && finish.verdict.error.is_some() {
-        tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
+        tell(&format!("the relative error covers noise; it excludes {}", request.excluded()));
     }
-    if output.exr().is_none() {
+    if request.exr().is_none() {
         tell("a PNG is the picture alone: no EXR is written");
     }
     let samples = finish.samples.count();
-    if let Some(more) = stays {
+    if let Some(more) = held.at_end {
         tell(&format!(
             "warning: {} stays as it was: it holds {more} samples per pixel of this render, more than the {samples} here. --force \
              overwrites it",
-            output.image.display()
+            request.image.display()
         ));
     }
-    let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
+    let resumed = held.before.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
     let error = error_words(finish);
-    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.image.display()));
+    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", request.image.display()));
 }
 
 /// The error with its bound.

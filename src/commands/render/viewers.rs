@@ -1,6 +1,6 @@
 //! Who sees the image while it renders: a viewer on a port, or the terminal.
 
-use crate::cli::RenderArgs;
+use super::args::RenderArgs;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::display::Display;
@@ -11,10 +11,8 @@ use crate::output::progress::{Progress, is_terminal};
 #[derive(Default)]
 pub struct Viewers {
     preview: Option<Preview>,
-    display: Option<Display>,
-    /// Where the viewer listens.
-    address: String,
-    pixels: usize,
+    /// With the address where it listens.
+    display: Option<(Display, String)>,
 }
 
 impl Viewers {
@@ -31,10 +29,8 @@ impl Viewers {
 
     /// Those whom the options ask for. `name` is that of the image.
     pub fn open(args: &RenderArgs, name: String, size: (u32, u32)) -> Viewers {
-        let address = args.display_server.clone().unwrap_or_default();
-        let display = args.display_server.clone().map(|address| Display::open(address, name, size));
-        let preview = args.preview.then(|| Preview::new(size, args.view.transform()));
-        Viewers { preview, display, address, pixels: size.0 as usize * size.1 as usize }
+        let display = args.display_server.clone().map(|address| (Display::open(address.clone(), name, size), address));
+        Viewers { preview: args.preview.then(|| Preview::new(size, args.view.transform())), display }
     }
 
     /// Whether there is anybody.
@@ -44,8 +40,9 @@ impl Viewers {
 
     /// Shows the image so far.
     pub fn show(&mut self, film: &Film, progress: &Progress) {
-        if let Some(display) = self.display.as_ref().filter(|display| display.is_open()) {
-            display.show((0..self.pixels).flat_map(|index| film.developed(index).rgb).collect());
+        let pixels = film.width() as usize * film.height() as usize;
+        if let Some((display, _)) = self.display.as_ref().filter(|(display, _)| display.is_open()) {
+            display.show((0..pixels).flat_map(|index| film.developed(index).rgb).collect());
         }
         if let Some(preview) = &mut self.preview {
             preview.show(&|index| film.developed(index).rgb, progress);
@@ -56,7 +53,7 @@ impl Viewers {
     /// Shows the image at the end.
     pub fn end(&mut self, film: &Film, progress: &Progress) {
         self.show(film, progress);
-        if let Some(display) = &self.display {
+        if let Some((display, _)) = &self.display {
             display.close();
         }
         self.tell_failure(progress);
@@ -64,8 +61,8 @@ impl Viewers {
 
     /// A viewer that fails is told of once, and is no reason to stop.
     fn tell_failure(&self, progress: &Progress) {
-        if let Some(reason) = self.display.as_ref().and_then(Display::failure) {
-            let address = &self.address;
+        let failure = self.display.as_ref().and_then(|(display, address)| Some((display.failure()?, address)));
+        if let Some((reason, address)) = failure {
             progress.message(&format!("warning: --display-server {address}: {reason}. It gets no more images"));
         }
     }

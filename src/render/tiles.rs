@@ -1,24 +1,16 @@
-//! The order in which the device renders the pixels of a film.
+//! The tiles of a film, how many blocks of samples they get at a time, and the order of their pixels.
 
 use std::ops::Range;
 use std::time::Duration;
 
 use crate::data::STRIP_ROWS;
 
-/// The runs of a turn are counted in 32 bits, with room for each slot to ask once too often.
+/// The runs of a tile are counted in 32 bits, with room for each slot to ask once too often.
 const MOST_RUNS: u32 = 1 << 31;
-/// Blocks of samples that a tile renders in a turn at most: enough to make the transfer of its totals cheap.
+/// Blocks of samples that a tile gets at a time at most: enough to make the transfer of its totals cheap.
 const MOST_BLOCKS: u32 = 64;
 /// The time that a round over several tiles should take at most. A film is whole between rounds, and only then can a render be stopped.
 const ROUND: Duration = Duration::from_secs(10);
-
-/// Some blocks of samples for a tile of the film.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Turn {
-    /// The tile: pixels by their places in the order in which they are handed out.
-    pub pixels: Range<u32>,
-    pub blocks: Range<u32>,
-}
 
 /// The tiles of an image of so many pixels, of which each has `tile` at most.
 pub fn tiles(pixels: u32, tile: u32) -> impl Iterator<Item = Range<u32>> {
@@ -29,17 +21,17 @@ pub fn tiles(pixels: u32, tile: u32) -> impl Iterator<Item = Range<u32>> {
 /// How many blocks of samples the tiles of a film render in a round. A film of one tile takes all blocks in one. Otherwise the first round has
 /// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough. Several devices begin
 /// in the same way, because their paces are not known.
-pub struct Rounds {
+pub struct Schedule {
     next: u32,
     most: u32,
 }
 
-impl Rounds {
-    pub fn new(pixels: u32, tile: u32, several_devices: bool) -> Rounds {
+impl Schedule {
+    pub fn new(pixels: u32, tile: u32, several_devices: bool) -> Schedule {
         let most = (MOST_RUNS / tile.clamp(1, pixels.max(1))).max(1);
         match tile >= pixels {
-            true => Rounds { next: if several_devices { 1 } else { most }, most },
-            false => Rounds { next: 1, most: most.min(MOST_BLOCKS) },
+            true => Schedule { next: if several_devices { 1 } else { most }, most },
+            false => Schedule { next: 1, most: most.min(MOST_BLOCKS) },
         }
     }
 
@@ -49,7 +41,7 @@ impl Rounds {
     }
 
     /// Learns how long a round took.
-    pub fn took(&mut self, time: Duration) {
+    pub fn adapt(&mut self, time: Duration) {
         self.next = match () {
             () if time > ROUND => (self.next / 2).max(1),
             () if time < ROUND / 2 => self.next.saturating_mul(2).min(self.most),
@@ -85,12 +77,12 @@ mod tests {
                 tile.for_each(|place| seen[pixel_in_order(place, size)] += 1);
             }
             assert!(seen.iter().all(|count| *count == 1), "{size:?}, {tile}");
-            let (mut rounds, mut left) = (Rounds::new(pixels, tile, false), blocks);
+            let (mut schedule, mut left) = (Schedule::new(pixels, tile, false), blocks);
             while !left.is_empty() {
-                let round = rounds.next(&left);
+                let round = schedule.next(&left);
                 assert!(!round.is_empty() && (tile >= pixels || round.len() as u32 <= MOST_BLOCKS));
                 left.start = round.end;
-                rounds.took(Duration::ZERO);
+                schedule.adapt(Duration::ZERO);
             }
         }
     }
@@ -98,15 +90,15 @@ mod tests {
     /// Rounds grow while they are short, and shrink where they are long. Their runs are numbered by 32 bits.
     #[test]
     fn rounds_are_short() {
-        let mut rounds = Rounds::new(100, 10, false);
+        let mut schedule = Schedule::new(100, 10, false);
         let mut lengths = Vec::new();
         for seconds in [0, 1, 2, 4, 6, 11, 11, 11, 11, 11, 1, 1, 1, 1, 1, 1, 1] {
-            lengths.push(rounds.next(&(0..1000)).len());
-            rounds.took(Duration::from_secs(seconds));
+            lengths.push(schedule.next(&(0..1000)).len());
+            schedule.adapt(Duration::from_secs(seconds));
         }
         assert_eq!(lengths, [1, 2, 4, 8, 16, 16, 8, 4, 2, 1, 1, 2, 4, 8, 16, 32, 64]);
         for (pixels, tile) in [(u32::MAX, 1 << 22), (1, 1), (1 << 22, 1 << 22)] {
-            let round = Rounds::new(pixels, tile, false).next(&(0..u32::MAX / 8));
+            let round = Schedule::new(pixels, tile, false).next(&(0..u32::MAX / 8));
             assert!(round.len() as u64 * u64::from(tile) <= u64::from(MOST_RUNS));
         }
     }

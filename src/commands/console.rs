@@ -1,0 +1,79 @@
+//! What commands print: reports on standard output, and everything else on standard error.
+
+use std::path::Path;
+
+use serde_json::{Map, Value};
+
+use crate::error::{Error, Result};
+use crate::jobs::scripts::line;
+use crate::output::exr::ExrImage;
+use crate::printable::printable;
+use crate::terminal::{columns_of_stderr, columns_of_stdout, shown};
+
+/// The command line as it was typed, as the shell reads it. The folder of the program is left out.
+pub fn command_line() -> String {
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    line(&std::iter::once("gpu-rt".to_string()).chain(words).collect::<Vec<_>>())
+}
+
+/// Warns of an image that is denoised, where errors are measured: those of its pixels are not independent.
+pub fn tell_denoised(path: &Path, image: &ExrImage) {
+    if let Some(denoiser) = image.denoiser() {
+        let name = path.display();
+        tell(&format!(
+            "warning: {name} is denoised ({denoiser}): it is biased, and its pixels share errors, so that intervals are too narrow"
+        ));
+    }
+}
+
+/// Tells where the colours of an image were converted.
+pub fn tell_colours(path: &Path, colours: Option<&str>) {
+    if let Some(words) = colours {
+        tell(&format!("{}: {words}", path.display()));
+    }
+}
+
+/// A path as text for JSON.
+pub fn path_text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Prints one JSON object on stdout. No line of it is broken.
+pub fn print_json(object: &Value) -> Result<()> {
+    write_stdout(&format!("{}\n", printable(&format!("{object:#}"))))
+}
+
+pub fn print_line(text: &str) -> Result<()> {
+    print_text(&format!("{text}\n"))
+}
+
+/// Prints text on stdout as a terminal shows it, without an additional line end.
+pub fn print_text(text: &str) -> Result<()> {
+    write_stdout(&shown(text, columns_of_stdout()))
+}
+
+/// Writes on stdout. A closed pipe is not an error, because the reader chose to close it.
+pub fn write_stdout(text: &str) -> Result<()> {
+    use std::io::{ErrorKind, Write};
+    let mut stdout = std::io::stdout();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line on stderr as a terminal shows it. A closed stderr is not an error.
+pub fn tell(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{}", shown(text, columns_of_stderr()));
+}
+
+/// The entries of a JSON object.
+pub fn object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(entries) => entries,
+        _ => Map::new(),
+    }
+}

@@ -1,0 +1,295 @@
+//! Those who follow a render while it goes on: the line of progress, viewers, checkpoints, signals and changes of the scene's files.
+
+use std::time::{Duration, Instant};
+
+use super::changes::Changes;
+use super::request::Request;
+use super::viewers::Viewers;
+use crate::commands::signals::Signals;
+use crate::error::Result;
+use crate::film::Film;
+use crate::job::{Goal, Job};
+use crate::output::place::can_be_replaced;
+use crate::output::progress::{Progress, Status, Until};
+use crate::render::{Next, Outcome, Snapshot, level_after, look_after};
+
+/// Under `--watch`: the most between two checkpoints, unless they would take too long.
+const MOST_WATCHED: Duration = Duration::from_secs(2);
+/// The largest share of the time that checkpoints take.
+const MOST_OF_CHECKPOINTS: f64 = 0.03;
+
+/// What bringing the film from the device and measuring its error takes: 0.1 to 0.2 µs a pixel.
+fn snapshot_time((width, height): (u32, u32)) -> Duration {
+    Duration::from_nanos(u64::from(width) * u64::from(height) * 150)
+}
+
+/// The time between two snapshots: they shall cost 0.5 % at most, and no terminal needs more than one a second.
+fn pause_after(snapshot: Duration) -> Duration {
+    (200 * snapshot).max(Duration::from_secs(1))
+}
+
+/// Those who follow a render.
+pub struct Observers<'a> {
+    pub progress: Progress,
+    pub viewers: Viewers,
+    pub signals: &'a Signals,
+    /// The files that end the render at once when they change.
+    changes: Option<&'a Changes>,
+    pub checkpoints: Checkpoints,
+    /// `None` where nobody watches.
+    next_snapshot: Option<Instant>,
+    /// Whether it has been told that a signal ends the render.
+    told: bool,
+    pace: Pace,
+}
+
+/// When checkpoints are due, and what came of the last one.
+pub struct Checkpoints {
+    /// `None` where the file cannot be replaced.
+    next: Option<Instant>,
+    interval: Duration,
+    /// Whether a user chose the interval.
+    is_chosen: bool,
+    /// Why the last one failed, if it did.
+    failed: Option<String>,
+    /// Whether one has been written.
+    pub kept: bool,
+}
+
+/// What the progress of a job is measured by.
+struct Pace {
+    begun: Instant,
+    goal: Goal,
+    pixels: u64,
+    /// Samples of a pixel that the film had before.
+    earlier: u64,
+    /// The error in the last snapshot.
+    error: Option<f64>,
+    until: Option<Until>,
+}
+
+impl<'a> Observers<'a> {
+    /// `earlier` is the number of samples of a pixel that the film has already.
+    pub fn new(
+        request: &Request<'_>,
+        signals: &'a Signals,
+        changes: Option<&'a Changes>,
+        earlier: u64,
+    ) -> Observers<'a> {
+        let Request { args, job, image, .. } = request;
+        let progress = Progress::new(args.quiet, job, earlier);
+        let viewers = Viewers::open(args, image.display().to_string(), job.size);
+        let mut observers = Observers::of(progress, viewers, signals, job);
+        observers.changes = changes;
+        observers.checkpoints.interval = if args.watch { args.checkpoint.min(MOST_WATCHED) } else { args.checkpoint };
+        observers.checkpoints.is_chosen = !args.watch;
+        observers.checkpoints.next = can_be_replaced(image).then(Instant::now);
+        observers.next_snapshot = (!args.quiet || observers.viewers.any()).then(Instant::now);
+        observers
+    }
+
+    /// Observers that take no snapshots and write no checkpoints.
+    fn of(progress: Progress, viewers: Viewers, signals: &'a Signals, job: &Job) -> Observers<'a> {
+        let checkpoints =
+            Checkpoints { next: None, interval: Duration::ZERO, is_chosen: true, failed: None, kept: false };
+        let pace = Pace::new(job, 0);
+        Observers { progress, viewers, signals, changes: None, checkpoints, next_snapshot: None, told: false, pace }
+    }
+
+    /// Gets ready for a job, on a film that has `earlier` samples of a pixel.
+    pub fn begin(&mut self, job: &Job, earlier: u64) {
+        self.pace = Pace::new(job, earlier);
+        let begun = self.pace.begun;
+        self.next_snapshot = self.next_snapshot.map(|_| begun + pause_after(snapshot_time(job.size)));
+        self.checkpoints.next = self.checkpoints.next.map(|_| begun + self.checkpoints.interval);
+    }
+
+    /// Called after each submission. `checkpoint` writes the image, and `picture` the one beside it.
+    pub fn follow(
+        &mut self,
+        outcome: &Outcome,
+        snapshot: Option<Snapshot<'_>>,
+        checkpoint: &dyn Fn(&Film, &Outcome) -> Result<()>,
+        picture: &dyn Fn(&Film) -> Result<()>,
+    ) -> Next {
+        let is_due = |next: Option<Instant>, now| next.is_some_and(|next| now >= next);
+        let now = Instant::now();
+        let (keep, look) = (is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
+        let has_looked = snapshot.is_some();
+        if let Some(Snapshot { film, begin, is_whole }) = snapshot {
+            if keep && is_whole {
+                let kept = checkpoint(film, outcome);
+                self.checkpoints.kept |= kept.is_ok();
+                self.checkpoints.add(kept.and_then(|()| picture(film)), begin.elapsed(), &self.progress);
+            } else if self.next_snapshot.is_some() {
+                self.pace.measure_error(film, outcome);
+                self.viewers.show(film, &self.progress);
+                self.next_snapshot = Some(Instant::now() + pause_after(begin.elapsed()));
+            }
+        }
+        self.progress.update(self.pace.status(outcome));
+        let is_stopped = self.signals.came();
+        if is_stopped && !std::mem::replace(&mut self.told, true) {
+            let signal = self.signals;
+            self.progress.message(&format!("{signal}: ending the samples under way; a second signal ends at once"));
+        }
+        match is_stopped {
+            true => Next::Stop,
+            false if self.changes.is_some_and(Changes::came) => Next::Drop,
+            false if has_looked => Next::GoOn,
+            false if keep => Next::WholeSnapshot,
+            false if look => Next::Snapshot,
+            false => Next::GoOn,
+        }
+    }
+}
+
+impl Checkpoints {
+    /// Tells what is new after a checkpoint, and when the next one comes. One that fails is tried again; the render is worth more than it.
+    fn add(&mut self, kept: Result<()>, took: Duration, progress: &Progress) {
+        let failed = kept.err().map(|error| error.to_string());
+        if let Some(words) = about_checkpoint(self.failed.as_deref(), failed.as_deref()) {
+            progress.message(&words);
+        }
+        self.failed = failed;
+        let least = took.div_f64(MOST_OF_CHECKPOINTS);
+        if least > self.interval {
+            self.interval = least;
+            if self.is_chosen {
+                progress.message(&format!(
+                    "a checkpoint takes {:.1} s: the next ones come every {:.0} s, so that they take {} % of the time",
+                    took.as_secs_f64(),
+                    least.as_secs_f64(),
+                    100.0 * MOST_OF_CHECKPOINTS
+                ));
+            }
+        }
+        self.next = Some(Instant::now() + self.interval);
+    }
+}
+
+/// The message about a checkpoint, by the reasons why the last one and this one failed, if they did. A reason is told once.
+fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
+    match now {
+        Some(_) if now == before => None,
+        Some(reason) => {
+            Some(format!("warning: no checkpoint: {reason}. The render goes on, and the next one tries again"))
+        }
+        None => before.map(|_| "the checkpoint is written again".to_owned()),
+    }
+}
+
+impl Pace {
+    fn new(job: &Job, earlier: u64) -> Pace {
+        let pixels = u64::from(job.size.0) * u64::from(job.size.1);
+        Pace { begun: Instant::now(), goal: job.goal, pixels, earlier, error: None, until: None }
+    }
+
+    fn samples(&self, outcome: &Outcome) -> u64 {
+        self.earlier + outcome.totals.paths / self.pixels.max(1)
+    }
+
+    fn status(&self, outcome: &Outcome) -> Status {
+        Status {
+            samples_per_pixel: self.samples(outcome),
+            paths_per_second: outcome.totals.paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
+            relative_error: self.error,
+            until: self.until,
+        }
+    }
+
+    /// Measures the film's error; for a render until an error with the confidence of the next time that it decides, and with the samples that are
+    /// still needed if the bound falls with their square root.
+    fn measure_error(&mut self, film: &Film, outcome: &Outcome) {
+        let Goal::Noise { error: wanted, begun, .. } = self.goal else {
+            self.error = film.relative_error();
+            return;
+        };
+        let looks = outcome.noise.map_or(0, |noise| noise.looks);
+        let verdict = film.verdict(level_after(looks));
+        self.error = verdict.error.map(|error| error.value);
+        let done = self.samples(outcome).saturating_sub(u64::from(begun));
+        self.until = verdict.error.map(|error| {
+            let lacks_light = error.bound < wanted && verdict.lacks_light();
+            let needed = done as f64 * (error.bound / wanted).max(1.0).powi(2);
+            // No render has more looks: the last ones are at more samples than a pixel can have.
+            const MOST_LOOKS: u32 = 128;
+            let mut ends = (looks..looks + MOST_LOOKS).map(|look| u64::from(look_after(look)));
+            let ends = ends.find(|at| *at > done && *at as f64 >= needed).map(|at| at + u64::from(begun));
+            Until { bound: error.bound, samples: ends.filter(|_| !lacks_light), lacks_light }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    const JOB: Job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
+
+    /// Observers that take a snapshot at this time, and write checkpoints at this interval.
+    fn observers(signals: &Signals, next_snapshot: Option<Instant>, interval: Duration) -> Observers<'_> {
+        let mut observers = Observers::of(Progress::new(true, &JOB, 0), Viewers::default(), signals, &JOB);
+        observers.next_snapshot = next_snapshot;
+        observers.checkpoints.interval = interval;
+        observers.checkpoints.next = Some(Instant::now() + interval);
+        observers
+    }
+
+    /// The number of snapshots of a film that takes 10 ms to be read, after `calls` submissions.
+    fn snapshots(next_snapshot: Option<Instant>, interval: Duration, calls: usize) -> usize {
+        let signals = Signals::default();
+        let mut observers = observers(&signals, next_snapshot, interval);
+        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
+        let mut follow = |snapshot| observers.follow(&outcome, snapshot, &|_, _| Ok(()), &|_| Ok(()));
+        let mut count = 0;
+        for _ in 0..calls {
+            let next = follow(None);
+            if next != Next::GoOn {
+                count += 1;
+                let begin = Instant::now() - Duration::from_millis(10);
+                let snapshot = Snapshot { film: &film, begin, is_whole: next == Next::WholeSnapshot };
+                assert_eq!(follow(Some(snapshot)), Next::GoOn);
+            }
+        }
+        count
+    }
+
+    /// A picture that cannot be written is told as a checkpoint that failed is. The EXR is there all the same, and can be gone on with.
+    #[test]
+    fn a_checkpoint_is_kept_without_its_picture() {
+        let signals = Signals::default();
+        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
+        let written = |works: bool| if works { Ok(()) } else { Err(Error::Usage("the disk is full".to_string())) };
+        for (exr, picture, kept) in [(true, false, true), (false, true, false), (true, true, true)] {
+            let mut observers = observers(&signals, None, Duration::ZERO);
+            let mut follow =
+                |snapshot| observers.follow(&outcome, snapshot, &|_, _| written(exr), &|_| written(picture));
+            assert_eq!(follow(None), Next::WholeSnapshot);
+            follow(Some(Snapshot { film: &film, begin: Instant::now(), is_whole: true }));
+            assert_eq!(observers.checkpoints.kept, kept);
+            assert_eq!(observers.checkpoints.failed.is_some(), !(exr && picture));
+        }
+    }
+
+    #[test]
+    fn each_reason_of_failed_checkpoints_is_told_once() {
+        let is_told = |before, now| about_checkpoint(before, now).is_some();
+        let (full, gone) = (Some("the disk is full"), Some("the folder is gone"));
+        assert!(is_told(None, full) && is_told(full, gone) && is_told(gone, None));
+        assert!(!is_told(full, full) && !is_told(None, None));
+    }
+
+    /// A snapshot of 10 ms is followed by two seconds without one, and a quiet render has none but for checkpoints.
+    #[test]
+    fn snapshots_are_rare_and_for_somebody() {
+        let hour = Duration::from_secs(3600);
+        assert_eq!(snapshots(Some(Instant::now()), hour, 1000), 1);
+        assert_eq!(snapshots(None, hour, 1000), 0);
+        // Checkpoints that take 10 ms each come every third of a second, however often they are asked for.
+        assert_eq!(snapshots(None, Duration::ZERO, 10), 1);
+        assert_eq!(pause_after(Duration::from_millis(10)), Duration::from_secs(2));
+        assert_eq!(pause_after(Duration::ZERO), Duration::from_secs(1));
+    }
+}

@@ -1,0 +1,204 @@
+//! What is asked of a render, checked before a device begins: the flattened scene, the job, and the files to write.
+
+use std::borrow::Borrow;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use serde_json::{Map, Value};
+
+use super::args::RenderArgs;
+use super::denoising;
+use super::record::{attributes_of, excluded};
+use crate::commands::outputs::{EXR, EXR_OR_PNG, PNG, check_outputs};
+use crate::commands::scene::{biases, size_of};
+use crate::error::{Error, Result};
+use crate::film::Film;
+use crate::flatten::DeviceScene;
+use crate::identity::Identity;
+use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
+use crate::output::exr::{State, read_state, write_render};
+use crate::output::format::{Format, format_of};
+use crate::output::place::{can_be_replaced, is_standard};
+use crate::output::png::write_png;
+use crate::scene::Scene;
+
+/// What is asked of a render.
+pub struct Request<'a> {
+    pub args: &'a RenderArgs,
+    pub scene: &'a Scene,
+    pub flat: DeviceScene,
+    pub frame: Frame,
+    pub job: Job,
+    /// What `-o` names: an EXR, or a PNG, which has no state, so that nothing can go on from it.
+    pub image: PathBuf,
+    pub format: Format,
+    /// Known when it is first needed: hashing a large scene takes as long as reading it.
+    identity: OnceLock<Identity>,
+}
+
+impl<'a> Request<'a> {
+    /// `image` is as [`checked_image`] has it. `start` is when the time of `--time` begins.
+    ///
+    /// # Errors
+    /// `Error::Usage` if `--crop` is not within the image.
+    pub fn new(
+        args: &'a RenderArgs,
+        scene: &'a Scene,
+        mut flat: DeviceScene,
+        (image, format): (PathBuf, Format),
+        start: Instant,
+    ) -> Result<Request<'a>> {
+        let (frame, job) = frame_and_job(args, scene, start)?;
+        (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
+        Ok(Request { args, scene, flat, frame, job, image, format, identity: OnceLock::new() })
+    }
+
+    pub fn identity(&self) -> &Identity {
+        self.identity.get_or_init(|| Identity::of(self.scene, &self.frame, &self.job, &self.args.options))
+    }
+
+    /// The options that bias the result or are less exact, as they were given.
+    pub fn biases(&self) -> Vec<String> {
+        let biases = biases(&self.args.options, self.args.paths.max_depth.0, self.scene);
+        biases.iter().map(|(setting, value)| setting.option(value)).collect()
+    }
+
+    /// What the stated error excludes, in words.
+    pub fn excluded(&self) -> String {
+        excluded(&self.biases().join(", "))
+    }
+
+    /// The path of the EXR, which may have a state.
+    pub fn exr(&self) -> Option<&Path> {
+        (self.format == Format::Exr).then_some(&*self.image)
+    }
+
+    /// How many samples of this render the EXR holds, if these are more than `count` and --force does not give them up.
+    pub fn more_than(&self, count: u64) -> Option<u64> {
+        let exr = self.exr().filter(|_| !self.args.force)?;
+        more_there(exr, || self.identity(), count)
+    }
+
+    /// Writes the image that `-o` names. It is an error if that is an EXR with more samples of this render, which another process may have
+    /// put there meanwhile. Nothing can go on from an image without a state.
+    pub fn write(&self, film: &Film, state: Option<State>, record: &Map<String, Value>) -> Result<()> {
+        let Some(exr) = self.exr() else { return self.write_picture(&self.image, film) };
+        let mine = state.as_ref().map(|state| state.samples.count());
+        let may = || match mine.and_then(|mine| Some((mine, self.more_than(mine)?))) {
+            None => Ok(()),
+            Some((mine, more)) => Err(format!(
+                "it holds {more} samples per pixel of this render, more than the {mine} here: it stays. --force overwrites it"
+            )),
+        };
+        let state = state.filter(|_| !self.args.no_state);
+        write_render(exr, film, &attributes_of(record), state.as_ref(), may)
+    }
+
+    /// Writes the picture beside the EXR, if one is asked for.
+    pub fn write_png(&self, film: &Film) -> Result<()> {
+        self.args.png.as_ref().map_or(Ok(()), |png| self.write_picture(png, film))
+    }
+
+    /// Writes that picture at a checkpoint. A pipe gets one picture, at the end.
+    pub fn write_png_so_far(&self, film: &Film) -> Result<()> {
+        match self.args.png.as_ref().is_some_and(|png| can_be_replaced(png)) {
+            true => self.write_png(film),
+            false => Ok(()),
+        }
+    }
+
+    fn write_picture(&self, png: &Path, film: &Film) -> Result<()> {
+        write_png(png, self.job.size, &|index| film.developed(index).rgb, &self.args.view.transform())
+    }
+
+    /// What the file holds, and how to go on.
+    pub fn what_is_kept(&self, samples: u64) -> String {
+        let image = self.image.display();
+        match self.exr().is_none() || self.args.no_state || samples == 0 || !can_be_replaced(&self.image) {
+            true => format!("{image} holds the image so far"),
+            false if self.args.watch => {
+                format!("{image} holds {samples} samples per pixel. --resume in place of --watch goes on")
+            }
+            false => format!("{image} holds {samples} samples per pixel. Add --resume to go on"),
+        }
+    }
+}
+
+/// How many samples a file holds, if it is of the render with this identity and has more than so many.
+pub fn more_there<I: Borrow<Identity>>(exr: &Path, identity: impl FnOnce() -> I, than: u64) -> Option<u64> {
+    if !exr.is_file() {
+        return None;
+    }
+    let state = read_state(exr).ok().flatten().filter(|state| state.samples.count() > than)?;
+    identity().borrow().difference("", &state.identity, "").is_none().then(|| state.samples.count())
+}
+
+/// The image to write and its format, checked before anything costs time, together with all that is written beside it.
+pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> {
+    let image = args.image();
+    let png = args.png.as_deref();
+    // A name that says no format is refused below.
+    let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
+    let denoised = args.denoise().then(|| denoising::beside(&image));
+    let denoised_png = png.filter(|_| args.denoise()).and_then(denoising::picture_beside);
+    if args.denoise() && (format == Format::Png || !can_be_replaced(&image)) {
+        return Err(Error::Usage(format!(
+            "{}: --denoise reads the EXR that the render writes: give -o {}; nothing has been rendered",
+            image.display(),
+            args.default_image().display()
+        )));
+    }
+    let images = [
+        ("-o", Some(&*image), EXR_OR_PNG),
+        ("--png", png, PNG),
+        ("-o", denoised.as_deref(), EXR),
+        ("--png", denoised_png.as_deref(), PNG),
+    ];
+    let stdout = args.json.then_some("the report of --json");
+    check_outputs(&images, &scene.inputs(), stdout, "nothing has been rendered")?;
+    let why = match format {
+        Format::Exr => None,
+        Format::Png if !args.options.aov.is_empty() => Some("a PNG has no room for the channels of --aov"),
+        Format::Png if args.resume.is_some() => Some("a PNG cannot be resumed, and --resume goes on from an EXR"),
+        Format::Png if png.is_some() => Some("-o and --png are both a PNG"),
+        Format::Png => None,
+    };
+    let Some(why) = why else { return Ok((image, format)) };
+    let exr = if is_standard(&image) { args.default_image() } else { image.with_extension("exr") };
+    let (name, exr) = (image.display(), exr.display());
+    Err(Error::Usage(format!("{name}: {why}: give -o {exr} --png {name}; nothing has been rendered")))
+}
+
+/// The part of the image that is asked for, and what ends its render.
+pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result<(Frame, Job)> {
+    let whole = size_of(scene, args.size.0);
+    let part = args.crop.unwrap_or(Crop::whole(whole));
+    if !part.is_in(whole) {
+        let (width, height) = whole;
+        return Err(Error::Usage(format!(
+            "--crop {part}: expected a part of the image, which has {width} x {height} pixels"
+        )));
+    }
+    let size = part.size();
+    let samples = args.samples.clone().unwrap_or(0..args.spp.0.unwrap_or(scene.render.samples));
+    let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size, args)));
+    let end = args.spp.0.unwrap_or(MOST_SAMPLES as u32);
+    let goal = match (args.noise, deadline) {
+        (None, None) => Goal::Samples(samples.end),
+        (None, Some(deadline)) => Goal::Until { deadline, end },
+        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, looks: 0 },
+    };
+    let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
+    let job = Job { size, max_depth, seed: args.paths.seed, first_sample: samples.start, goal };
+    Ok((Frame { part, whole }, job))
+}
+
+/// What developing and writing the image is allowed for under `--time`: measured as 0.15 to 0.5 µs a pixel on two cores, and 0.5 to 0.6 µs more
+/// with the state; denoising takes 5 µs.
+fn write_time((width, height): (u32, u32), args: &RenderArgs) -> Duration {
+    let state = if args.no_state { 0 } else { 600 };
+    let denoise = if args.denoise() { 5000 } else { 0 };
+    let pixels = u64::from(width) * u64::from(height);
+    Duration::from_nanos(pixels * (500 + state + denoise)) + Duration::from_millis(20)
+}

@@ -1,0 +1,168 @@
+//! `--watch`: a render whenever the scene is saved.
+
+use std::time::Instant;
+
+use super::args::RenderArgs;
+use super::changes::Changes;
+use super::request::{frame_and_job, more_there};
+use super::session::Session;
+use crate::commands::console::tell;
+use crate::commands::scene::name_of;
+use crate::commands::signals::Signals;
+use crate::error::{Error, Result};
+use crate::flatten::Hierarchies;
+use crate::identity::Identity;
+use crate::job::{Crop, Frame, Size};
+use crate::options::{SizeArg, SppArg};
+use crate::output::place::{can_be_replaced, is_standard};
+use crate::scene::Scene;
+
+/// Renders a scene that has been loaded since an instant.
+type Render = fn(&RenderArgs, &Scene, &mut Session, Instant) -> Result<()>;
+
+/// The pictures that come before an image: shares of its width and height, and the samples of each pixel. The first one takes a sixteenth of
+/// the time of one sample of the whole, and the second one about all of it.
+const PREVIEWS: [(f64, u32); 2] = [(0.25, 1), (0.5, 4)];
+
+/// Renders the scene, and again whenever it is saved, until a signal comes.
+pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
+    refuse(args)?;
+    let signals = Signals::listen("nothing has been written");
+    let mut session = Session {
+        signals: Some(signals.clone()),
+        changes: Some(Changes::new()),
+        hierarchies: Some(Hierarchies::default()),
+        ..Session::default()
+    };
+    let (mut start, mut began) = (start, false);
+    loop {
+        match pass(&mut session, args, start, render) {
+            Err(Error::Dropped) => began = true,
+            Err(error) if is_end(&session, args, &error, began) => return Err(error),
+            passed => {
+                began |= passed.is_ok();
+                if let Err(error) = passed {
+                    error.messages().iter().for_each(|message| tell(&format!("error: {message}")));
+                }
+                if !args.quiet {
+                    tell("waiting for the next save; Ctrl-C ends");
+                }
+            }
+        }
+        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.came()));
+        let Some((files, noted)) = changed else {
+            let image = args.image();
+            return Err(signals.interrupted(&match began {
+                true => format!("{} holds the last picture", image.display()),
+                false => "nothing has been written".to_owned(),
+            }));
+        };
+        if !args.quiet {
+            let names: Vec<String> = files.into_iter().map(name_of).collect();
+            tell(&format!("{} changed", names.join(", ")));
+        }
+        start = noted;
+    }
+}
+
+/// Refuses what cannot be watched.
+fn refuse(args: &RenderArgs) -> Result<()> {
+    if is_standard(&args.scene.path) {
+        return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
+    }
+    let image = args.image();
+    for (option, path) in [("-o", Some(&image)), ("--png", args.png.as_ref())] {
+        if let Some(path) = path.filter(|path| !can_be_replaced(path)) {
+            let path = path.display();
+            return Err(Error::Usage(format!(
+                "{option} {path}: --watch replaces it again and again: give the name of a file"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Loads the scene and renders it: previews first, but not over samples of this very image.
+fn pass(session: &mut Session, args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
+    let (is_first, mut compiled, mut read) = (session.devices.is_empty(), session.compiled(), session.assets.read);
+    let scene = session.load(args);
+    if let Some(changes) = &mut session.changes {
+        changes.follow(&session.assets.files);
+    }
+    let scene = scene?;
+    let (frame, job) = frame_and_job(args, &scene, start)?;
+    let identity = || Identity::of(&scene, &frame, &job, &args.options);
+    let is_held = !args.force && more_there(&args.image(), identity, 0).is_some();
+    let most = args.spp.0.unwrap_or(scene.render.samples);
+    let mut begun = start;
+    for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
+        let (width, height) = Size::Share(share).in_pixels(frame.whole);
+        render(&of_preview(args, &frame, (width, height), samples.min(most)), &scene, session, begun)?;
+        begun = Instant::now();
+        let new = session.compiled() - std::mem::replace(&mut compiled, session.compiled());
+        if new > 0 && !is_first && !args.quiet {
+            let kernels = if new == 1 { "1 kernel".to_owned() } else { format!("{new} kernels") };
+            tell(&format!("{kernels} compiled for the change: {:.2} s", session.compile));
+        }
+        if args.verbose {
+            let (seconds, all) = (start.elapsed().as_secs_f64(), session.assets.count());
+            let files = session.assets.read - std::mem::replace(&mut read, session.assets.read);
+            tell(&format!(
+                "preview of {width} x {height} pixels after {seconds:.2} s: {new} kernels compiled, {files} of {all} images and \
+                 meshes read"
+            ));
+        }
+    }
+    render(args, &scene, session, begun)
+}
+
+/// Whether no save can mend an error. Before anything was rendered, the arguments are to blame, and not the scene.
+fn is_end(session: &Session, args: &RenderArgs, error: &Error, began: bool) -> bool {
+    match error {
+        Error::Interrupted { .. } => true,
+        Error::Scene { .. } | Error::Several { .. } => !began && !args.scene.path.is_file(),
+        _ => !began || session.devices.iter().any(|device| device.check().is_err()),
+    }
+}
+
+/// The arguments of a preview.
+fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
+    RenderArgs {
+        size: SizeArg(Some(Size::Pixels(size.0, size.1))),
+        crop: frame.crop().map(|crop| scaled(&crop, frame.whole, size)),
+        spp: SppArg(Some(samples)),
+        time: None,
+        noise: None,
+        no_state: true,
+        strict: false,
+        quiet: true,
+        ..args.clone()
+    }
+}
+
+/// The same part of an image in another size, in whole pixels around it.
+fn scaled(crop: &Crop, (width, height): (u32, u32), (to_width, to_height): (u32, u32)) -> Crop {
+    let along = |first: u32, count: u32, all: u32, to: u32| {
+        let at = |place: u64| place * u64::from(to);
+        let begin = at(u64::from(first)) / u64::from(all);
+        let end = at(u64::from(first) + u64::from(count)).div_ceil(u64::from(all));
+        (begin as u32, (end - begin) as u32)
+    };
+    let (left, part_width) = along(crop.left, crop.width, width, to_width);
+    let (top, part_height) = along(crop.top, crop.height, height, to_height);
+    Crop { left, top, width: part_width, height: part_height }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A part keeps its place in a preview, is never empty, and never leaves the image.
+    #[test]
+    fn a_part_is_scaled_to_the_pixels_around_it() {
+        let scaled = |crop: &str| scaled(&crop.parse().unwrap(), (1200, 675), (300, 169)).to_string();
+        assert_eq!(scaled("400,200,320,180"), "100,50,80,46");
+        assert_eq!(scaled("1199,674,1,1"), "299,168,1,1");
+        assert_eq!(scaled("0,0,1200,675"), "0,0,300,169");
+    }
+}

@@ -1,0 +1,66 @@
+//! The device that a command names: opened, or asked for its limits alone.
+
+use super::console::tell;
+use crate::error::{Error, Result};
+use crate::flatten::DeviceScene;
+use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
+use crate::job::{Goal, Job};
+use crate::options::RenderOptions;
+use crate::plan::Plan;
+use crate::scene::Scene;
+
+/// The device that a scene is planned for: a real one, or WebGPU's default limits if there is none.
+pub struct Target {
+    pub name: String,
+    pub class: DeviceClass,
+    pub limits: wgpu::Limits,
+}
+
+impl Target {
+    /// The device of this index or name, or the default device. If the machine has none, the limits that WebGPU guarantees.
+    pub fn find(wish: Option<&str>) -> Result<Target> {
+        match Adapters::find().choose(wish) {
+            Ok(adapter) => Ok(Target {
+                name: AdapterName::of(adapter).to_string(),
+                class: DeviceClass::of(adapter),
+                limits: adapter.limits(),
+            }),
+            Err(Error::Device(_)) => Ok(Target {
+                name: "no device here: WebGPU's default limits".to_string(),
+                class: DeviceClass::default(),
+                limits: wgpu::Limits::default(),
+            }),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// The plan of a scene for a device.
+pub fn planned<'a>(
+    scene: &Scene,
+    size: (u32, u32),
+    flat: &'a DeviceScene,
+    target: &Target,
+    options: &RenderOptions,
+) -> Result<Plan<'a>> {
+    let goal = Goal::Samples(scene.render.samples);
+    let job = Job { size, max_depth: scene.render.max_depth, seed: 0, first_sample: 0, goal };
+    Plan::new(flat, options, target.class, &job)
+}
+
+/// Opens the device of this index or name, or the default device.
+pub fn open_device(wish: Option<&str>) -> Result<Device> {
+    Device::open(Adapters::find().choose(wish)?)
+}
+
+/// Opens the devices of these indices or names, or the default device.
+pub fn open_devices(wish: Option<&str>) -> Result<Vec<Device>> {
+    Adapters::find().choose_several(wish)?.into_iter().map(Device::open).collect()
+}
+
+/// Prints a warning about a software driver, unless `quiet`.
+pub fn tell_software(device: &Device, quiet: bool) {
+    if device.name.software && !quiet {
+        tell(&format!("warning: {} is a software driver: it renders on the processor, without a GPU", device.name));
+    }
+}

@@ -1,0 +1,506 @@
+//! One device that renders: its kernels, its buffers, and the submissions in flight.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use super::outcome::totals_since;
+use super::sample_range::{PaceProbe, SampleRange};
+use super::tiles::{Schedule, pixel_in_order, tiles};
+use super::watch::Next;
+use crate::aov::Aovs;
+use crate::data::{Counters, RUN_LENGTH, Settings, Window};
+use crate::error::{Error, Result};
+use crate::film::{Film, Totals, device_bytes};
+use crate::gpu::buffers::{Buffers, Readback};
+use crate::gpu::device::Device;
+use crate::gpu::pipeline::{Pipeline, PipelineSpec};
+use crate::gpu::probe;
+use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
+use crate::job::{Job, blocks};
+use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
+
+/// The time that a submission should take, unless a caller wants to be asked more often: long enough to hide what it costs to make one,
+/// short enough that no watchdog fires and no user waits.
+const SUBMISSION: Duration = Duration::from_millis(100);
+/// Submissions in flight. While the device executes one, the next one waits in its queue, and the host reads the counters of the last one.
+const IN_FLIGHT: usize = 2;
+/// Bytes of the film that go to the host at a time.
+const FILM_AT_ONCE: u64 = 16 << 20;
+
+/// A device that is ready to render: kernels compiled, buffers filled.
+pub struct DeviceRenderer<'a> {
+    device: &'a Device,
+    settings: Settings,
+    tuning: Tuning,
+    buffers: Buffers,
+    kernels: Kernels,
+    pace: Pace,
+    film: DeviceFilm,
+    reports: Reports,
+}
+
+/// The pipelines of a plan, and how its kernels read their settings.
+struct Kernels {
+    generate: Stage,
+    /// The stages of a bounce; one for all bounces of a submission if they are fused.
+    bounce: Vec<Stage>,
+    is_fused: bool,
+    accumulate: Stage,
+    settings_layout: SettingsLayout,
+}
+
+/// A dispatch of a pass.
+struct Stage {
+    pipeline: Pipeline,
+    size: StageSize,
+}
+
+enum StageSize {
+    /// An invocation for each slot.
+    Slots,
+    One,
+    /// An invocation for each path in the queue of this number.
+    Queue(u64),
+}
+
+/// How many bounces a submission has.
+struct Pace {
+    /// Bounces of the next submission, and whether their number is fixed.
+    bounces: u32,
+    is_fixed: bool,
+    /// Bounces of a submission at most.
+    most: u32,
+    /// The time that a submission should take.
+    submission: Duration,
+    /// When the last submission ended.
+    landed: Instant,
+}
+
+/// The film of the device, which is of one tile.
+struct DeviceFilm {
+    /// The size of the image.
+    size: (u32, u32),
+    /// The scale of the film, as that of the scene.
+    exponent: i32,
+    /// The channels that the film has beside the radiance.
+    aovs: Aovs,
+    /// The film on its way to the host.
+    readback: Readback,
+    tile: Range<u32>,
+    /// What it has received since it was last brought to the host.
+    received: Totals,
+    /// Whether its contents are no longer needed. If so, the next submission clears it.
+    is_stale: bool,
+}
+
+/// What submissions report to the host.
+struct Reports {
+    /// One for each submission in flight.
+    each: Vec<Report>,
+    stages: StageTimes,
+}
+
+/// What a submission reports to the host.
+struct Report {
+    counters: Readback,
+    timing: Option<Timing>,
+}
+
+/// A submission that the device has not reported on yet.
+struct Flight {
+    submission: wgpu::SubmissionIndex,
+    /// Its place among the reports.
+    report: usize,
+    bounces: u32,
+    begin: Instant,
+}
+
+impl<'a> DeviceRenderer<'a> {
+    /// Allocates the buffers and compiles the kernels.
+    ///
+    /// # Errors
+    /// `Error::Device` where a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on what the
+    /// numerics probe does not find.
+    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer<'a>> {
+        let tuning = plan.tuning;
+        let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
+        if u64::from(tuning.slots) > most_slots {
+            return Err(Error::Usage(format!(
+                "--slots {}: expected {most_slots} at most, with workgroups of {} invocations on {}",
+                tuning.slots, tuning.workgroup, device.name
+            )));
+        }
+        let numerics = probe::numerics(device)?;
+        let allowed = |kernel: &Kernel| numerics.allow(device, &kernel.name, &kernel.linked);
+        plan.kernels().into_iter().try_for_each(allowed)?;
+        let most_steps = numerics.most_steps().map(f64::from);
+        let of_steps = |name| most_steps.map(|most| (name, most));
+        let constants: Vec<_> = STEPS.into_iter().filter_map(of_steps).collect();
+        let buffers = Buffers::create(device, &plan.buffers())?;
+        let specs: Vec<_> = plan
+            .kernels()
+            .into_iter()
+            .map(|kernel| PipelineSpec {
+                name: &kernel.name,
+                entry_point: kernel.stage,
+                module: &kernel.module,
+                text: &kernel.linked.text,
+                bindings: &kernel.bindings,
+                workgroup: tuning.workgroup,
+                constants: &constants,
+            })
+            .collect();
+        let pipelines = Pipeline::all(device, &specs, &buffers)?;
+        let mut named: BTreeMap<_, _> =
+            pipelines.into_iter().map(|pipeline| (pipeline.name.clone(), pipeline)).collect();
+        let mut pipeline = |kernel: &Kernel| {
+            let missing = || Error::Shader(format!("the plan has two kernels named {}", kernel.name));
+            named.remove(&kernel.name).ok_or_else(missing)
+        };
+        let mut stage = |kernel: &Kernel, size| Ok::<_, Error>(Stage { pipeline: pipeline(kernel)?, size });
+        let bounce = match &plan.kernels.bounce {
+            Bounce::Fused(kernel) => vec![stage(kernel, StageSize::Slots)?],
+            Bounce::Staged(staged) => {
+                let before = std::iter::once(&staged.intersect).chain(&staged.medium);
+                let mut stages = before.map(|kernel| stage(kernel, StageSize::Slots)).collect::<Result<Vec<_>>>()?;
+                stages.extend(
+                    staged.dispatch.iter().map(|kernel| stage(kernel, StageSize::One)).collect::<Result<Vec<_>>>()?,
+                );
+                for (queue, kernel) in (0..).zip(&staged.scatter) {
+                    let size = if staged.dispatch.is_some() { StageSize::Queue(queue) } else { StageSize::Slots };
+                    stages.push(stage(kernel, size)?);
+                }
+                for kernel in staged.shadow.iter().chain([&staged.refill]) {
+                    stages.push(stage(kernel, StageSize::Slots)?);
+                }
+                stages
+            }
+        };
+        let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov);
+        let report = |_| Report {
+            counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
+            timing: if profile { Timing::new(device) } else { None },
+        };
+        let settings = Settings {
+            max_depth: job.max_depth,
+            seed: job.seed,
+            slots: tuning.slots,
+            film_width: job.size.0,
+            film_height: job.size.1,
+            indirect_limit: plan.indirect_limit(),
+            ..plan.scene.settings
+        };
+        let renderer = DeviceRenderer {
+            device,
+            settings,
+            kernels: Kernels {
+                generate: stage(&plan.kernels.generate, StageSize::Slots)?,
+                bounce,
+                is_fused: matches!(plan.kernels.bounce, Bounce::Fused(_)),
+                accumulate: stage(&plan.kernels.accumulate, StageSize::Slots)?,
+                settings_layout: plan.kernels.settings.clone(),
+            },
+            pace: Pace {
+                bounces: tuning.bounces.unwrap_or(1),
+                is_fixed: tuning.bounces.is_some(),
+                most: 1,
+                submission: SUBMISSION,
+                landed: Instant::now(),
+            },
+            film: DeviceFilm {
+                size: job.size,
+                exponent: plan.scene.radiance_exponent,
+                aovs: plan.options.aov.of_film(),
+                readback: Readback::new(device, "film", film_bytes.min(FILM_AT_ONCE)),
+                tile: 0..0,
+                received: Totals::default(),
+                is_stale: false,
+            },
+            reports: Reports { each: (0..IN_FLIGHT).map(report).collect(), stages: StageTimes::default() },
+            tuning,
+            buffers,
+        };
+        renderer.warm_up()?;
+        Ok(renderer)
+    }
+
+    /// Dispatches nothing by each kernel: some drivers compile at the first dispatch.
+    fn warm_up(&self) -> Result<()> {
+        let mut encoder = encoder(self.device);
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let Kernels { generate, bounce, accumulate, .. } = &self.kernels;
+            let stages = [generate, accumulate].into_iter().chain(bounce);
+            stages.for_each(|stage| stage.pipeline.dispatch(&mut pass, 0));
+        }
+        self.device.wait(self.device.queue.submit([encoder.finish()]))
+    }
+
+    /// Gets ready for another job.
+    pub fn begin(&mut self, job: &Job) {
+        self.reports.stages = StageTimes::default();
+        self.drop_film();
+        self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
+    }
+
+    /// Has submissions take so long.
+    pub fn aim_at(&mut self, submission: Duration) {
+        self.pace.submission = submission;
+    }
+
+    /// The seconds of the stages since the job began.
+    pub fn stages(&self) -> &StageTimes {
+        &self.reports.stages
+    }
+
+    /// Renders blocks of samples of every pixel while there are any left.
+    pub fn work(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
+        let samples = &shared.samples;
+        self.settings.first_sample = samples.start;
+        self.settings.end_sample = samples.end;
+        self.write("settings", &self.kernels.settings_layout.bytes(&self.settings))?;
+        self.pace.most = self.most_bounces(samples);
+        let pixels = u64::from(self.film.size.0) * u64::from(self.film.size.1);
+        let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
+        let mut schedule = Schedule::new(pixels, self.tuning.tile, shared.devices > 1);
+        while let Some(taken) = shared.take(&schedule) {
+            let begin = Instant::now();
+            let mut blocks = taken.clone();
+            for tile in tiles(pixels, self.tuning.tile) {
+                if tile != self.film.tile {
+                    self.hand_over(shared)?;
+                    self.film.tile = tile.clone();
+                }
+                // The first tile may end early. The others get as many blocks.
+                blocks.end = self.render_tile(blocks.clone(), tile.start == 0, shared)?;
+            }
+            schedule.adapt(begin.elapsed());
+            if shared.finish(blocks, taken.end) {
+                let begin = Instant::now();
+                self.hand_over(shared)?;
+                shared.show_whole(begin);
+            }
+        }
+        // Other devices may show the film before this one renders again.
+        if shared.devices > 1 { self.hand_over(shared) } else { Ok(()) }
+    }
+
+    /// Brings what the device's film has received to the film on the host, or drops it if nobody wants it.
+    fn hand_over(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
+        let mut state = shared.state();
+        match state.caller.probe {
+            Some(PaceProbe { is_dropped: true }) => self.drop_film(),
+            _ => self.bring_film(state.caller.film)?,
+        }
+        Ok(())
+    }
+
+    /// Renders blocks of samples of the tile, until every slot is idle. The result is one past the last block: if `may_end_early` and the
+    /// caller asks for it, that is the block that has been started.
+    fn render_tile(&mut self, blocks: Range<u32>, may_end_early: bool, shared: &SampleRange<'_, '_>) -> Result<u32> {
+        let pixels = self.film.tile.len() as u32;
+        let first_block = blocks.start;
+        let end = blocks.len() as u32 * pixels;
+        let mut window = Window { first_block, end, bounces: 0, first_pixel: self.film.tile.start, pixels };
+        self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
+        let mut flights: VecDeque<Flight> = VecDeque::new();
+        let mut counters = Counters::default();
+        let mut submitted = 0;
+        let mut wants_snapshot = false;
+        // Whether the tile ends early, and whether its end is known: nothing may be in flight for that.
+        let (mut to_cut, mut cut) = (false, false);
+        loop {
+            // If all runs have been started, a second submission might find only idle slots. Each slot asks for a run in the first
+            // submission.
+            let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
+            while counters.idle < self.tuning.slots && !wants_snapshot && !to_cut && flights.len() < wanted {
+                flights.push_back(self.submit(&mut window, submitted)?);
+                submitted += 1;
+            }
+            match flights.pop_front() {
+                Some(flight) => {
+                    let before = std::mem::replace(&mut counters, self.land(flight)?);
+                    let counted = totals_since(&counters, &before);
+                    self.film.received += counted;
+                    match shared.state().caller.add(counted) {
+                        Next::Snapshot => wants_snapshot = true,
+                        Next::Drop => return Err(Error::Dropped),
+                        _ => {}
+                    }
+                }
+                None if to_cut => {
+                    (to_cut, cut) = (false, true);
+                    let started = counters.next.div_ceil(pixels).max(1);
+                    window.end = window.end.min(started.saturating_mul(pixels));
+                    continue;
+                }
+                None if wants_snapshot => {
+                    wants_snapshot = false;
+                    let begin = Instant::now();
+                    let mut state = shared.state();
+                    self.bring_film(state.caller.film)?;
+                    state.caller.ask(Some((begin, false)));
+                }
+                None => break,
+            }
+            to_cut |= may_end_early && !cut && shared.state().ends_early();
+        }
+        Ok(first_block + window.end / pixels)
+    }
+
+    /// Waits for a submission, and reads what it has counted.
+    fn land(&mut self, flight: Flight) -> Result<Counters> {
+        let Flight { submission, report, bounces, begin } = flight;
+        let Report { counters, timing } = &mut self.reports.each[report];
+        let bytes = size_of::<Counters>() as u64;
+        let counted = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
+        if let Some(timing) = timing {
+            timing.collect(self.device, submission, &mut self.reports.stages)?;
+        }
+        self.pace.adapt(bounces, begin);
+        Ok(counted)
+    }
+
+    /// Drops what the device's film has received. A buffer that nobody has written is clear.
+    pub fn drop_film(&mut self) {
+        self.film.is_stale = !self.film.tile.is_empty();
+        self.film.received = Totals::default();
+    }
+
+    /// Adds the totals of the device's film to the film on the host.
+    pub fn bring_film(&mut self, film: &mut Film) -> Result<()> {
+        let DeviceFilm { size, aovs, readback, tile, received, is_stale, .. } = &mut self.film;
+        if *received == Totals::default() {
+            return Ok(());
+        }
+        let each = device_bytes(aovs);
+        let at_once = (readback.room() / each).clamp(1, u64::from(u32::MAX)) as u32;
+        for first in tile.clone().step_by(at_once as usize) {
+            let end = tile.end.min(first.saturating_add(at_once));
+            let bytes = u64::from(end - first) * each;
+            let mut encoder = encoder(self.device);
+            readback.copy(&mut encoder, self.buffers.get("film")?, u64::from(first - tile.start) * each, bytes);
+            let submission = self.device.queue.submit([encoder.finish()]);
+            readback.read(self.device, submission, bytes, |bytes| {
+                let indices = (first..end).map(|place| pixel_in_order(place, *size));
+                film.add_from_device(indices, bytes);
+            })?;
+        }
+        film.add([], std::mem::take(received));
+        *is_stale = true;
+        Ok(())
+    }
+
+    /// Refuses a film that does not fit: on one of another scale the image would be too dark or too bright.
+    pub fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
+        let needed = (job.size, self.film.exponent, &self.film.aovs);
+        let found = ((film.width(), film.height()), film.exponent(), film.aovs());
+        if found == needed {
+            return Ok(());
+        }
+        let words = |((width, height), scale, aovs): ((u32, u32), i32, &Aovs)| {
+            let aovs = aovs.words().map_or(String::new(), |aovs| format!(" with {aovs}"));
+            format!("{width} x {height} pixels of the scale 2^{scale}{aovs}")
+        };
+        Err(Error::Usage(format!("the render needs a film of {}, found {}", words(needed), words(found))))
+    }
+
+    /// Records and submits a pass; `number` counts the passes of the tile. The first pass gives each slot a run. Each pass has some bounces,
+    /// and adds the finished runs to the film.
+    fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
+        let bounces = self.pace.bounces.clamp(1, self.pace.most);
+        window.bounces = bounces;
+        self.write("window", bytemuck::bytes_of(window))?;
+        let begin = Instant::now();
+        let report = number % IN_FLIGHT;
+        let mut encoder = encoder(self.device);
+        if std::mem::take(&mut self.film.is_stale) {
+            encoder.clear_buffer(self.buffers.get("film")?, 0, None);
+        }
+        let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
+        let Kernels { generate, bounce, is_fused, accumulate, .. } = &self.kernels;
+        let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
+        let first = (number == 0).then_some(generate);
+        let stages: Vec<&Stage> = first.into_iter().chain(repeated).chain([accumulate]).collect();
+        let sizes = self.buffers.get("queue_args").ok();
+        let Report { counters: readback, timing } = &mut self.reports.each[report];
+        match timing {
+            None => {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                stages.iter().for_each(|stage| stage.record(&mut pass, groups, sizes));
+            }
+            Some(timing) => {
+                for stage in &stages {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                        label: Some(&stage.pipeline.name),
+                        timestamp_writes: timing.next(&stage.pipeline.name),
+                    });
+                    stage.record(&mut pass, groups, sizes);
+                }
+                timing.resolve(&mut encoder);
+            }
+        }
+        let counters = self.buffers.get("counters")?;
+        readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
+        // The film now has the runs of the records.
+        encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
+        let submission = self.device.queue.submit([encoder.finish()]);
+        Ok(Flight { submission, report, bounces, begin })
+    }
+
+    /// The most bounces of a submission. They leave room for the records of all finished runs: a slot finishes the run that it has, and then
+    /// at most one for each bounce of its samples. There is also a timestamp for each pass, if passes are timed.
+    fn most_bounces(&self, samples: &Range<u32>) -> u32 {
+        let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
+        let shortest = match whole {
+            true => RUN_LENGTH,
+            false => {
+                let blocks = blocks(samples.clone());
+                let first = ((blocks.start + 1) * RUN_LENGTH).min(samples.end) - samples.start;
+                let last = samples.end - (samples.end - 1) / RUN_LENGTH * RUN_LENGTH;
+                first.min(last)
+            }
+        };
+        let kernels = self.kernels.bounce.len() as u32;
+        let timed = match self.reports.each.iter().any(|report| report.timing.is_some()) {
+            // Beside the first kernel and the last.
+            true => (MAX_PASSES as u32 - 2) / kernels,
+            false => u32::MAX,
+        };
+        ((self.tuning.records_per_slot - 1) * shortest).clamp(1, timed)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        self.device.write(self.buffers.get(name)?, bytes)
+    }
+}
+
+impl Pace {
+    /// Aims the next submission at its target time, by one with so many bounces that began then and has just ended.
+    fn adapt(&mut self, bounces: u32, begin: Instant) {
+        // The device starts a submission when the one before has ended.
+        let now = Instant::now();
+        let took = now - begin.max(std::mem::replace(&mut self.landed, now));
+        if !self.is_fixed {
+            let ratio = self.submission.as_secs_f64() / took.as_secs_f64().max(1e-6);
+            self.bounces = (f64::from(bounces) * ratio.clamp(0.25, 4.0)).round().clamp(1.0, 4096.0) as u32;
+        }
+    }
+}
+
+fn encoder(device: &Device) -> wgpu::CommandEncoder {
+    device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pass") })
+}
+
+impl Stage {
+    /// `groups` is the number of workgroups for all slots, and `sizes` has those of the queues.
+    fn record(&self, pass: &mut wgpu::ComputePass<'_>, groups: u32, sizes: Option<&wgpu::Buffer>) {
+        match (&self.size, sizes) {
+            (StageSize::Slots, _) => self.pipeline.dispatch(pass, groups),
+            (StageSize::One, _) => self.pipeline.dispatch(pass, 1),
+            (StageSize::Queue(queue), Some(sizes)) => self.pipeline.dispatch_indirect(pass, sizes, queue * 16),
+            (StageSize::Queue(_), None) => {}
+        }
+    }
+}

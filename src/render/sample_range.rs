@@ -1,0 +1,177 @@
+//! A range of samples of every pixel, which the devices share out among themselves.
+
+use std::ops::Range;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use super::outcome::Outcome;
+use super::tiles::Schedule;
+use super::watch::{Next, Snapshot, Watch};
+use crate::data::RUN_LENGTH;
+use crate::film::{Film, Totals};
+use crate::job::blocks;
+
+/// The caller of a render: its film, and what it is told and asked.
+pub struct Caller<'a> {
+    pub film: &'a mut Film,
+    pub watch: Watch<'a>,
+    pub start: Instant,
+    pub outcome: &'a mut Outcome,
+    /// Whether a snapshot of the whole film is asked for.
+    pub wants_whole: bool,
+    /// Set while a sample is rendered only to learn its pace. It is in no snapshot.
+    pub probe: Option<PaceProbe>,
+}
+
+/// A sample whose time tells the pace, and that is rendered again later.
+#[derive(Clone, Copy)]
+pub struct PaceProbe {
+    /// Whether the film must not get it.
+    pub is_dropped: bool,
+}
+
+impl Caller<'_> {
+    /// Asks what is wanted next. A snapshot has the time when it began, and whether the film is whole.
+    pub fn ask(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
+        let snapshot = snapshot.map(|(begin, is_whole)| Snapshot { film: self.film, begin, is_whole });
+        let next = (self.watch)(self.outcome, snapshot);
+        let next = if self.probe.is_some() && !matches!(next, Next::Stop | Next::Drop) { Next::GoOn } else { next };
+        self.wants_whole |= next == Next::WholeSnapshot;
+        self.outcome.interrupted |= next == Next::Stop;
+        next
+    }
+
+    /// Adds what a submission has counted, and asks what is wanted next.
+    pub fn add(&mut self, counted: Totals) -> Next {
+        self.outcome.totals += counted;
+        if self.outcome.first_pass == 0.0 {
+            self.outcome.first_pass = self.start.elapsed().as_secs_f64();
+        }
+        self.ask(None)
+    }
+}
+
+/// The samples that devices share, and who renders them.
+pub struct SampleRange<'a, 'b> {
+    pub samples: Range<u32>,
+    /// The number of devices that may take part.
+    pub devices: usize,
+    state: Mutex<State<'a, 'b>>,
+    changed: Condvar,
+}
+
+pub struct State<'a, 'b> {
+    pub caller: &'a mut Caller<'b>,
+    /// The blocks of samples that nobody has taken, in order.
+    left: Vec<Range<u32>>,
+    /// The number of devices that take part, and of those that wait for a snapshot of the whole film.
+    working: usize,
+    waiting: usize,
+    /// Snapshots of the whole film so far.
+    snapshots: u64,
+    /// Whether a device has failed.
+    failed: bool,
+}
+
+impl State<'_, '_> {
+    /// Whether devices are to end with the block of samples that has been started.
+    pub fn ends_early(&self) -> bool {
+        self.caller.wants_whole || self.ends()
+    }
+
+    /// Whether nobody is to begin anything.
+    fn ends(&self) -> bool {
+        self.caller.outcome.interrupted || self.failed
+    }
+}
+
+impl<'a, 'b> SampleRange<'a, 'b> {
+    pub fn new(samples: Range<u32>, devices: usize, caller: &'a mut Caller<'b>) -> SampleRange<'a, 'b> {
+        let left = Vec::from([blocks(samples.clone())]);
+        let state = State { caller, left, working: 0, waiting: 0, snapshots: 0, failed: false };
+        SampleRange { samples, devices, state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    pub fn state(&self) -> MutexGuard<'_, State<'a, 'b>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes part until the result is dropped.
+    pub fn enter(&self) -> Participant<'_, 'a, 'b> {
+        self.state().working += 1;
+        Participant { range: self, failed: true }
+    }
+
+    /// Takes the next blocks of samples, as many as a device's schedule has. Several devices leave the others something to do: half of
+    /// what is left is for later, so that all end at about the same time.
+    pub fn take(&self, schedule: &Schedule) -> Option<Range<u32>> {
+        let mut state = self.state();
+        if state.ends() {
+            return None;
+        }
+        let all: usize = state.left.iter().map(ExactSizeIterator::len).sum();
+        let most = if self.devices > 1 { all.div_ceil(2 * self.devices) } else { all };
+        let first = state.left.iter_mut().find(|blocks| blocks.start < blocks.end)?;
+        let mut taken = schedule.next(first);
+        taken.end = taken.end.min(taken.start.saturating_add(u32::try_from(most).unwrap_or(u32::MAX)));
+        first.start = taken.end;
+        Some(taken)
+    }
+
+    /// Adds the blocks that a device has rendered, and gives back those up to `end` that it has not. The result is whether a snapshot of the
+    /// whole film is asked for.
+    pub fn finish(&self, rendered: Range<u32>, end: u32) -> bool {
+        let mut state = self.state();
+        let rest = rendered.end..end;
+        if !rest.is_empty() {
+            let place = state.left.partition_point(|blocks| blocks.start < rest.start);
+            state.left.insert(place, rest);
+        }
+        let start = (rendered.start * RUN_LENGTH).max(self.samples.start);
+        let end = (rendered.end * RUN_LENGTH).min(self.samples.end);
+        state.caller.outcome.samples.add(start..end);
+        state.caller.wants_whole
+    }
+
+    /// Waits until all devices have brought their films, and one of them has shown it.
+    pub fn show_whole(&self, begin: Instant) {
+        let mut state = self.state();
+        let snapshots = state.snapshots;
+        state.waiting += 1;
+        while state.snapshots == snapshots && !state.failed {
+            if state.waiting == state.working {
+                state.caller.wants_whole = false;
+                state.caller.ask(Some((begin, true)));
+                state.snapshots += 1;
+                self.changed.notify_all();
+            } else {
+                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            }
+        }
+        state.waiting -= 1;
+    }
+}
+
+/// A device that takes part.
+pub struct Participant<'s, 'a, 'b> {
+    range: &'s SampleRange<'a, 'b>,
+    /// Also if its thread panics.
+    failed: bool,
+}
+
+impl Participant<'_, '_, '_> {
+    /// Leaves without a failure.
+    pub fn leave(mut self) {
+        self.failed = false;
+    }
+}
+
+impl Drop for Participant<'_, '_, '_> {
+    fn drop(&mut self) {
+        let mut state = self.range.state();
+        state.working -= 1;
+        state.failed |= self.failed;
+        // Those who wait may be all that are left.
+        self.range.changed.notify_all();
+    }
+}
