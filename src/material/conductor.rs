@@ -1,12 +1,11 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
-use super::declared::conductor::{FIELDS, FORM};
+use super::declared::conductor::FIELDS;
 use super::model::{ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, Slot, varying};
 use crate::data::{self, f32s};
 use crate::texture::{Colour, Texture, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "conductor",
     lobes: ANY_LOBE,
     is_transmissive: false,
@@ -27,7 +26,7 @@ pub fn model<'a>(
     k: Option<Colour>,
     roughness: &'a Texture,
 ) -> Model<'a> {
-    let (roughness, number, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
+    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     let on_device = data::Material {
         // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it reflects.
         colour: f32s(eta.map_or(Colour::ZERO, |eta| eta - 1.0)),
@@ -40,11 +39,7 @@ pub fn model<'a>(
         slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
         lobes: vec![lobe(roughness)],
         two_sided: None,
-        numbers: number.into_iter().collect(),
-        colours: [(&FIELDS.eta, eta), (&FIELDS.k, k)]
-            .into_iter()
-            .filter_map(|(field, colour)| Some((field, colour?)))
-            .collect(),
+        warning: None,
         lacks: (!whole).then_some("either an albedo, or both eta and k"),
         extensions: extension.into_iter().collect(),
         absorption: None,

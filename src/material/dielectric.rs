@@ -1,11 +1,10 @@
 //! A clear solid: glass, water.
 
-use super::declared::dielectric::{FIELDS, FORM};
-use super::model::{Lobe, MaterialKind, Model, Number};
+use super::declared::dielectric::FIELDS;
+use super::model::{Lobe, MaterialKind, Model};
 use crate::data;
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "dielectric",
     lobes: &[Lobe::Specular],
     is_transmissive: true,
@@ -23,8 +22,7 @@ pub fn model(ior: f64) -> Model<'static> {
         slot: None,
         lobes: vec![Lobe::Specular],
         two_sided: None,
-        numbers: vec![Number { field: &FIELDS.ior, value: ior, warning: warning(ior) }],
-        colours: Vec::new(),
+        warning: warning(ior).map(|warning| (&FIELDS.ior, warning)),
         lacks: None,
         second_part: None,
         extensions: Vec::new(),

@@ -1,12 +1,11 @@
 //! A diffuse light: it emits the same radiance in all directions, and reflects nothing.
 
-use super::declared::diffuse_light::{FIELDS, FORM};
+use super::declared::diffuse_light::FIELDS;
 use super::model::{MaterialKind, Model, Slot};
 use crate::data;
 use crate::texture::{Texture, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "diffuse_light",
     lobes: &[],
     is_transmissive: false,
@@ -20,8 +19,7 @@ pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
         slot: Some(Slot { field: &FIELDS.emit, usage: Use::Radiance, texture: emit }),
         lobes: Vec::new(),
         two_sided: Some(two_sided),
-        numbers: Vec::new(),
-        colours: Vec::new(),
+        warning: None,
         lacks: None,
         second_part: None,
         extensions: Vec::new(),

@@ -1,12 +1,11 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
-use super::declared::lambertian::{FIELDS, FORM};
+use super::declared::lambertian::FIELDS;
 use super::model::{ExtensionKind, Lobe, MaterialKind, Model, Slot};
 use crate::data;
 use crate::texture::{Texture, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "lambertian",
     lobes: &[Lobe::Wide],
     is_transmissive: false,
@@ -26,8 +25,7 @@ pub fn model(albedo: &Texture) -> Model<'_> {
         slot: Some(Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture: albedo }),
         lobes: vec![Lobe::Wide],
         two_sided: None,
-        numbers: Vec::new(),
-        colours: Vec::new(),
+        warning: None,
         lacks: None,
         second_part: None,
         extensions: Vec::new(),

@@ -1,12 +1,11 @@
 //! A mirror, perfect or rough.
 
-use super::declared::metal::{FIELDS, FORM};
-use super::model::{ANY_LOBE, Lobe, MaterialKind, Model, Number, Slot};
+use super::declared::metal::FIELDS;
+use super::model::{ANY_LOBE, Lobe, MaterialKind, Model, Slot};
 use crate::data;
 use crate::texture::{Texture, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "metal",
     lobes: ANY_LOBE,
     is_transmissive: false,
@@ -22,8 +21,7 @@ pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
         // A fuzz that rounds to 0 in f32 makes a perfect mirror, because kernels read it as f32.
         lobes: vec![if on_device.parameter > 0.0 { Lobe::of_width(on_device.parameter) } else { Lobe::Specular }],
         two_sided: None,
-        numbers: vec![Number { field: &FIELDS.fuzz, value: fuzz, warning: None }],
-        colours: Vec::new(),
+        warning: None,
         lacks: None,
         extensions: Vec::new(),
         absorption: None,

@@ -21,8 +21,7 @@ use crate::texture::{Texture, Use};
 
 pub use declared::{MOST_ABSORPTION, MOST_IOR, Material};
 pub use model::{
-    EXTENSIONS, Emission, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Number,
-    Slot,
+    EXTENSIONS, Emission, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
 };
 
 kinds! {
@@ -124,26 +123,22 @@ impl Material {
     pub fn check(&self, at: &Place) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
-        // A plain number is among the numbers.
+        // A plain number is checked as a field.
         let is_texture = |slot: &Slot| slot.usage != Use::Share || slot.texture.plain().is_none();
         let mut textures = model.slots().filter(is_texture);
         textures.try_for_each(|slot| slot.texture.check(&at.field(slot.field.name), slot.usage))?;
         if let Some(expected) = model.lacks {
             return Err(at.unexpected(expected));
         }
-        model.colours.iter().try_for_each(|(field, colour)| field.check_colour(&at, *colour))?;
-        model.numbers.iter().try_for_each(|number| number.field.check(&at, number.value))
+        self.check_fields(&at).into_iter().next().map_or(Ok(()), Err)
     }
 
     /// Warnings about values that are allowed but likely to disappoint.
     pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
         let at = at.variant(self.name());
         let model = self.model();
-        let of_numbers = model
-            .numbers
-            .iter()
-            .filter_map(|number| Some(at.field(number.field.name).warning(number.warning.as_ref()?)));
-        of_numbers.chain(model.slots().filter_map(|slot| slot.warning(&at, bitmaps))).collect()
+        let of_number = model.warning.iter().map(|(field, warning)| at.field(field.name).warning(warning));
+        of_number.chain(model.slots().filter_map(|slot| slot.warning(&at, bitmaps))).collect()
     }
 }
 
@@ -152,7 +147,7 @@ pub const MATERIALS: &[&str] = Material::SHADERS;
 
 /// The words in error messages for an expected material.
 pub fn a_material() -> String {
-    format!("a material: {}", any_of(Material::KINDS.iter().map(|kind| &kind.form)))
+    format!("a material: {}", any_of(Material::FORMS.iter()))
 }
 
 #[cfg(test)]
@@ -164,6 +159,6 @@ mod tests {
         let expected = a_material();
         assert!(expected.starts_with("a material: Lambertian(..), Metal(..), "), "{expected}");
         assert_eq!(expected.matches(" or ").count(), 1, "{expected}");
-        assert_eq!(metal::KIND.form.in_full(), "Metal(albedo: .., fuzz: ..)");
+        assert_eq!(Material::FORMS[1].in_full(), "Metal(albedo: .., fuzz: ..)");
     }
 }

@@ -4,7 +4,7 @@ use super::declared::{conductor, dielectric, is_white, lambertian, pbr};
 use crate::bitmap::Bitmaps;
 use crate::data;
 use crate::source::Place;
-use crate::source::form::{Field, Form};
+use crate::source::form::Field;
 use crate::texture::{Colour, Texture, Use};
 
 /// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
@@ -13,7 +13,6 @@ pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
 /// The properties that all materials of a kind share.
 #[derive(Debug)]
 pub struct MaterialKind {
-    pub form: Form,
     /// The name of its file under shaders/material.
     pub shader: &'static str,
     /// The lobes that materials of the kind can have. If one of them is not specular, a second file SHADER_eval evaluates the BSDF for
@@ -60,9 +59,8 @@ pub struct Model<'a> {
     pub lobes: Vec<Lobe>,
     /// Whether it emits to both sides; none if it does not emit. Its texture is the emitted radiance.
     pub two_sided: Option<bool>,
-    pub numbers: Vec<Number>,
-    /// Colours that are no textures, each with the field that holds it.
-    pub colours: Vec<(&'static Field, Colour)>,
+    /// A warning about a number that is allowed but likely to disappoint, with the field that holds it.
+    pub warning: Option<(&'static Field, String)>,
     /// What is expected, if fields that exclude or require each other are not given so.
     pub lacks: Option<&'static str>,
     /// What it has beside its row of the table.
@@ -73,14 +71,6 @@ pub struct Model<'a> {
     pub on_device: data::Material,
     /// The same of its second part, if its kind has one.
     pub second_part: Option<data::Material>,
-}
-
-/// A number of a material, with the field that holds it.
-pub struct Number {
-    pub field: &'static Field,
-    pub value: f64,
-    /// A warning about a value that is allowed but likely to disappoint.
-    pub warning: Option<String>,
 }
 
 /// A texture of a material, with the field that holds it.
@@ -150,18 +140,10 @@ impl<'a> Extension<'a> {
 }
 
 /// A material's number that may vary: the number, or 0 and the extension that stands for it.
-pub fn varying<'a>(
-    field: &'static Field,
-    kind: ExtensionKind,
-    texture: &'a Texture,
-) -> (f64, Option<Number>, Option<Extension<'a>>) {
-    match texture.plain() {
-        Some(grey) => (grey.x, Some(Number { field, value: grey.x, warning: None }), None),
-        None => {
-            let slot = Slot { field, usage: Use::Share, texture };
-            (0.0, None, Some(Extension { kind, slot, parameter: 0.0 }))
-        }
-    }
+pub fn varying<'a>(field: &'static Field, kind: ExtensionKind, texture: &'a Texture) -> (f64, Option<Extension<'a>>) {
+    let slot = Slot { field, usage: Use::Share, texture };
+    let number = texture.plain().map(|grey| grey.x);
+    (number.unwrap_or(0.0), number.is_none().then_some(Extension { kind, slot, parameter: 0.0 }))
 }
 
 /// The emission of a material.
@@ -187,9 +169,6 @@ impl<'a> Model<'a> {
         let slot = Slot { field: &lambertian::FIELDS.alpha, usage: Use::Share, texture: alpha };
         let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
         self.extensions.extend((!stops_all).then_some(Extension { kind: ExtensionKind::Alpha, slot, parameter }));
-        let numbers = alpha.plain().map(|alpha| (&lambertian::FIELDS.alpha, alpha.x)).into_iter();
-        let numbers = numbers.chain(cutoff.map(|cutoff| (&lambertian::FIELDS.alpha_cutoff, cutoff)));
-        self.numbers.extend(numbers.map(|(field, value)| Number { field, value, warning: None }));
         self.flagged(&lambertian::FIELDS.vertex_alpha, ExtensionKind::VertexAlpha, of_vertices)
     }
 
@@ -204,7 +183,6 @@ impl<'a> Model<'a> {
     /// The same clear solid, absorbing so much per scene unit.
     pub fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
         self.absorption = absorption;
-        self.colours.extend(absorption.map(|colour| (&dielectric::FIELDS.absorption, colour)));
         self
     }
 
@@ -231,7 +209,6 @@ impl<'a> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.normal, usage: Use::Normal, texture };
         let map = |texture| Extension { kind: ExtensionKind::Normal, slot: slot(texture), parameter: scale as f32 };
         self.extensions.extend(normal.as_ref().map(map));
-        self.numbers.push(Number { field: &lambertian::FIELDS.normal_scale, value: scale, warning: None });
         self
     }
 
@@ -240,7 +217,6 @@ impl<'a> Model<'a> {
         let slot = Slot { field: &pbr::FIELDS.specular_color, usage: Use::Albedo, texture: colour };
         let extension = Extension { kind: ExtensionKind::Specular, slot, parameter: share as f32 };
         self.extensions.extend((share != 1.0 || !is_white(colour)).then_some(extension));
-        self.numbers.push(Number { field: &pbr::FIELDS.specular, value: share, warning: None });
         self
     }
 

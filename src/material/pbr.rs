@@ -1,13 +1,12 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
 use super::conductor;
-use super::declared::pbr::{FIELDS, FORM};
-use super::model::{ANY_LOBE, ExtensionKind, Lobe, MaterialKind, Model, Number, Slot, varying};
+use super::declared::pbr::FIELDS;
+use super::model::{ANY_LOBE, ExtensionKind, Lobe, MaterialKind, Model, Slot, varying};
 use crate::data;
 use crate::texture::{Texture, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "pbr",
     lobes: ANY_LOBE,
     is_transmissive: false,
@@ -27,19 +26,16 @@ pub const KIND: MaterialKind = MaterialKind {
 };
 
 pub fn model<'a>(base_color: &'a Texture, metallic: &'a Texture, roughness: &'a Texture, ior: f64) -> Model<'a> {
-    let (metallic, number_of_metallic, varying_metallic) = varying(&FIELDS.metallic, ExtensionKind::Metallic, metallic);
-    let (roughness, number_of_roughness, varying_roughness) =
-        varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
+    let (metallic, varying_metallic) = varying(&FIELDS.metallic, ExtensionKind::Metallic, metallic);
+    let (roughness, varying_roughness) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     // Where nothing says that all of it is a metal, it has a matt body too.
     let is_metal = metallic == 1.0 && varying_metallic.is_none();
     let lobes = if is_metal { vec![conductor::lobe(roughness)] } else { vec![Lobe::Wide, conductor::lobe(roughness)] };
-    let ior_number = Number { field: &FIELDS.ior, value: ior, warning: None };
     Model {
         slot: Some(Slot { field: &FIELDS.base_color, usage: Use::Albedo, texture: base_color }),
         lobes,
         two_sided: None,
-        numbers: number_of_metallic.into_iter().chain(number_of_roughness).chain([ior_number]).collect(),
-        colours: Vec::new(),
+        warning: None,
         lacks: None,
         extensions: varying_roughness.into_iter().chain(varying_metallic).collect(),
         absorption: None,

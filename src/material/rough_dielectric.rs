@@ -1,13 +1,12 @@
 //! A clear solid with a rough surface: frosted glass.
 
-use super::declared::rough_dielectric::{FIELDS, FORM};
+use super::declared::rough_dielectric::FIELDS;
 use super::dielectric;
 use super::model::{ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, varying};
 use crate::data::{self, NO_TEXTURE};
 use crate::texture::Texture;
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "rough_dielectric",
     lobes: ANY_LOBE,
     is_transmissive: true,
@@ -28,11 +27,10 @@ pub fn lobes(ior: f64, roughness: f64) -> Vec<Lobe> {
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
-    let (roughness, number, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
+    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     let on_device = data::Material { parameter: roughness as f32, ..clear.on_device };
     Model {
         lobes: lobes(ior, roughness),
-        numbers: clear.numbers.into_iter().chain(number).collect(),
         extensions: extension.into_iter().collect(),
         on_device,
         second_part: Some(data::Material {

@@ -1,14 +1,13 @@
 //! A pane of clear solid that is too thin to bend light: a window, a bubble.
 
 use super::conductor;
-use super::declared::thin_dielectric::{FIELDS, FORM};
+use super::declared::thin_dielectric::FIELDS;
 use super::dielectric;
-use super::model::{ANY_LOBE, ExtensionKind, MaterialKind, Model, Number, varying};
+use super::model::{ANY_LOBE, ExtensionKind, MaterialKind, Model, varying};
 use crate::data;
 use crate::texture::Texture;
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: FORM,
     shader: "thin_dielectric",
     lobes: ANY_LOBE,
     is_transmissive: true,
@@ -19,10 +18,10 @@ pub const KIND: MaterialKind = MaterialKind {
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
-    let (roughness, number, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
+    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     Model {
         lobes: vec![conductor::lobe(roughness)],
-        numbers: [Number { field: &FIELDS.ior, value: ior, warning: None }].into_iter().chain(number).collect(),
+        warning: None,
         extensions: extension.into_iter().collect(),
         on_device: data::Material { parameter: roughness as f32, ..clear.on_device },
         ..clear

@@ -1,20 +1,28 @@
-//! Declares an enum of the scene file: its variants, and of each its form and its fields, once.
+//! Declares what a scene file has: each field once, with its meaning, its type, what it takes and its default.
 
-/// Declares an enum that serde reads and writes, and for each variant a module with its `FORM` and its `FIELDS`.
+/// Declares an enum or a struct that serde reads. Each variant, and the struct, gets a module with its `FORM` and its `FIELDS`.
 ///
 /// ```ignore
 /// declare! {
+///     #[derive(Deserialize)]
 ///     pub enum Material {
 ///         /// What the variant is, for docs/scene.md.
 ///         Metal: metal, "Metal(albedo: Rgb(0.8, 0.6, 0.2))" {
 ///             /// What the field means, for docs/scene.md.
-///             albedo: Texture = Takes::Texture(Range::SHARE), "";
-///             /// The text behind what it takes is its default; it is empty if the file must give it.
+///             albedo: Texture = texture(Range::SHARE);
+///             /// A field with a default may be left out.
 ///             #[serde(default)]
-///             fuzz: f64 = Takes::Number(Range::SHARE, NO_UNIT), "0";
-///             /// A field of an earlier variant has its form.
-///             glossy: bool => plastic::FIELDS.glossy;
+///             fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
+///             // A field of an earlier variant has the same meaning here.
+///             shine: f64 = plastic::FIELDS.shine;
+///             // One that files do not have.
+///             .. #[serde(skip)] parts: Vec<Part>
 ///         }
+///         /// Fields that are written in order, without their names, stand in round brackets.
+///         Solid: solid, "Solid((0, 0, 0))" (
+///             /// The radiance.
+///             radiance: Colour = colour(Range::ANY);
+///         )
 ///     }
 /// }
 /// ```
@@ -24,51 +32,91 @@ macro_rules! declare {
         $variant:ident: $module:ident, $example:literal $({ $(
             $(#[doc = $meaning:literal])*
             $(#[serde $serde:tt])?
-            $field:ident: $type:ty $(= $takes:expr, $default:literal)? $(=> $earlier:expr)?;
-        )* })? $(( $(
+            $field:ident: $type:ty = $form:expr;
+        )* $(.. $(#[$not_read:meta])* $other:ident: $other_type:ty)? })? $(( $(
             $(#[doc = $unnamed_meaning:literal])*
-            $unnamed:ident: $unnamed_type:ty = $unnamed_takes:expr;
+            $unnamed:ident: $unnamed_type:ty = $unnamed_form:expr;
         )* ))?
     )* }) => {
         $(#[$attribute])*
         pub enum $enum { $(
             $(#[doc = $about])*
-            $variant $({ $($(#[doc = $meaning])* $(#[serde $serde])? $field: $type),* })? $(($($unnamed_type),*))?
+            $variant $({
+                $($(#[doc = $meaning])* $(#[serde $serde])? $field: $type,)*
+                $($(#[$not_read])* $other: $other_type)?
+            })? $(($($unnamed_type),*))?
         ),* }
 
+        impl $enum {
+            /// The forms of the variants.
+            pub const FORMS: &[Form] = &[$($module::FORM),*];
+
+            /// The variant's name, as the scene file writes it.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$variant { .. } => stringify!($variant)),* }
+            }
+
+            /// The errors of the numbers that have names; `at` is the place of the variant.
+            pub fn check_fields(&self, at: &Place) -> Vec<Error> {
+                let checks = match self { $(
+                    Self::$variant { $($($field,)*)? .. } => vec![$($($field.check_as(&$module::FIELDS.$field, at)),*)?]
+                ),* };
+                checks.into_iter().filter_map(Result::err).collect()
+            }
+        }
+
         $(
-            pub mod $module {
-                use super::*;
-
-                pub struct Fields {
-                    $($(pub $field: Field,)*)?
-                    $($(pub $unnamed: Field,)*)?
+            declare! {
+                @module $module, stringify!($variant), concat!($($about),*), $example,
+                !<[&str]>::is_empty(&[$($(stringify!($unnamed)),*)?]),
+                {
+                    $($($field = $form, concat!($($meaning),*);)*)?
+                    $($($unnamed = $unnamed_form, concat!($($unnamed_meaning),*);)*)?
                 }
-
-                pub const FIELDS: Fields = Fields {
-                    $($($field: declare!(@field $field [$($meaning)*] $($takes, $default)? $($earlier)?),)*)?
-                    $($($unnamed: declare!(@field $unnamed [$($unnamed_meaning)*] $unnamed_takes, ""),)*)?
-                };
-
-                pub const FORM: Form = Form {
-                    name: stringify!($variant),
-                    about: declare!(@text $($about)*),
-                    fields: &[$($(FIELDS.$field,)*)? $($(FIELDS.$unnamed,)*)?],
-                    in_order: <[&str]>::len(&[$($(stringify!($unnamed),)*)?]) > 0,
-                    example: $example,
-                };
             }
         )*
     };
-    (@field $name:ident [$($meaning:literal)*] $takes:expr, $default:literal) => {
-        Field { name: stringify!($name), takes: $takes, default: $default, about: declare!(@text $($meaning)*) }
+    ($(#[doc = $about:literal])* #[derive $derive:tt] #[serde $read:tt]
+    pub struct $struct:ident: $module:ident, $example:literal { $(
+        $(#[doc = $meaning:literal])*
+        $(#[serde $serde:tt])?
+        $field:ident: $type:ty = $form:expr;
+    )* }) => {
+        $(#[doc = $about])*
+        #[derive $derive]
+        #[serde $read]
+        pub struct $struct { $($(#[doc = $meaning])* $(#[serde $serde])? pub $field: $type),* }
+
+        impl $struct {
+            /// The errors of its numbers; `at` is its place.
+            pub fn check_fields(&self, at: &Place) -> Vec<Error> {
+                let checks = [$(self.$field.check_as(&$module::FIELDS.$field, at)),*];
+                checks.into_iter().filter_map(Result::err).collect()
+            }
+        }
+
+        declare! { @module $module, stringify!($module), concat!($($about),*), $example, false, {
+            $($field = $form, concat!($($meaning),*);)*
+        } }
     };
-    (@field $name:ident [] $earlier:expr) => {
-        $earlier
-    };
-    // Each line of a doc comment begins with a space.
-    (@text $($line:literal)*) => {
-        concat!($($line),*).split_at(1).1
+    (@module $module:ident, $name:expr, $about:expr, $example:literal, $in_order:expr, {
+        $($field:ident = $form:expr, $meaning:expr;)*
+    }) => {
+        pub mod $module {
+            use super::*;
+
+            pub struct Fields { $(pub $field: Field),* }
+
+            pub const FIELDS: Fields = Fields { $($field: $form.named(stringify!($field), $meaning)),* };
+
+            pub const FORM: Form = Form {
+                name: $name,
+                about: $about.trim_ascii_start(),
+                fields: &[$(FIELDS.$field),*],
+                in_order: $in_order,
+                example: $example,
+            };
+        }
     };
 }
 
