@@ -57,7 +57,7 @@ struct Drawn {
 impl Preview {
     /// Of images of this size, which the view shows as it shows them in a PNG.
     pub fn new(size: (u32, u32), view: ViewTransform) -> Preview {
-        let protocol = Protocol::of(&|name| std::env::var(name).unwrap_or_default());
+        let protocol = Protocol::detect(&|name| std::env::var(name).unwrap_or_default());
         Preview { protocol, size: (size.0 as usize, size.1 as usize), view, drawn: None }
     }
 
@@ -121,7 +121,7 @@ impl Preview {
 
 impl Protocol {
     /// By the environment, of which `variable` tells a variable; the empty text if there is none.
-    fn of(variable: &dyn Fn(&str) -> String) -> Protocol {
+    fn detect(variable: &dyn Fn(&str) -> String) -> Protocol {
         let is_set = |name: &str| !variable(name).is_empty();
         let has = |name: &str, words: &[&str]| words.iter().any(|word| variable(name).contains(word));
         let blocks = Protocol::Blocks { true_colour: has("COLORTERM", &["truecolor", "24bit"]) };
@@ -222,7 +222,7 @@ mod tests {
     fn the_environment_tells_the_protocol() {
         let of = |set: &[(&str, &str)]| {
             let find = |name: &str| set.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value).to_owned();
-            Protocol::of(&find)
+            Protocol::detect(&find)
         };
         let blocks = |true_colour| Protocol::Blocks { true_colour };
         assert_eq!(of(&[]), blocks(false));

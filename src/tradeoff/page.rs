@@ -125,7 +125,7 @@ fn given_up(report: &Findings) -> Vec<String> {
     for knob in all.filter_map(|setting| setting.knob) {
         if !told.contains(&knob.name) {
             told.push(knob.name);
-            lines.push(format!("`--{}` ({}): {} {}", knob.name, class_name(knob.class), knob.about, knob.gives_up));
+            lines.push(format!("`--{}` ({}): {} {}", knob.name, class_name(knob.class), knob.about, knob.trade_off));
         }
     }
     lines

@@ -469,7 +469,7 @@ impl Findings {
                 "knob": setting.knob.map(|knob| knob.name),
                 "value": setting.value,
                 "class": class_name(setting.class()),
-                "gives_up": setting.knob.map(|knob| knob.gives_up),
+                "gives_up": setting.knob.map(|knob| knob.trade_off),
                 "measured": measured,
                 "verdict": verdict,
             })

@@ -13,7 +13,7 @@ use crate::film::Film;
 use crate::flatten::flatten;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
-use crate::options::{Class, Knob, RenderOptions};
+use crate::options::{Class, OptionSpec, RenderOptions};
 use crate::plan::Plan;
 use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
@@ -46,7 +46,7 @@ pub const SAMPLES_OF_FEWEST: f64 = FEWEST_ROUNDS as f64 * (LEVELS[0] + 2 * LEVEL
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// None for the defaults.
-    pub knob: Option<&'static Knob>,
+    pub knob: Option<&'static OptionSpec>,
     /// The knob's value, as the command line writes it.
     pub value: String,
     pub options: RenderOptions,

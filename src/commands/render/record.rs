@@ -14,10 +14,6 @@ use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
 
-/// What the stated error of any render excludes, in words.
-const EXCLUDED: &str =
-    "what max_depth cut off (cut_paths), rejected samples, light that no sample has met, and rounding (about 1e-6)";
-
 /// The result of a render, or of films that were joined.
 pub struct Finish {
     pub samples: Samples,
@@ -81,14 +77,6 @@ impl Finish {
             "light_stopped_by_glass": hidden.probed(),
             "light_met_through_glass": hidden.found(),
         }))
-    }
-}
-
-/// What the stated error excludes where these options bias the result, in words.
-pub fn excluded(biases: &str) -> String {
-    match biases {
-        "" => EXCLUDED.to_string(),
-        biases => format!("{EXCLUDED}, and what {biases} did"),
     }
 }
 

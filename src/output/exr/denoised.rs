@@ -10,9 +10,9 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 
+use super::attribute::{Attribute, DENOISER, decoded, text, to_io};
 use super::read::{as_floats, find_rgb, float, note_of_colours, open, pixels_of, read_part, triple};
 use super::write::{OF_PICTURE, sort_attributes};
-use super::{Attribute, decoded, text, to_io};
 use crate::chromaticities::{Conversion, REC_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
@@ -36,8 +36,6 @@ const ALBEDOS: [&str; 3] = ["albedo", "denoising albedo", "diffcol"];
 const NORMALS: [&str; 3] = ["n", "normal", "denoising normal"];
 const COMPONENTS: [Rgb<&str>; 2] = [CHANNELS, ["X", "Y", "Z"]];
 
-/// The attribute that names the denoiser of a denoised image.
-pub const DENOISER: &str = "gpu-rt:denoiser";
 const BIASES: &str = "gpu-rt:biases";
 /// The attributes that are true of the image with its noise only: those of its error.
 const OF_NOISE: [&str; 7] = [

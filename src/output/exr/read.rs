@@ -11,7 +11,7 @@ use ::exr::meta::attribute::{ChannelDescription, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
-use super::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
+use super::attribute::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
 use crate::chromaticities::Conversion;
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};

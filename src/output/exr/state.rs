@@ -8,8 +8,8 @@ use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
+use super::attribute::{Attribute, STATE, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
-use super::{Attribute, STATE, decoded};
 use crate::aov::SceneSpace;
 use crate::data::{SampleSpread, Sampler};
 use crate::error::{Error, Result};

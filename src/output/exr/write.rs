@@ -11,7 +11,8 @@ use ::exr::meta::attribute::{ChannelDescription, Compression, IntegerBounds, Lin
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
-use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
+use super::attribute::{Attribute, REJECTED, SAMPLES, STATE, VARIANCES, text, to_io};
+use super::state::State;
 use crate::aov::{Channel, ChannelNames};
 use crate::chromaticities::REC_709;
 use crate::data::CHANNELS;
