@@ -111,19 +111,19 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut loading = Loading::new(args.quiet);
     let share = || (start.elapsed().as_secs_f64() / args.budget.as_secs_f64()).min(1.0);
     let mut progress = |words: &str| loading.show(words, share());
-    // A pilot renders the defaults at a small size to learn the cost of a sample. Then everything is rendered at the size that the
+    // A pace probe renders the defaults at a small size to learn the cost of a sample. Then everything is rendered at the size that the
     // budget allows.
     let exact = reference.is_some();
     let settings = settings_of(&scene, &specs)?;
-    let mut pilot = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
+    let mut probe = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
     progress("compiling defaults");
-    pilot.add(settings[0].clone())?;
+    probe.add(settings[0].clone())?;
     // The whole time of a round, including the work between the passes. The first round also warms the machine up.
     let mut cost = None;
     for round in 1..=2 {
-        let (begin, before) = (Instant::now(), pilot.samples(0).unwrap_or(0));
-        pilot.measure(at(MEASURING), round, &stop, &mut |_, _| progress("pilot"))?;
-        let samples = pilot.samples(0).unwrap_or(0) - before;
+        let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
+        probe.measure(at(MEASURING), round, &stop, &mut |_, _| progress("pilot"))?;
+        let samples = probe.samples(0).unwrap_or(0) - before;
         if samples > 0 {
             cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
         }
@@ -133,16 +133,16 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     if cost.is_none() && !stop() {
         return Err(too_short(args));
     }
-    let of_pixel = cost.unwrap_or(0.0) / pixels_ratio(pilot.size, (1, 1));
-    let compiling = Duration::from_secs_f64(pilot.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
+    let of_pixel = cost.unwrap_or(0.0) / pixels_ratio(probe.size, (1, 1));
+    let compiling = Duration::from_secs_f64(probe.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
     let for_rounds = left.saturating_sub(compiling.min(left.mul_f64(COMPILING)));
     let size = size_of(whole, pixels_for(of_pixel, settings.len(), for_rounds), exact);
     let denoiser = denoiser_of(args, &specs)?;
-    let mut sweep = match stop() || size == pilot.size {
+    let mut sweep = match stop() || size == probe.size {
         true => {
-            // The pilot's round is repeated together with the other settings.
-            pilot.begin_again(seed);
-            pilot
+            // The probe's round is repeated together with the other settings.
+            probe.begin_again(seed);
+            probe
         }
         false => Sweep::new(&device, &scene, size, seed),
     }

@@ -19,7 +19,7 @@ use crate::terminal::size_of_stderr;
 const ROWS_BELOW: usize = 3;
 /// The pixels of a cell, where the terminal shows pixels: about as many as its own.
 const CELL: (usize, usize) = (8, 16);
-/// The same where the terminal does not enlarge them: no more than its own, or the image would be higher than its rows.
+/// The pixels of a cell where the terminal does not enlarge them: no more than its own, or the image would be higher than its rows.
 const SMALL_CELL: (usize, usize) = (6, 12);
 /// The bytes of an image that kitty takes at a time.
 const KITTY_CHUNK: usize = 4096;

@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_left_out() {
+    fn unknown_numbers_are_left_out() {
         let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None, until: None };
         assert_eq!(
             progress(Goal::Samples(600)).describe(&nothing, MINUTE, 80),

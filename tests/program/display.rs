@@ -189,7 +189,7 @@ fn no_viewer_stops_a_render() {
 }
 
 #[test]
-fn what_is_no_address_is_refused() {
+fn a_display_server_without_an_address_is_refused() {
     let place = Place::new();
     for address in ["14158", "localhost", ":14158", "localhost:0", "localhost:70000", "localhost:tev"] {
         let ran = place.render(&["--display-server", address]).exits(2);

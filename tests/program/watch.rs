@@ -349,7 +349,7 @@ fn a_part_of_the_image_has_previews_of_that_part() {
 }
 
 #[test]
-fn what_cannot_be_watched_is_refused_in_words() {
+fn watch_refuses_streams_and_options_of_one_render() {
     let place = Place::new();
     for (more, words) in [
         ("--samples 0..8", "'--samples <A..B>'"),

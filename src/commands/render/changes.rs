@@ -21,11 +21,11 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// How long a signal may wait.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// Notes when one of some files changes. The stamps of the files decide. The system tells when to look at them: its words do not say what a
+/// Finds out when one of some files changes. The stamps of the files decide. The system tells when to look at them: its words do not say what a
 /// save is, because editors save in many ways, and some put a new file in the place of the old one.
 pub struct Changes {
     files: BTreeMap<PathBuf, Stamp>,
-    /// Nothing where the system does not tell of changes.
+    /// `None` where the system does not tell of changes.
     system: Option<RecommendedWatcher>,
     /// The folders that the system tells of.
     folders: BTreeSet<PathBuf>,

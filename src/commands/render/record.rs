@@ -83,9 +83,9 @@ impl Finish {
 /// Samples of each pixel in the output.
 #[derive(Clone, Copy, Default)]
 pub struct Held {
-    /// Those that an earlier render has left, if this one goes on with it.
+    /// The earlier render's, if this one goes on with it.
     pub before: Option<u64>,
-    /// Those of the file if it stays as it was, because they are more than this render has.
+    /// The file's, if it stays as it was because it has more than this render.
     pub at_end: Option<u64>,
 }
 

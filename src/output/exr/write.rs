@@ -275,7 +275,7 @@ fn compress<W: Write + Seek>(
 }
 
 impl StatePart<'_> {
-    /// The same of the state.
+    /// Some rows of the state: for each channel, all pixels.
     fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
         let pixels: Vec<Vec<u16>> = row.map(|index| self.film.words(index)).collect();
         let channel = |word: &usize| pixels.iter().flat_map(|words| words[*word].to_ne_bytes()).collect::<Vec<u8>>();
