@@ -7,14 +7,14 @@ use glam::DVec3;
 /// Of a primitive's code: tells it from a BVH node's index.
 pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
 /// Place of the kind within a primitive's code.
-pub const PRIMITIVE_KIND_SHIFT: u32 = 28;
+pub const PRIMITIVE_KIND_SHIFT: u32 = 27;
 /// The most primitives of one kind.
 pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
 /// The kinds of codes that have to do with meshes: a face, and a mesh placed in the scene.
 pub const KIND_TRIANGLE: u32 = 3;
-pub const KIND_INSTANCE: u32 = 6;
+pub const KIND_INSTANCE: u32 = 14;
 /// The kind of codes of lights without size.
-pub const KIND_DELTA_LIGHT: u32 = 5;
+pub const KIND_DELTA_LIGHT: u32 = 13;
 /// The instance of what is no part of a mesh.
 pub const NO_INSTANCE: u32 = 0xffff_ffff;
 /// `Instance::to_uvs` of a mesh without texture coordinates.

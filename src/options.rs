@@ -22,7 +22,6 @@ pub struct RenderOptions {
     pub fresnel: Fresnel,
     /// The most indirect radiance that a path may add, in scene units; `None` for no limit.
     pub clamp: Option<f64>,
-    pub offset: Offset,
     pub precision: Precision,
     pub build: Quality,
     pub aov: Aovs,
@@ -46,7 +45,6 @@ impl Default for RenderOptions {
             filter: Filter::Box,
             fresnel: Fresnel::Exact,
             clamp: None,
-            offset: Offset::Robust,
             precision: Precision::Strict,
             build: Quality::Medium,
             aov: Aovs::default(),
@@ -171,12 +169,6 @@ words!(
     }
 );
 words!(
-    enum Offset {
-        Robust = "robust",
-        Fast = "fast",
-    }
-);
-words!(
     enum Precision {
         Strict = "strict",
         Fast = "fast",
@@ -205,7 +197,7 @@ words!(
 words!(SeenSurface { Rough = "rough", First = "first", });
 words!(ChannelNames { Plain = "plain", Blender = "blender", });
 words!(Sampler { Sobol = "sobol", Independent = "independent", });
-words!(Quality { Fast = "fast", Medium = "medium", Best = "best", });
+words!(Quality { Medium = "medium", Best = "best", });
 
 /// What an option's values other than the default give up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -346,6 +338,8 @@ impl OptionSpec {
     /// The option for the command line.
     fn arg(&'static self) -> Arg {
         let arg = Arg::new(self.name).long(self.name).help(self.help()).help_heading(self.class.heading());
+        // Tests and `plan` compare kernels with all features; nobody renders better or faster by them.
+        let arg = arg.hide(self.name == "features");
         if let Some(own) = self.own {
             return own(arg);
         }
@@ -568,21 +562,6 @@ pub const CLAMP: OptionSpec = OptionSpec {
     ..PLAIN
 };
 
-pub const OFFSET: OptionSpec = OptionSpec {
-    name: "offset",
-    about: "The offset of a spawned ray from its surface: `robust` uses each shape's own rounding bound, `fast` a fraction of the distance.",
-    values: &["robust", "fast"],
-    default: Some("robust"),
-    class: Class::Numerics,
-    trade_off: "`fast` fails for shapes smaller than 1/16384 of their distance, and huge shapes close to the camera shadow themselves. No saving of time was measured.",
-    reading: word!(offset: Offset),
-    links: Some(|options| match options.offset {
-        Offset::Robust => "geometry/offset",
-        Offset::Fast => "geometry/offset_fast",
-    }),
-    ..PLAIN
-};
-
 pub const PRECISION: OptionSpec = OptionSpec {
     name: "precision",
     about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
@@ -601,10 +580,10 @@ pub const PRECISION: OptionSpec = OptionSpec {
 pub const BUILD: OptionSpec = OptionSpec {
     name: "build",
     about: "The quality of the BVH: build time against traversal time.",
-    values: &["fast", "medium", "best"],
+    values: &["medium", "best"],
     default: Some("medium"),
     class: Class::Exact,
-    trade_off: "`fast` builds sooner and renders slower, `best` the reverse. `best` also cuts the boxes of long thin faces, which takes memory.",
+    trade_off: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
     reading: word!(build: Quality),
     ..PLAIN
 };
@@ -622,20 +601,8 @@ pub const DENOISE: OptionSpec = OptionSpec {
 };
 
 /// The options that trade one thing for another. Where time is short, the first ones are measured first.
-pub const TRADE_OFFS: &[&OptionSpec] = &[
-    &SPP,
-    &INTEGRATOR,
-    &SAMPLER,
-    &ROULETTE,
-    &MAX_DEPTH,
-    &FRESNEL,
-    &CLAMP,
-    &BUILD,
-    &OFFSET,
-    &PRECISION,
-    &SIZE,
-    &FILTER,
-];
+pub const TRADE_OFFS: &[&OptionSpec] =
+    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &PRECISION, &SIZE, &FILTER];
 
 pub const AOV: OptionSpec = OptionSpec {
     name: "aov",

@@ -236,8 +236,6 @@ pub enum Use {
 /// The largest radiance, and the smallest other than zero. Both are normal numbers in f32.
 pub const LARGEST_RADIANCE: f64 = 1e30;
 pub const SMALLEST_RADIANCE: f64 = 1e-30;
-/// Faint texels count if they are at least one in this number of an image's lit texels. Fewer may be artefacts of the encoding.
-const TEXELS_EACH: usize = 100;
 
 impl Use {
     /// The range of a channel.
@@ -296,17 +294,6 @@ impl Bitmap {
     /// The largest channel of all texels, each multiplied by `tint`.
     pub fn brightest(&self, tint: Colour) -> f64 {
         self.texels().map(|texel| largest(tint, texel)).fold(0.0, f64::max)
-    }
-
-    /// The brightest of the texels that are too faint but not black, if they are many.
-    pub fn faint_part(&self, tint: Colour, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
-        let texels = self.texels().map(|texel| largest(tint, texel));
-        let lit = texels.filter(|x| *x > 0.0);
-        let (count, faint, brightest) = lit.fold((0, 0, 0.0_f64), |(count, faint, brightest), x| match is_faint(x) {
-            true => (count + 1, faint + 1, brightest.max(x)),
-            false => (count + 1, faint, brightest),
-        });
-        (faint > 0 && faint * TEXELS_EACH >= count).then_some(brightest)
     }
 }
 
@@ -434,17 +421,6 @@ impl Texture {
                 (0..3).any(|channel| tint[channel] == 1.0 && image.texels().all(|texel| texel[channel] >= 1.0))
             }),
             Texture::Noise { .. } | Texture::Marble { .. } => false,
-        }
-    }
-
-    /// The radiance of a part that is too faint, if it has several parts.
-    pub fn faint_part(&self, bitmaps: &Bitmaps, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
-        match self {
-            Texture::Checker { even, odd, .. } => {
-                [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance))
-            }
-            Texture::Image { tint, .. } => self.bitmap(bitmaps)?.faint_part(*tint, is_faint),
-            Texture::Rgb(..) | Texture::Noise { .. } | Texture::Marble { .. } => None,
         }
     }
 

@@ -1,16 +1,16 @@
-// A code names a BVH node or a primitive in one word. The highest bit is set for a primitive, the next three are its kind, and
+// A code names a BVH node or a primitive in one word. The highest bit is set for a primitive, the next four are its kind, and
 // the rest is its index within its kind. The highest codes name no primitive: they say what a slot's path is doing.
 
 const PRIMITIVE_BIT: u32 = 0x80000000u;
-const PRIMITIVE_KIND_SHIFT: u32 = 28u;
-const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
+const PRIMITIVE_KIND_SHIFT: u32 = 27u;
+const PRIMITIVE_INDEX_MASK: u32 = 0x07ffffffu;
 
 // KIND_TRIANGLE is a face of a mesh, or in the mesh's hierarchy a pair of faces. KIND_INSTANCE is a mesh placed in the scene; the
 // walk continues there in the mesh's own space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below
 // KIND_INSTANCE are shapes. The kind above KIND_INSTANCE belongs to the codes below, which name no primitive.
 const KIND_TRIANGLE: u32 = 3u;
-const KIND_DELTA_LIGHT: u32 = 5u;
-const KIND_INSTANCE: u32 = 6u;
+const KIND_DELTA_LIGHT: u32 = 13u;
+const KIND_INSTANCE: u32 = 14u;
 
 // The ray left the scene.
 const HIT_NOTHING: u32 = 0xffffffffu;
@@ -27,7 +27,7 @@ const PATH_TOO_DEEP: u32 = 0xfffffffau;
 const FIRST_STATUS: u32 = PATH_TOO_DEEP;
 
 fn primitive_kind(code: u32) -> u32 {
-    return (code >> PRIMITIVE_KIND_SHIFT) & 7u;
+    return (code >> PRIMITIVE_KIND_SHIFT) & 15u;
 }
 
 fn primitive_index(code: u32) -> u32 {
@@ -79,7 +79,8 @@ struct LargeSphere {
     padding: u32,
 }
 
-// A parallelogram corner + a u + b v with 0 <= a, b <= 1, where a = (p - corner) . a_axis and b = (p - corner) . b_axis.
+// A parallelogram corner + a u + b v with 0 <= a, b <= 1, where a = (p - corner) . a_axis and b = (p - corner) . b_axis. A disk is stored
+// as the square around it.
 struct Quad {
     corner: vec3<f32>,
     order: u32,

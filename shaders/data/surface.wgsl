@@ -8,7 +8,7 @@ struct Surface {
     normal: vec3<f32>,
     material: u32,
     // The point in the primitive's own coordinates. Sphere: its normal. Large sphere: its offset from the point nearest to the camera, in
-    // radii. Quad: (a, b, 0). Cuboid: 0..1 along each axis from its low corner. Triangle: the weights of its vertices.
+    // radii. Quad, and the square around a disk: (a, b, 0). Cuboid: 0..1 along each axis from its low corner. Triangle: the weights of its vertices.
     local: vec3<f32>,
     // Index of the frame that maps `local` to the point at which a texture is evaluated.
     frame: u32,

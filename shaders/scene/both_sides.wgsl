@@ -1,7 +1,7 @@
 //@ use data/hit
 //@ use data/material
 //@ use data/surface
-//@ use choice/offset
+//@ use geometry/offset
 //@ use choice/shading
 //@ use scene/responses
 // On a smooth mesh, the two sides of a facet have two points. A material that responds on both chooses one of them before it aims at a

@@ -1,7 +1,7 @@
 //@ use data/surface
 //@ use data/hit
 //@ use data/ray
-//@ use choice/offset
+//@ use geometry/offset
 // Surfaces without vertex normals: light scatters around the surface's own normal.
 
 // The normal for the material. `facing` is the surface's own normal, on the side from which the ray comes.

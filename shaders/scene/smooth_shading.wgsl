@@ -2,7 +2,7 @@
 //@ use data/hit
 //@ use data/ray
 //@ use data/primitive
-//@ use choice/offset
+//@ use geometry/offset
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ use lib/bent_back

@@ -1,9 +1,9 @@
 //! Builds the tree: a binary one from the root down, and the nodes from it.
 
 use super::collapse::{Collapse, End, Twig};
-use super::split::{Group, Search};
+use super::split::Group;
 use super::wide::quantised;
-use super::{Bounds, Bvh};
+use super::{Bounds, Bvh, Quality};
 use crate::data::{Node, PRIMITIVE_BIT};
 use crate::threads::each;
 
@@ -47,14 +47,14 @@ struct Place {
 }
 
 /// Builds the tree over two primitives or more.
-pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
+pub fn grow(all: Group<'_>, quality: Quality, threads: usize) -> Bvh {
     let most = (all.items.len() / PIECES).max(LEAST_PIECE);
     let all = Branch { group: all, depth: 0 };
-    let whole = |branch| Grown::of(&fork(branch, search, 1).0);
+    let whole = |branch| Grown::of(&fork(branch, quality, 1).0);
     let grown = if all.group.items.len() <= most {
         whole(all)
     } else {
-        let (twigs, pieces) = fork(all, search, most);
+        let (twigs, pieces) = fork(all, quality, most);
         let mut top = Grown::of(&twigs);
         let mut places = std::mem::take(&mut top.pieces);
         places.sort_unstable_by_key(|place| place.piece);
@@ -69,7 +69,7 @@ pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
 
 /// The binary tree over a group. Its leaves hold the codes of primitives. A group of two to `most` primitives is a leaf with the number of
 /// the group, and is returned.
-fn fork<'a>(all: Branch<'a>, search: &Search, most: usize) -> (Vec<Twig>, Vec<Branch<'a>>) {
+fn fork<'a>(all: Branch<'a>, quality: Quality, most: usize) -> (Vec<Twig>, Vec<Branch<'a>>) {
     let (mut twigs, mut pieces) = (Vec::<Twig>::new(), Vec::new());
     let mut open: Vec<(Branch<'_>, Above)> = vec![(all, None)];
     while let Some((Branch { group, depth }, above)) = open.pop() {
@@ -87,7 +87,7 @@ fn fork<'a>(all: Branch<'a>, search: &Search, most: usize) -> (Vec<Twig>, Vec<Br
                 End::Leaf(pieces.len() as u32 - 1)
             }
             _ => {
-                let [low, high] = if depth < DEEPEST_SOUGHT { group.split(search) } else { group.halve() };
+                let [low, high] = if depth < DEEPEST_SOUGHT { group.split(quality) } else { group.halve() };
                 for (side, group) in [(1, high), (0, low)] {
                     open.push((Branch { group, depth: depth + 1 }, Some((here, side))));
                 }

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use crate::data::{HIT_NOTHING, Node};
 use crate::threads::cores;
-use split::{Group, Item, Search};
+use split::{Group, Item};
 
 pub use wide::WIDTH;
 
@@ -46,20 +46,9 @@ pub struct Bvh {
 /// The trade-off between the time of the build and the time of the walks. It does not change the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    Fast,
     #[default]
     Medium,
     Best,
-}
-
-impl Quality {
-    fn search(self) -> Search {
-        match self {
-            Quality::Fast => Search { bins: 16, all_axes: false },
-            Quality::Medium => Search { bins: 16, all_axes: true },
-            Quality::Best => Search { bins: 32, all_axes: true },
-        }
-    }
 }
 
 /// The expected number of boxes that a line hits if it hits the box around all of them: the ratio of the sum of their
@@ -81,7 +70,7 @@ pub fn build_with_threads(bounds: &[Bounds], codes: &[u32], quality: Quality, th
     match &mut items[..] {
         [] => Bvh { nodes: Vec::new(), root: HIT_NOTHING, stack_size: 0 },
         [only] => Bvh { nodes: Vec::new(), root: only.code, stack_size: 0 },
-        items => grow::grow(Group::new(items), &quality.search(), threads),
+        items => grow::grow(Group::new(items), quality, threads),
     }
 }
 

@@ -1,11 +1,9 @@
 //! Splits groups of primitives by the surface area heuristic, with cuts between bins (Wald 2007, "On fast
 //! construction of SAH-based bounding volume hierarchies").
 
-use std::ops::Range;
-
 use glam::Vec3A;
 
-use super::Bounds;
+use super::{Bounds, Quality};
 
 /// A primitive during the build. The code comes first, because vector loads of `max` also read the word after it: a code, read as a
 /// float, is subnormal, which makes every operation on it slow.
@@ -57,15 +55,6 @@ impl From<Extent> for Bounds {
     }
 }
 
-/// The parameters of the search for cuts.
-#[derive(Clone, Copy, Debug)]
-pub struct Search {
-    /// The number of bins on an axis, 16 or 32. Small groups have fewer.
-    pub bins: usize,
-    /// Whether cuts along all three axes are considered, and not only along the longest.
-    pub all_axes: bool,
-}
-
 /// One or more primitives, with the box around them and the box around their middles.
 pub struct Group<'a> {
     pub items: &'a mut [Item],
@@ -92,13 +81,13 @@ impl<'a> Group<'a> {
     }
 
     /// Splits at the cut with the least cost. A small group needs only few bins.
-    pub fn split(self, search: &Search) -> [Group<'a>; 2] {
-        let cut = match (self.items.len(), search.bins) {
+    pub fn split(self, quality: Quality) -> [Group<'a>; 2] {
+        let cut = match (self.items.len(), quality) {
             (0..=2, _) => None,
-            (3..=6, _) => self.best::<4>(search),
-            (7..=24, _) => self.best::<8>(search),
-            (_, 0..=16) => self.best::<16>(search),
-            _ => self.best::<32>(search),
+            (3..=6, _) => self.best::<4>(),
+            (7..=24, _) => self.best::<8>(),
+            (_, Quality::Medium) => self.best::<16>(),
+            (_, Quality::Best) => self.best::<32>(),
         };
         match cut {
             Some(cut) => self.partition(&cut),
@@ -108,7 +97,8 @@ impl<'a> Group<'a> {
 
     /// Splits into two halves along the longest axis.
     pub fn halve(self) -> [Group<'a>; 2] {
-        let axis = longest(self.middles.max - self.middles.min);
+        let extent = self.middles.max - self.middles.min;
+        let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
         let half = self.items.len() / 2;
         self.items.select_nth_unstable_by(half, |a, b| a.middle()[axis].total_cmp(&b.middle()[axis]));
         let (low, high) = self.items.split_at_mut(half);
@@ -116,18 +106,14 @@ impl<'a> Group<'a> {
     }
 
     /// The cut with the least cost. None if all middles are in one bin, or if surfaces are zero or infinite.
-    fn best<const BINS: usize>(&self, search: &Search) -> Option<Cut> {
+    fn best<const BINS: usize>(&self) -> Option<Cut> {
         let extent = self.middles.max - self.middles.min;
         // Slightly less than the number of bins, so that the last middle is in the last bin.
         let scale = Vec3A::splat(BINS as f32 * (1.0 - 1e-6)) / extent;
         let scale = Vec3A::select(scale.is_finite_mask(), scale, Vec3A::ZERO);
-        let axes = match search.all_axes {
-            true => 0..3,
-            false => longest(extent)..longest(extent) + 1,
-        };
-        let bins = self.bins::<BINS>(axes.clone(), scale);
+        let bins = self.bins::<BINS>(scale);
         let mut best: Option<(f32, Cut)> = None;
-        for axis in axes {
+        for axis in 0..3 {
             // The costs above each cut, from the top down; then the costs below, from the bottom up.
             let mut above = [0.0; BINS];
             let (mut hull, mut items) = (Extent::EMPTY, 0);
@@ -153,11 +139,11 @@ impl<'a> Group<'a> {
     }
 
     /// For each bin, the box around its primitives and their number.
-    fn bins<const BINS: usize>(&self, axes: Range<usize>, scale: Vec3A) -> [[(Extent, u32); BINS]; 3] {
+    fn bins<const BINS: usize>(&self, scale: Vec3A) -> [[(Extent, u32); BINS]; 3] {
         let mut bins = [[(Extent::EMPTY, 0); BINS]; 3];
         for item in self.items.iter() {
             let place = ((item.middle() - self.middles.min) * scale).to_array();
-            for axis in axes.clone() {
+            for axis in 0..3 {
                 let (hull, count) = &mut bins[axis][(place[axis] as i32 as usize).min(BINS - 1)];
                 hull.add(item.min.into(), item.max.into());
                 *count += 1;
@@ -198,9 +184,4 @@ fn cost(hull: &Extent, items: u32) -> f32 {
         0 => f32::INFINITY,
         _ => hull.half_area() * items as f32,
     }
-}
-
-/// The axis of the largest extent.
-fn longest(extent: Vec3A) -> usize {
-    (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0)
 }

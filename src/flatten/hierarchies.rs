@@ -61,7 +61,7 @@ mod tests {
         let load = || Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/instances.ron")).unwrap();
         let (scene, mut hierarchies) = (load(), Hierarchies::default());
         let medium = RenderOptions::default();
-        let fast = RenderOptions { build: Quality::Fast, ..RenderOptions::default() };
+        let best = RenderOptions { build: Quality::Best, ..RenderOptions::default() };
         let mut built = |scene: &Scene, options: &RenderOptions| {
             let again = flatten_again(scene, (16, 9), options, &mut hierarchies).unwrap();
             let first = flatten(scene, (16, 9), options).unwrap();
@@ -73,7 +73,7 @@ mod tests {
         assert!(meshes > 1);
         assert_eq!(built(&scene, &medium), (meshes, meshes));
         assert_eq!(built(&scene, &medium), (meshes, meshes));
-        assert_eq!(built(&scene, &fast), (2 * meshes, 2 * meshes));
+        assert_eq!(built(&scene, &best), (2 * meshes, 2 * meshes));
         // Of a scene with other meshes, none is the same, and the old ones are dropped.
         assert_eq!(built(&load(), &medium), (3 * meshes, meshes));
     }

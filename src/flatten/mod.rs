@@ -34,7 +34,7 @@ use crate::shape::mesh::{self, Laid};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, Hull, KINDS, LargeSphere, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
 use crate::threads::beside;
-use diagnostics::At;
+use diagnostics::Search;
 use place::{Finder, Placed, PlacedMedium, extent};
 use view::View;
 
@@ -173,19 +173,10 @@ fn flatten_with(
     }
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
-    let emissions = emissions(scene, &used, brightest_shown(&finder, view.eye, extent));
-    let found = diagnostics::Found {
-        scene,
-        placed: &finder.placed,
-        media: &finder.media,
-        lights: &finder.lights,
-        view: &view,
-        extent,
-        emissions: &emissions,
-    };
+    let brightest = brightest(scene, &used).max(brightest_shown(&finder, view.eye, extent));
+    let search = Search::new(scene, &finder, &view, extent, brightest > 0.0);
     let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
-    let brightest = emissions.iter().fold(0.0, |most, (_, radiance)| radiance.max(most));
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
@@ -223,15 +214,17 @@ fn flatten_with(
         builder.flat.kept_shares = microfacets::kept_shares();
     }
     let sample_lights = options.integrator == Integrator::Mis;
-    // The diagnostics run while the hierarchies are built.
-    let look = || diagnostics::warnings(&found);
-    let (warnings, ()) = beside(look, || {
-        builder.add_primitives(&finder.placed);
-        builder.add_media(&finder.media);
-        if sample_lights && builder.flat.features.samples_light_anywhere() {
-            builder.add_lights(&finder.placed, &finder.lights, radiance_scale);
-        }
-    });
+    // The warnings are searched for while the hierarchies are built.
+    let (warnings, ()) = beside(
+        || search.warnings(),
+        || {
+            builder.add_primitives(&finder.placed);
+            builder.add_media(&finder.media);
+            if sample_lights && builder.flat.features.samples_light_anywhere() {
+                builder.add_lights(&finder.placed, &finder.lights, radiance_scale);
+            }
+        },
+    );
     let mut flat = builder.flat;
     if flat.meshes.len() >= MAX_PRIMITIVES {
         let message = format!(
@@ -463,41 +456,37 @@ const MOST_SHOWN: usize = 64;
 /// The least distance of a light from what it lights, as a share of the scene's extent.
 const LEAST_SHOWN: f64 = 1.0 / (1u64 << 14) as f64;
 
-/// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest hull of an object. Each light
-/// with its number.
-fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> Vec<(usize, f64)> {
+/// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest hull of an object.
+fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
-    let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).enumerate().collect();
-    lights.sort_by(|(_, a), (_, b)| b.colour.max_element().total_cmp(&a.colour.max_element()));
+    let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).collect();
+    lights.sort_by(|a, b| b.colour.max_element().total_cmp(&a.colour.max_element()));
     let placed = finder.placed.iter().map(|placed| placed.shape.hull(&Placement { to_world: &placed.to_world, space }));
     let media =
         finder.media.iter().map(|medium| medium.boundary.hull(&Placement { to_world: &medium.to_world, space }));
     let hulls: Vec<Hull> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
-    let shown = |(number, light): (usize, &PlacedLight)| {
+    let shown = |light: &PlacedLight| {
         let distance = light.place.map_or(1.0, |place| {
             let nearest = hulls.iter().map(|hull| hull.distance(place - eye)).fold(f64::INFINITY, f64::min);
             let nearest = if nearest.is_finite() { nearest } else { extent };
             nearest.max(LEAST_SHOWN * extent)
         });
-        (number, light.shown(distance))
+        light.shown(distance)
     };
-    lights.into_iter().take(MOST_SHOWN).map(shown).collect()
+    lights.into_iter().take(MOST_SHOWN).map(shown).fold(0.0, f64::max)
 }
 
-/// The largest component of the radiance of each used material, of the background, and of what lights without size light.
-fn emissions(scene: &Scene, used: &[bool], shown: Vec<(usize, f64)>) -> Vec<(At, f64)> {
+/// The largest component of the radiance of the background and of the materials that objects have.
+fn brightest(scene: &Scene, used: &[bool]) -> f64 {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
     };
-    let light = |(number, (_, material)): (usize, &(String, Material))| {
-        let emission = material.model().emission()?;
-        Some((At::Emit(number), emission.slot.texture.brightest(&scene.bitmaps)))
-    };
-    let lights = scene.materials.iter().enumerate().filter(|(number, _)| used[*number]).filter_map(light);
-    let shown = shown.into_iter().map(|(number, radiance)| (At::Light(number), radiance));
-    lights.chain([(At::Background, sky)]).chain(shown).collect()
+    let used = scene.materials.iter().zip(used).filter(|(_, used)| **used);
+    let emitted =
+        used.filter_map(|((_, material), _)| Some(material.model().emission()?.slot.texture.brightest(&scene.bitmaps)));
+    emitted.fold(sky, f64::max)
 }
 
 /// The index in `BACKGROUNDS`.

@@ -468,7 +468,7 @@ const NORMAL_SCALE: Field = Field::new(
 const ALPHA: Field = Field::new(
     "alpha",
     Takes::Varying(Range::SHARE),
-    "The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads and meshes.",
+    "The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads, disks and meshes.",
 )
 .or("1");
 const ALPHA_CUTOFF: Field = Field::new(

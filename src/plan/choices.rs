@@ -156,7 +156,6 @@ named! {
         light_coverage,
         clamp,
         fresnel,
-        offset,
         sphere_chord,
         walk,
         sampler,
@@ -180,7 +179,7 @@ named! {
 }
 
 /// The choices that `plan` lists: those between modules that do the same in different ways. The others say whether a feature is there.
-pub const ALTERNATIVES: [&str; 17] = [
+pub const ALTERNATIVES: [&str; 16] = [
     "axes",
     "camera",
     "filter",
@@ -194,7 +193,6 @@ pub const ALTERNATIVES: [&str; 17] = [
     "light_choice",
     "clamp",
     "fresnel",
-    "offset",
     "sphere_chord",
     "walk",
     "sampler",
@@ -529,7 +527,6 @@ pub(super) fn decide(
         light_coverage: either(&light_coverage, "scene/light_coverage", "null/light_coverage"),
         clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
         fresnel: approximate(&options::FRESNEL, has_glass),
-        offset: approximate(&options::OFFSET, surface.is_some()),
         sphere_chord: approximate(&options::PRECISION, has_spheres),
         walk,
         sampler: by_option(&options::SAMPLER),

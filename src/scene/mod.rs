@@ -220,23 +220,6 @@ impl Scene {
         debug_assert!(walked.is_ok(), "nothing in it fails");
     }
 
-    /// The location and path of the material's emission, or of the material if it emits nothing.
-    pub fn spot_of_emission(&self, name: &str, material: &Material) -> (Location, String) {
-        let top = self.top();
-        let materials = top.field("materials");
-        let at = materials.key(name);
-        let at = at.variant(material.name());
-        match material.model().emission() {
-            Some(emission) => at.field(emission.slot.field.name).spot(),
-            None => at.spot(),
-        }
-    }
-
-    /// The location and path of the background.
-    pub fn spot_of_background(&self) -> (Location, String) {
-        self.top().field("background").spot()
-    }
-
     /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a
     /// remedy. Warnings that depend on the positions of placed objects come from flattening.
     pub fn warnings(&self) -> Vec<String> {

@@ -10,7 +10,7 @@ pub use crate::bitmap::{Bitmap, Bitmaps};
 use crate::delta_light::{DeltaLight, default_inner, default_outer};
 pub use crate::material::Material;
 use crate::shape::mesh::{self, MeshShape};
-use crate::shape::{Shape, ShapeKind, cuboid, quad, sphere};
+use crate::shape::{Shape, ShapeKind, cuboid, disk, quad, sphere};
 pub use crate::texture::{Colour, Texture, Use};
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -98,6 +98,13 @@ pub enum Object {
         #[serde(default)]
         material: Option<String>,
     },
+    Disk {
+        center: DVec3,
+        normal: DVec3,
+        radius: f64,
+        #[serde(default)]
+        material: Option<String>,
+    },
     PointLight {
         at: DVec3,
         intensity: Colour,
@@ -176,6 +183,7 @@ impl Object {
             Object::Sphere { .. } => Some(&sphere::KIND),
             Object::Quad { .. } => Some(&quad::KIND),
             Object::Box { .. } => Some(&cuboid::KIND),
+            Object::Disk { .. } => Some(&disk::KIND),
             Object::Mesh { .. } => Some(&mesh::KIND),
             _ => None,
         }
@@ -203,6 +211,9 @@ impl Object {
             }
             Object::Quad { corner, u, v, .. } => Some(Shape::Quad(quad::Quad { corner: *corner, u: *u, v: *v })),
             Object::Box { min, max, .. } => Some(Shape::Cuboid(cuboid::Cuboid { min: *min, max: *max })),
+            Object::Disk { center, normal, radius, .. } => {
+                Some(Shape::Disk(disk::Disk { center: *center, normal: *normal, radius: *radius }))
+            }
             Object::Mesh { path, .. } => meshes.get(path.as_str()).map(Shape::Mesh),
             _ => None,
         }
@@ -228,6 +239,7 @@ impl Object {
             Object::Sphere { material, .. }
             | Object::Quad { material, .. }
             | Object::Box { material, .. }
+            | Object::Disk { material, .. }
             | Object::Mesh { material, .. } => material.as_deref(),
             _ => None,
         }

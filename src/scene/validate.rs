@@ -281,9 +281,11 @@ impl KnownNames<'_> {
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
         if material.has_alpha() && object.kind().is_some_and(|kind| kind.encloses()) {
+            let open = kinds_in_files().filter(|kind| !kind.encloses()).map(|kind| format!("a {}", kind.form.name));
             return Err(at.error(format!(
-                "the material {name:?} has an alpha, which a {} cannot have: expected a Quad or a Mesh, or a material without an alpha",
-                object.name()
+                "the material {name:?} has an alpha, which a {} cannot have: expected {}, or a material without an alpha",
+                object.name(),
+                any(open)
             )));
         }
         let images = material.textures().into_iter().filter(|texture| texture.image().is_some());

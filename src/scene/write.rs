@@ -65,6 +65,7 @@ fn object(object: &Object) -> Result<String, ron::Error> {
         Object::Sphere { .. }
         | Object::Quad { .. }
         | Object::Box { .. }
+        | Object::Disk { .. }
         | Object::PointLight { .. }
         | Object::SpotLight { .. }
         | Object::DirectionalLight { .. } => value(object)?,

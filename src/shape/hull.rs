@@ -19,15 +19,6 @@ impl Hull {
         }
     }
 
-    /// The radius, the two edges, or the three sides.
-    pub fn sizes(&self) -> Vec<f64> {
-        match *self {
-            Hull::Ball { radius, .. } => vec![radius],
-            Hull::Parallelogram { u, v, .. } => vec![u.length(), v.length()],
-            Hull::Cuboid { half, .. } => (2.0 * half).to_array().to_vec(),
-        }
-    }
-
     /// The centre and the radius of a ball around it.
     pub fn ball(&self) -> (DVec3, f64) {
         match *self {

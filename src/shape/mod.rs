@@ -1,10 +1,11 @@
-//! The shapes: sphere, quad, box and mesh, and the large sphere, which is a sphere to scene files; one file each.
+//! The shapes: sphere, quad, box, mesh and disk, and the large sphere, which is a sphere to scene files; one file each.
 //!
 //! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
 //! Neither has defaults, so that a new shape cannot forget one.
 
 mod closed;
 pub mod cuboid;
+pub mod disk;
 mod hull;
 pub mod large_sphere;
 pub mod mesh;
@@ -22,6 +23,7 @@ use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Field, Form, Takes, kinds};
 pub use cuboid::Cuboid;
+pub use disk::Disk;
 pub use hull::{Hull, normal, reach_of};
 pub use large_sphere::LargeSphere;
 use mesh::{Laid, MeshShape};
@@ -110,6 +112,7 @@ pub struct Tables {
     pub cuboids: Vec<data::Cuboid>,
     pub instances: Vec<data::Instance>,
     pub large_spheres: Vec<data::LargeSphere>,
+    pub disks: Vec<data::Quad>,
 }
 
 /// The members that an element of any shape has: how it refers to the rest of the scene.
@@ -165,6 +168,7 @@ pub enum Shape<'a> {
     Cuboid(Cuboid),
     Mesh(&'a MeshShape<'a>),
     LargeSphere(LargeSphere),
+    Disk(Disk),
 }
 
 kinds! {
@@ -174,6 +178,7 @@ kinds! {
     Cuboid => cuboid::KIND,
     Mesh => mesh::KIND,
     LargeSphere => large_sphere::KIND,
+    Disk => disk::KIND,
 }
 
 impl<'a> Deref for Shape<'a> {
@@ -186,6 +191,7 @@ impl<'a> Deref for Shape<'a> {
             Shape::Cuboid(shape) => shape,
             Shape::Mesh(shape) => shape,
             Shape::LargeSphere(shape) => shape,
+            Shape::Disk(shape) => shape,
         }
     }
 }

@@ -39,6 +39,28 @@ pub struct Quad {
     pub v: DVec3,
 }
 
+impl Quad {
+    /// As kernels read it.
+    pub(super) fn on_device(&self, at: &Placement, element: Element) -> data::Quad {
+        let (corner, u, v) = (at.point(self.corner), at.vector(self.u), at.vector(self.v));
+        let (normal, a_axis, b_axis) = quad_axes(u, v);
+        data::Quad {
+            corner: f32s(corner),
+            order: element.order,
+            normal: f32s(normal),
+            material: element.material,
+            a_axis: f32s(a_axis),
+            frame: element.frame,
+            light: 0,
+            b_axis: f32s(b_axis),
+            error: error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]),
+            u: f32s(u),
+            v: f32s(v),
+            error_across: error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal),
+        }
+    }
+}
+
 impl Geometry for Quad {
     fn check(&self, at: &Place) -> Result<()> {
         CORNER.check_vector(at, self.corner)?;
@@ -65,27 +87,11 @@ impl Geometry for Quad {
     }
 
     fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
-        let corner = at.point(self.corner);
-        let (u, v) = (at.vector(self.u), at.vector(self.v));
-        let (normal, a_axis, b_axis) = quad_axes(u, v);
+        let quad = self.on_device(at, element);
+        let (corner, u, v) = (at.point(self.corner), at.vector(self.u), at.vector(self.v));
         let around = Aabb::around([corner, corner + u, corner + v, corner + u + v]);
-        let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
-        let error_across = error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal);
-        tables.quads.push(data::Quad {
-            corner: f32s(corner),
-            order: element.order,
-            normal: f32s(normal),
-            material: element.material,
-            a_axis: f32s(a_axis),
-            frame: element.frame,
-            light: 0,
-            b_axis: f32s(b_axis),
-            error,
-            u: f32s(u),
-            v: f32s(v),
-            error_across,
-        });
-        padded(around.min.as_vec3(), around.max.as_vec3(), error)
+        tables.quads.push(quad);
+        padded(around.min.as_vec3(), around.max.as_vec3(), quad.error)
     }
 
     fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {

@@ -91,6 +91,7 @@ impl Everything {
         Quad(corner: (-4, 0, 4), u: (8, 0, 0), v: (0, 0, -8), material: \"checker\"),
         Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\"),
         Quad(corner: (-3, 0.3, -2.5), u: (1.5, 0, -0.4), v: (0, 1.5, 0), material: \"screen\"),
+        Disk(center: (1.8, 0.5, -2), normal: (-0.3, 0.1, 1), radius: 0.5, material: \"screen\"),
         Sphere(center: (0, -100000.2, 0), radius: 100000, material: \"marble\"),
         Sphere(center: (-1.1, 0.7, 0), radius: 0.7, material: \"image\"),
         Sphere(center: (0.4, 0.6, 0.6), radius: 0.6, material: \"glass\"),

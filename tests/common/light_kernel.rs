@@ -38,6 +38,7 @@ pub const SPHERE: Kind = ("sphere", "Sphere");
 pub const LARGE_SPHERE: Kind = ("large_sphere", "LargeSphere");
 pub const TRIANGLE: Kind = ("triangle", "Triangle");
 pub const QUAD: Kind = ("quad", "Quad");
+pub const DISK: Kind = ("disk", "Quad");
 pub const CUBOID: Kind = ("cuboid", "Cuboid");
 
 pub fn kernel((shape, name): Kind, draws: usize, replaced: &[(&str, &str)]) -> Kernel {

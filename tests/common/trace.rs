@@ -63,7 +63,7 @@ pub fn tracer_with_surface(primitive: &str, surface: &str, surface_module: &str,
     let kind = match primitive {
         "sphere" => "Sphere",
         "large_sphere" => "LargeSphere",
-        "quad" => "Quad",
+        "quad" | "disk" => "Quad",
         _ => "Cuboid",
     };
     let values = [("primitive", primitive), ("type", kind), ("surface", surface), ("surface_module", surface_module)];

@@ -20,6 +20,13 @@ const CASES: &[(&str, &str, &str, &str)] = &[
         "0",
         "1e-5",
     ),
+    ("disk of radius 0", "Disk(center: (0, 0, 0), normal: (0, 1, 0), radius: HERE, material: \"m\")", "0", "1e-30"),
+    (
+        "disk without a normal",
+        "Disk(center: (0, 0, 0), normal: (0, HERE, 0), radius: 1, material: \"m\")",
+        "0",
+        "1e-30",
+    ),
     ("box without a height", "Box(min: (0, 0, 0), max: (1, HERE, 1), material: \"m\")", "0", "1e-30"),
     ("box inside out", "Box(min: (0, 0, 0), max: (1, HERE, 1), material: \"m\")", "-1", "1"),
     (

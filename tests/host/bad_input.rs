@@ -151,7 +151,7 @@ fn bad_materials() -> Vec<Bad> {
         bad(
             material("Pbr(alpha: 0.5)").replace("material: \"it\"", "material: §\"it\""),
             "objects[0].Sphere.material",
-            &["\"it\" has an alpha", "a Sphere cannot have", "a Quad or a Mesh"],
+            &["\"it\" has an alpha", "a Sphere cannot have", "a Quad, a Mesh or a Disk"],
         ),
         bad(material("Pbr(alpha: §\"none\")"), "materials[\"it\"].Pbr.alpha", &["a number"]),
         bad(material("Metal(albedo: Rgb(§-0.1, 0.5, 0.5))"), "materials[\"it\"].Metal.albedo.Rgb[0]", &["albedo", "-0.1"]),
@@ -234,6 +234,9 @@ fn bad_objects() -> Vec<Bad> {
         bad(object("§Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (-2, 0, 0), material: \"grey\")"), "objects[0].Quad", &["quad", "parallel"]),
         bad(object("§Quad(corner: (0, 0, 0), u: (1e30, 1e30, 0), v: (1e-30, 1e-30, 0), material: \"grey\")"), "objects[0].Quad", &["parallel"]),
         bad(object("§Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (1, 1e-10, 0), material: \"grey\")"), "objects[0].Quad", &["parallel"]),
+        bad(object("Disk(center: (0, 0, 0), normal: §(0, 0, 0), radius: 1, material: \"grey\")"), "objects[0].Disk.normal", &["no length"]),
+        bad(object("Disk(center: (0, 0, 0), normal: (0, 1, 0), radius: §-1, material: \"grey\")"), "objects[0].Disk.radius", &["radius", "greater than 0"]),
+        bad(object("§Disk(center: (0, 0, 0), radius: 1, material: \"grey\")"), "objects[0].Disk.normal", &["normal is missing"]),
         bad(object("Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0), material: §\"wood\")"), "objects[0].Quad.material", &["there is no material \"wood\""]),
         bad(object("§Box(min: (0, 0, 0), max: (1, 1, 0), material: \"grey\")"), "objects[0].Box", &["box", "along z"]),
         bad(object("§Box(min: (0, 2, 0), max: (1, 1, 1), material: \"grey\")"), "objects[0].Box", &["box", "along y", "2.0 and 1.0"]),

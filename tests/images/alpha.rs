@@ -171,9 +171,7 @@ fn the_bytes_do_not_depend_on_how_the_work_is_done() {
     for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
         same_bytes_however_cut(&room, &ask, "a room of surfaces with an alpha");
         let usual = bits(&render(&room, &ask));
-        for build in [Quality::Fast, Quality::Best] {
-            assert!(usual == bits(&render(&room, &ask.clone().with(|options| options.build = build))), "{build:?}");
-        }
+        assert!(usual == bits(&render(&room, &ask.with(|options| options.build = Quality::Best))), "--build best");
     }
 }
 

@@ -357,13 +357,6 @@ fn warnings_know_lights_without_size() {
         &["test.ron:5:1", "the camera is inside this opaque sphere"],
     );
     none("", &format!("{SUN}\n{POINT}\n{}", wall("(0, 0, 0)", 10.0)));
-    // Beside one that is much brighter.
-    let bright = "PointLight(at: (0, 1, 0), intensity: (1e20, 1e20, 1e20)),";
-    one(
-        "",
-        &format!("{BALL}{POINT}\n{bright}"),
-        &["test.ron:4:", "objects[1]", "the film has one unit for the whole image"],
-    );
     // What mirrors and glass stop.
     let glass = "\"glass\": Dielectric(ior: 1.5)";
     let clear = "Sphere(center: (-2, 0, 0), radius: 0.5, material: \"glass\"),";

@@ -10,7 +10,7 @@ use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::commands::Cli;
 use gpu_rt::flatten::flatten;
-use gpu_rt::options::{Class, Fresnel, Offset, OptionSpec, Precision, RenderOptions, TRADE_OFFS};
+use gpu_rt::options::{Class, Fresnel, OptionSpec, Precision, RenderOptions, TRADE_OFFS};
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use gpu_rt::plan::{UniformTables, choices_of};
 use serde_json::Value;
@@ -142,7 +142,6 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
     let approximate = RenderOptions {
         fresnel: Fresnel::Schlick,
         clamp: Some(1.0),
-        offset: Offset::Fast,
         precision: Precision::Fast,
         ..RenderOptions::default()
     };
@@ -152,7 +151,6 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
         let linked = [
             ("fresnel", "lib/fresnel_schlick"),
             ("clamp", "step/clamp"),
-            ("offset", "geometry/offset_fast"),
             ("sphere_chord", "geometry/sphere_chord_fast"),
         ];
         linked.map(|(choice, module)| choices[choice].module == module)
@@ -161,14 +159,14 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
     let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
     let smoke = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
     for (objects, expected) in [
-        ("", [false, false, false, false]),
-        (box_of("grey").as_str(), [false, true, true, false]),
-        (box_of("glass").as_str(), [true, true, true, false]),
-        (sphere, [false, true, true, true]),
-        (smoke, [false, true, false, true]),
+        ("", [false, false, false]),
+        (box_of("grey").as_str(), [false, true, false]),
+        (box_of("glass").as_str(), [true, true, false]),
+        (sphere, [false, true, true]),
+        (smoke, [false, true, true]),
     ] {
         assert_eq!(asked(objects, &approximate), expected, "{objects}");
-        assert_eq!(asked(objects, &RenderOptions::default()), [false; 4], "{objects}");
+        assert_eq!(asked(objects, &RenderOptions::default()), [false; 3], "{objects}");
     }
 }
 
@@ -590,43 +588,6 @@ fn the_textbooks_spheres_fail_far_away() {
     }
 }
 
-/// An open box as it looks from above, from near and from far: but for the perspective it is one image.
-#[test]
-fn an_offset_by_the_distance_fails_on_what_is_small_from_afar() {
-    let place = Place::new();
-    let shot = |distance: f64, options: &[&str], seed: &str| {
-        let fov = 2.0 * (0.5 / distance).atan().to_degrees();
-        let scene = place.scene(&format!(
-            "Scene(
-    image: (width: 32, height: 32),
-    camera: (look_from: (0, {distance:e}, 0), look_at: (0, 0, 0), up: (0, 0, -1), vertical_fov: {fov:e}),
-    background: Solid((1, 1, 1)),
-    materials: {{ \"wall\": Lambertian(albedo: Rgb(0.5, 0.6, 0.7)) }},
-    objects: [
-        Quad(corner: (-0.5, -1, -0.5), u: (0, 0, 1), v: (1, 0, 0), material: \"wall\"),
-        Quad(corner: (-0.5, -1, -0.5), u: (1, 0, 0), v: (0, 1, 0), material: \"wall\"),
-        Quad(corner: (-0.5, -1, 0.5), u: (1, 0, 0), v: (0, 1, 0), material: \"wall\"),
-        Quad(corner: (-0.5, -1, -0.5), u: (0, 0, 1), v: (0, 1, 0), material: \"wall\"),
-        Quad(corner: (0.5, -1, -0.5), u: (0, 0, 1), v: (0, 1, 0), material: \"wall\"),
-    ],
-    render: (samples: 64, max_depth: 20),
-)"
-        ));
-        let options = [options, &["--sampler", "independent", "--seed", seed]].concat();
-        means(&place.render(&scene, &options).image, 4, 7.0)
-    };
-    // From 200 away the walls are seen at up to 1/400. From 2e4 the robust offsets are 4e-3, as large as the rounding of where things are.
-    let near = shot(200.0, &[], "1");
-    same_expectation(&near, &shot(2e4, &[], "2"), 0.02).unwrap_or_else(|error| panic!("robust, from afar: {error}"));
-    same_expectation(&near, &shot(20.0, &["--offset", "fast"], "3"), 0.1)
-        .unwrap_or_else(|error| panic!("fast, near: {error}"));
-    // From 2e4 away rays start 1.2 above the floor of a box that is 1 deep.
-    assert!(
-        same_expectation(&near, &shot(2e4, &["--offset", "fast"], "4"), 0.02).is_err(),
-        "fast, from afar, is as good"
-    );
-}
-
 // What a render says of its settings
 
 /// With all of them, too, the image does not depend on how the kernels are linked and the work is cut.
@@ -634,16 +595,14 @@ fn an_offset_by_the_distance_fails_on_what_is_small_from_afar() {
 fn what_approximates_is_the_same_to_the_byte_however_it_is_linked() {
     let place = Place::new();
     let (_files, scene) = dim_everything();
-    let all = ["--fresnel", "schlick", "--clamp", "0.3", "--offset", "fast", "--precision", "fast", "--spp", "16"];
+    let all = ["--fresnel", "schlick", "--clamp", "0.3", "--precision", "fast", "--spp", "16"];
     let shot = |more: &[&str]| bits(&place.render(&scene, &[all.as_slice(), more].concat()).image);
     let usual = shot(&["--scatter", "fused"]);
     for scatter in ["linked", "queues"] {
         assert!(shot(&["--scatter", scatter, "--slots", "97", "--bounces", "7"]) == usual, "{scatter}");
     }
     // Each of them shows.
-    for (option, default) in
-        [("--fresnel", "exact"), ("--clamp", "off"), ("--offset", "robust"), ("--precision", "strict")]
-    {
+    for (option, default) in [("--fresnel", "exact"), ("--clamp", "off"), ("--precision", "strict")] {
         let options: Vec<&str> =
             all.chunks(2).flat_map(|pair| [pair[0], if pair[0] == option { default } else { pair[1] }]).collect();
         assert!(bits(&place.render(&scene, &options).image) != usual, "{option}");
@@ -679,7 +638,7 @@ fn a_render_with_a_setting_that_biases_says_so() {
         assert_eq!(excludes.contains(&option), told && knob.name != "size", "{option}: {excludes}");
     }
     // Several at once, and none with --quiet.
-    let ran = place.render(&scene, &["--clamp", "2.5", "--offset", "fast", "--max-depth", "3", "--quiet"]);
-    assert_eq!(ran.json["biases"], serde_json::json!(["--max-depth 3", "--clamp 2.5", "--offset fast"]));
+    let ran = place.render(&scene, &["--clamp", "2.5", "--precision", "fast", "--max-depth", "3", "--quiet"]);
+    assert_eq!(ran.json["biases"], serde_json::json!(["--max-depth 3", "--clamp 2.5", "--precision fast"]));
     assert_eq!(ran.stderr, "");
 }

@@ -93,6 +93,7 @@ fn every_shape_has_the_axes_of_its_texture_coordinates() {
     let unit = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
     // Shape, eye, and the directions of u, v and the normal there.
     let quad = "Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0.5, 2, 0), material: \"one\")";
+    let disk = "Disk(center: (0, 0, 0), normal: (1, 0, 0), radius: 1, material: \"one\")";
     let cuboid = "Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"one\")";
     let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"one\")";
     let turned = "Transformed(by: [RotateY(90)], object: Sphere(center: (0, 0, 0), radius: 1, material: \"one\"))";
@@ -100,6 +101,7 @@ fn every_shape_has_the_axes_of_its_texture_coordinates() {
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let cases = [
         (quad.to_owned(), 5.0 * z, x, y, z),
+        (disk.to_owned(), 5.0 * x, -z, y, x),
         (cuboid.to_owned(), 5.0 * z, x, y, z),
         (cuboid.to_owned(), -5.0 * z, -x, y, -z),
         (cuboid.to_owned(), 5.0 * x, -z, y, x),

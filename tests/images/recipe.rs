@@ -1,4 +1,4 @@
-//! Materials and a channel that are not in the program, added by the steps of docs/architecture.md as far as test code can: the shader files, what the
+//! Materials, a shape and a channel that are not in the program, added by the steps of docs/architecture.md as far as test code can: the shader files, what the
 //! host lays out for them, their names in the lists that the linker goes through, and nothing else on the device. A file of src/material
 //! cannot be added here, nor its lines in the list: a Lambertian of the scene file stands in for the new material.
 
@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 use crate::common::render::{Ask, Change, Shot, render, render_changed, scene};
 use gpu_rt::aov::Aov;
-use gpu_rt::flatten::{DeviceScene, MATERIALS};
+use gpu_rt::data::{KIND_DELTA_LIGHT, MAX_PRIMITIVES, primitive_code};
+use gpu_rt::flatten::{DeviceScene, MATERIALS, PRIMITIVES};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library};
 use gpu_rt::options::Scatter;
 
@@ -149,6 +150,127 @@ fn a_material_that_answers_to_lights_is_added_by_the_recipe() {
         let brighter = VELVET_EVAL.replace("material.parameter * pdf", "material.parameter * pdf * 1.2");
         let off = velvet_is_off(scatter, &brighter);
         assert!(off > 8.0, "{scatter:?}: {off} standard errors");
+    }
+}
+
+/// A shape that lets rays through its middle, and its directions as a light. A test cannot add a table to `Tables`, nor a form to the scene file:
+/// the ring has those of the disk, and with them the disk's name. The number of its kind is its own.
+const RING: &str = "//@ use data/ray
+//@ use data/primitive
+//@ use data/surface
+//@ use geometry/quad_plane
+fn disk_distance(ray: Ray, square: Quad) -> f32 {
+    let t = quad_plane_distance(ray, square);
+    let radii = length(2.0 * quad_coordinates(ray, t, square) - 1.0);
+    return select(NO_HIT, t, t > 0.0 && radii >= 0.5 && radii <= 1.0);
+}
+
+fn disk_surface(ray: Ray, t: f32, square: Quad) -> Surface {
+    return quad_surface_at(quad_coordinates(ray, t, square), square);
+}
+
+fn disk_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+    return SurfaceUv(local.xy, false);
+}
+";
+const RING_LIGHT: &str = "//@ use data/ray
+//@ use data/primitive
+//@ use light/sample
+//@ use lib/sampling
+//@ use geometry/quad_plane
+fn disk_light_sample(from_point: vec3<f32>, square: Quad, u: vec2<f32>) -> DirectionSample {
+    let at = 0.5 + 0.5 * sqrt(0.25 + 0.75 * u.x) * sample_circle(u.y);
+    let direction = normalize((square.corner - from_point) + (at.x * square.u + at.y * square.v));
+    return DirectionSample(direction, disk_light_pdf(from_point, direction, square));
+}
+
+fn disk_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, square: Quad) -> f32 {
+    let diameters = quad_plane_distance(Ray(from_point, direction), square) / length(square.u);
+    return 4.0 / (0.75 * PI) * diameters * diameters / abs(dot(direction, square.normal));
+}
+
+fn disk_light_front(ray: Ray, normal: vec3<f32>, square: Quad) -> bool {
+    return dot(ray.direction, normal) < 0.0;
+}
+
+fn disk_light_distance(ray: Ray, square: Quad) -> f32 {
+    return quad_plane_distance(ray, square);
+}
+";
+/// The highest number that a kind of shape can have.
+const LAST_KIND: u32 = KIND_DELTA_LIGHT - 1;
+
+/// The codes of disks in the tables, as those of the ring.
+fn renumbered(flat: &mut DeviceScene) {
+    let number = PRIMITIVES.iter().position(|name| *name == "disk").expect("there are disks");
+    let disk = primitive_code(number as u32, 0);
+    let children = flat.nodes.iter_mut().flat_map(|node| &mut node.children);
+    for code in children.chain(flat.lights.iter_mut().map(|light| &mut light.code)) {
+        if *code >= disk && *code - disk < MAX_PRIMITIVES as u32 {
+            *code += primitive_code(LAST_KIND, 0) - disk;
+        }
+    }
+}
+
+fn ring_shot(camera: &str, objects: &str, scatter: Scatter, shape: &str, light: &str) -> Shot {
+    let modules = [("geometry/disk", shape), ("light/disk", light)];
+    let library = Beside(modules.map(|(name, text)| (name.to_string(), text.to_string())).into());
+    let list = |choices: &mut Choices| {
+        for list in ["primitive", "emitter"] {
+            let entries = choices.lists.get_mut(list).expect("the plan has the list");
+            entries.iter_mut().filter(|entry| entry.name == "disk").for_each(|entry| entry.number = LAST_KIND);
+        }
+    };
+    let change = Change { flat: Some(&renumbered), choices: Some(&list), library: Some(&library) };
+    let scene = scene(&format!(
+        "Scene(image: (width: 16, height: 16), camera: {camera}, background: Solid((0, 0, 0)),
+        materials: {{ \"lamp\": DiffuseLight(emit: Rgb(1, 2, 4)), \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }},
+        objects: [Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: \"lamp\"), {objects}], render: (samples: 256))"
+    ));
+    render_changed(&scene, &Ask::default().mis().scatter(scatter), &change)
+}
+
+/// Pixels that do not show the ring and its hole, seen from four units before it.
+fn wrong_pixels(shot: &Shot) -> usize {
+    let edge = |at: u32| (f64::from(at) / 8.0 - 1.0) * 4.0 * 20f64.to_radians().tan();
+    let off = |x: u32, y: u32| {
+        let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|(x, y)| edge(x).hypot(edge(y)));
+        let (least, most) = corners.iter().fold((f64::MAX, 0.0), |(least, most), r| (r.min(least), r.max(most)));
+        let shown = shot.pixel(x, y)[0];
+        match () {
+            () if most < 0.5 || least > 1.1 => shown != 0.0,
+            () if least > 0.55 && most < 1.0 => (shown - 1.0).abs() > 1e-6,
+            () => false,
+        }
+    };
+    (0..256).filter(|i| off(i % 16, i / 16)).count()
+}
+
+/// The floor under the ring's middle is lit by 1/2 - 1/5: the form factor R² / (h² + R²) of a disk less that of its hole. Three channels of the same
+/// 65,536 samples; 5.1 standard errors are met by chance once in 1e6 times three.
+#[test]
+fn a_shape_is_added_by_the_recipe() {
+    let before = "(look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40)";
+    let beside = "(look_from: (3, 0, 0.5), look_at: (0, 0, 1), vertical_fov: 0.2)";
+    // With more objects than a ray tests one by one, the codes are in a hierarchy.
+    let floor = "Quad(corner: (-4, -4, 1), u: (8, 0, 0), v: (0, 8, 0), material: \"grey\"),";
+    let crowd: Vec<String> =
+        (0..40).map(|i| format!("Sphere(center: ({i}, 0, 30), radius: 0.4, material: \"grey\")")).collect();
+    for (scatter, others) in
+        [(Scatter::Fused, ""), (Scatter::Linked, ""), (Scatter::Queues, ""), (Scatter::Fused, &*crowd.join(", "))]
+    {
+        assert_eq!(wrong_pixels(&ring_shot(before, others, scatter, RING, RING_LIGHT)), 0, "{scatter:?}");
+        let off = |light: &str| {
+            let shown = ring_shot(beside, &format!("{floor} {others}"), scatter, RING, light).mean_of_all();
+            let off = |c: usize| (shown.value[c] - 0.5 * 0.3 * [1.0, 2.0, 4.0][c]) / shown.variance[c].sqrt();
+            (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
+        };
+        assert!(off(RING_LIGHT).abs() < 5.1, "{scatter:?}: {} standard errors", off(RING_LIGHT));
+        // Without its hole, and with a pdf that is too small by a tenth.
+        let whole = RING.replace("radii >= 0.5 && ", "");
+        assert!(wrong_pixels(&ring_shot(before, others, scatter, &whole, RING_LIGHT)) > 10, "{scatter:?}, a disk");
+        let brighter = off(&RING_LIGHT.replace("4.0 / (0.75", "3.6 / (0.75"));
+        assert!(brighter > 8.0, "{scatter:?}: {brighter} standard errors");
     }
 }
 

@@ -13,7 +13,7 @@ use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
 use gpu_rt::render::Next;
 use gpu_rt::scene::Scene;
 
-const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Medium, Quality::Best];
+const QUALITIES: [Quality; 2] = [Quality::Medium, Quality::Best];
 
 fn codes(count: usize) -> Vec<u32> {
     (0..count as u32).map(|i| PRIMITIVE_BIT | i).collect()

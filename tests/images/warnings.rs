@@ -2,11 +2,9 @@
 //! for a twin scene just on the other side of its limit. What surfaces near glass are warned of is held against
 //! pictures.
 
-use crate::common::gltf;
 use crate::common::marked::{fault, unmarked};
 use crate::common::scenes::files;
 use crate::common::{render, stats};
-use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
@@ -65,20 +63,19 @@ fn assert_silent(text: &str) {
 
 #[test]
 fn features_below_the_rounding_of_their_place() {
-    let sphere =
-        |r: &str, material: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"{material}\"),");
-    let words =
-        ["a radius of 2.3e-6 at a distance of 5", "by up to 2.98e-7, so that its shape is lost", "bring it nearer"];
-    assert_warns(&scene(BEFORE, &sphere("2.3e-6", "grey")), "objects[0].Sphere.radius", &words);
     // Each along its own direction, in which the camera is near or far.
     let cuboid = |max: &str| scene(BEFORE, &format!("§Box(min: (0, 0, 0), max: {max}, material: \"grey\"),"));
-    assert_warns(&cuboid("(1, 1, 2.3e-6)"), "objects[0].Box", &["a side of 2.3e-6", "larger than 2.384e-6"]);
+    assert_warns(
+        &cuboid("(1, 1, 2.3e-6)"),
+        "objects[0].Box",
+        &["a side of 2.3e-6 at a distance of 5", "none below 2.384e-6", "bring it nearer"],
+    );
     assert_silent(&cuboid("(1, 1, 2.4e-6)"));
     assert_silent(&cuboid("(2.3e-6, 1, 1)"));
     let quad = |u: &str| {
         scene(BEFORE, &format!("Quad(corner: (1, 0, 0), u: (0, 1, 0), v: §({u}, 0, 0), material: \"grey\"),"))
     };
-    assert_warns(&quad("4.7e-7"), "objects[0].Quad.v", &["an edge of 4.7e-7", "larger than 4.768e-7"]);
+    assert_warns(&quad("4.7e-7"), "objects[0].Quad.v", &["an edge of 4.7e-7", "none below 4.768e-7"]);
     assert_silent(&quad("4.8e-7"));
     let mesh = |scale: &str| {
         let mesh = "§Mesh(path: \"scenes/meshes/star.ply\", material: \"grey\")";
@@ -91,17 +88,12 @@ fn features_below_the_rounding_of_their_place() {
 #[test]
 fn spheres_whose_outline_is_rounded() {
     let sphere = |r: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"grey\"),");
-    // Twice u times the distance of 5.
-    let words = [
-        "a radius of 4.9e-5 at a distance of 5",
-        "outline by up to 5.96e-7, 1.216 % of the radius",
-        "larger than 5e-5",
-    ];
+    let words = ["a radius of 4.9e-5 at a distance of 5", "none below 5e-5"];
     assert_warns(&scene(BEFORE, &sphere("4.9e-5")), "objects[0].Sphere.radius", &words);
     assert_silent(&scene(BEFORE, &sphere("5.1e-5")));
     // By the distance, whatever the direction, and on the axis of a narrow view by nothing.
     let aside = "(look_from: (30, 40, 120), look_at: (0, 0, 0), vertical_fov: 40)";
-    let words = ["at a distance of 130", "outline by up to 1.55e-5, 1.211 % of the radius", "larger than 0.0013"];
+    let words = ["at a distance of 130", "none below 0.0013"];
     assert_warns(&scene(aside, &sphere("0.00128")), "objects[0].Sphere.radius", &words);
     assert_silent(&scene(aside, &sphere("0.00132")));
     assert_silent(&scene(&aside.replace("40)", "1e-4)"), &sphere("0.00128")));
@@ -136,14 +128,14 @@ fn what_is_huge_does_not_hide_what_lies_near() {
     assert_warns(
         &scene(above, &format!("{ground}{other}")),
         "objects[1].Sphere",
-        &["a sphere of another material", "coincides with it"],
+        &["it touches the sphere at", "coincides with it"],
     );
     assert_silent(&scene(above, &format!("{ground}{}", other.replace("radius: 1e9", "radius: 1000000000.001"))));
     let clear = other.replace("spot", "clear");
     assert_warns(
         &scene(above, &format!("{ground}{clear}")),
         "objects[1].Sphere",
-        &["rays that leave one start behind the other"],
+        &["rays that leave one of the two start behind the other"],
     );
     // A lamp in the ground that faces up has something before it.
     let lamp = "Quad(corner: (-1, -0.5, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"lamp\"),";
@@ -153,13 +145,13 @@ fn what_is_huge_does_not_hide_what_lies_near() {
 #[test]
 fn a_telescope_keeps_what_lies_across_the_view() {
     let sphere = |material: &str| format!("Sphere(center: (0, 0, 0), radius: §1, material: \"{material}\"),");
-    let words = ["a radius of 1 at a distance of 1e7", "by up to 0.596", "larger than 100"];
+    let words = ["a radius of 1 at a distance of 1e7", "none below 100"];
     assert_warns(&scene(FAR, &sphere("grey")), "objects[0].Sphere.radius", &words);
     assert_silent(&scene(TELESCOPE, &sphere("grey")));
     // Rays through it cross it in depth.
     assert_warns(&scene(TELESCOPE, &sphere("glass")), "objects[0].Sphere.radius", &words);
     let aside = "Sphere(center: (3e6, 0, 0), radius: §1, material: \"grey\"),";
-    assert_warns(&scene(TELESCOPE, aside), "objects[0].Sphere.radius", &["by up to 0.1788"]);
+    assert_warns(&scene(TELESCOPE, aside), "objects[0].Sphere.radius", &["none below 30"]);
 }
 
 #[test]
@@ -191,7 +183,7 @@ fn ranges_of_more_than_2_to_the_40() {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{ball} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
     };
-    let words = ["a radius of 5.4e-12 is 2^-40 of the scene's extent of 6", "expected 2^-40 at least", "leave out"];
+    let words = ["a radius of 5.4e-12 at a distance of 1e-7", "none below 5.457e-12", "leave it out"];
     assert_warns(&grain("5.4e-12"), "objects[1].Sphere.radius", &words);
     assert_silent(&grain("5.5e-12"));
 }
@@ -235,229 +227,6 @@ fn lights_too_small_for_where_they_shine() {
     }
 }
 
-/// The mean radiance of a floor below the camera, relative to the closed form: h / d³ for a light at the height h, not seen itself.
-fn lit_from(floor: &str, light: &str, height: f64) -> f64 {
-    let text = near_floor(floor, light);
-    let shot = render::render(&render::scene(&unmarked(&text)), &render::Ask::spp(16).mis().size(24, 16));
-    let found = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / shot.picture.rgb.len() as f64;
-    // Rays of a pinhole, straight down from 3.137 above the floor.
-    let half = 5f64.to_radians().tan() * 3.137;
-    let steps = |count: usize, half: f64| (0..count).map(move |i| ((2 * i + 1) as f64 / count as f64 - 1.0) * half);
-    let each = |(x, z): (f64, f64)| 0.5 / PI * height / ((x + 1.5).powi(2) + z * z + height * height).powf(1.5);
-    let sum: f64 = steps(96, 1.5 * half).flat_map(|x| steps(64, half).map(move |z| each((x, z)))).sum();
-    found / (sum / (96.0 * 64.0))
-}
-
-/// A floor at y = -0.337, and a light over (-1.5, 0).
-fn near_floor(floor: &str, light: &str) -> String {
-    scene(
-        "(look_from: (0, 2.8, 0), look_at: (0, -0.337, 0), up: (0, 0, -1), vertical_fov: 10)",
-        &format!("{floor},\n{light},"),
-    )
-    .replace("background: Solid((1, 1, 1))", "background: Solid((0, 0, 0))")
-}
-
-/// Lights without size, and as small as such, near to every kind of surface: f32 rounds their height, and what they bring to the surface is
-/// proportional to it. The control is a picture, which is right to the share that the warning starts at, and wrong below.
-#[test]
-fn lights_so_near_to_a_surface_that_their_height_is_rounded() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let mesh = folder.path().join("floor.obj");
-    fs::write(&mesh, "v -3 0 -3\nv -3 0 3\nv 3 0 3\nv 3 0 -3\nf 1 2 3\nf 1 3 4\n").expect("it is written");
-    let floors = [
-        ("Quad(corner: (-3, -0.337, -3), u: (0, 0, 6), v: (6, 0, 0), material: \"grey\")".to_string(), 5.7e-4),
-        ("Box(min: (-3, -1.337, -3), max: (3, -0.337, 3), material: \"grey\")".to_string(), 1e-3),
-        (
-            format!("Transformed(by: [Translate((0, -0.337, 0))], object: Mesh(path: {mesh:?}, material: \"grey\"))"),
-            6e-4,
-        ),
-        ("Sphere(center: (0, -100000000.337, 0), radius: 1e8, material: \"grey\")".to_string(), 2.4e-3),
-    ];
-    let mut worst = 0.0f64;
-    for (floor, silent) in &floors {
-        let at = |height: f64| format!("(-1.5, {}, 0)", -0.337 + height);
-        let point = |height: f64| format!("PointLight(at: §{}, intensity: (1, 1, 1))", at(height));
-        let spot = |height: f64| {
-            format!("SpotLight(at: §{}, towards: (0, -0.337, 0), intensity: (1, 1, 1), outer: 80)", at(height))
-        };
-        let ball = |height: f64| format!("§Sphere(center: {}, radius: 5e-5, material: \"lamp\")", at(height));
-        let words = ["from the ", "x.ron:12:", "f32 rounds that by up to ", "set it more than "];
-        let point_field = "objects[1].PointLight.at";
-        assert_warns(&near_floor(floor, &point(0.5 * silent)), point_field, &words);
-        assert_warns(
-            &near_floor(floor, &point(1e-5)),
-            point_field,
-            &["this light is 1", "e-5 from the ", "off by up to"],
-        );
-        assert_warns(&near_floor(floor, &point(1e-7)), point_field, &["it may be on the other side"]);
-        assert_warns(&near_floor(floor, &spot(1e-4)), "objects[1].SpotLight.at", &words);
-        assert_warns(&near_floor(floor, &ball(1e-4)), "objects[1].Sphere", &words);
-        for light in [point(*silent), spot(*silent), ball(*silent)] {
-            assert_silent(&near_floor(floor, &light));
-        }
-        // A light in the floor lights what is before it. (A sphere is nowhere flat.) A lamp is no surface that shows light.
-        if !floor.starts_with("Sphere") {
-            let level = floor.replace("-0.337", "0").replace("-1.337", "-1");
-            assert_silent(&near_floor(&level, "PointLight(at: (-1.5, 0, 0), intensity: (1, 1, 1))"));
-        }
-        assert_silent(&near_floor(&floor.replace("grey", "lamp"), &point(1e-4)));
-        let error = |height: f64| (lit_from(floor, &point(height), height) - 1.0).abs();
-        assert!(error(*silent) < 1e-3, "{floor}: {}", error(*silent));
-        for height in [1e-6, 2e-6, 3e-6, 1e-5] {
-            worst = worst.max(error(height));
-        }
-    }
-    println!("below: off by up to {worst}");
-    assert!(worst > 0.02, "{worst}");
-    let beside = floors[0].0.replace("-3, -0.337, -3", "-1.4, -0.337, -3");
-    assert_silent(&near_floor(&beside, "PointLight(at: (-1.5, -0.33699, 0), intensity: (1, 1, 1))"));
-}
-
-/// The mean and the standard deviation of the pixels of a small picture.
-fn picture_of(text: &str, folder: &Path) -> (f64, f64) {
-    let shot = render::render(&render::scene_in(folder, &unmarked(text)), &render::Ask::spp(64).size(16, 12));
-    let values: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
-    let (mean, variance) = stats::mean_and_variance(&values);
-    (mean, variance.sqrt())
-}
-
-/// Cells smaller than the step from one coordinate to the next: f32 has even multiples of them alone, so that a checker has one colour where it
-/// should have the mean of both.
-#[test]
-fn patterns_finer_than_f32_resolves() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let with = |texture: &str, object: &str| {
-        format!(
-            "(image: (width: 16, height: 12), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 20),
-              background: Solid((0, 0, 0)),
-              materials: {{ \"lamp\": DiffuseLight(emit: {texture}) }},
-              objects: [§{object}])"
-        )
-    };
-    let quad = "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"lamp\")";
-    let cuboid = "Box(min: (-2, -2, -2), max: (2, 2, 0), material: \"lamp\")";
-    let sphere = "Sphere(center: (0, 0, -8), radius: 8, material: \"lamp\")";
-    let large_sphere = "Sphere(center: (0, 0, -1e6), radius: 1e6, material: \"lamp\")";
-    let checker = |scale: &str| format!("Checker(scale: {scale}, even: (0, 0, 0), odd: (1, 1, 1))");
-    for (object, kind, warned, silent) in [
-        (quad, "Quad", "9e-7", "1e-6"),
-        (cuboid, "Box", "9e-7", "1e-6"),
-        (sphere, "Sphere", "1.8e-6", "2e-6"),
-        (large_sphere, "Sphere", "3e-6", "4e-6"),
-    ] {
-        let field = format!("objects[0].{kind}");
-        let words = ["the cells of its Checker are", "whole areas show one cell", " or more, or the mean colour"];
-        assert_warns(&with(&checker(warned), object), &field, &words);
-        assert_silent(&with(&checker(silent), object));
-        let (mean, _) = picture_of(&with(&checker(silent), object), folder.path());
-        assert!((mean - 0.5).abs() < 0.02, "{object}: {mean}");
-        let fine = |scale: &str| 1.0 / scale.parse::<f64>().expect("a number");
-        for texture in ["Noise", "Marble"] {
-            let texture = |scale: f64| format!("{texture}(scale: {scale:?})");
-            assert_warns(
-                &with(&texture(fine(warned)), object),
-                &field,
-                &["where f32 has one coordinate in", " or less"],
-            );
-            assert_silent(&with(&texture(fine(silent)), object));
-        }
-    }
-    let (mean, deviation) = picture_of(&with(&checker("1e-8"), quad), folder.path());
-    assert!(mean < 0.01 && deviation < 0.01, "{mean}, {deviation}");
-    // The same in a medium, by the size of its boundary, and of an object in its own space, whatever transforms it.
-    let fog = |scale: &str| {
-        scene(
-            BEFORE,
-            &format!(
-                "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: §{}),",
-                checker(scale)
-            ),
-        )
-    };
-    assert_warns(&fog("1e-7"), "objects[0].Medium.albedo", &["the cells of its Checker are 1e-7"]);
-    assert_silent(&fog("3e-7"));
-    assert_silent(&with(&checker("1e-6"), &format!("Transformed(by: [Scale(1000)], object: {quad})")));
-}
-
-/// Texture coordinates of a mesh so far from 0 that f32 has less of them than the image has texels: from every format, in every set.
-#[test]
-fn texture_coordinates_that_f32_has_too_few_of() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut random = stats::Random(3);
-    let pixel = |_, _| image::Luma([if random.uniform() < 0.5 { 0 } else { 255 }]);
-    image::GrayImage::from_fn(64, 64, pixel).save(folder.path().join("map.png")).expect("it is written");
-    let scene = |file: &str| {
-        format!(
-            "(image: (width: 16, height: 12), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 20),
-              background: Solid((0, 0, 0)), materials: {{ \"lamp\": DiffuseLight(emit: Image(path: \"map.png\")) }},
-              objects: [§Mesh(path: \"{file}\", material: \"lamp\")])"
-        )
-    };
-    let found = |text: &str| {
-        let scene =
-            Scene::parse(&unmarked(text), &folder.path().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        flatten(&scene, (16, 12), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).warnings
-    };
-    let words = [
-        "the texture coordinates of the mesh \"a.",
-        "reach 1e9, where f32 has one in 64",
-        "\"map.png\" has 4096 texels there",
-        "by whole numbers",
-    ];
-    let check = |text: &str, field: &str| {
-        let warnings = found(text);
-        let [warning] = &warnings[..] else { panic!("expected one warning: {warnings:#?}") };
-        fault(warning, &folder.path().join("x.ron"), text, field, &words).unwrap_or_else(|fault| panic!("{fault}"));
-    };
-    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-    let write = |name: &str, offset: f64| {
-        let at = corners.map(|(x, y)| (4.0 * x - 2.0, 4.0 * y - 2.0, x + offset, y));
-        let text = match name {
-            "a.obj" => {
-                let vertices = at.map(|(x, y, u, v)| format!("v {x} {y} 0\nvt {u} {v}\n")).concat();
-                format!("{vertices}f 1/1 2/2 3/3 4/4\n")
-            }
-            _ => {
-                let properties = ["x", "y", "z", "u", "v"].map(|name| format!("property double {name}\n")).concat();
-                let vertices = at.map(|(x, y, u, v)| format!("{x} {y} 0 {u} {v}\n")).concat();
-                format!(
-                    "ply\nformat ascii 1.0\nelement vertex 4\n{properties}element face 1\nproperty list uchar int vertex_indices\n\
-                     end_header\n{vertices}4 0 1 2 3\n"
-                )
-            }
-        };
-        fs::write(folder.path().join(name), text).expect("it is written");
-    };
-    let mut pictures = Vec::new();
-    for name in ["a.obj", "a.ply"] {
-        write(name, 1e9);
-        check(&scene(name), "objects[0].Mesh");
-        pictures.push(picture_of(&scene(name), folder.path()).1);
-        // A step of 2^-6 is a texel.
-        for (offset, count) in [(262_144.0, 1), (262_142.0, 0), (1000.0, 0)] {
-            write(name, offset);
-            assert_eq!(found(&scene(name)).len(), count, "{offset}");
-        }
-        pictures.push(picture_of(&scene(name), folder.path()).1);
-    }
-    // By the transform of a glTF texture, which is applied when the file is read, and by its coordinates.
-    let uvs = |offset: f32| [offset, 0.0, offset + 1.0, 0.0, offset + 1.0, 1.0, offset, 1.0];
-    for (uvs, offset, count) in [(uvs(0.0), 1e9, 1), (uvs(1e9), 0.0, 1), (uvs(0.0), 1000.0, 0)] {
-        let transform = serde_json::json!({"KHR_texture_transform": {"offset": [offset, 0]}});
-        let material =
-            serde_json::json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": transform}}});
-        let (json, binary) = gltf::square(&[("TEXCOORD_0", 2, &uvs)], &material, &["map.png"]);
-        fs::write(folder.path().join("a.glb"), gltf::glb(&json, &binary)).expect("it is written");
-        let scene = Scene::load(&folder.path().join("a.glb")).unwrap_or_else(|error| panic!("{error}"));
-        let flat = flatten(&scene, (16, 12), &RenderOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        let told: Vec<_> =
-            flat.warnings.iter().filter(|warning| warning.contains("#meshes/0/primitives/0\" reach 1e9")).collect();
-        assert_eq!(told.len(), count, "{offset}: {:#?}", flat.warnings);
-    }
-    // One column of texels, and all of them.
-    assert!(pictures[0] > 1.0 * pictures[1] && pictures[0] == pictures[2], "{pictures:?}");
-}
-
 #[test]
 fn media_whose_free_path_is_shorter_than_rounding() {
     let fog = |density: &str| {
@@ -465,9 +234,9 @@ fn media_whose_free_path_is_shorter_than_rounding() {
         scene(BEFORE, &format!("Medium({boundary}, density: §{density}, albedo: Rgb(0.5, 0.5, 0.5)),"))
     };
     let words =
-        ["a density of 280000", "a mean free path of 3.571e-6", "up to 6 from the camera by 3.576e-7", "below 279600"];
-    assert_warns(&fog("280000"), "objects[0].Medium.density", &words);
-    assert_silent(&fog("279000"));
+        ["a mean free path of 2.857e-6", "up to 6 from the camera", "none below 2.861e-6", "a density below 349500"];
+    assert_warns(&fog("350000"), "objects[0].Medium.density", &words);
+    assert_silent(&fog("349000"));
 }
 
 #[test]
@@ -480,14 +249,11 @@ fn spheres_that_coincide() {
     assert_warns(
         &pair("1", "steel"),
         field,
-        &["another material at", "x.ron:12:9 coincides with it: rounding decides", "remove one"],
+        &["it touches the sphere at", "x.ron:12:9, which coincides with it: rounding", "remove one"],
     );
-    assert_warns(
-        &pair("1.0000014", "steel"),
-        field,
-        &["is 1.4e-6 away, less than the rounding of f32 there (1.431e-6): "],
-    );
-    assert_silent(&pair("1.0000015", "steel"));
+    // 6 u (5 + 1) and 4 u of the radius.
+    assert_warns(&pair("1.0000023", "steel"), field, &["is 2.3e-6 away, less than f32 resolves there (2.384e-6): "]);
+    assert_silent(&pair("1.0000025", "steel"));
     assert_silent(&pair("1", "grey"));
     // What fills glass is no surface.
     let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
@@ -509,8 +275,10 @@ fn spheres_whose_centres_differ_by_less_than_rounding() {
             let [x, y, z] = center.map(|x| x + shift);
             format!("Sphere(center: ({x:?}, {y:?}, {z:?}), radius: {r:?}, material: \"{material}\"),")
         };
-        // 4 u of the largest coordinate and the radius, half of it by the centres and a tenth by the radii.
-        let bound = 4.0 * 2.0_f64.powi(-24) * (center[0].abs().max(center[1].abs()).max(50.0 - center[2]) + r);
+        // 4 u of the largest coordinate, 2 u of the distance and 10 u of the radius; half of it by the centres and a tenth by the radii.
+        let relative = [center[0].abs(), center[1].abs(), 50.0 - center[2]];
+        let distance = relative.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let bound = 2.0_f64.powi(-24) * (4.0 * relative.into_iter().fold(0.0, f64::max) + 2.0 * distance + 10.0 * r);
         let with = |share: f64| {
             let other = ball(share * 0.5 * bound / 3.0_f64.sqrt(), r + share * 0.1 * bound, "steel");
             scene(camera, &format!("{}\n§{other}", ball(0.0, r, "grey")))
@@ -522,17 +290,20 @@ fn spheres_whose_centres_differ_by_less_than_rounding() {
 
 #[test]
 fn clear_spheres_that_coincide() {
+    // The mark is at the clear one if only one of them is clear.
     let pair = |r: &str, material: &str, other: &str| {
-        let first = format!("Sphere(center: (0, 0, 0), radius: 1, material: \"{material}\"),");
-        scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{other}\"),"))
+        let marks = if other == "grey" { ["§", ""] } else { ["", "§"] };
+        let first = format!("{}Sphere(center: (0, 0, 0), radius: 1, material: \"{material}\"),", marks[0]);
+        let second = format!("{}Sphere(center: (0, 0, 0), radius: {r}, material: \"{other}\"),", marks[1]);
+        scene(BEFORE, &format!("{first}\n{second}"))
     };
     // Rays start 6 u (5 + 1) off, and 4 u of the radius is the next distance's.
-    let words = ["another clear sphere at", "coincides with it: rays that leave one", "more than 2.384e-6"];
+    let words = ["this glass touches the sphere at", "coincides with it: rays that leave one", "more than 2.384e-6"];
     assert_warns(&pair("1", "glass", "glass"), "objects[1].Sphere", &words);
     assert_warns(&pair("1", "glass", "water"), "objects[1].Sphere", &words[..1]);
-    let words = ["of another material", "is 2.3e-6 away, less than the ray offset there (2.384e-6): "];
-    for (one, other) in [("grey", "glass"), ("glass", "grey")] {
-        assert_warns(&pair("0.9999977", one, other), "objects[1].Sphere", &words);
+    let words = ["this glass touches the sphere", "is 2.3e-6 away, less than f32 resolves there (2.384e-6): "];
+    for (one, other, field) in [("grey", "glass", "objects[1].Sphere"), ("glass", "grey", "objects[0].Sphere")] {
+        assert_warns(&pair("0.9999977", one, other), field, &words);
         assert_silent(&pair("0.9999975", one, other));
     }
 }
@@ -546,15 +317,15 @@ fn meshes_that_coincide() {
         scene(BEFORE, &format!("{}\n{}", unmarked(&placed("RotateY(20)", "grey")), placed(by, material)))
     };
     let field = "objects[1].Transformed.object.Mesh";
-    let words = ["the same mesh with another material at", "coincides with it"];
+    let words = ["it touches the mesh at", "coincides with it"];
     assert_warns(&pair("RotateY(20)", "steel"), field, &words);
     assert_warns(&pair("RotateY(20), Translate((0, 1e-7, 0))", "steel"), field, &["is 1e-7 away"]);
-    assert_warns(&pair("RotateY(20)", "glass"), field, &["the same mesh with another material"]);
+    assert_warns(&pair("RotateY(20)", "glass"), field, &["this glass touches the mesh at"]);
     assert_silent(&pair("RotateY(20)", "grey"));
     assert_silent(&pair("RotateY(20), Translate((0, 1e-5, 0))", "steel"));
     assert_silent(&pair("RotateY(21)", "steel"));
     let clear = scene(BEFORE, &[unmarked(&placed("Scale(1)", "glass")), placed("Scale(1)", "glass")].concat());
-    assert_warns(&clear, field, &["also clear"]);
+    assert_warns(&clear, field, &["this glass touches"]);
 }
 
 /// A quad of two by two over the height y, from (x, z) on.
@@ -567,13 +338,12 @@ fn quads_that_overlap_in_a_plane() {
     let floor = tile(-1.0, 0.0, -1.0, "grey");
     let with = |other: &str| scene(ABOVE, &format!("{floor}\n{other}"));
     let rug = |x: f64, y: f64, material: &str| with(&format!("§{}", tile(x, y, 0.5, material)));
-    let words =
-        ["overlaps with the quad at", "x.ron:12:9", "coincides", "their order in the file", "cut a hole in one"];
+    let words = ["it touches the quad at", "x.ron:12:9", "coincides", "their order in the file", "remove one"];
     assert_warns(&rug(0.0, 0.0, "steel"), "objects[1].Quad", &words);
     assert_warns(&rug(0.0, 2.3e-7, "steel"), "objects[1].Quad", &["is 2.3e-7 away, less than", "2.384e-7"]);
     assert_silent(&rug(0.0, 2.5e-7, "steel"));
     // Where rays start: 4 u of the height, and the rounding of both.
-    let words = ["this glass touches the quad at", "is 4.7e-7 away, less than the ray offset there (4.768e-7): "];
+    let words = ["this glass touches the quad at", "is 4.7e-7 away, less than f32 resolves there (4.768e-7): "];
     assert_warns(&rug(0.0, 4.7e-7, "glass"), "objects[1].Quad", &words);
     assert_silent(&rug(0.0, 4.8e-7, "glass"));
     assert_silent(&rug(0.0, 0.0, "grey"));
@@ -584,7 +354,7 @@ fn quads_that_overlap_in_a_plane() {
         with(&format!("{quad},"))
     };
     assert_silent(&turned(0.9 + 0.15));
-    assert_warns(&turned(0.8), "objects[1].Quad", &["overlaps"]);
+    assert_warns(&turned(0.8), "objects[1].Quad", &["touches"]);
     // The same far away and turned, where f64 rounds too.
     let moved = |y: f64| {
         let [one, other] = [&floor, &tile(0.0, y, 0.5, "steel")].map(|quad| quad.trim_end_matches(',').to_string());
@@ -596,29 +366,22 @@ fn quads_that_overlap_in_a_plane() {
     assert_silent(&moved(1e-5));
 }
 
+/// A disk counts by the square within it: two whose squares around them overlap may not touch.
 #[test]
-fn lights_back_to_back() {
-    let pair = |material: &str, y: f64| {
-        let balls = [2, -2].map(|y| format!("Sphere(center: (0, {y}, 0), radius: 1, material: \"grey\"),")).concat();
-        let other = format!("Quad(corner: (-1, {y:?}, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"{material}\"),");
-        scene(
-            ABOVE,
-            &format!(
-                "{}\n{}§{other}",
-                tile(-1.0, 0.0, -1.0, material).replace("u: (2, 0, 0), v: (0, 0, 2)", "u: (0, 0, 2), v: (2, 0, 0)"),
-                balls
-            ),
-        )
+fn disks_that_overlap_in_a_plane() {
+    let disk = |x: f64, y: f64, material: &str| {
+        format!("§Disk(center: ({x:?}, 0, {y:?}), normal: (0, 1, 0), radius: 1, material: \"{material}\"),")
     };
-    let opposed = |material, y| {
-        let text = pair(material, y);
-        text.replacen("u: (0, 0, 2), v: (2, 0, 0)", "u: (2, 0, 0), v: (0, 0, 2)", 1)
-    };
-    let words = ["back to back with the light at", "x.ron:12:9", "more than 2.384e-7 apart", "two_sided"];
-    assert_warns(&opposed("spot", 0.0), "objects[3].Quad", &words);
-    assert_silent(&opposed("lamp", 0.0));
-    assert_silent(&opposed("spot", 0.001));
-    assert_silent(&pair("spot", 0.0));
+    let field = "objects[1].Disk";
+    assert_warns(
+        &scene(ABOVE, &(tile(-1.0, 0.0, -1.0, "steel") + &disk(0.0, 0.0, "grey"))),
+        field,
+        &["touches the quad"],
+    );
+    let pair = |x: f64, y: f64| scene(ABOVE, &(unmarked(&disk(0.0, 0.0, "steel")) + &disk(x, y, "grey")));
+    assert_warns(&pair(1.0, 0.5), field, &["touches the disk"]);
+    assert_silent(&pair(1.5, 1.5));
+    assert_silent(&pair(2.0, 0.0));
 }
 
 #[test]
@@ -645,8 +408,11 @@ fn boxes_that_share_a_plane() {
     assert_silent(&scene(BEFORE, &format!("{room}\n{}\n{bulb}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
     // Glass that stands on something, whichever is first in the file.
     let glass = block.replace("steel", "glass");
-    let words =
-        ["this glass touches the quad at", "x.ron:13:1, which coincides with it", "let one reach into the other"];
+    let words = [
+        "this glass touches the quad at",
+        "x.ron:13:1, which coincides with it",
+        "let an opaque one reach into the glass",
+    ];
     assert_warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
     assert_warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9, which"]);
     assert_warns(&scene(below, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at"]);
@@ -667,7 +433,7 @@ fn clear_solids_that_touch() {
     let cuboid = |low: &str, high: &str, material: &str| {
         format!("Box(min: (-1, {low}, -1), max: (1, {high}, 1), material: \"{material}\"),")
     };
-    let words = ["this glass touches the box at", "x.ron:12:9, which is also clear and coincides with it", "one solid"];
+    let words = ["this glass touches the box at", "x.ron:12:9, which coincides with it"];
     for (one, other) in [("glass", "water"), ("water", "glass"), ("glass", "glass")] {
         let stacked = |low: &str| format!("{}\n§{}", cuboid("-1", "0", one), cuboid(low, "1", other));
         assert_warns(&scene(ABOVE, &stacked("0")), "objects[1].Box", &words);
@@ -682,20 +448,11 @@ fn clear_solids_that_touch() {
     let inner = "Box(min: (-0.9, -0.9, -0.9), max: (0.9, -0.1, 0.9), material: \"water\"),";
     assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + inner)));
     let flush = inner.replace("-0.1,", "0,");
-    assert_warns(&scene(ABOVE, &format!("{}§{flush}", cuboid("-1", "0", "glass"))), "objects[1].Box", &["also clear"]);
-}
-
-#[test]
-fn clear_boxes_thinner_than_where_rays_start() {
-    let slab = |thick: &str, material: &str| {
-        let turned = "by: [RotateX(20), RotateZ(-10)]";
-        let slab = format!("§Box(min: (-5, -{thick}, -5), max: (5, 0, 5), material: \"{material}\")");
-        scene(ABOVE, &format!("Transformed({turned}, object: {slab}),"))
-    };
-    let field = "objects[0].Transformed.object.Box";
-    assert_warns(&slab("4e-6", "glass"), field, &["a clear box with a side of 4e-6", "its far side", "thicker"]);
-    assert_silent(&slab("6e-6", "glass"));
-    assert_silent(&slab("4e-6", "grey"));
+    assert_warns(
+        &scene(ABOVE, &format!("{}§{flush}", cuboid("-1", "0", "glass"))),
+        "objects[1].Box",
+        &["this glass touches"],
+    );
 }
 
 /// The objects of a scene with a gap of this width.
@@ -704,7 +461,7 @@ type Objects = Box<dyn Fn(f64) -> String>;
 /// Where a warning says from where on all is well.
 fn limit(warning: &str) -> f64 {
     let words: Vec<&str> = warning.split(' ').collect();
-    let at = words.windows(2).rposition(|pair| ["more than", "thicker than"].contains(&pair.join(" ").as_str()));
+    let at = words.windows(2).rposition(|pair| pair == ["more", "than"]);
     let number = at.and_then(|at| words[at + 2].trim_end_matches(',').parse().ok());
     number.unwrap_or_else(|| panic!("no limit in {warning}"))
 }
@@ -737,23 +494,13 @@ fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
             |r: f64, material: &str| format!("Sphere(center: (0, 0, 0), radius: {r:?}, material: \"{material}\"),");
         ball(1.0, "clear") + &ball(1.0 - gap, "spot")
     };
-    let slab = |half: f64| {
-        move |thick: f64| {
-            let (low, high) =
-                (format!("({:?}, {:?}, {:?})", -half, -1.0 - thick, -half), format!("({half:?}, -1, {half:?})"));
-            let slab = format!("Box(min: {low}, max: {high}, material: \"glass\")");
-            format!("Transformed(by: [RotateX(20), RotateZ(-10)], object: {slab}),")
-        }
-    };
     let down = "(look_from: (0, 0, 0), look_at: (0.4, -1, 0.3), vertical_fov: 40)";
     let aside = "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)";
-    let cases: [(&str, &str, Objects); 6] = [
+    let cases: [(&str, &str, Objects); 4] = [
         ("quads of 10", down, Box::new(quads(5.0))),
         ("quads of 100", down, Box::new(quads(50.0))),
         ("boxes", aside, Box::new(boxes)),
         ("spheres", aside, Box::new(spheres)),
-        ("a slab of 10", down, Box::new(slab(5.0))),
-        ("a slab of 100", down, Box::new(slab(50.0))),
     ];
     for (what, camera, objects) in cases {
         let text = |gap: f64| {
@@ -795,7 +542,7 @@ fn many_tiles_in_a_plane() {
         (0..900).map(tile).collect()
     };
     assert_silent(&scene(ABOVE, &tiles(None)));
-    assert_warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["overlaps with the quad at"]);
+    assert_warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["touches the quad at"]);
     // One under all of them.
     for material in ["lamp", "glass"] {
         let quad = "Quad(corner: (-40, 0, -60), u: (100, 0, 0), v: (0, 0, 70), material: ";
@@ -925,48 +672,25 @@ fn closed_rooms_around_the_camera() {
 }
 
 #[test]
-fn white_media_that_paths_end_in() {
-    let fog = |density: &str, albedo: &str, more: &str| {
-        let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
-        scene(BEFORE, &format!("Medium({boundary}, density: {density}, albedo: §{albedo}{more}),"))
-    };
-    // From 3 / π² τ (τ + 1.42) = 50 / ln 100 on; of a render at 5.5 a hundredth is lost.
-    let field = "objects[0].Medium.albedo";
-    let words = ["an albedo of 1", "1.3 % of the light in it is scattered more than 50 times", "higher max_depth"];
-    assert_warns(&fog("5.5", "Rgb(1, 1, 1)", ""), field, &words);
-    assert_silent(&fog("5.2", "Rgb(1, 1, 1)", ""));
-    assert_warns(&fog("5.5", "Checker(scale: 1, even: (0, 0, 0), odd: (0, 1, 0))", ""), field, &words[..1]);
-    assert_silent(&fog("5.5", "Rgb(0.99, 0.99, 0.99)", ""));
-    assert_silent(&fog("5.5", "Rgb(1, 1, 1)", ", anisotropy: 0.9"));
-    assert_warns(&fog("25", "Rgb(1, 1, 1)", ", anisotropy: 0.9"), field, &["an albedo of 1"]);
-    let deep = |text: String| text.replace("    ],\n)", "    ],\n    render: (max_depth: 100),\n)");
-    assert_silent(&deep(fog("5.5", "Rgb(1, 1, 1)", "")));
-}
-
-#[test]
 fn lights_that_face_away_from_everything() {
     let spot = |u: &str, v: &str, material: &str| {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
     };
     let (x, z) = ("(2, 0, 0)", "(0, 0, 2)");
-    assert_warns(&spot(z, x, "spot"), "objects[1].Quad", &["the whole scene is on its other side", "exchange u and v"]);
+    assert_warns(
+        &spot(z, x, "spot"),
+        "objects[1].Quad",
+        &["the whole scene is on its other side", "exchange a quad's u and v"],
+    );
     assert_silent(&spot(x, z, "spot"));
     assert_silent(&spot(z, x, "lamp"));
-}
-
-#[test]
-fn lights_too_faint_beside_others() {
-    let lights = |faint: &str| {
-        let ball = |x: f64, name: &str| format!("Sphere(center: ({x:?}, 0, 0), radius: 1, material: {name:?}),");
-        scene(BEFORE, &(ball(0.0, "lamp") + &ball(3.0, "faint")))
-            .replace("\"grey\":", &format!("\"faint\": DiffuseLight(emit: §Rgb(0, {faint}, 0)), \"grey\":"))
+    let disk = |normal: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball} §Disk(center: (0, 3, 0), normal: {normal}, radius: 1, material: \"spot\"),"))
     };
-    let words = ["a radiance of 1.29e-17 is 2^-60 of the radiance at", "x.ron:7:", "separate scenes"];
-    assert_warns(&lights("1.29e-17"), "materials[\"faint\"].DiffuseLight.emit", &words);
-    assert_silent(&lights("1.31e-17"));
-    let sky = unmarked(&lights("1")).replace("background: Solid((1, 1, 1))", "background: §Solid((0, 1e-18, 0))");
-    assert_warns(&sky, "background", &["a radiance of 1e-18"]);
+    assert_warns(&disk("(0, 2, 0)"), "objects[1].Disk", &["reverse a disk's normal"]);
+    assert_silent(&disk("(0, -2, 0)"));
 }
 
 #[test]
@@ -995,7 +719,7 @@ fn lights_that_are_not_used_do_not_count() {
             .replace("\"lamp\": ", &format!("\"sun\": DiffuseLight(emit: Rgb({sun}, {sun}, {sun})), \"lamp\": "))
             .replace(
                 "\"lamp\": DiffuseLight(emit: Rgb(15, 15, 15))",
-                "\"lamp\": DiffuseLight(emit: §Rgb(1e-3, 1e-3, 1e-3))",
+                "\"lamp\": DiffuseLight(emit: Rgb(1e-3, 1e-3, 1e-3))",
             )
             .replace("Solid((1, 1, 1))", "Solid((0, 0, 0))")
     };
@@ -1008,39 +732,6 @@ fn lights_that_are_not_used_do_not_count() {
     assert_eq!(exponent(&unused), exponent(&with("1e-3", "")));
     let used = with("1e30", "Sphere(center: (3, 0, 0), radius: 1, material: \"sun\"),");
     assert_eq!(exponent(&used), 100);
-    assert_warns(&used, "materials[\"lamp\"].DiffuseLight.emit", &["a radiance of 0.001 is 2^-110"]);
-}
-
-#[test]
-fn parts_of_lights_too_faint_beside_others() {
-    let with = |emit: &str| {
-        scene(BEFORE, "Sphere(center: (0, 0, 0), radius: 1, material: \"tiles\"),")
-            .replace("\"grey\":", &format!("\"tiles\": DiffuseLight(emit: §{emit}), \"grey\":"))
-            .replace("Solid((1, 1, 1))", "Solid((0, 0, 0))")
-    };
-    let field = "materials[\"tiles\"].DiffuseLight.emit";
-    let checker = |even: &str| with(&format!("Checker(scale: 1, even: ({even}, 0, 0), odd: (1, 1, 0))"));
-    assert_warns(&checker("1.2e18"), field, &["a radiance of 1 in a part of it is 2^-60 of the radiance at"]);
-    assert_silent(&checker("1.1e18"));
-    assert_silent(&with("Checker(scale: 1, even: (1e28, 0, 0), odd: (0, 0, 0))"));
-    // An image with one bright texel, and with one faint one, which is no loss.
-    let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
-    let image = |one: f32| {
-        let path = folder.path().join(format!("{one:e}.hdr"));
-        let mut image = image::Rgb32FImage::from_pixel(20, 20, image::Rgb([0.5, 0.5, 0.5]));
-        image.put_pixel(3, 4, image::Rgb([one; 3]));
-        image.save(&path).unwrap_or_else(|e| panic!("{e}"));
-        path
-    };
-    let (bright, faint) = (image(1e30), image(1e-30));
-    assert_warns(&with(&format!("Image(path: {bright:?})")), field, &["a radiance of 0.5 in a part of it is 2^-101"]);
-    assert_silent(&with(&format!("Image(path: {faint:?})")));
-    let sky = |path: &Path| {
-        scene(BEFORE, "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),")
-            .replace("background: Solid((1, 1, 1))", &format!("background: §Image(path: {path:?})"))
-    };
-    assert_warns(&sky(&bright), "background", &["in a part of it"]);
-    assert_silent(&sky(&faint));
 }
 
 #[test]

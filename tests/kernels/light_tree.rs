@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use gpu_rt::data::{KIND_DELTA_LIGHT, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
+use gpu_rt::data::{
+    KIND_DELTA_LIGHT, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light, MAX_PRIMITIVES, PRIMITIVE_KIND_SHIFT,
+};
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{UniformTables, choices_of};
@@ -101,7 +103,7 @@ fn flattened(text: &str) -> DeviceScene {
 
 /// Whether the light's front is turned towards the point by more than rounding.
 fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
-    let (kind, index) = (light.code >> 28 & 7, (light.code & 0x0fff_ffff) as usize);
+    let (kind, index) = (light.code >> PRIMITIVE_KIND_SHIFT & 15, light.code as usize % MAX_PRIMITIVES);
     if kind == KIND_DELTA_LIGHT {
         let spot = &flat.delta_lights[index];
         let way = (from - exact(spot.place)).normalize();

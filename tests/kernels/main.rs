@@ -13,6 +13,7 @@ mod bounds;
 mod camera;
 mod cuboid;
 mod delta_lights;
+mod disk;
 mod film;
 mod filter;
 mod float;

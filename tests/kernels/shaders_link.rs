@@ -10,7 +10,7 @@ use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, NotSampled, 
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
 use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
-use gpu_rt::options::{FeatureSet, Filter, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
+use gpu_rt::options::{FeatureSet, Filter, Fresnel, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::{ALTERNATIVES, Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 
@@ -183,7 +183,6 @@ fn approximate(number: usize) -> RenderOptions {
     match number {
         0 => options.fresnel = Fresnel::Schlick,
         1 => options.clamp = Some(1.0),
-        2 => options.offset = Offset::Fast,
         _ => options.precision = Precision::Fast,
     }
     options
@@ -194,7 +193,6 @@ fn approximate_all() -> RenderOptions {
     RenderOptions {
         fresnel: Fresnel::Schlick,
         clamp: Some(1.0),
-        offset: Offset::Fast,
         precision: Precision::Fast,
         roulette: Switch::Off,
         sampler: Sampler::Independent,
@@ -349,7 +347,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     found.extend([many_lights(everything()), turned(everything())]);
     let mut found: Vec<_> = found.into_iter().map(|features| (features, RenderOptions::default())).collect();
     // What approximates: each beside the least and everything, with lights and without; all of it beside every kind.
-    for number in 0..4 {
+    for number in 0..3 {
         let (spheres, media) = (features(1, materials, 0, SOLID, false), features(0, 0, 0, SOLID, false));
         let beside = [spheres.clone(), lit(spheres, 1, false), with_media(media, 1, false), everything()];
         found.extend(beside.map(|features| (features, approximate(number))));
@@ -424,7 +422,6 @@ fn every_combination_of_features_links_and_validates() {
                     ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
                     ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
                     ("step/clamp", options.clamp.is_some()),
-                    ("geometry/offset_fast", options.offset == Offset::Fast),
                     ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
@@ -503,7 +500,7 @@ fn every_line_under_shaders_is_in_some_kernel() {
 /// The most storage buffers that a kernel with everything on binds, all tables in storage bindings. WebGPU promises 8. Kernels
 /// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
-    [(Scatter::Linked, 19), (Scatter::Queues, 21), (Scatter::Fused, 22)];
+    [(Scatter::Linked, 20), (Scatter::Queues, 22), (Scatter::Fused, 23)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {
@@ -634,7 +631,6 @@ const CHOICES: &[(&str, &str)] = &[
     ("light_coverage", "scene"),
     ("clamp", "step"),
     ("fresnel", "lib"),
-    ("offset", "geometry"),
     ("sphere_chord", "geometry"),
     ("sampler", "sampler"),
     ("aov_hit", "aov"),

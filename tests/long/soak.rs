@@ -107,11 +107,17 @@ impl Writer {
     /// A shape; of a material if it is given, and closed if it is not.
     fn shape(&mut self, material: Option<usize>) -> String {
         let with = material.map_or(String::new(), |number| format!(", material: \"m{number}\""));
-        match self.random.below(if material.is_some() { 4 } else { 3 }) {
+        match self.random.below(if material.is_some() { 5 } else { 3 }) {
             0 => format!("Sphere(center: {}, radius: {}{with})", self.triple(-1.5, 1.5), self.range(0.3, 1.0)),
             1 => format!("Box(min: {}, max: {}{with})", self.triple(-1.5, -0.2), self.triple(0.2, 1.2)),
             // With texture coordinates.
             2 => format!("Mesh(path: \"octahedron.obj\"{with})"),
+            3 => format!(
+                "Disk(center: {}, normal: {}, radius: {}{with})",
+                self.triple(-1.5, 1.5),
+                self.triple(0.1, 1.0),
+                self.range(0.3, 1.0)
+            ),
             _ => {
                 let [x, y, z] = [self.range(0.5, 2.0), self.range(-0.4, 0.4), self.range(0.5, 2.0)];
                 format!("Quad(corner: {}, u: ({x}, {y}, 0), v: (0, {y}, {z}){with})", self.triple(-1.5, 0.5))

@@ -149,7 +149,7 @@ fn split_and_joined_renders_have_the_bytes_of_one() {
         assert_eq!(whole.samples, "0..64");
         for (ways, first, then) in [
             ("fused, then queues", "--scatter fused --slots 64 --bounces 2", "--scatter queues"),
-            ("linked, then fused", "--scatter linked", "--scatter fused --build fast --slots 300"),
+            ("linked, then fused", "--scatter linked", "--scatter fused --build best --slots 300"),
         ] {
             let ways = format!("{sampler}, {ways}");
             let render = |more: &str| place.render(&format!("--quiet --sampler {sampler} {more}")).exits(0);

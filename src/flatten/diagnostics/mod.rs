@@ -1,272 +1,186 @@
-//! Warnings about a placed scene: numbers that are allowed, but too small, too large or too close together for f32.
+//! Warnings about a placed scene: sizes that f32 does not resolve, surfaces that coincide, and light that is lost.
 //!
-//! The search runs while a scene is flattened, in O(n log n). It prints one warning of each kind: the worst case, and the number of
-//! the others. Lengths are in the world's units. Positions are relative to the camera, along the axes of render space.
+//! The search runs while the hierarchies are built, in O(n log n). Of each kind it reports the worst case, and the number of the others.
+//! Lengths are in scene units. Positions are relative to the camera, along the axes of render space.
 
 mod coincident;
-mod emitters;
-mod leaving;
-mod near_lights;
-mod patterns;
+mod lost_lights;
 mod same_place;
 mod sizes;
 mod within;
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 
-use super::place::{Placed, PlacedMedium};
+use super::place::{Finder, Placed};
 use super::view::View;
-use crate::delta_light::PlacedLight;
-use crate::scene::{Bitmaps, Material, Object, Scene};
+use crate::scene::{Material, Object, Scene};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Hull, Placement, RenderSpace, Shape};
-use coincident::Planes;
-use emitters::Walls;
-use same_place::SamePlace;
-use sizes::Sizes;
 
-/// A scene after its objects have been placed.
-pub struct Found<'a> {
-    pub scene: &'a Scene,
-    pub placed: &'a [Placed<'a>],
-    pub media: &'a [PlacedMedium<'a>],
-    pub lights: &'a [(&'a Object, PlacedLight)],
-    pub view: &'a View<'a>,
+/// Half a unit in the last place of 1 in f32: the largest relative error of a rounding.
+const U: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// A placed scene, in which the warnings are searched for.
+pub struct Search<'a> {
+    scene: &'a Scene,
+    finder: &'a Finder<'a>,
+    view: &'a View<'a>,
     /// The largest distance from the camera, along an axis, that any object reaches.
-    pub extent: f64,
-    /// The largest component of the radiance that each material that an object has emits, the background, and what is lit by lights
-    /// without size.
-    pub emissions: &'a [(At, f64)],
+    extent: f64,
+    /// Whether the background or an object emits light.
+    is_lit: bool,
+    /// By the number of the material.
+    roles: Vec<Role>,
 }
 
-/// The warnings about a placed scene.
-pub fn warnings(found: &Found) -> Vec<String> {
-    let kinds: Vec<Role> =
-        found.scene.materials.iter().map(|(_, material)| Role::of(material, &found.scene.bitmaps)).collect();
-    let mut sizes = Sizes::new(found);
-    let mut same_place = SamePlace::new(found, &kinds);
-    let mut planes = Planes::new(found, &kinds);
-    let mut walls = Walls::new(found, &kinds);
-    // One loop over all objects for all searches: most of the time is spent on reading memory.
-    for (number, placed) in found.placed.iter().enumerate() {
-        let body = Body::new(found, &placed.shape, &placed.to_world);
-        let kind = kinds[placed.material as usize];
-        sizes.see(number, &body, kind);
-        same_place.see(number, &body);
-        planes.see(number, &body);
-        walls.see(number, &body, kind);
-    }
-    let mut diagnostics = sizes.diagnostics();
-    diagnostics.extend(same_place.diagnostics());
-    diagnostics.extend(planes.diagnostics());
-    diagnostics.extend(emitters::turned_away(found, &kinds));
-    diagnostics.extend(walls.diagnostics());
-    diagnostics.extend(emitters::too_faint(found));
-    diagnostics.extend(near_lights::diagnostics(found, &kinds));
-    diagnostics.extend(patterns::diagnostics(found));
-    if diagnostics.is_empty() {
-        return Vec::new();
-    }
-    let wanted = diagnostics
-        .iter()
-        .flat_map(|diagnostic| [Some((diagnostic.at, diagnostic.field)), diagnostic.other.map(|at| (at, ""))]);
-    let places = places(found.scene, wanted.flatten());
-    let place = |at: At, field| places.get(&(at, field)).cloned().unwrap_or_default();
-    let told = diagnostics.iter().map(|diagnostic| {
-        let Spot { location, path } = place(diagnostic.at, diagnostic.field);
-        let other = diagnostic.other.map_or(String::new(), |at| place(at, "").location);
-        let more = match diagnostic.more {
-            0 => String::new(),
-            1 => " (and 1 more like it)".to_string(),
-            n => format!(" (and {n} more like it)"),
+impl<'a> Search<'a> {
+    pub fn new(scene: &'a Scene, finder: &'a Finder<'a>, view: &'a View<'a>, extent: f64, is_lit: bool) -> Search<'a> {
+        let role = |(_, material): &(String, Material)| {
+            let emission = material.model().emission();
+            Role {
+                clear: material.kind().is_transmissive,
+                light: emission.is_some_and(|emission| emission.slot.texture.brightest(&scene.bitmaps) > 0.0),
+                one_sided: emission.is_some_and(|emission| !emission.two_sided),
+            }
         };
-        format!("{location}: {path}: {}{more}", diagnostic.message.replace(OTHER, &other))
-    });
-    told.collect()
+        let roles = scene.materials.iter().map(role).collect();
+        Search { scene, finder, view, extent, is_lit, roles }
+    }
+
+    pub fn warnings(&self) -> Vec<String> {
+        let mut found = sizes::search(self);
+        found.push(same_place::search(self));
+        found.extend(coincident::search(self));
+        found.extend(lost_lights::search(self));
+        found.into_iter().filter_map(|worst| worst.text(self.scene)).collect()
+    }
+
+    fn body(&self, number: usize) -> Body<'a> {
+        let Placed { shape, to_world, material } = &self.finder.placed[number];
+        let role = self.roles[*material as usize];
+        Body { material: *material, role, ..self.new_body(self.finder.objects[number], shape, to_world) }
+    }
+
+    fn bodies(&self) -> impl Iterator<Item = Body<'a>> {
+        (0..self.finder.placed.len()).map(|number| self.body(number))
+    }
+
+    /// The boundaries of the media, which have no material, and which light passes.
+    fn boundaries(&self) -> impl Iterator<Item = Body<'a>> {
+        let media = self.finder.media.iter();
+        media.map(|medium| self.new_body(medium.object, &medium.boundary, &medium.to_world))
+    }
+
+    fn new_body(&self, object: &'a Object, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
+        let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
+        let role = Role { clear: true, light: false, one_sided: false };
+        Body { object, shape, to_world, material: 0, role, hull, position: hull.place() }
+    }
+}
+
+/// A placed object.
+#[derive(Clone, Copy)]
+struct Body<'a> {
+    object: &'a Object,
+    shape: &'a Shape<'a>,
+    to_world: &'a Similarity,
+    material: u32,
+    role: Role,
+    hull: Hull,
+    /// The centre of a sphere, box or mesh; the corner of a quad.
+    position: DVec3,
+}
+
+impl Body<'_> {
+    fn word(&self) -> &'static str {
+        self.shape.kind().word
+    }
+}
+
+/// The properties of a material that matter here.
+#[derive(Clone, Copy)]
+struct Role {
+    /// Rays pass through the object.
+    clear: bool,
+    light: bool,
+    one_sided: bool,
+}
+
+/// A warning whose locations in the file are not yet filled in.
+struct Diagnostic<'a> {
+    object: &'a Object,
+    /// A field of the object, or "" for the object itself.
+    field: &'static str,
+    message: String,
+    /// The object whose location replaces `OTHER` in the message.
+    other: Option<&'a Object>,
 }
 
 /// A placeholder in messages for the location of the other object.
 const OTHER: &str = "{other}";
 
-/// Half a unit in the last place of 1 in f32: the largest relative error of a rounding.
-const U: f64 = 1.0 / (1u64 << 24) as f64;
-
-/// The subject of a warning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum At {
-    /// By its index among the placed objects.
-    Primitive(usize),
-    Medium(usize),
-    /// The emission of the material of this number.
-    Emit(usize),
-    Background,
-    /// A light without size, by its number.
-    Light(usize),
-}
-
-/// A warning whose locations in the file are not yet filled in.
-struct Diagnostic {
-    at: At,
-    /// A field of the object, or "" for the object itself.
-    field: &'static str,
-    message: String,
-    /// The object whose location replaces `OTHER` in the message.
-    other: Option<At>,
-    /// The number of further cases of the same kind.
-    more: usize,
-}
-
-impl Diagnostic {
-    fn of(at: At, field: &'static str, message: String) -> Diagnostic {
-        Diagnostic { at, field, message, other: None, more: 0 }
-    }
-
-    /// A warning about an object; the location of the other one replaces `OTHER` in the message.
-    fn of_two(number: usize, other: usize, message: String) -> Diagnostic {
-        Diagnostic { other: Some(At::Primitive(other)), ..Diagnostic::of(At::Primitive(number), "", message) }
-    }
-}
-
-/// Two objects that coincide, in the order of the file.
-struct Pair {
-    first: usize,
-    second: usize,
-    gap: f64,
-    /// A larger gap causes no warning.
-    bound: f64,
-}
-
-/// The number of cases found, and the worst of them; the first of equally bad ones.
-struct Worst<T> {
+/// The number of cases of one kind, and the worst of them; the first of equally bad ones.
+#[derive(Default)]
+struct Worst<'a> {
     count: usize,
-    worst: Option<(f64, T)>,
+    worst: Option<(f64, Diagnostic<'a>)>,
 }
 
-impl<T> Default for Worst<T> {
-    fn default() -> Self {
-        Worst { count: 0, worst: None }
-    }
-}
-
-impl<T> Worst<T> {
-    fn note(&mut self, badness: f64, of: T) {
+impl<'a> Worst<'a> {
+    fn add(&mut self, badness: f64, tell: impl FnOnce() -> Diagnostic<'a>) {
         self.count += 1;
+        self.offer(badness, tell);
+    }
+
+    /// Adds a case that is counted already.
+    fn offer(&mut self, badness: f64, tell: impl FnOnce() -> Diagnostic<'a>) {
         if self.worst.as_ref().is_none_or(|(worst, _)| badness > *worst) {
-            self.worst = Some((badness, of));
+            self.worst = Some((badness, tell()));
         }
     }
 
-    /// The warning about the worst case, in the words of `tell`.
-    fn diagnostic(self, tell: impl FnOnce(T) -> Diagnostic) -> Option<Diagnostic> {
-        let more = self.count.saturating_sub(1);
-        self.worst.map(|(_, of)| Diagnostic { more, ..tell(of) })
-    }
-}
-
-/// A location in the scene file, and the path of the value there.
-#[derive(Clone, Debug, Default)]
-struct Spot {
-    location: String,
-    path: String,
-}
-
-/// Finds the locations of the wanted values in one more walk over the scene.
-fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BTreeMap<(At, &'static str), Spot> {
-    let mut places: BTreeMap<(At, &'static str), Spot> = wanted.map(|key| (key, Spot::default())).collect();
-    let spot = |(location, path): (crate::error::Location, String)| Spot { location: location.to_string(), path };
-    for ((at, _), found) in &mut places {
-        match *at {
-            At::Emit(number) => {
-                if let Some((name, material)) = scene.materials.get(number) {
-                    *found = spot(scene.spot_of_emission(name, material));
-                }
-            }
-            At::Background => *found = spot(scene.spot_of_background()),
-            At::Primitive(_) | At::Medium(_) | At::Light(_) => {}
-        }
-    }
-    // Objects are numbered in the order of this walk, as `Finder` does.
-    let (mut primitives, mut media, mut lights) = (0, 0, 0);
-    scene.visit_objects(&mut |place, object| {
-        let at = match object {
-            Object::Medium { density, .. } if *density > 0.0 => {
-                media += 1;
-                At::Medium(media - 1)
-            }
-            _ if object.delta_light().is_some() => {
-                lights += 1;
-                At::Light(lights - 1)
-            }
-            _ if object.material().is_some() => {
-                primitives += 1;
-                At::Primitive(primitives - 1)
-            }
-            _ => return,
+    /// The warning about the worst case.
+    fn text(self, scene: &Scene) -> Option<String> {
+        let (_, Diagnostic { object, field, message, other }) = self.worst?;
+        let other = other.map_or(String::new(), |other| scene.location_of(other).to_string());
+        let more = match self.count {
+            1 => String::new(),
+            count => format!(" (and {} more like it)", count - 1),
         };
-        for (&(_, field), found) in places.range_mut((at, "")..=(at, "~")) {
-            *found = spot(if field.is_empty() { place.spot() } else { place.field(field).spot() });
-        }
-    });
-    places
-}
-
-/// A placed object, relative to the camera.
-#[derive(Clone, Copy)]
-struct Body<'a> {
-    shape: &'a Shape<'a>,
-    to_world: &'a Similarity,
-    hull: Hull,
-    /// The centre of a sphere, box or mesh; the corner of a quad.
-    place: DVec3,
-}
-
-impl<'a> Body<'a> {
-    fn new(found: &Found, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
-        let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye: found.view.eye, scale: 1.0 } });
-        Body { shape, to_world, hull, place: hull.place() }
-    }
-
-    /// The half sides of a box, or of the box around a mesh, along its own axes; none for other shapes.
-    fn half_sides(&self) -> Option<DVec3> {
-        match self.hull {
-            Hull::Cuboid { half, .. } => Some(half),
-            Hull::Ball { .. } | Hull::Parallelogram { .. } => None,
-        }
+        let message = message.replace(OTHER, &other) + &more;
+        let mut text = None;
+        scene.visit_objects(&mut |at, visited| {
+            if std::ptr::eq(visited, object) {
+                text = Some(if field.is_empty() { at.warning(&message) } else { at.field(field).warning(&message) });
+            }
+        });
+        text
     }
 }
 
-/// The properties of a material that matter here.
-#[derive(Clone, Copy, Default)]
-struct Role {
-    glass: bool,
-    light: bool,
-    one_sided: bool,
-}
-
-impl Role {
-    fn of(material: &Material, bitmaps: &Bitmaps) -> Role {
-        let emission = material.model().emission();
-        Role {
-            glass: material.kind().is_transmissive,
-            light: emission.is_some_and(|emission| emission.slot.texture.brightest(bitmaps) > 0.0),
-            one_sided: emission.is_some_and(|emission| !emission.two_sided),
-        }
-    }
-}
-
-const BY_ROUNDING: &str =
-    "rounding decides which of the two is visible, or their order in the file if the distances are equal";
-
-/// The distance to another surface, in words: a gap below a bound of the rounding, or of the ray offset if one surface is clear.
-fn apart(gap: f64, bound: f64, clear: bool) -> String {
+/// The warning about two surfaces, the first of them the one that the file has first, that are less than `bound` apart.
+fn coincidence<'a>(first: &Body<'a>, second: &Body<'a>, gap: f64, bound: f64) -> Diagnostic<'a> {
+    // The warning points at the clear object if only one of them is clear.
+    let (at, other) = if first.role.clear && !second.role.clear { (first, second) } else { (second, first) };
+    let limit = short(bound);
     // Smaller gaps come from the rounding of transforms in f64.
-    if gap <= 1e-3 * bound {
-        return "coincides with it".to_string();
-    }
-    let what = if clear { "ray offset" } else { "rounding of f32" };
-    format!("is {} away, less than the {what} there ({})", short(gap), short(bound))
+    let apart = match gap <= 1e-3 * bound {
+        true => "coincides with it".to_string(),
+        false => format!("is {} away, less than f32 resolves there ({limit})", short(gap)),
+    };
+    let (what, consequence, remedy) = match at.role.clear {
+        true => (
+            "this glass",
+            "rays that leave one of the two start behind the other and miss it",
+            "or let an opaque one reach into the glass",
+        ),
+        false => ("it", "rounding, or their order in the file, decides which of the two is visible", "or remove one"),
+    };
+    let message = format!(
+        "{what} touches the {} at {OTHER}, which {apart}: {consequence}: set them more than {limit} apart, {remedy}",
+        other.word()
+    );
+    Diagnostic { object: at.object, field: "", message, other: Some(other.object) }
 }
 
 /// A number rounded to four digits.
@@ -277,11 +191,6 @@ fn short(x: f64) -> String {
         1e-3..1e6 => format!("{rounded}"),
         _ => format!("{rounded:e}"),
     }
-}
-
-/// The nearest power of two.
-fn power_of_two(x: f64) -> String {
-    format!("2^{}", x.log2().round())
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::Body;
 use crate::shape::Hull;
-use crate::shape::mesh::{Mesh, MeshShape};
+use crate::shape::mesh::MeshShape;
 
 /// The limit on triangles that are looked at, over all queries.
 const MOST_TRIANGLES: usize = 1 << 19;
@@ -46,7 +46,7 @@ impl Within {
             return None;
         }
         let to_own = wall.to_world.rotation.transpose();
-        let p = shape.around.center() + to_own * (p - wall.place) / wall.to_world.scale;
+        let p = shape.around.center() + to_own * (p - wall.position) / wall.to_world.scale;
         let (mut angle, mut nearest) = (0.0, f64::INFINITY);
         for corners in &mesh.triangles {
             let [a, b, c] = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or(p) - p);
@@ -56,19 +56,6 @@ impl Within {
         let distance = wall.to_world.scale * nearest.sqrt();
         Some(if angle.abs() > 2.0 * PI { distance } else { -distance })
     }
-}
-
-/// The distance of a point from a mesh in its own space, and the unit normal of the triangle that it is nearest to. None if it is beside that
-/// triangle and not above it.
-pub fn nearest_triangle(mesh: &Mesh, p: DVec3) -> Option<(f64, DVec3)> {
-    let corners = |of: &[u32; 3]| of.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or(p) - p);
-    let squared = mesh.triangles.iter().map(|triangle| (corners(triangle), triangle));
-    let nearest = squared.map(|([a, b, c], _)| (distance_squared(a, b, c), [a, b, c]));
-    let (squared, [a, b, c]) = nearest.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    let n = (b - a).cross(c - a).normalize_or_zero();
-    // Beside the triangle, an edge is nearer than its plane.
-    let height = n.dot(a).abs();
-    (squared.sqrt() <= height * (1.0 + 1e-9)).then_some((height, n))
 }
 
 /// Whether the front of a closed light is its outside. It is not for a mesh that is wound the other way.

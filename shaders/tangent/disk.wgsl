@@ -1,0 +1,7 @@
+//@ use data/primitive
+//@ use data/surface
+//@ use data/texture
+//@ use lib/tangents
+fn disk_tangents(surface: Surface, disk: Quad, frame: Frame) -> Tangents {
+    return Tangents(disk.u, disk.v);
+}

@@ -1,0 +1,125 @@
+//! Finds light that no path can bring to the camera: a one-sided light with nothing on its emitting side; a closed light around the camera
+//! that emits outwards; a closed opaque object around either a light or the camera, with the other one outside; and a closed room around
+//! the camera that only the background and directional lights light.
+
+use glam::DVec3;
+
+use super::within::{Within, is_outside_in_front};
+use super::{Diagnostic, OTHER, Role, Search, U, Worst};
+use crate::scene::Object;
+use crate::shape::{Hull, normal};
+
+/// The number of lights that the search looks at.
+const MOST_LIGHTS: usize = 4096;
+/// The limit on comparisons of a light with an object.
+const MOST_TESTS: usize = 1 << 22;
+
+pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
+    let mut found = vec![turned_away(search)];
+    found.extend(enclosed(search));
+    found
+}
+
+/// One-sided quads and disks with the whole scene and the camera behind them.
+fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
+    let mut worst = Worst::default();
+    let is_one_sided = |role: &Role| role.light && role.one_sided;
+    if !search.roles.iter().any(is_one_sided) {
+        return worst;
+    }
+    let lens = DVec3::splat(search.view.lens_radius());
+    let (mut low, mut high, mut rounded) = (-lens, lens, lens);
+    for body in search.bodies().chain(search.boundaries()) {
+        let (l, h) = body.hull.bounds();
+        (low, high) = (low.min(l), high.max(h));
+        // The rounding of a large sphere is not that of its far side.
+        if body.shape.large_sphere().is_none() {
+            rounded = rounded.max(l.abs().max(h.abs()));
+        }
+    }
+    for body in search.bodies().filter(|body| is_one_sided(&body.role) && body.shape.is_hull()) {
+        let Hull::Parallelogram { corner, u, v } = body.hull else { continue };
+        let n = normal(u, v);
+        let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
+        if n.dot(farthest - corner) <= 8.0 * U * n.abs().dot(rounded) {
+            let message = "this light emits to one side, and the whole scene is on its other side: turn it round (exchange a quad's u and v, \
+                           reverse a disk's normal), or make it two_sided";
+            worst.add(0.0, || diagnostic(body.object, message.to_string()));
+        }
+    }
+    worst
+}
+
+/// A light, as a ball.
+struct Light<'a> {
+    object: &'a Object,
+    center: DVec3,
+    radius: f64,
+}
+
+/// Closed lights around the camera, lights on the other side of a closed object than the camera, and dark rooms.
+fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
+    let [mut outwards, mut hidden, mut rooms] = [(); 3].map(|()| Worst::default());
+    let surfaces = search.bodies().filter(|body| body.role.light).map(|body| {
+        let (center, radius) = body.hull.ball();
+        Light { object: body.object, center, radius }
+    });
+    let without_size = search
+        .finder
+        .lights
+        .iter()
+        .filter_map(|(object, light)| Some(Light { object, center: light.place? - search.view.eye, radius: 0.0 }));
+    let lights: Vec<Light> = surfaces.take(MOST_LIGHTS).chain(without_size.take(MOST_LIGHTS)).collect();
+    if !search.is_lit {
+        return [outwards, hidden, rooms];
+    }
+    let lens = search.view.lens_radius();
+    let (mut within, mut tests) = (Within::default(), MOST_TESTS);
+    for wall in search.bodies().filter(|body| !body.role.clear) {
+        let Some(depth) = within.depth(&wall, DVec3::ZERO) else { continue };
+        let (is_around, is_beside) = (depth > lens, depth < -lens);
+        let word = wall.word();
+        if is_around && wall.role.light && wall.role.one_sided && is_outside_in_front(&wall) {
+            let message = format!(
+                "this light emits outwards, and the camera is in this {word}: the camera sees none of its light, and its inside is black: \
+                 make it two_sided"
+            );
+            outwards.add(0.0, || diagnostic(wall.object, message));
+        }
+        if is_around && lights.is_empty() {
+            let message = format!(
+                "the camera is inside this opaque {word}, and no light is: the image is black. Move the camera out of it, open it, or put \
+                 a light inside"
+            );
+            rooms.add(0.0, || diagnostic(wall.object, message));
+        }
+        if !is_around && !is_beside {
+            continue;
+        }
+        let (center, reach) = wall.hull.ball();
+        for light in lights.iter().filter(|light| !std::ptr::eq(light.object, wall.object)) {
+            let Some(left) = tests.checked_sub(1) else { return [outwards, hidden, rooms] };
+            tests = left;
+            if is_beside && light.center.distance_squared(center) >= reach * reach {
+                continue;
+            }
+            let depth = within.depth(&wall, light.center);
+            let is_apart = depth.is_some_and(|depth| if is_around { -depth } else { depth } > light.radius);
+            if is_apart {
+                let (inner, outer) = if is_around { ("the camera", "light") } else { ("it", "camera") };
+                hidden.add(0.0, || {
+                    let message = format!(
+                        "no path reaches this light: the opaque {word} at {OTHER} encloses {inner}, and the {outer} is outside: remove \
+                         the light, or open the {word}"
+                    );
+                    Diagnostic { other: Some(wall.object), ..diagnostic(light.object, message) }
+                });
+            }
+        }
+    }
+    [outwards, hidden, rooms]
+}
+
+fn diagnostic(object: &Object, message: String) -> Diagnostic<'_> {
+    Diagnostic { object, field: "", message, other: None }
+}

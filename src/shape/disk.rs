@@ -1,0 +1,106 @@
+//! A disk. Kernels get it as the square around it.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::mesh::Laid;
+use super::{Aabb, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Quad, Shape, ShapeKind, Tables, padded};
+use crate::data;
+use crate::error::Result;
+use crate::source::form::{Field, Form, SCENE_UNITS, Takes};
+use crate::source::{Place, Range, SMALLEST, parallel};
+
+const CENTER: Field = Field::new("center", Takes::Point, "The middle.");
+const NORMAL: Field =
+    Field::new("normal", Takes::Vector, "The direction in which its front faces; of any length but 0.");
+const RADIUS: Field =
+    Field::new("radius", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The distance from the middle to the edge.");
+
+pub const KIND: ShapeKind = ShapeKind {
+    form: Form {
+        name: "Disk",
+        about: "A flat disk. Images fill the square around it: v is the direction that is nearest to +y, or -z where the normal is +y or -y, \
+                and u is v × normal.",
+        fields: &[CENTER, NORMAL, RADIUS, MATERIAL],
+        in_order: false,
+        example: "Disk(center: (0, 3, 0), normal: (0, -1, 0), radius: 0.5, material: \"matt\")",
+    },
+    in_files: true,
+    shader: "disk",
+    word: "disk",
+    sizes: &[("a diameter", "radius")],
+    table: super::table!(disks of data::Quad, "disks"),
+    boundary: None,
+};
+
+#[derive(Clone, Copy)]
+pub struct Disk {
+    pub center: DVec3,
+    /// Of any length but 0.
+    pub normal: DVec3,
+    pub radius: f64,
+}
+
+impl Disk {
+    /// The square around it, along the axes of its texture coordinates.
+    fn square(&self) -> Quad {
+        let normal = self.normal.normalize();
+        let up = if parallel(normal, DVec3::Y) { DVec3::NEG_Z } else { DVec3::Y.reject_from_normalized(normal) };
+        let v = self.radius * up.normalize();
+        let u = v.cross(normal);
+        Quad { corner: self.center - u - v, u: 2.0 * u, v: 2.0 * v }
+    }
+
+    /// The box around it in render space.
+    fn bounds(&self, at: &Placement) -> Aabb {
+        let (center, normal) = (at.point(self.center), at.to_world.vector(self.normal).normalize());
+        let reach = self.radius * at.scale() * (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
+        Aabb { min: center - reach, max: center + reach }
+    }
+}
+
+impl Geometry for Disk {
+    fn check(&self, at: &Place) -> Result<()> {
+        CENTER.check_vector(at, self.center)?;
+        NORMAL.check_vector(at, self.normal)?;
+        if self.normal.length() < SMALLEST {
+            let message = "the normal has no length: expected a direction such as (0, 1, 0)";
+            return Err(at.field(NORMAL.name).error(message));
+        }
+        RADIUS.check(at, self.radius)
+    }
+
+    fn span(&self) -> (f64, f64) {
+        (self.radius, self.center.length() + self.radius)
+    }
+
+    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
+        self.square().texture_place(rotation)
+    }
+
+    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+        let square = self.square().on_device(at, element);
+        let bounds = self.bounds(at);
+        tables.disks.push(square);
+        padded(bounds.min.as_vec3(), bounds.max.as_vec3(), square.error)
+    }
+
+    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+        vec![Emitter {
+            code: Shape::Disk(*self).code(index as usize),
+            instance: data::NO_INSTANCE,
+            area: PI * (self.radius * at.scale()).powi(2),
+            around: self.bounds(at),
+            normal: Some(at.to_world.vector(self.normal)),
+        }]
+    }
+
+    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+        tables.disks[index].light = light;
+    }
+
+    fn hull(&self, at: &Placement) -> Hull {
+        self.square().hull(at)
+    }
+}
