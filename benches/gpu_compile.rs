@@ -15,7 +15,7 @@ use std::process::Command;
 use ash::vk;
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::layout::{self, BindingKind};
-use gpu_rt::gpu::probe::MOST_STEPS;
+use gpu_rt::gpu::numerics::MOST_STEPS;
 use gpu_rt::gpu::spirv;
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, STEPS, UniformTables};

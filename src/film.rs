@@ -4,7 +4,9 @@
 //! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
 mod channels;
+mod floats;
 mod totals;
+mod values;
 mod verdict;
 mod words;
 
@@ -19,6 +21,7 @@ pub use verdict::Verdict;
 pub use words::{spread_of, word_names};
 
 use channels::Channels;
+use floats::{exp2, to_f32};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
@@ -585,19 +588,9 @@ impl Picture {
     }
 }
 
-/// 2^exponent, exact while it is a normal number.
-fn exp2(exponent: i32) -> f64 {
-    2f64.powi(exponent)
-}
-
 /// The mean of a sum in units of 2^-[`SUM_FRACTION`]; 0 without samples.
 fn mean(sum: i128, samples: u64) -> f64 {
     if samples == 0 { 0.0 } else { sum as f64 * exp2(-(SUM_FRACTION as i32)) / samples as f64 }
-}
-
-/// `value` as f32; saturates at ±f32::MAX.
-fn to_f32(value: f64) -> f32 {
-    (value as f32).clamp(f32::MIN, f32::MAX)
 }
 
 fn variance_to_f32(variance: Option<f64>, scale: f64) -> f32 {

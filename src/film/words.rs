@@ -1,6 +1,7 @@
 //! The exact totals of pixels as words of 16 bits, for files. Sums are in two's complement.
 
-use super::{Film, LEAST_SQUARES, Pixel, exp2};
+use super::floats::exp2;
+use super::{Film, LEAST_SQUARES, Pixel};
 use crate::aov::Aovs;
 use crate::data::{CHANNELS, SQUARE_FRACTION, SampleSpread};
 

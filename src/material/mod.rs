@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 use crate::bitmap::Bitmaps;
 use crate::data;
 use crate::error::Result;
-use crate::source::form::{Field, Form, NO_UNIT, Takes, any_of, kinds};
-use crate::source::{Place, Range};
+use crate::source::form::{Field, Form, Takes, any_of, kinds};
+use crate::source::{NO_UNIT, Place, Range};
 use crate::texture::{Colour, Texture, Use, normal_map, number};
 
 /// A material as the scene file writes it.

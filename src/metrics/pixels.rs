@@ -8,7 +8,9 @@
 //!
 //! docs/comparing.md has the derivation and measurements.
 
-use super::difference::{Grid, Images, LEVEL, QUANTITIES, Quantity, Spreads, corrected};
+use super::estimate::{LEVEL, corrected};
+use super::grid::Grid;
+use super::images::{Images, QUANTITIES, Quantity, Spreads};
 use super::student;
 use crate::data::SampleSpread;
 

@@ -1,6 +1,8 @@
 //! The result of a comparison in one sentence.
 
-use super::difference::{Difference, LEVEL, Local, MeanDifference, QUANTITIES, Quantity};
+use super::difference::{Difference, Local, MeanDifference};
+use super::estimate::LEVEL;
+use super::images::{QUANTITIES, Quantity};
 use super::pixels::{Pixels, Single};
 
 /// Says whether and how A differs from B by more than noise. The sentence contains "noise only", or else says that A is

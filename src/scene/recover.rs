@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::explain::{Explained, explain, missing_section};
 use super::findings::{Findings, MOST};
-use super::load::{in_file_order, options};
+use super::syntax::{in_file_order, options};
 use super::types::*;
 use crate::source::{Id, Source, Span, slice};
 

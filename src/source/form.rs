@@ -2,7 +2,7 @@
 //! of error messages and docs/scene.md are made from the declarations.
 
 use super::Place;
-use super::numbers::Range;
+use super::numbers::{DEGREES, NO_UNIT, Range};
 use crate::error::Result;
 use glam::DVec3;
 
@@ -13,10 +13,6 @@ pub const POINT: &str = "a point: (x, y, z)";
 pub const VECTOR: &str = "a vector: (x, y, z)";
 /// The words in error messages for an expected texture.
 pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
-
-pub const SCENE_UNITS: &str = "scene units";
-pub const DEGREES: &str = "degrees";
-pub const NO_UNIT: &str = "";
 
 /// What a field takes.
 #[derive(Clone, Copy, Debug)]

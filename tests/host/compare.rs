@@ -5,8 +5,9 @@
 use crate::common::stats;
 use crate::common::stats::Random;
 use gpu_rt::data::SampleSpread;
-use gpu_rt::metrics::difference::{Difference, ErrorSource, Images, LEVEL, Spreads, difference};
-use gpu_rt::metrics::estimate::CONFIDENCE;
+use gpu_rt::metrics::difference::{Difference, ErrorSource, difference};
+use gpu_rt::metrics::estimate::{CONFIDENCE, LEVEL};
+use gpu_rt::metrics::images::{Images, Spreads};
 use gpu_rt::metrics::pixels::Pixels;
 use gpu_rt::metrics::verdict::verdict;
 

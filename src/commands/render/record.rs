@@ -9,7 +9,7 @@ use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
 use crate::film::{Film, TooDeep, Totals, Verdict};
-use crate::gpu::probe::Numerics;
+use crate::gpu::numerics::Numerics;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
