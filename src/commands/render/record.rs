@@ -97,7 +97,7 @@ pub fn excluded(biases: &str) -> String {
 pub struct Held {
     /// Those that an earlier render has left, if this one goes on with it.
     pub before: Option<u64>,
-    /// Those of the file if it stays as it was, because they are more than this render has.
+    /// The samples of the file if it stays as it was, because they are more than this render has.
     pub at_end: Option<u64>,
 }
 
