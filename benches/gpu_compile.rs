@@ -15,7 +15,7 @@ use std::process::Command;
 use ash::vk;
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::layout::{self, BindingKind};
-use gpu_rt::gpu::probe::MOST_STEPS;
+use gpu_rt::gpu::numerics::MOST_STEPS;
 use gpu_rt::gpu::spirv;
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, STEPS, UniformTables};
@@ -262,7 +262,7 @@ fn controls(planted: &Figures, table: &Table) -> Result<()> {
     Ok(())
 }
 
-/// What of a table is compared with the committed one.
+/// The parts of a table that are compared with the committed one.
 #[derive(Clone, Copy)]
 struct Compares {
     /// The figures themselves, where both are of the same driver. A new spill is found without them.

@@ -8,8 +8,8 @@ use crate::data::{self, f32s, luminance};
 use crate::error::Result;
 use crate::shape::similarity::Similarity;
 use crate::shape::{Aabb, RenderSpace};
-use crate::source::form::{DEGREES, Field, Form, NO_UNIT, Takes};
-use crate::source::{Place, Range, SMALLEST};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{DEGREES, NO_UNIT, Place, Range, SMALLEST};
 use crate::texture::{Colour, Use};
 
 const AT: Field = Field::new("at", Takes::Point, "Where the light is.");

@@ -4,7 +4,9 @@
 //! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
 mod channels;
+mod floats;
 mod totals;
+mod values;
 mod verdict;
 mod words;
 
@@ -19,6 +21,7 @@ pub use verdict::Verdict;
 pub use words::{spread_of, word_names};
 
 use channels::Channels;
+use floats::{exp2, to_f32};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
@@ -232,12 +235,12 @@ impl Film {
         Ok(Film { exponent, sampler, samples_lights: true, frame, pixels, channels, totals })
     }
 
-    /// The same film, of paths that sample lights, as by default, or find them by BSDF sampling alone.
+    /// Sets whether the paths sample lights, as by default, or find them by BSDF sampling alone.
     pub fn sampling_lights(self, samples_lights: bool) -> Film {
         Film { samples_lights, ..self }
     }
 
-    /// The same film, if it is empty, with further channels. `space` is that in which the kernels see the scene.
+    /// Gives an empty film further channels. `space` is that in which the kernels see the scene.
     ///
     /// # Errors
     /// `Error::Usage` where the memory does not hold them.
@@ -255,7 +258,7 @@ impl Film {
         (!self.channels.aovs.is_empty()).then_some(self.channels.space)
     }
 
-    /// The same film, of a part of an image that has its size.
+    /// Makes it the film of a part of an image; the part has the film's size.
     pub fn of_part(self, frame: Frame) -> Film {
         Film { frame, ..self }
     }
@@ -585,19 +588,9 @@ impl Picture {
     }
 }
 
-/// 2^exponent, exact while it is a normal number.
-fn exp2(exponent: i32) -> f64 {
-    2f64.powi(exponent)
-}
-
 /// The mean of a sum in units of 2^-[`SUM_FRACTION`]; 0 without samples.
 fn mean(sum: i128, samples: u64) -> f64 {
     if samples == 0 { 0.0 } else { sum as f64 * exp2(-(SUM_FRACTION as i32)) / samples as f64 }
-}
-
-/// `value` as f32; saturates at ±f32::MAX.
-fn to_f32(value: f64) -> f32 {
-    (value as f32).clamp(f32::MIN, f32::MAX)
 }
 
 fn variance_to_f32(variance: Option<f64>, scale: f64) -> f32 {

@@ -214,7 +214,7 @@ pub enum Class {
     Bias,
     /// Nothing: the picture is the same to the byte, and the file has more channels beside it.
     Channels,
-    /// Accuracy: the image is the same but for the rounding of f32 in ordinary scenes, and wrong at the extremes of scale.
+    /// An image that differs by the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
     Numerics,
 }
 

@@ -3,6 +3,7 @@
 pub mod choices;
 mod report;
 mod state;
+mod tables;
 mod text;
 mod tuning;
 
@@ -22,72 +23,17 @@ use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
-use crate::shape::{KINDS, ShapeKind, Table};
 
-use choices::{decide, entries};
+use choices::{Bounces, QUEUES, decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 use state::places;
 pub use state::{PathField, most_path_bytes};
+pub use tables::UniformTables;
+use tables::tables;
 pub use tuning::Tuning;
-
-/// The reason of what sorts slots into queues.
-const QUEUES: &str = "--scatter queues";
-/// The reason of what stages hand to each other where they are kernels of their own.
-const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
 /// The override constants that say how many steps walks may take.
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
-
-/// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
-/// a storage binding; real GPUs serialise lanes that read a uniform at different places.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct UniformTables {
-    /// Elements of the uniform array, by the table's name; the others are storage.
-    uniform: BTreeMap<&'static str, u64>,
-}
-
-impl UniformTables {
-    /// Puts each table that fits into so many bytes into a uniform binding; 0 puts none there.
-    pub fn new(flat: &DeviceScene, uniform_bytes: u64) -> UniformTables {
-        let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
-            let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
-            (elements * stride >= bytes.max(1)).then_some((name, elements))
-        };
-        UniformTables {
-            uniform: tables(flat)
-                .into_iter()
-                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
-                .filter_map(fits)
-                .collect(),
-        }
-    }
-}
-
-/// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &DeviceScene) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static str)> {
-    fn table<'a, T: bytemuck::Pod>(
-        name: &'static str,
-        items: &'a [T],
-        why: &'static str,
-    ) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
-        (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
-    }
-    let shape = |kind: &'static ShapeKind| {
-        let Table { name, why, stride, bytes, .. } = kind.table;
-        (name, Cow::Borrowed(bytes(&flat.shapes)), stride as u64, why)
-    };
-    let nodes = table("nodes", &flat.nodes, "the bounding volume hierarchy");
-    let others = [
-        table("media", &flat.media, "participating media"),
-        table("lights", &flat.lights, "lights that are sampled"),
-        table("delta_lights", &flat.delta_lights, "lights without size"),
-        table("light_nodes", &flat.light_nodes, "the tree over them"),
-        table("materials", &flat.materials, "materials"),
-        table("textures", &flat.textures, "textures"),
-        table("frames", &flat.frames, "where textured objects stand in their textures"),
-    ];
-    std::iter::once(nodes).chain(KINDS.iter().map(shape)).chain(others).collect()
-}
 
 /// A kernel: a linked shader and what it binds.
 #[derive(Debug)]
@@ -436,13 +382,6 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
     let materials = entries(MATERIALS, &features.materials);
     decide(features, options, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
-}
-
-/// How the steps of a bounce are cut into kernels.
-#[derive(Clone, Copy)]
-struct Bounces {
-    fused: bool,
-    queues: bool,
 }
 
 fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, asked_by: &Reason) -> Result<Kernel> {

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
 use crate::error::Result;
-use crate::source::form::{Field, Form, NO_UNIT, PATH, SCENE_UNITS, Takes, kinds};
-use crate::source::{Place, Range};
+use crate::source::form::{Field, Form, PATH, Takes, kinds};
+use crate::source::{NO_UNIT, Place, Range, SCENE_UNITS};
 
 /// A linear Rec. 709 colour: red, green, blue.
 pub type Colour = DVec3;
@@ -365,7 +365,7 @@ impl Texture {
         bitmaps.get(path, decoding)
     }
 
-    /// The same number everywhere.
+    /// A texture with the same number everywhere.
     pub fn grey(x: f64) -> Texture {
         Texture::Rgb(x, x, x)
     }

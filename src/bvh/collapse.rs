@@ -2,7 +2,7 @@
 //! surface area heuristic (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG
 //! 2017, section 3.1).
 
-use super::Bounds;
+use super::bounds::Bounds;
 use super::wide::WIDTH;
 
 /// A node of a binary tree.

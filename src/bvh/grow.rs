@@ -1,9 +1,9 @@
 //! Builds the tree: a binary one from the root down, and the nodes from it.
 
+use super::bounds::Bounds;
 use super::collapse::{Collapse, End, Twig};
-use super::split::Group;
-use super::wide::quantised;
-use super::{Bounds, Bvh, Quality};
+use super::split::{Group, Quality};
+use super::wide::{Bvh, quantised};
 use crate::data::{Node, PRIMITIVE_BIT};
 use crate::threads::each;
 

@@ -3,7 +3,15 @@
 
 use glam::Vec3A;
 
-use super::{Bounds, Quality};
+use super::bounds::Bounds;
+
+/// The trade-off between the time of the build and the time of the walks. It does not change the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    #[default]
+    Medium,
+    Best,
+}
 
 /// A primitive during the build. The code comes first, because vector loads of `max` also read the word after it: a code, read as a
 /// float, is subnormal, which makes every operation on it slow.
@@ -159,7 +167,7 @@ impl<'a> Group<'a> {
         while low < high {
             let item = self.items[low];
             let middle = item.middle();
-            // The same arithmetic as in the choice of the bin.
+            // Exactly the arithmetic of the choice of the bin.
             let above = (middle[cut.axis] - cut.low) * cut.scale >= cut.bin;
             let (bounds, middles) = &mut sides[usize::from(above)];
             bounds.add(item.min.into(), item.max.into());

@@ -1,10 +1,20 @@
-//! Nodes of four children with quantised boxes.
+//! Hierarchies as the kernels walk them: nodes of four children with quantised boxes.
 
-use super::Bounds;
+use super::bounds::Bounds;
 use crate::data::{HIT_NOTHING, Node};
 
 /// The number of children of a node.
 pub const WIDTH: usize = 4;
+
+/// A hierarchy as the kernels walk it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bvh {
+    pub nodes: Vec<Node>,
+    /// The root's code: a node's index, the only primitive's code, or `HIT_NOTHING`.
+    pub root: u32,
+    /// The largest number of nodes on the stack during a walk: those on the longest path from the root, without its last node.
+    pub stack_size: u32,
+}
 
 /// A node over these boxes. Its codes are filled in later.
 pub fn quantised(boxes: &[Bounds]) -> Node {

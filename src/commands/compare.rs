@@ -10,12 +10,11 @@ use super::console::{path_text, print_json, print_line, tell, tell_colours, tell
 use super::outputs::{PNG, check_name, check_outputs};
 use crate::data::SampleSpread;
 use crate::error::{Error, Result};
-use crate::metrics::difference::{
-    Difference, ErrorSource, Images, LEVEL, MeanDifference, QUANTITIES, Spreads, difference,
-};
+use crate::metrics::difference::{Difference, ErrorSource, MeanDifference, difference};
 use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
-use crate::metrics::estimate::{CONFIDENCE, Estimate};
+use crate::metrics::estimate::{CONFIDENCE, Estimate, LEVEL};
 use crate::metrics::flip::error_map;
+use crate::metrics::images::{Images, QUANTITIES, Spreads};
 use crate::metrics::pixels::Pixels as SinglePixels;
 use crate::metrics::verdict::verdict;
 use crate::output::exr::{ExrImage, StateFile, read_exr, read_layer, read_state};

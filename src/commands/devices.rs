@@ -6,7 +6,8 @@ use serde_json::json;
 use super::console::{print_json, print_line};
 use crate::error::Result;
 use crate::gpu::device::{Adapters, Device};
-use crate::gpu::probe::{LOOPS, Numerics, numerics};
+use crate::gpu::numerics::{LOOPS, Numerics};
+use crate::gpu::probe::numerics;
 
 #[derive(Debug, Args)]
 pub struct DevicesArgs {

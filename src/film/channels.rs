@@ -1,27 +1,21 @@
-//! The exact sums of the channels beside the radiance, and the channels that they make.
+//! The exact sums of the channels beside the radiance.
 
 use std::mem::size_of;
 
 use glam::DVec3;
 
-use super::{Film, exp2, to_f32};
-use crate::aov::{Aov, Aovs, Channel, SceneSpace, Sum};
+use super::floats::exp2;
+use crate::aov::{Aovs, SceneSpace, Sum};
 use crate::data::{FILM_SUMS, PixelTotals, RunRecord, SUM_FRACTION};
 use crate::error::{Error, Result};
 use crate::memory;
-
-/// The depth of a pixel whose rays all miss: beyond everything.
-const NO_DEPTH: f32 = f32::MAX;
-/// The share of its radiance below which a pixel's indirect radiance is the rounding of f32 and told as 0: a run's sum is rounded by 2^-24, and
-/// so is each of the few contributions to a sample.
-const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 /// The sums of all pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Channels {
     pub aovs: Aovs,
     pub space: SceneSpace,
-    /// Those of a pixel one after the other, in units of 2^-[`SUM_FRACTION`]; `i128::MAX` for one that has left its range.
+    /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`]; `i128::MAX` for a sum that has left its range.
     sums: Vec<i128>,
 }
 
@@ -69,7 +63,7 @@ impl Channels {
         }
     }
 
-    /// Those of a pixel; none where it is not in the image.
+    /// The sums of a pixel; empty if the pixel is not in the image.
     pub fn of(&self, index: usize) -> &[i128] {
         let count = self.aovs.count();
         self.sums.get(index * count..(index + 1) * count).unwrap_or_default()
@@ -81,7 +75,7 @@ impl Channels {
     }
 
     /// A component of a sum; 0 where there is none, and nothing where it has left its range.
-    fn sum(&self, index: usize, sum: Sum, component: usize) -> Option<f64> {
+    pub fn sum(&self, index: usize, sum: Sum, component: usize) -> Option<f64> {
         let place = self.aovs.place(sum).map_or(usize::MAX, |place| place + component);
         match self.of(index).get(place).copied().unwrap_or(0) {
             i128::MAX => None,
@@ -90,51 +84,9 @@ impl Channels {
     }
 
     /// Three components, divided by a count; 0 where that is 0.
-    fn mean(&self, index: usize, sum: Sum, count: f64) -> Option<DVec3> {
+    pub fn mean(&self, index: usize, sum: Sum, count: f64) -> Option<DVec3> {
         let component = |component| self.sum(index, sum, component);
         let sums = DVec3::new(component(0)?, component(1)?, component(2)?);
         Some(if count == 0.0 { DVec3::ZERO } else { sums / count })
-    }
-}
-
-impl Film {
-    /// A channel of a pixel, in scene units; `f32::MAX` where the sum has left its range.
-    ///
-    /// The albedo and the normal are means over all samples; those that meet no surface count as 0. The depth and the position are means over
-    /// the samples that hit a surface; without any, the depth is `f32::MAX` and the position 0. Objects and materials are those of the
-    /// pixel's sample 0, numbered from 1; 0 is none. The indirect radiance is the radiance less the direct one.
-    pub fn channel(&self, index: usize, channel: &Channel) -> f32 {
-        self.channel_value(index, channel).map_or(f32::MAX, to_f32)
-    }
-
-    fn channel_value(&self, index: usize, &Channel { aov, component, .. }: &Channel) -> Option<f64> {
-        let pixel = self.pixels.get(index)?;
-        let channels = &self.channels;
-        let space = &channels.space;
-        let samples = pixel.samples() as f64;
-        let all = samples + f64::from(pixel.rejected);
-        let hits = || channels.sum(index, Sum::Hits, 0);
-        let radiance = exp2(self.exponent);
-        let direct = || channels.mean(index, Sum::Direct, samples).map(|direct| direct[component]);
-        Some(match aov {
-            Aov::Albedo => channels.mean(index, Sum::Albedo, all)?[component],
-            Aov::Normal => space.direction(channels.mean(index, Sum::Normal, all)?)[component],
-            Aov::Depth => match hits()? {
-                0.0 => f64::from(NO_DEPTH),
-                hits => space.length(channels.sum(index, Sum::Depth, 0)? / hits),
-            },
-            Aov::Position => match hits()? {
-                0.0 => 0.0,
-                hits => space.point(channels.mean(index, Sum::Position, hits)?)[component],
-            },
-            Aov::Object => channels.sum(index, Sum::Object, 0)?,
-            Aov::Material => channels.sum(index, Sum::Material, 0)?,
-            Aov::Direct => direct()? * radiance,
-            Aov::Indirect => {
-                let (whole, direct) = (pixel.mean(component), direct()?);
-                let rest = whole - direct;
-                if rest.abs() <= ROUNDING * whole.abs().max(direct.abs()) { 0.0 } else { rest * radiance }
-            }
-        })
     }
 }

@@ -1,6 +1,7 @@
 //! The exact totals of pixels as words of 16 bits, for files. Sums are in two's complement.
 
-use super::{Film, LEAST_SQUARES, Pixel, exp2};
+use super::floats::exp2;
+use super::{Film, LEAST_SQUARES, Pixel};
 use crate::aov::Aovs;
 use crate::data::{CHANNELS, SQUARE_FRACTION, SampleSpread};
 
@@ -90,7 +91,7 @@ impl Film {
         put_sums(self.channels.of(index).iter(), of_channels);
     }
 
-    /// The same as a list.
+    /// The words of a pixel, as a list.
     pub fn words(&self, index: usize) -> Vec<u16> {
         let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.aovs.count()];
         self.put_words(index, &mut words);

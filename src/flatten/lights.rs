@@ -82,7 +82,7 @@ impl Builder<'_> {
                 lights.push((code, instance));
             }
         }
-        // Those with a place first, as the tree asks.
+        // Lights with a position come first, as the tree requires.
         let (with_place, without): (Vec<_>, Vec<_>) =
             delta_lights.into_iter().partition(|(_, light)| light.place.is_some());
         for (object, light) in with_place.into_iter().chain(without) {

@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use super::kernels::Kernels;
+use super::numerics::Numerics;
 use super::panics::caught;
-use super::pipeline::{Compiled, CompiledFrom};
-use super::probe::Numerics;
 use crate::error::{Error, Result};
 
 /// The adapters of this machine, in the order of `--device INDEX`.
@@ -206,10 +206,8 @@ pub struct Device {
     pub timestamps: bool,
     /// The findings of [`super::probe::numerics`].
     pub numerics: OnceLock<Numerics>,
-    /// The names of the kernels that were compiled for it so far.
-    compiled: Mutex<Vec<String>>,
-    /// The [`KEPT_KERNELS`] kernels that were used last, for renders that come later. The latest is at the end.
-    kept: Mutex<Vec<(CompiledFrom, Compiled)>>,
+    /// The kernels that were compiled for it.
+    pub kernels: Kernels,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
 }
@@ -219,9 +217,6 @@ pub struct Device {
 const WAITS: u32 = 10;
 /// A wait whose time is over while another thread also waits for this device may panic in wgpu, so that none should be over on a busy machine.
 const WAIT: Duration = Duration::from_secs(60);
-
-/// How many compiled kernels a device keeps. A render has 15 at most, and one takes some 4 MiB on a software driver.
-pub const KEPT_KERNELS: usize = 32;
 
 /// Bytes of a buffer's contents that are on their way at a time.
 const FILL_AT_ONCE: usize = 64 << 20;
@@ -266,47 +261,13 @@ impl Device {
                 let _ = lost.set(format!("the device was lost: {message}"));
             }
         });
-        let (numerics, compiled, kept) = (OnceLock::new(), Mutex::default(), Mutex::default());
-        Ok(Device { name, device, queue, limits, timestamps, numerics, compiled, kept, fault })
+        let (numerics, kernels) = (OnceLock::new(), Kernels::default());
+        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, fault })
     }
 
     /// The class of this device.
     pub fn class(&self) -> DeviceClass {
         DeviceClass::new(self.name.software, &self.limits)
-    }
-
-    /// The names of all kernels that were compiled for it, one entry for each compilation. The order is not defined,
-    /// because kernels are compiled in parallel.
-    pub fn compiled(&self) -> Vec<String> {
-        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// Records that a kernel was compiled.
-    pub(super) fn note_compiled(&self, name: &str) {
-        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
-    }
-
-    /// A kernel as `compile` makes it, or as it was made before if the device still keeps it.
-    pub(super) fn compiled_once(
-        &self,
-        from: CompiledFrom,
-        compile: impl FnOnce() -> Result<Compiled>,
-    ) -> Result<Compiled> {
-        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut kept = lock();
-        if let Some(at) = kept.iter().position(|(known, _)| *known == from) {
-            let (from, compiled) = kept.remove(at);
-            kept.push((from, compiled.clone()));
-            return Ok(compiled);
-        }
-        // The lock is not held while a kernel is compiled: several are at a time.
-        drop(kept);
-        let compiled = compile()?;
-        let mut kept = lock();
-        kept.push((from, compiled.clone()));
-        let too_many = kept.len().saturating_sub(KEPT_KERNELS);
-        kept.drain(..too_many);
-        Ok(compiled)
     }
 
     /// Writes the first bytes of a buffer, before the next submission.

@@ -2,8 +2,10 @@
 
 pub mod buffers;
 pub mod device;
+pub mod kernels;
 pub mod layout;
 pub mod link;
+pub mod numerics;
 mod panics;
 pub mod pipeline;
 pub mod probe;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::buffers::Buffers;
 use super::device::Device;
+use super::kernels::{Compiled, CompiledFrom};
 use super::layout::{Binding, BindingKind, has_override};
 use crate::error::Result;
 use crate::threads::{cores, each};
@@ -29,16 +30,6 @@ pub struct PipelineSpec<'a> {
     pub constants: &'a [(&'a str, f64)],
 }
 
-/// A kernel that a device has compiled, without buffers.
-#[derive(Clone)]
-pub struct Compiled {
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
-}
-
-/// All that a compiled kernel is a function of: the text, the entry point, the workgroup's size, and the constants with the bits of their values.
-pub type CompiledFrom = (String, String, u32, Vec<(String, u64)>);
-
 impl PipelineSpec<'_> {
     fn compiled_from(&self) -> CompiledFrom {
         let constants = self.constants.iter().map(|(name, value)| (name.to_string(), value.to_bits()));
@@ -58,7 +49,8 @@ impl Pipeline {
 
     /// Compiles and binds a kernel. One that the device has compiled before is not compiled again.
     pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
-        let Compiled { pipeline, layout } = device.compiled_once(spec.compiled_from(), || compile(device, spec))?;
+        let Compiled { pipeline, layout } =
+            device.kernels.compiled_once(spec.compiled_from(), || compile(device, spec))?;
         let bound = spec
             .bindings
             .iter()
@@ -105,7 +97,7 @@ fn compile(device: &Device, spec: &PipelineSpec<'_>) -> Result<Compiled> {
             if is_alone { "" } else { "; try --scatter linked" }
         )));
     }
-    device.note_compiled(spec.name);
+    device.kernels.note_compiled(spec.name);
     let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(spec.name),
         source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),

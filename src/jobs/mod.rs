@@ -111,32 +111,6 @@ impl Folder {
         atomic::write(&asked, (json + "\n").as_bytes())
     }
 
-    /// Writes what the tasks need, so many of them: the list of parts, and the scripts for the program at this path.
-    pub fn write_scripts(&self, program: &Path, tasks: u32) -> Result<()> {
-        for folder in [self.path.join(PARTS), self.path.join(LOG)] {
-            std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, "write", &error))?;
-        }
-        let lines: String = self.parts().map(|part| format!("{}..{}\n", part.start, part.end)).collect();
-        atomic::write(&self.path.join("parts.txt"), lines.as_bytes())?;
-        self.write_script(RENDER, &scripts::render(self, program, tasks)?)?;
-        self.write_script(MERGE, &scripts::merge(self, program)?)
-    }
-
-    fn write_script(&self, name: &str, text: &str) -> Result<()> {
-        let path = self.path.join(name);
-        atomic::write(&path, text.as_bytes())?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            let executable = |mode: u32| mode | (mode & 0o444) >> 2;
-            std::fs::metadata(&path)
-                .map(|found| executable(found.permissions().mode()))
-                .and_then(|mode| std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)))
-                .map_err(|error| failed(&path, "write", &error))?;
-        }
-        Ok(())
-    }
-
     /// The parts that lack samples, by their numbers.
     ///
     /// # Errors

@@ -2,11 +2,40 @@
 
 use std::path::Path;
 
-use super::Folder;
+use super::{Folder, LOG, MERGE, PARTS, RENDER, failed};
 use crate::error::{Error, Result};
+use crate::output::atomic;
 
-const RENDER: &str = include_str!("render.sh");
-const MERGE: &str = include_str!("merge.sh");
+const RENDER_TEXT: &str = include_str!("render.sh");
+const MERGE_TEXT: &str = include_str!("merge.sh");
+
+impl Folder {
+    /// Writes what the tasks need, so many of them: the list of parts, and the scripts for the program at this path.
+    pub fn write_scripts(&self, program: &Path, tasks: u32) -> Result<()> {
+        for folder in [self.path.join(PARTS), self.path.join(LOG)] {
+            std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, "write", &error))?;
+        }
+        let lines: String = self.parts().map(|part| format!("{}..{}\n", part.start, part.end)).collect();
+        atomic::write(&self.path.join("parts.txt"), lines.as_bytes())?;
+        self.write_script(RENDER, &render(self, program, tasks)?)?;
+        self.write_script(MERGE, &merge(self, program)?)
+    }
+
+    fn write_script(&self, name: &str, text: &str) -> Result<()> {
+        let path = self.path.join(name);
+        atomic::write(&path, text.as_bytes())?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let executable = |mode: u32| mode | (mode & 0o444) >> 2;
+            std::fs::metadata(&path)
+                .map(|found| executable(found.permissions().mode()))
+                .and_then(|mode| std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)))
+                .map_err(|error| failed(&path, "write", &error))?;
+        }
+        Ok(())
+    }
+}
 
 /// A text as one word of the shell.
 pub fn quoted(text: &str) -> String {
@@ -31,7 +60,7 @@ pub fn line(words: &[String]) -> String {
     words.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// The same, each behind a space.
+/// The words as the shell reads them, each behind a space.
 fn after_space(words: &[String]) -> String {
     words.iter().map(|word| format!(" {}", line(std::slice::from_ref(word)))).collect()
 }
@@ -48,7 +77,7 @@ fn beginning(folder: &Folder, program: &Path, values: &[(&str, &str)]) -> Result
 }
 
 /// The script of a task, of so many.
-pub fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
+fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
     let options = &folder.asked.options;
     let digits = folder.digits();
     let beginning = beginning(
@@ -62,11 +91,11 @@ pub fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
         ],
     )?;
     let task = "task=${SLURM_ARRAY_TASK_ID:-${1:-}}\n";
-    Ok(format!("{beginning}{task}set --{}\n{RENDER}", after_space(options)))
+    Ok(format!("{beginning}{task}set --{}\n{RENDER_TEXT}", after_space(options)))
 }
 
 /// The script that joins the parts.
-pub fn merge(folder: &Folder, program: &Path) -> Result<String> {
+fn merge(folder: &Folder, program: &Path) -> Result<String> {
     let asked = &folder.asked;
     let noise = asked.noise.map(|noise| noise.to_string()).unwrap_or_default();
     let [start, end] = asked.samples;
@@ -78,5 +107,5 @@ pub fn merge(folder: &Folder, program: &Path) -> Result<String> {
     let mixed = asked.options.iter().filter(|word| *word == "--mixed-drivers").cloned();
     let error = (!noise.is_empty()).then(|| ["--noise".to_string(), noise.clone()]);
     let options: Vec<String> = mixed.chain(error.into_iter().flatten()).collect();
-    Ok(format!("{beginning}set --{}\n{MERGE}", after_space(&options)))
+    Ok(format!("{beginning}set --{}\n{MERGE_TEXT}", after_space(&options)))
 }

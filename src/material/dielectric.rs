@@ -2,8 +2,8 @@
 
 use super::{ABSORPTION, Lobe, MaterialKind, Model, Number, TRANSMITTANCE};
 use crate::data;
-use crate::source::Range;
-use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{NO_UNIT, Range};
 
 pub(super) const IOR: Field = Field::new(
     "ior",

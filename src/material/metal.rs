@@ -2,8 +2,8 @@
 
 use super::{ANY_LOBE, Lobe, MaterialKind, Model, Number, Slot};
 use crate::data;
-use crate::source::Range;
-use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{NO_UNIT, Range};
 use crate::texture::{Texture, Use};
 
 const ALBEDO: Field = Field::new("albedo", Takes::Texture(Use::Albedo.range()), "The reflected share of light.");

@@ -5,8 +5,8 @@ use super::{
     NORMAL_SCALE, Number, SPECULAR, SPECULAR_COLOR, Slot, VERTEX_ALPHA, VERTEX_COLORS, conductor, varying,
 };
 use crate::data;
-use crate::source::Range;
-use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{NO_UNIT, Range};
 use crate::texture::{Texture, Use};
 
 const BASE_COLOR: Field =

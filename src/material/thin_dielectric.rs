@@ -6,8 +6,8 @@ use super::{
     varying,
 };
 use crate::data;
-use crate::source::Range;
-use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{NO_UNIT, Range};
 use crate::texture::Texture;
 
 const IOR: Field = Field::new(

@@ -5,17 +5,12 @@
 //! probability that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and
 //! measurements.
 
-use super::estimate::{Estimate, degrees_of_sum};
+use super::estimate::{Estimate, corrected, degrees_of_sum};
+use super::grid::{CELLS, Grid};
+use super::images::{Images, QUANTITIES, Quantity};
 use super::pixels::{Pixels, pixels};
-use crate::data::{SampleSpread, luminance};
+use crate::data::luminance;
 
-/// A difference with a p-value below this counts as more than noise.
-pub const LEVEL: f64 = 0.01;
-
-/// The smallest and the largest side of a tile, in pixels.
-const TILE: (usize, usize) = (4, 16);
-/// Cells along each side of a tile.
-const CELLS: usize = 4;
 /// The shift of a mean, in its standard errors, if the largest one, two or three of [`CELLS`]² normal numbers are
 /// removed: the sums of their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
 const TAKEN: [f64; 3] = [0.456, 0.815, 1.121];
@@ -30,114 +25,12 @@ const ENOUGH_TILES: usize = 32;
 const SHARED: f64 = 0.16;
 /// With fewer noisy pixels than this, shared noise is not detected.
 const ENOUGH_PIXELS: usize = 64;
-/// A pixel rules the noise if it holds more than this share of it in each image. (With uniform noise in 256 pixels,
-/// this happens in 4 of 1e6 images.)
-const RULING: f64 = 0.125;
-/// At most this many pixels can rule the noise, and at most one of this many pixels.
-const FEW: usize = 16;
 
 /// Each test's share of the false alarms: the mean luminance, the mean of each colour, and all tiles together. The tests of single pixels
 /// have the rest.
 const SHARE_LUMINANCE: f64 = 0.5;
 const SHARE_COLOUR: f64 = 1.0 / 18.0;
 const SHARE_TILES: f64 = 1.0 / 6.0;
-
-/// A quantity of pixels to compare.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    Luminance,
-    Red,
-    Green,
-    Blue,
-}
-
-pub const QUANTITIES: [Quantity; 4] = [Quantity::Luminance, Quantity::Red, Quantity::Green, Quantity::Blue];
-
-impl Quantity {
-    pub(super) fn of(self, rgb: [f64; 3]) -> f64 {
-        match self {
-            Quantity::Luminance => luminance(rgb),
-            Quantity::Red => rgb[0],
-            Quantity::Green => rgb[1],
-            Quantity::Blue => rgb[2],
-        }
-    }
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Quantity::Luminance => "luminance",
-            Quantity::Red => "red",
-            Quantity::Green => "green",
-            Quantity::Blue => "blue",
-        }
-    }
-}
-
-/// Two images of one size, in linear radiance, with row 0 at the top.
-#[derive(Clone, Copy, Debug)]
-pub struct Images<'a> {
-    pub width: usize,
-    pub height: usize,
-    pub a: &'a [[f32; 3]],
-    /// The reference.
-    pub b: &'a [[f32; 3]],
-    /// The variances of the pixels' values in a and in b, if both are known.
-    pub variances: Option<[&'a [[f32; 3]]; 2]>,
-    /// How the samples of the pixels are spread in a and in b, if both are known.
-    pub spreads: Option<Spreads<'a>>,
-}
-
-/// How the samples of the pixels of two images are spread.
-#[derive(Clone, Copy, Debug)]
-pub struct Spreads<'a> {
-    pub images: [&'a [SampleSpread]; 2],
-    /// Whether both are renders of one scene by the same settings, so that their samples have one distribution unless something is wrong.
-    pub alike: bool,
-}
-
-impl Images<'_> {
-    /// Whether the pixel is finite in both images, and therefore counts.
-    pub fn counts(&self, pixel: usize) -> bool {
-        self.a[pixel].iter().chain(&self.b[pixel]).all(|v| v.is_finite())
-    }
-
-    /// The variances of a quantity at a pixel of a and of b. The correlation of a pixel's channels is unknown. They are
-    /// assumed to be fully correlated, which is the upper bound (Cauchy-Schwarz: Var Σ w c ≤ (Σ w σ)²), and nearly true
-    /// because paths carry all three.
-    fn variances(&self, quantity: Quantity, pixel: usize) -> Option<[f64; 2]> {
-        let of = |variance: &[[f32; 3]]| quantity.of(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
-        self.variances.map(|images| images.map(of))
-    }
-
-    /// The variance of a quantity's difference at a pixel.
-    pub(super) fn variance(&self, quantity: Quantity, pixel: usize) -> Option<f64> {
-        self.variances(quantity, pixel).map(|[a, b]| a + b)
-    }
-
-    /// The few pixels that rule the noise of both images. Their chance values dominate the mean, and hide the other
-    /// pixels. A pixel that is noisy in only one image may have a rare path there; leaving it out would darken that
-    /// image. Empty without variances, or if the noise is spread over many pixels.
-    fn ruling(&self) -> Vec<usize> {
-        let pixels = (0..self.width * self.height).filter(|&pixel| self.counts(pixel));
-        let known = pixels.filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
-        let mut left: Vec<(usize, [f64; 2])> = known.collect();
-        let few = FEW.min(left.len() / FEW);
-        let mut ruling = Vec::new();
-        loop {
-            let least = [0, 1].map(|image| RULING * left.iter().map(|(_, noise)| noise[image]).sum::<f64>());
-            let (rule, rest): (Vec<_>, Vec<_>) =
-                left.iter().partition(|(_, noise)| noise[0] > least[0] && noise[1] > least[1]);
-            if rule.is_empty() {
-                return ruling;
-            }
-            ruling.extend(rule.iter().map(|(pixel, _)| pixel));
-            if ruling.len() > few {
-                return Vec::new();
-            }
-            left = rest;
-        }
-    }
-}
 
 /// The source of the standard errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,8 +39,8 @@ pub enum ErrorSource {
     Variances,
     /// The spread of the paired differences a − b over the image.
     Pairs,
-    /// The same, although the files have variances: the pixels differ by much less than their variances, as in images
-    /// that share random numbers.
+    /// The spread of the paired differences, although the files have variances: the pixels differ by much less than these, as in
+    /// images that share random numbers.
     SharedNoise,
 }
 
@@ -254,7 +147,7 @@ impl Sums {
         }
     }
 
-    /// The same, if a single part may hold most of the noise, as with a rare bright pixel. The degrees of freedom are
+    /// The variance of the mean from the parts, if a single part may hold most of the noise, as with a rare bright pixel. The degrees of freedom are
     /// then at most those of a sum of squares with one degree each.
     fn noise_by_uneven_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);
@@ -292,80 +185,29 @@ struct MeanVariance {
     degrees: f64,
 }
 
-/// Tiles of nearly equal size that cover the image, of [`CELLS`] × [`CELLS`] cells each.
-pub(super) struct Grid {
-    width: usize,
-    height: usize,
-    columns: usize,
-    rows: usize,
-}
-
-impl Grid {
-    /// 64 tiles if their sides are 4 to 16 pixels long; else more or fewer tiles.
-    fn new(width: usize, height: usize) -> Grid {
-        let side = ((width * height) as f64).sqrt() / 8.0;
-        let side = (side as usize).clamp(TILE.0, TILE.1);
-        Grid { width, height, columns: (width / side).max(1), rows: (height / side).max(1) }
-    }
-
-    pub(super) fn tiles(&self) -> usize {
-        self.columns * self.rows
-    }
-
-    /// The tile of a pixel along an axis of `length` pixels, and the cell in the tile.
-    fn part(at: usize, length: usize, tiles: usize) -> (usize, usize) {
-        let cell = at * tiles * CELLS / length;
-        (cell / CELLS, cell % CELLS)
-    }
-
-    /// The tile of a pixel.
-    pub(super) fn tile_of(&self, pixel: usize) -> usize {
-        let (column, _) = Grid::part(pixel % self.width, self.width, self.columns);
-        let (row, _) = Grid::part(pixel / self.width, self.height, self.rows);
-        row * self.columns + column
-    }
-
-    /// Left, top, width and height of a tile.
-    fn place(&self, tile: usize) -> [usize; 4] {
-        let edge = |at: usize, length: usize, tiles: usize| (at * length).div_ceil(tiles);
-        let (column, row) = (tile % self.columns, tile / self.columns);
-        let (left, top) = (edge(column, self.width, self.columns), edge(row, self.height, self.rows));
-        let (right, bottom) = (edge(column + 1, self.width, self.columns), edge(row + 1, self.height, self.rows));
-        [left, top, right - left, bottom - top]
-    }
-
-    /// A tile and those around it.
-    pub(super) fn around(&self, tile: usize) -> impl Iterator<Item = usize> + '_ {
-        let (column, row) = (tile % self.columns, tile / self.columns);
-        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-        near(row, self.rows)
-            .flat_map(move |row| near(column, self.columns).map(move |column| row * self.columns + column))
-    }
-
-    /// The sums of a quantity in each cell of each tile, without the pixels in `out`.
-    fn sums(&self, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Vec<[Sums; CELLS * CELLS]> {
-        let mut cells = vec![[Sums::default(); CELLS * CELLS]; self.tiles()];
-        let columns: Vec<_> = (0..self.width).map(|x| Grid::part(x, self.width, self.columns)).collect();
-        for y in 0..self.height {
-            let (row, cell_row) = Grid::part(y, self.height, self.rows);
-            for (x, (column, cell_column)) in columns.iter().enumerate() {
-                let pixel = y * self.width + x;
-                if !images.counts(pixel) || out.contains(&pixel) {
-                    continue;
-                }
-                let [a, b] = [images.a, images.b].map(|image| quantity.of(image[pixel].map(f64::from)));
-                let variance = images.variance(quantity, pixel).unwrap_or(0.0);
-                cells[row * self.columns + column][cell_row * CELLS + cell_column].add(&Sums {
-                    pixels: 1.0,
-                    difference: a - b,
-                    reference: b,
-                    variance,
-                    variance2: variance * variance,
-                });
+/// The sums of a quantity in each cell of each tile, without the pixels in `out`.
+fn sums_of_cells(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Vec<[Sums; CELLS * CELLS]> {
+    let mut cells = vec![[Sums::default(); CELLS * CELLS]; grid.tiles()];
+    let columns: Vec<_> = (0..grid.width).map(|x| Grid::part(x, grid.width, grid.columns)).collect();
+    for y in 0..grid.height {
+        let (row, cell_row) = Grid::part(y, grid.height, grid.rows);
+        for (x, (column, cell_column)) in columns.iter().enumerate() {
+            let pixel = y * grid.width + x;
+            if !images.counts(pixel) || out.contains(&pixel) {
+                continue;
             }
+            let [a, b] = [images.a, images.b].map(|image| quantity.of(image[pixel].map(f64::from)));
+            let variance = images.variance(quantity, pixel).unwrap_or(0.0);
+            cells[row * grid.columns + column][cell_row * CELLS + cell_column].add(&Sums {
+                pixels: 1.0,
+                difference: a - b,
+                reference: b,
+                variance,
+                variance2: variance * variance,
+            });
         }
-        cells
     }
+    cells
 }
 
 /// The sums of one quantity at every scale.
@@ -376,8 +218,9 @@ struct Scales {
 }
 
 impl Scales {
+    /// The sums of a quantity without the pixels in `out`.
     fn new(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Scales {
-        let cells = grid.sums(images, quantity, out);
+        let cells = sums_of_cells(grid, images, quantity, out);
         let tiles: Vec<Sums> = cells.iter().map(|cells| Sums::of(cells)).collect();
         let whole = Sums::of(&tiles);
         Scales { cells, tiles, whole }
@@ -477,14 +320,6 @@ fn source(images: &Images<'_>) -> ErrorSource {
         true => ErrorSource::SharedNoise,
         false => ErrorSource::Variances,
     }
-}
-
-/// Corrects the p-value of one of several tests, which has this share of the false alarms. After the correction, the
-/// probability that any test's p-value is below x is at most x, if the tests are independent or positively correlated
-/// (Šidák, JASA 62(318), 1967, with weights).
-pub(super) fn corrected(p: f64, share: f64) -> f64 {
-    // 1 − (1 − p)^(1/share)
-    -((-p).ln_1p() / share).exp_m1()
 }
 
 /// The most significant tile.

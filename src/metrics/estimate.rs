@@ -4,6 +4,8 @@ use super::student;
 
 /// The confidence level of all reported intervals.
 pub const CONFIDENCE: f64 = 0.95;
+/// A difference with a p-value below this counts as more than noise.
+pub const LEVEL: f64 = 0.01;
 
 /// An estimate, its standard error, and the degrees of freedom of that error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +43,7 @@ impl Estimate {
         if self.error == 0.0 { 0.0 } else { self.error * student::quantile(p, self.degrees) }
     }
 
-    /// The same estimate, moved towards 0 by `slack`.
+    /// The estimate moved towards 0 by `slack`.
     pub fn beyond(&self, slack: f64) -> Estimate {
         Estimate { value: self.value.signum() * (self.value.abs() - slack).max(0.0), ..*self }
     }
@@ -61,6 +63,14 @@ impl Estimate {
 /// Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946).
 pub fn degrees_of_sum(sum: f64, squares: f64) -> f64 {
     if squares > 0.0 { (3.0 * sum * sum / squares - 2.0).max(1.0) } else { f64::INFINITY }
+}
+
+/// Corrects the p-value of one of several tests, which has this share of the false alarms. After the correction, the
+/// probability that any test's p-value is below x is at most x, if the tests are independent or positively correlated
+/// (Šidák, JASA 62(318), 1967, with weights).
+pub(super) fn corrected(p: f64, share: f64) -> f64 {
+    // 1 − (1 − p)^(1/share)
+    -((-p).ln_1p() / share).exp_m1()
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@ pub mod difference;
 pub mod error;
 pub mod estimate;
 pub mod flip;
+mod grid;
+pub mod images;
 pub mod pixels;
 pub mod student;
 pub mod verdict;

@@ -8,7 +8,9 @@
 //!
 //! docs/comparing.md has the derivation and measurements.
 
-use super::difference::{Grid, Images, LEVEL, QUANTITIES, Quantity, Spreads, corrected};
+use super::estimate::{LEVEL, corrected};
+use super::grid::Grid;
+use super::images::{Images, QUANTITIES, Quantity, Spreads};
 use super::student;
 use crate::data::SampleSpread;
 
@@ -40,7 +42,7 @@ pub struct Single {
     pub p: f64,
 }
 
-/// What the tests of single pixels say.
+/// The result of the tests of single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pixels {
     /// The images share their random numbers. `differing` pixels differ, and all the others are equal; the one of them that differs most.

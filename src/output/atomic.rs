@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(names(folder.path()), ["a.exr"]);
     }
 
-    /// Of writers at once, each replaces only what is less: the most stays, whoever comes last.
+    /// Concurrent writers each replace only a smaller number: the largest stays, whoever comes last.
     #[test]
     fn writers_ask_one_after_another() {
         let folder = tempfile::tempdir().unwrap();

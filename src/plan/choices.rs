@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::state::{Needs, PathField, path_fields, path_module, places, slots_module};
-use super::{Bounces, QUEUES, UniformTables};
+use super::tables::UniformTables;
 use crate::aov::{Finder, SeenSurface, Sum};
 use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
@@ -13,6 +13,16 @@ use crate::gpu::link::{Choices, Chosen, Entry, Reason};
 use crate::material::{ExtensionKind, Material};
 use crate::options::{self, FeatureSet, Filter, OptionSpec, RenderOptions};
 use crate::shape::KINDS;
+
+/// The reason of what sorts slots into queues.
+pub(super) const QUEUES: &str = "--scatter queues";
+
+/// How the steps of a bounce are cut into kernels.
+#[derive(Clone, Copy)]
+pub(super) struct Bounces {
+    pub fused: bool,
+    pub queues: bool,
+}
 
 /// A struct with a member for each name that directives of one kind have in the shaders, so that none can be left undecided.
 macro_rules! named {

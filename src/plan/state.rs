@@ -3,9 +3,11 @@
 
 use std::fmt::Write;
 
-use super::A_KERNEL_A_STAGE;
 use crate::aov::{Aovs, Finder};
 use crate::gpu::link::Reason;
+
+/// The reason of what stages hand to each other where they are kernels of their own.
+const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
 /// A field of the paths' state: words of 32 bits.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use super::bitmap::Decoded;
 use super::gltf;
+use super::gltf_path::split;
 use super::inputs::{Input, buffers};
-use super::mesh::Mesh;
-use crate::bitmap::Decoding;
+use crate::bitmap::{Bitmap, Decoding};
+use crate::shape::mesh::Mesh;
 
 /// What tells that a file has changed: when it was written last, its length, and the number that another file of its name would not have.
-/// Nothing where there is no file.
+/// The time of the last write, the length and the inode of a file; `None` if there is no file.
 pub type Stamp = Option<(SystemTime, u64, u64)>;
 
 /// The stamp of a file as it is now.
@@ -30,6 +30,9 @@ fn number(found: &std::fs::Metadata) -> u64 {
 fn number(_: &std::fs::Metadata) -> u64 {
     0
 }
+
+/// Decoded images of one file.
+pub type Decoded = Vec<(Decoding, Bitmap)>;
 
 /// The images and meshes of a scene, by their paths: of files, or of parts of glTF files.
 #[derive(Default)]
@@ -84,7 +87,7 @@ impl Assets {
     /// Notes that the scene names a file, or a part of one. The result is the file and those that it names, as they are.
     pub(super) fn note(&mut self, path: &Path) -> Vec<(PathBuf, Stamp)> {
         self.named.insert(path.to_owned());
-        let path = gltf::split(path).0.into_owned();
+        let path = split(path).0.into_owned();
         if let Some(files) = self.noted.get(&path) {
             return files.clone();
         }

@@ -4,6 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// A callback for the progress of reading a file, with its path, the bytes read so far, and all its bytes.
+pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
+
 /// The longest image or mesh file, in bytes. A file is in memory while it is read, and this is what loading may take beyond what
 /// fits a device. A mesh of 50 million triangles needs no more as a binary PLY. Sparse files can claim any length.
 pub const LONGEST: u64 = 1 << 30;

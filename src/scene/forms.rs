@@ -3,8 +3,8 @@
 use super::types::Material;
 use crate::delta_light;
 use crate::shape::kinds_in_files;
-use crate::source::Range;
-use crate::source::form::{DEGREES, Field, Form, NO_UNIT, PATH, SCENE_UNITS, Takes};
+use crate::source::form::{Field, Form, PATH, Takes};
+use crate::source::{DEGREES, NO_UNIT, Range, SCENE_UNITS};
 use crate::texture::{Texture, Use};
 
 pub const SCENE: Form = Form {

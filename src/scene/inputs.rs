@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::Scene;
-use super::gltf::{split, unescape};
+use super::gltf_path::{split, unescape};
+use super::model::Scene;
 use super::types::Object;
 
 /// A file that a scene was read from.
@@ -15,8 +15,20 @@ pub struct Input {
     pub fixed: bool,
 }
 
+impl Scene {
+    /// The paths of all files that the scene was read from, the scene file first.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.input_files().into_iter().map(|input| input.path).collect()
+    }
+
+    /// The files that the scene reads, each with the name that the scene has for it.
+    pub fn input_files(&self) -> Vec<Input> {
+        self::inputs(self)
+    }
+}
+
 /// The scene file, the images and meshes that it names, and the files that those name.
-pub fn inputs(scene: &Scene) -> Vec<Input> {
+fn inputs(scene: &Scene) -> Vec<Input> {
     let scene_file = Input { path: scene.source.path().to_owned(), fixed: false };
     let mut inputs = vec![scene_file.clone()];
     inputs.extend(buffers(&scene_file));

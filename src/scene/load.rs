@@ -1,23 +1,25 @@
 //! Reads a scene file: text, then values, then checks, then images and meshes.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use glam::DVec3;
-use ron::extensions::Extensions;
-use serde::de::{Error as _, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
+use super::assets::Assets;
 use super::explain::{explain, hash_at_start};
-use super::file::Reading;
+use super::file::{OnProgress, Reading};
 use super::findings::Findings;
+use super::gltf_options::GltfOptions;
+use super::gltf_path::is_gltf;
+use super::model::Scene;
 use super::recover::{Parts, recover};
+use super::syntax::{in_file_order, options};
 use super::types::*;
 use super::write::relative;
-use super::{Assets, GltfOptions, OnProgress, Scene, bitmap, gltf, mesh, validate};
+use super::{bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
 use crate::material::ExtensionKind;
 use crate::printable::one_line;
@@ -25,10 +27,6 @@ use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
 const LONGEST_FILE: u64 = 1 << 28;
-
-/// The limit on ron's recursion. An object takes four calls, so that objects can be nested about 60 deep.
-/// A stack of 1 MiB is enough for that, even in a build without optimisation.
-const RECURSION_LIMIT: usize = 256;
 
 /// The contents of a scene file.
 #[derive(Deserialize)]
@@ -47,8 +45,60 @@ struct SceneFile {
 /// What a glTF scene has where nothing in it emits light: a sky from white at the horizon to blue above.
 const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour::new(0.5, 0.7, 1.0) };
 
+impl Scene {
+    /// Reads and validates a scene file, and loads the images and meshes that it names.
+    ///
+    /// Every error is an [`Error::Scene`], or several of them. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
+    pub fn load(path: &Path) -> Result<Scene> {
+        Scene::load_with(path, &mut |_, _, _| {})
+    }
+
+    /// Loads a scene, and reports the progress of large files about every MiB.
+    pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
+        Scene::load_again(path, progress, &mut Assets::default())
+    }
+
+    /// Loads a scene that may have been read before: images and meshes come from `assets` if their files have not changed.
+    pub fn load_again(path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+        Scene::load_as(path, &GltfOptions::default(), progress, assets)
+    }
+
+    /// Reads and validates a scene that may have been read before, with the glTF options of the command line.
+    pub fn load_as(
+        path: &Path,
+        options: &GltfOptions,
+        progress: &mut OnProgress,
+        assets: &mut Assets,
+    ) -> Result<Scene> {
+        assets.begin(path);
+        if is_gltf(path) {
+            return of_gltf(path, path, options, progress, assets);
+        }
+        options.refuse(path)?;
+        parse(read(path)?, path, progress, assets)
+    }
+
+    /// The scene of a glTF file, as the scene file `to` would have it.
+    pub fn of_gltf(path: &Path, to: &Path, options: &GltfOptions) -> Result<Scene> {
+        if !is_gltf(path) {
+            return Err(Error::Usage(format!("{}: expected a file that ends in .glb or .gltf", path.display())));
+        }
+        of_gltf(path, to, options, &mut |_, _, _| {}, &mut Assets::default())
+    }
+
+    /// Reads a scene's text, such as that on standard input. `path` is its name in errors, as for [`Scene::parse`].
+    pub fn read(reader: impl Read, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
+        parse(text_of(reader, path)?, path, progress, &mut Assets::default())
+    }
+
+    /// Parses a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.
+    pub fn parse(text: &str, path: &Path) -> Result<Scene> {
+        parse(text.to_owned(), path, &mut |_, _, _| {}, &mut Assets::default())
+    }
+}
+
 /// Reads the text of a scene file.
-pub fn read(path: &Path) -> Result<String> {
+fn read(path: &Path) -> Result<String> {
     text_of(File::open(path).map_err(|error| cannot_read(path, &error))?, path)
 }
 
@@ -57,7 +107,7 @@ fn cannot_read(path: &Path, error: &io::Error) -> Error {
 }
 
 /// The text of a scene file, whose name is `path`.
-pub fn text_of(reader: impl Read, path: &Path) -> Result<String> {
+fn text_of(reader: impl Read, path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
     reader.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
     if bytes.starts_with(b"glTF") {
@@ -75,7 +125,7 @@ pub fn text_of(reader: impl Read, path: &Path) -> Result<String> {
 
 /// Makes the scene that a text describes, and checks it.
 /// Images and meshes that `assets` has are not read again.
-pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
@@ -136,7 +186,7 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
         }
         let file = scene.source.resolve(path);
         assets.note(&file);
-        let read = match gltf::is_gltf(&file) {
+        let read = match is_gltf(&file) {
             true => {
                 let open = assets.gltf.open(&file, progress);
                 open.and_then(|file| file.contents(path, &format!("{path}#"), &reading))
@@ -167,7 +217,7 @@ fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
 }
 
 /// The scene of a glTF file, as the scene file `to` would have it: paths are relative to its folder.
-pub fn of_gltf(
+fn of_gltf(
     path: &Path,
     to: &Path,
     options: &GltfOptions,
@@ -279,11 +329,6 @@ fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, 
     Ok(())
 }
 
-/// How scene files are parsed.
-pub fn options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME).with_recursion_limit(RECURSION_LIMIT)
-}
-
 impl SceneFile {
     /// What is absent is replaced by something that is valid.
     fn of_parts(parts: Parts) -> SceneFile {
@@ -304,38 +349,4 @@ impl SceneFile {
             render: parts.render,
         }
     }
-}
-
-/// Reads a map as a list in the file's order. The second occurrence of a name is an error.
-pub fn in_file_order<'de, D>(deserializer: D) -> std::result::Result<Vec<(String, Material)>, D::Error>
-where
-    D: Deserializer<'de>,
-{
-    struct InFileOrder;
-
-    impl<'de> Visitor<'de> for InFileOrder {
-        type Value = Vec<(String, Material)>;
-
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a map of materials")
-        }
-
-        fn visit_map<M>(self, mut map: M) -> std::result::Result<Self::Value, M::Error>
-        where
-            M: MapAccess<'de>,
-        {
-            let mut names = HashSet::new();
-            let mut materials = Vec::new();
-            while let Some(name) = map.next_key::<String>()? {
-                if !names.insert(name.clone()) {
-                    let message = format!("the material {name:?} is defined twice");
-                    return Err(M::Error::custom(message));
-                }
-                materials.push((name, map.next_value()?));
-            }
-            Ok(materials)
-        }
-    }
-
-    deserializer.deserialize_map(InFileOrder)
 }

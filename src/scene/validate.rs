@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
-use super::Scene;
 use super::findings::Findings;
 use super::forms::*;
+use super::model::Scene;
 use super::nearest::nearest;
 use super::types::*;
 use crate::error::Result;

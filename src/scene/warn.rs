@@ -2,13 +2,21 @@
 
 use std::collections::HashSet;
 
-use super::Scene;
+use super::model::Scene;
 use super::types::*;
 use super::visit::visit_all;
 use crate::source::Place;
 
+impl Scene {
+    /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a
+    /// remedy. Warnings that depend on the positions of placed objects come from flattening.
+    pub fn warnings(&self) -> Vec<String> {
+        self::warnings(self)
+    }
+}
+
 /// The warnings about a scene, in the file's order.
-pub fn warnings(scene: &Scene) -> Vec<String> {
+fn warnings(scene: &Scene) -> Vec<String> {
     let top = scene.top();
     let used: HashSet<&str> = materials_of(&scene.objects).collect();
     let mut warnings = scene.notes.clone();

@@ -6,11 +6,19 @@ use std::path::{Path, PathBuf};
 use ron::ser::PrettyConfig;
 use serde::Serialize;
 
-use super::Scene;
+use super::model::Scene;
+use super::syntax::options;
 use super::types::{Object, Thin};
 
+impl Scene {
+    /// The text of a scene file of this scene.
+    pub fn text(&self) -> String {
+        self::text(self).unwrap_or_default()
+    }
+}
+
 /// The text of a scene file. Nothing can fail but what serialises nothing.
-pub fn text(scene: &Scene) -> Result<String, ron::Error> {
+fn text(scene: &Scene) -> Result<String, ron::Error> {
     let Scene { image, camera, background, materials, objects, render, .. } = scene;
     let mut out = "Scene(\n".to_owned();
     // Writing to a string never fails.
@@ -75,7 +83,7 @@ fn object(object: &Object) -> Result<String, ron::Error> {
 /// A value on one line.
 fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
     let config = PrettyConfig::new().depth_limit(0).extensions(ron::extensions::Extensions::IMPLICIT_SOME);
-    super::load::options().to_string_pretty(value, config)
+    options().to_string_pretty(value, config)
 }
 
 /// The path of a file as a scene in a folder names it.

@@ -8,8 +8,8 @@ use super::mesh::Laid;
 use super::{Aabb, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Quad, Shape, ShapeKind, Tables, padded};
 use crate::data;
 use crate::error::Result;
-use crate::source::form::{Field, Form, SCENE_UNITS, Takes};
-use crate::source::{Place, Range, SMALLEST, parallel};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{Place, Range, SCENE_UNITS, SMALLEST, parallel};
 
 const CENTER: Field = Field::new("center", Takes::Point, "The middle.");
 const NORMAL: Field =

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::data;
 use crate::error::Result;
-use crate::source::form::{Field, Form, SCENE_UNITS, Takes};
-use crate::source::{Place, Range};
+use crate::source::form::{Field, Form, Takes};
+use crate::source::{Place, Range, SCENE_UNITS};
 
 const CENTER: Field = Field::new("center", Takes::Point, "The middle.");
 const RADIUS: Field =

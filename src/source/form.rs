@@ -2,7 +2,7 @@
 //! of error messages and docs/scene.md are made from the declarations.
 
 use super::Place;
-use super::numbers::Range;
+use super::numbers::{DEGREES, NO_UNIT, Range};
 use crate::error::Result;
 use glam::DVec3;
 
@@ -13,10 +13,6 @@ pub const POINT: &str = "a point: (x, y, z)";
 pub const VECTOR: &str = "a vector: (x, y, z)";
 /// The words in error messages for an expected texture.
 pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
-
-pub const SCENE_UNITS: &str = "scene units";
-pub const DEGREES: &str = "degrees";
-pub const NO_UNIT: &str = "";
 
 /// What a field takes.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +79,7 @@ impl Field {
         Field { name, takes, default: "", about }
     }
 
-    /// The same, with a default.
+    /// Gives the field a default.
     pub const fn or(self, default: &'static str) -> Field {
         Field { default, ..self }
     }
@@ -93,7 +89,7 @@ impl Field {
         self.check_at(&above.field(self.name), x)
     }
 
-    /// The same for a number that is written without its name.
+    /// Checks a number that is written without its name; `at` is its own place.
     pub fn check_at(&self, at: &Place, x: f64) -> Result<()> {
         match self.takes {
             Takes::Number(range, unit) => range.check(at, self.name, unit, x),

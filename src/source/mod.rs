@@ -10,7 +10,7 @@ use crate::error::{Error, Location};
 use crate::printable::one_line;
 use spans::Spans;
 
-pub use numbers::{LARGEST, Range, SMALLEST, parallel, vector};
+pub use numbers::{DEGREES, LARGEST, NO_UNIT, Range, SCENE_UNITS, SMALLEST, parallel, vector};
 pub use spans::{Id, MOST_VALUES, Span, Step, skip_space, slice};
 
 /// A scene file's text with the places of its values.

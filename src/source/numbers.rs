@@ -5,8 +5,11 @@ use std::fmt;
 use glam::DVec3;
 
 use super::Place;
-use super::form::DEGREES;
 use crate::error::Result;
+
+pub const SCENE_UNITS: &str = "scene units";
+pub const DEGREES: &str = "degrees";
+pub const NO_UNIT: &str = "";
 
 /// The largest magnitude of a number. Its square is finite in f64, with room for sums.
 pub const LARGEST: f64 = 1e100;
@@ -37,7 +40,7 @@ impl Range {
         Range { least, most, has_ends: true, or_zero: false }
     }
 
-    /// The same without its ends.
+    /// The numbers between these two, without the two.
     pub const fn between(least: f64, most: f64) -> Range {
         Range { has_ends: false, ..Range::from_to(least, most) }
     }

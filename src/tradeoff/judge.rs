@@ -38,9 +38,11 @@ pub struct Measured {
     pub seconds_compile: f64,
     /// Seconds for one sample in every pixel, at the size of the sweep.
     pub seconds_here: f64,
-    /// The same at the whole size, half the width of their 95 % interval, and that as a share in standard errors: half of it.
+    /// Seconds for one sample in every pixel, at the whole size.
     pub seconds: f64,
+    /// Half the width of the 95 % interval of `seconds`.
     pub seconds_half_width: f64,
+    /// The relative standard error of `seconds`.
     pub seconds_doubt: f64,
     pub model: Model,
     /// The relative MSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.

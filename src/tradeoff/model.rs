@@ -94,7 +94,7 @@ pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> 
     fitted(levels, (sampler == Sampler::Sobol).then_some(EXPONENTS))
 }
 
-/// The same of the errors of denoised images.
+/// Fits c and p of c N^-p to the errors of denoised images, which may fall slowly.
 pub fn falling_denoised(levels: &[(u32, Estimate)]) -> Option<Falling> {
     fitted(levels, Some((LEAST_OF_DENOISED, EXPONENTS.1)))
 }

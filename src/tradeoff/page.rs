@@ -54,7 +54,7 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The same, with the text between backticks in `<code>`.
+/// Escaped text, with the parts between backticks in `<code>`.
 fn marked(text: &str) -> String {
     let parts: Vec<String> = text.split('`').map(escaped).collect();
     let mark = |(i, part): (usize, &String)| match i % 2 {

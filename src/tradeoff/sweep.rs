@@ -183,7 +183,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The same with a denoiser.
+    /// The sweep with a denoiser, which settings that denoise need.
     pub fn denoised_by(self, denoiser: Option<&'a Denoiser>) -> Sweep<'a> {
         Sweep { denoiser, ..self }
     }
@@ -381,7 +381,7 @@ impl<'a> Sweep<'a> {
 /// How often denoising is timed. The least counts, because other load on the machine only adds to it.
 const TIMED: u32 = 3;
 
-/// What a denoiser takes.
+/// The picture and the two layers that help to denoise it.
 struct Layers {
     rgb: Pixels,
     albedo: Pixels,

@@ -490,7 +490,7 @@ fn steps_are_those_of_the_device() {
     let devices = devices["devices"].as_array().expect("devices");
     let default = devices.iter().find(|device| device["default"] == true).expect("one is the default");
     let loops = default["numerics"]["loop_iterations"].as_u64().expect("iterations");
-    let most = if loops >= u64::from(gpu_rt::gpu::probe::LOOPS) { 262_144 } else { 48_000 };
+    let most = if loops >= u64::from(gpu_rt::gpu::numerics::LOOPS) { 262_144 } else { 48_000 };
     let plan = run(&["plan", "scenes/weekend.ron", "--json"]).json();
     let constants = plan["constants"].as_array().expect("constants");
     let steps = constants.iter().find(|constant| constant["name"] == "MOST_STEPS_OF_WALK").expect("it walks");

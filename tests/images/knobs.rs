@@ -52,7 +52,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("profile", None),
 ];
 
-/// Those of them that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one) or a library
+/// The options that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one) or a library
 /// ([`denoise`](../program/denoise.rs)), or do not end ([`watch`](../program/watch.rs) compares their images).
 const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "denoise", "oidn"];
 

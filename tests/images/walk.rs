@@ -55,7 +55,7 @@ fn render(material: &str, count: usize, scatter: Scatter) -> Film {
 #[test]
 fn a_walk_is_right_or_counted_as_cut_short() {
     let found = probe::numerics(device::software()).expect("the probe runs");
-    let limited = found.loop_iterations < probe::LOOPS;
+    let limited = found.loop_iterations < gpu_rt::gpu::numerics::LOOPS;
     for scatter in [Scatter::Fused, Scatter::Linked] {
         for (count, is_cut) in [(30_000, false), (100_000, limited), (250_000, true)] {
             let film = render(LAMP, count, scatter);
@@ -73,7 +73,7 @@ fn a_walk_is_right_or_counted_as_cut_short() {
     }
 }
 
-/// The same of quads that are passed: the lamp behind them is met, or the sample is counted as cut short.
+/// Of quads that are passed, the lamp behind them is met, or the sample is counted as cut short.
 #[test]
 fn a_walk_that_passes_all_is_right_or_counted_as_cut_short() {
     for (count, cut) in [(30_000, 0), (250_000, 8)] {

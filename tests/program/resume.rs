@@ -457,7 +457,7 @@ fn killed_at_moments(moments: u64) {
     place.is_one_render(held + 8);
 }
 
-/// The same for each call of the system on files, from the first of a checkpoint to the last: the old file is there, or the new one.
+/// A render is killed at each call of the system on files, from the first of a checkpoint to the last: the old file is there, or the new one.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_render_killed_within_a_checkpoint_goes_on() {

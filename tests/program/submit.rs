@@ -101,7 +101,7 @@ impl Cluster {
         finish(command.spawn().expect("the program starts"))
     }
 
-    /// The same for the folder that is there.
+    /// Submits the folder that is there again.
     fn again(&self, option: &str) -> Ran {
         self.slurm(&[option, self.job("").to_str().expect("UTF-8")])
     }

@@ -11,7 +11,8 @@ use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::Buffers;
-use gpu_rt::gpu::device::{Device, KEPT_KERNELS};
+use gpu_rt::gpu::device::Device;
+use gpu_rt::gpu::kernels::KEPT_KERNELS;
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
@@ -40,7 +41,7 @@ fn start(device: &Device, scene: &Scene, scatter: Scatter, to_be_rendered: bool)
 
 /// The kernels that were compiled in vain: for nothing, or once more.
 fn in_vain(device: &Device, ran: &[String]) -> Vec<String> {
-    let mut compiled = device.compiled();
+    let mut compiled = device.kernels.compiled_names();
     for name in ran.iter().map(String::as_str).chain(["probe"]) {
         let at = compiled.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} was never compiled"));
         compiled.swap_remove(at);
@@ -152,7 +153,8 @@ fn make_ready(device: &Device, buffers: &Buffers, number: usize) {
 fn a_device_keeps_the_kernels_used_last() {
     let device = device::open();
     let buffers = Buffers::create(&device, &[]).expect("no buffer is asked for");
-    let compilations = |number: usize| device.compiled().iter().filter(|name| **name == number.to_string()).count();
+    let compilations =
+        |number: usize| device.kernels.compiled_names().iter().filter(|name| **name == number.to_string()).count();
     // One kernel more than a device keeps. The first is used again before, so that the second is dropped.
     for number in (0..KEPT_KERNELS).chain([0, KEPT_KERNELS]) {
         make_ready(&device, &buffers, number);

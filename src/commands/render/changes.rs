@@ -25,7 +25,7 @@ const WAIT: Duration = Duration::from_millis(100);
 /// save is, because editors save in many ways, and some put a new file in the place of the old one.
 pub struct Changes {
     files: BTreeMap<PathBuf, Stamp>,
-    /// `None` where the system does not tell of changes.
+    /// `None` if the system does not report changes.
     system: Option<RecommendedWatcher>,
     /// The folders that the system tells of.
     folders: BTreeSet<PathBuf>,

@@ -9,7 +9,7 @@ use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
 use crate::film::{Film, TooDeep, Totals, Verdict};
-use crate::gpu::probe::Numerics;
+use crate::gpu::numerics::Numerics;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
@@ -85,7 +85,7 @@ impl Finish {
 pub struct Held {
     /// The earlier render's, if this one goes on with it.
     pub before: Option<u64>,
-    /// The file's, if it stays as it was because it has more than this render.
+    /// The samples of the file if it stays as it was, because they are more than this render has.
     pub at_end: Option<u64>,
 }
 

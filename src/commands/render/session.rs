@@ -73,6 +73,6 @@ impl Session {
 
     /// How many kernels have been compiled.
     pub fn compiled(&self) -> usize {
-        self.devices.iter().map(|device| device.compiled().len()).sum()
+        self.devices.iter().map(|device| device.kernels.compiled_names().len()).sum()
     }
 }

@@ -128,7 +128,7 @@ struct Pairs<'s, 'a> {
     search: &'s Search<'a>,
     /// The pairs of objects that are counted.
     known: HashSet<(usize, usize)>,
-    /// Of opaque surfaces and of clear ones.
+    /// The worst pair of opaque surfaces, and the worst with a clear one.
     worst: [Worst<'a>; 2],
 }
 

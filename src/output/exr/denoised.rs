@@ -1,4 +1,4 @@
-//! What a denoiser wants of a file, and the file of what it makes of that.
+//! Reads the picture and the layers that a denoiser needs from an EXR, and writes the denoised image.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -25,7 +25,7 @@ pub struct NoisyFile {
     pub rgb: Vec<Rgb<f32>>,
     pub albedo: Option<Vec<Rgb<f32>>>,
     pub normal: Option<Vec<Rgb<f32>>>,
-    /// What is to be told of its colours, if they were not those of Rec. 709.
+    /// The note for users about its colours, if they were not those of Rec. 709.
     pub colours: Option<String>,
     header: Header,
 }
@@ -50,7 +50,7 @@ const OF_NOISE: [&str; 7] = [
 const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the result, and its error is not known.";
 
 impl NoisyFile {
-    /// What has denoised it already.
+    /// The denoiser that has denoised it already.
     pub fn denoiser(&self) -> Option<String> {
         let known = self.header.own_attributes.other.iter().find(|(name, _)| decoded(name) == DENOISER);
         known.map(|(_, value)| match Attribute::of_exr(value) {

@@ -1,6 +1,8 @@
 //! The memory that the images of a scene may take. It is checked against what a file declares, before anything is decoded.
 
-use crate::bitmap::{Bitmap, largest};
+use std::collections::BTreeSet;
+
+use crate::bitmap::{Bitmap, Decoding, largest};
 
 /// The largest width or height of an image.
 const LARGEST_SIDE: usize = 16384;
@@ -53,6 +55,24 @@ impl Budget {
     }
 }
 
+/// What is wanted of a file: how it is to be decoded, and within which memory.
+pub struct Wanted<'a> {
+    pub decodings: &'a BTreeSet<Decoding>,
+    pub budget: &'a Budget,
+}
+
+impl Wanted<'_> {
+    /// Checks that the images fit beside those before them. `of_bytes` tells that the file has integers of 8 bits. `decoder` is the number
+    /// of bytes that the file and its decoder take beside the texels.
+    pub fn check(&self, size: (usize, usize), of_bytes: bool, decoder: u64) -> Result<(), String> {
+        let bytes = |texels| {
+            let words = self.decodings.iter().map(|decoding| decoding.format(of_bytes).words(texels));
+            size_of::<u32>() as u64 * words.sum::<usize>() as u64
+        };
+        self.budget.check(size, bytes, decoder)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,7 +87,7 @@ mod tests {
         assert_eq!(budget.check((LARGEST_SIDE, rows), OF_FLOATS, 0), Ok(()));
         let refused = budget.check((LARGEST_SIDE, rows + 1), OF_FLOATS, 0).unwrap_err();
         assert!(refused.contains("expected at most 2147483647 bytes of texels"), "{refused}");
-        // The same as bytes takes a third.
+        // As bytes, the image takes a third.
         assert_eq!(budget.check((LARGEST_SIDE, rows + 1), OF_BYTES, 0), Ok(()));
         budget.0.push(("big.png".to_owned(), (9, 8), LARGEST_BINDING - 144));
         assert_eq!(budget.check((4, 3), OF_FLOATS, BEYOND), Ok(()));

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 
+use super::budget::Wanted;
 use super::pack::of_channel;
-use super::{Decoded, Wanted};
 use crate::bitmap::{Bitmap, Decoding, Format};
 use crate::chromaticities::Conversion;
+use crate::scene::assets::Decoded;
 
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 

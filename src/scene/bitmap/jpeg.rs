@@ -7,7 +7,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::Wanted;
+use super::budget::Wanted;
 
 pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<DynamicImage, String> {
     let text = |error: zune_jpeg::errors::DecodeErrors| format!("{error:?}");

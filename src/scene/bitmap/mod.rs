@@ -11,17 +11,18 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::Scene;
-use super::assets::{Assets, Stamp};
+use super::assets::{Assets, Decoded, Stamp};
 use super::file::{self, Reading};
 use super::findings::Findings;
-use super::gltf::{self, Broken, Part};
+use super::gltf::{self, Broken};
+use super::gltf_path::{Part, split};
+use super::model::Scene;
 use super::types::*;
 use crate::bitmap::Decoding;
 use crate::error::Result;
 use crate::guard::guarded;
 use crate::source::Place;
-use budget::Budget;
+use budget::{Budget, Wanted};
 
 /// The memory that a decoder may take for what comes before the pixels. A PNG's colour profile is the largest of it.
 const HEADERS: u64 = 64 << 20;
@@ -73,9 +74,6 @@ fn images_of(scene: &Scene) -> impl Iterator<Item = (&String, Decoding)> {
     background.into_iter().chain(materials.filter_map(Texture::decoded))
 }
 
-/// Decoded images of one file.
-pub type Decoded = Vec<(Decoding, Bitmap)>;
-
 struct Loader<'a> {
     scene: &'a Scene,
     reading: Reading,
@@ -91,7 +89,7 @@ struct Loader<'a> {
 impl Loader<'_> {
     fn load(&mut self, at: &Place, path: &str, decoding: Decoding, tint: Colour, usage: Use) -> Result<()> {
         let file = self.scene.source.resolve(path);
-        let (name, part) = gltf::split(&file);
+        let (name, part) = split(&file);
         let broken = |Broken { at: part, reason }| at.error_in(&name, &part, &reason);
         let wrong = |reason: String| {
             let part = part.map_or(String::new(), |part| part.to_json());
@@ -126,7 +124,7 @@ impl Loader<'_> {
             self.budget.check(size, |_| decoded.iter().map(|(_, bitmap)| bitmap.bytes()).sum(), 0)?;
             return Ok(decoded);
         }
-        let decoded = match gltf::split(file) {
+        let decoded = match split(file) {
             (name, Some(part @ Part::Image(index))) => {
                 let file = self.assets.gltf.open(&name, &mut |_, _, _| {})?;
                 let bytes = file.image(index)?;
@@ -140,24 +138,6 @@ impl Loader<'_> {
         };
         self.assets.keep_bitmaps(file, files, decoded.clone());
         Ok(decoded)
-    }
-}
-
-/// What is wanted of a file: how it is to be decoded, and within which memory.
-struct Wanted<'a> {
-    decodings: &'a BTreeSet<Decoding>,
-    budget: &'a Budget,
-}
-
-impl Wanted<'_> {
-    /// Checks that the images fit beside those before them. `of_bytes` tells that the file has integers of 8 bits. `decoder` is the number
-    /// of bytes that the file and its decoder take beside the texels.
-    fn check(&self, size: (usize, usize), of_bytes: bool, decoder: u64) -> std::result::Result<(), String> {
-        let bytes = |texels| {
-            let words = self.decodings.iter().map(|decoding| decoding.format(of_bytes).words(texels));
-            size_of::<u32>() as u64 * words.sum::<usize>() as u64
-        };
-        self.budget.check(size, bytes, decoder)
     }
 }
 

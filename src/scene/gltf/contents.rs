@@ -10,13 +10,14 @@ use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
 use super::nodes::similarity;
-use super::{Broken, File, Part, Result};
+use super::{Broken, File, Result};
 use crate::guard::guarded;
-use crate::scene::Mesh;
+use crate::scene::gltf_path::Part;
 use crate::scene::mesh::quote;
 use crate::scene::nearest::nearest;
 use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
+use crate::shape::mesh::Mesh;
 
 /// Who says how a file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,7 +9,8 @@ use gltf::json::validation::Checked;
 
 use super::accessors::Elements;
 use super::material::{UvPlacing, is_opaque};
-use super::{Broken, File, Part, Result};
+use super::{Broken, File, Result};
+use crate::scene::gltf_path::Part;
 use crate::scene::mesh::{Draft, MOST_BYTES};
 
 /// Whether a primitive consists of triangles, and not of points or lines.

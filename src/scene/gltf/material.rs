@@ -10,9 +10,10 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::{Broken, File, Part, Result, beside, decimal};
+use super::{Broken, File, Result, beside, decimal};
 use crate::bitmap::Channel;
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
+use crate::scene::gltf_path::Part;
 use crate::scene::mesh::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};

@@ -2,10 +2,9 @@
 //!
 //! The crate's own validation is skipped, because it panics. Every index is looked up where it is used. `accessors` checks the span of
 //! an accessor against its buffer before the crate's iterators see it, because they trust offsets and counts.
-//!
-//! An object names a part of a glTF file as a path with a number sign: `room.glb#meshes/0/primitives/1`.
 
 mod accessors;
+mod broken;
 mod camera;
 mod contents;
 mod generator;
@@ -16,7 +15,6 @@ mod nodes;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -27,112 +25,21 @@ use gltf::json::{Index, Root, buffer};
 use gltf::{Document, binary};
 use serde_json::{Value, json};
 
-use super::file;
-use super::mesh::{OnProgress, quote};
+use super::file::{self, OnProgress};
+use super::gltf_path::unescape;
+use super::mesh::quote;
 use crate::guard::guarded;
 
+pub use broken::{Broken, Result};
 pub use camera::framing;
 pub use contents::{Asker, Reading, bounds};
 pub use light::sun;
+use nodes::Placed;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
 const LONGEST_JSON: usize = 1 << 28;
 /// The most objects in the JSON. An object of three bytes becomes a struct of hundreds.
 const MOST_OBJECTS: usize = 1 << 20;
-
-/// What is wrong with a file, and where in its JSON: `materials[2].pbrMetallicRoughness.baseColorTexture.index`.
-#[derive(Debug, PartialEq)]
-pub struct Broken {
-    /// Nothing where the file as a whole is wrong.
-    pub at: String,
-    pub reason: String,
-}
-
-pub type Result<T> = std::result::Result<T, Broken>;
-
-impl Broken {
-    pub fn new(at: impl Into<String>, reason: impl Into<String>) -> Broken {
-        Broken { at: at.into(), reason: reason.into() }
-    }
-}
-
-impl From<String> for Broken {
-    fn from(reason: String) -> Broken {
-        Broken { at: String::new(), reason }
-    }
-}
-
-impl fmt::Display for Broken {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self.at.is_empty() {
-            true => f.write_str(&self.reason),
-            false => write!(f, "{}: {}", self.at, self.reason),
-        }
-    }
-}
-
-/// Whether the ending of a path says glTF.
-pub fn is_gltf(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
-}
-
-/// A part of a glTF file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Part {
-    /// A primitive of a mesh, in the mesh's own space.
-    OfMesh {
-        mesh: usize,
-        primitive: usize,
-    },
-    /// A primitive of the mesh of a node, with the transforms of the node and of those around it.
-    OfNode {
-        node: usize,
-        primitive: usize,
-    },
-    Image(usize),
-}
-
-impl fmt::Display for Part {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Part::OfMesh { mesh, primitive } => write!(f, "meshes/{mesh}/primitives/{primitive}"),
-            Part::OfNode { node, primitive } => write!(f, "nodes/{node}/primitives/{primitive}"),
-            Part::Image(image) => write!(f, "images/{image}"),
-        }
-    }
-}
-
-impl Part {
-    /// Its place in the JSON.
-    pub fn to_json(self) -> String {
-        match self {
-            Part::OfMesh { mesh, primitive } => format!("meshes[{mesh}].primitives[{primitive}]"),
-            Part::OfNode { node, .. } => format!("nodes[{node}]"),
-            Part::Image(image) => format!("images[{image}]"),
-        }
-    }
-}
-
-/// The file that a path names, and the part of it behind the number sign.
-pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
-    let whole = (Cow::Borrowed(path), None);
-    let Some((file, part)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole };
-    let words: Vec<&str> = part.split('/').collect();
-    let part = match *words {
-        ["meshes", mesh, "primitives", primitive] => {
-            mesh.parse().ok().zip(primitive.parse().ok()).map(|(mesh, primitive)| Part::OfMesh { mesh, primitive })
-        }
-        ["nodes", node, "primitives", primitive] => {
-            node.parse().ok().zip(primitive.parse().ok()).map(|(node, primitive)| Part::OfNode { node, primitive })
-        }
-        ["images", image] => image.parse().ok().map(Part::Image),
-        _ => None,
-    };
-    match part.filter(|_| is_gltf(Path::new(file))) {
-        Some(part) => (Cow::Owned(PathBuf::from(file)), Some(part)),
-        None => whole,
-    }
-}
 
 /// The files that are open while a scene is read, so that each is read once, however many of its parts the scene names.
 #[derive(Default)]
@@ -195,6 +102,13 @@ impl File {
         let nodes = nodes::nodes(&root)?;
         let document = Document::from_json_without_validation(root);
         Ok(File { path: path.to_owned(), document, buffers, nodes })
+    }
+
+    /// The nodes of the default scene: each before its children.
+    pub fn nodes(&self) -> impl Iterator<Item = Placed<'_>> {
+        self.nodes
+            .iter()
+            .filter_map(|&(index, to_scene)| Some(Placed { index, node: self.root().nodes.get(index)?, to_scene }))
     }
 
     fn root(&self) -> &Root {
@@ -366,21 +280,6 @@ fn beside(uri: &str) -> std::result::Result<String, String> {
     }
 }
 
-/// The path in a uri, with escapes such as %20 decoded.
-pub fn unescape(uri: &str) -> String {
-    let mut bytes = Vec::new();
-    let mut rest = uri.as_bytes();
-    while let Some((&first, after)) = rest.split_first() {
-        let code = after.get(..2).and_then(|code| std::str::from_utf8(code).ok());
-        let code = code.and_then(|code| u8::from_str_radix(code, 16).ok());
-        (rest, _) = match (first, code) {
-            (b'%', Some(byte)) => (after.get(2..).unwrap_or_default(), bytes.push(byte)),
-            _ => (after, bytes.push(first)),
-        };
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
-}
-
 /// The decimal number that an f32 was written as, so that 0.8 stays 0.8 in f64.
 fn decimal(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
@@ -389,19 +288,6 @@ fn decimal(number: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_path_may_name_a_part_of_a_gltf_file() {
-        for part in [Part::OfMesh { mesh: 3, primitive: 12 }, Part::OfNode { node: 0, primitive: 1 }, Part::Image(7)] {
-            let path = format!("a #1/room.GLB#{part}");
-            assert_eq!(split(Path::new(&path)), (Path::new("a #1/room.GLB").into(), Some(part)));
-        }
-        for path in
-            ["room.glb", "room.obj#images/1", "room.glb#images/x", "a.glb#b.glb", "room.glb#images", "#images/0"]
-        {
-            assert_eq!(split(Path::new(path)), (Path::new(path).into(), None));
-        }
-    }
 
     #[test]
     fn numbers_keep_their_decimals() {

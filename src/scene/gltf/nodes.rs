@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json::Root;
 use gltf::json::scene::Node;
 
-use super::{Broken, File, Result};
+use super::broken::{Broken, Result};
 use crate::scene::types::Transform;
 use crate::source::{LARGEST, SMALLEST};
 
@@ -15,15 +15,6 @@ pub struct Placed<'a> {
     pub index: usize,
     pub node: &'a Node,
     pub to_scene: DAffine3,
-}
-
-impl File {
-    /// The nodes of the default scene: each before its children.
-    pub fn nodes(&self) -> impl Iterator<Item = Placed<'_>> {
-        self.nodes
-            .iter()
-            .filter_map(|&(index, to_scene)| Some(Placed { index, node: self.root().nodes.get(index)?, to_scene }))
-    }
 }
 
 /// The numbers and transforms of the nodes of the default scene, or of the first scene if there is no default.

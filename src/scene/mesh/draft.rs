@@ -2,8 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::Mesh;
-use crate::shape::mesh::UVS_IGNORED;
+use crate::shape::mesh::{Mesh, UVS_IGNORED};
 
 /// The memory that all meshes of a scene may take: 70 million triangles, with half as many vertices. A device that binds the most
 /// bytes that wgpu grants, 2^31 - 1, has no place for the hierarchy of more.

@@ -13,21 +13,19 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use super::Scene;
 use super::assets::Assets;
-use super::file::{self, Reading};
+use super::file::{self, OnProgress, Reading};
 use super::findings::Findings;
-use super::gltf::{self, Broken, is_gltf};
+use super::gltf::{self, Broken};
+use super::gltf_path::{is_gltf, split};
+use super::model::Scene;
 use super::types::Object;
 use crate::guard::guarded;
 use input::Input;
 
-pub use crate::shape::mesh::{Mesh, OpenEdges};
+use crate::shape::mesh::Mesh;
 pub(super) use draft::{Draft, MOST_BYTES};
 pub(super) use input::quote;
-
-/// A callback for the progress of reading a file, with its path, the bytes read so far, and all its bytes.
-pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
 
 /// Reads every mesh of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
 pub fn load_all(
@@ -59,8 +57,8 @@ pub fn load_all(
             },
             Reading::IfThere => find(&file).map(|()| None).map_err(Broken::from),
         };
-        let loaded = loaded
-            .map_err(|Broken { at: part, reason }| at.field("path").error_in(&gltf::split(&file).0, &part, &reason));
+        let loaded =
+            loaded.map_err(|Broken { at: part, reason }| at.field("path").error_in(&split(&file).0, &part, &reason));
         if let Some((mesh, left)) = findings.note(loaded).flatten() {
             room = left;
             meshes.insert(path.clone(), mesh);
@@ -83,7 +81,7 @@ fn parser(path: &Path) -> std::result::Result<(Parser, &'static str), String> {
 
 /// Checks that a file is there, and that its ending is that of a mesh.
 fn find(path: &Path) -> std::result::Result<(), String> {
-    let path = gltf::split(path).0;
+    let path = split(path).0;
     if !is_gltf(&path) {
         parser(&path)?;
     }
@@ -95,7 +93,7 @@ type Loaded = (Mesh, usize);
 
 /// The mesh of a file, or of a part of a glTF file. It may take `room` bytes. A part without area, as a node of scale 0 has it, is none.
 fn load(path: &Path, room: usize, progress: &mut OnProgress, assets: &mut Assets) -> gltf::Result<Option<Loaded>> {
-    let (name, part) = gltf::split(path);
+    let (name, part) = split(path);
     if !is_gltf(&name) {
         return Ok(Some(load_file(path, room, progress)?));
     }

@@ -1,0 +1,101 @@
+//! How paths name glTF files and parts of them. A part stands behind a number sign: `room.glb#meshes/0/primitives/1`.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Whether the ending of a path says glTF.
+pub fn is_gltf(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+}
+
+/// A part of a glTF file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// A primitive of a mesh, in the mesh's own space.
+    OfMesh {
+        mesh: usize,
+        primitive: usize,
+    },
+    /// A primitive of the mesh of a node, with the transforms of the node and of those around it.
+    OfNode {
+        node: usize,
+        primitive: usize,
+    },
+    Image(usize),
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Part::OfMesh { mesh, primitive } => write!(f, "meshes/{mesh}/primitives/{primitive}"),
+            Part::OfNode { node, primitive } => write!(f, "nodes/{node}/primitives/{primitive}"),
+            Part::Image(image) => write!(f, "images/{image}"),
+        }
+    }
+}
+
+impl Part {
+    /// Its place in the JSON.
+    pub fn to_json(self) -> String {
+        match self {
+            Part::OfMesh { mesh, primitive } => format!("meshes[{mesh}].primitives[{primitive}]"),
+            Part::OfNode { node, .. } => format!("nodes[{node}]"),
+            Part::Image(image) => format!("images[{image}]"),
+        }
+    }
+}
+
+/// The file that a path names, and the part of it behind the number sign.
+pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
+    let whole = (Cow::Borrowed(path), None);
+    let Some((file, part)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole };
+    let words: Vec<&str> = part.split('/').collect();
+    let part = match *words {
+        ["meshes", mesh, "primitives", primitive] => {
+            mesh.parse().ok().zip(primitive.parse().ok()).map(|(mesh, primitive)| Part::OfMesh { mesh, primitive })
+        }
+        ["nodes", node, "primitives", primitive] => {
+            node.parse().ok().zip(primitive.parse().ok()).map(|(node, primitive)| Part::OfNode { node, primitive })
+        }
+        ["images", image] => image.parse().ok().map(Part::Image),
+        _ => None,
+    };
+    match part.filter(|_| is_gltf(Path::new(file))) {
+        Some(part) => (Cow::Owned(PathBuf::from(file)), Some(part)),
+        None => whole,
+    }
+}
+
+/// The path in a uri, with escapes such as %20 decoded.
+pub fn unescape(uri: &str) -> String {
+    let mut bytes = Vec::new();
+    let mut rest = uri.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let code = after.get(..2).and_then(|code| std::str::from_utf8(code).ok());
+        let code = code.and_then(|code| u8::from_str_radix(code, 16).ok());
+        (rest, _) = match (first, code) {
+            (b'%', Some(byte)) => (after.get(2..).unwrap_or_default(), bytes.push(byte)),
+            _ => (after, bytes.push(first)),
+        };
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_may_name_a_part_of_a_gltf_file() {
+        for part in [Part::OfMesh { mesh: 3, primitive: 12 }, Part::OfNode { node: 0, primitive: 1 }, Part::Image(7)] {
+            let path = format!("a #1/room.GLB#{part}");
+            assert_eq!(split(Path::new(&path)), (Path::new("a #1/room.GLB").into(), Some(part)));
+        }
+        for path in
+            ["room.glb", "room.obj#images/1", "room.glb#images/x", "a.glb#b.glb", "room.glb#images", "#images/0"]
+        {
+            assert_eq!(split(Path::new(path)), (Path::new(path).into(), None));
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! A scene, with the place of every value in its file.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::types::*;
+use super::visit;
+use crate::error::{Error, Location};
+use crate::shape::mesh::Mesh;
+use crate::source::{Place, Source, Step};
+
+/// A scene that has been read and validated, with its images decoded and its meshes read.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub image: ImageSize,
+    pub camera: Camera,
+    pub background: Background,
+    /// Names and materials, in the file's order. No name occurs twice.
+    pub materials: Vec<(String, Material)>,
+    pub objects: Vec<Object>,
+    pub render: RenderDefaults,
+    /// The decoded images, by the paths that the scene file writes.
+    pub bitmaps: Bitmaps,
+    /// The meshes, by the paths that the scene file writes.
+    pub meshes: BTreeMap<String, Arc<Mesh>>,
+    /// Warnings about what glTF files have and the scene does not.
+    pub(super) notes: Vec<String>,
+    pub(super) source: Source,
+}
+
+impl Scene {
+    /// The location in the scene file of the value at the end of `steps`.
+    ///
+    /// For a value that the file does not give, it is the location of the innermost value around it.
+    pub fn location(&self, steps: &[Step<'_>]) -> Location {
+        self.source.location_of(steps)
+    }
+
+    /// An [`Error::Scene`] about the value at the end of `steps`, for the stages after loading.
+    pub fn error(&self, steps: &[Step<'_>], message: impl Into<String>) -> Error {
+        self.source.error(steps, message)
+    }
+
+    /// The location of `objects[index]` in the scene file.
+    pub fn object_location(&self, index: usize) -> Location {
+        self.location(&[Step::Field("objects"), Step::Index(index)])
+    }
+
+    /// The location of an object in the scene file, also of one inside other objects.
+    pub fn location_of(&self, object: &Object) -> Location {
+        self.place_of(object, |steps| self.location(steps))
+    }
+
+    /// An [`Error::Scene`] about an object, also about one inside other objects.
+    pub fn error_of(&self, object: &Object, message: &str) -> Error {
+        self.place_of(object, |steps| self.error(steps, message))
+    }
+
+    /// What `tell` says of the steps to an object.
+    fn place_of<T>(&self, object: &Object, tell: impl Fn(&[Step<'_>]) -> T) -> T {
+        let top = self.top();
+        let objects = top.field("objects");
+        let mut found = None;
+        for (index, outer) in self.objects.iter().enumerate() {
+            let walked = visit::visit(&objects.index(index), outer, &mut |at, inner| {
+                if std::ptr::eq(inner, object) {
+                    // The visited place is that of the variant; the object is one step above.
+                    let mut steps = at.steps();
+                    steps.pop();
+                    found = Some(tell(&steps));
+                }
+                Ok(())
+            });
+            debug_assert!(walked.is_ok(), "nothing in it fails");
+            if found.is_some() {
+                break;
+            }
+        }
+        found.unwrap_or_else(|| tell(&objects.steps()))
+    }
+
+    /// The location of the definition of the material of this name.
+    pub fn material_location(&self, name: &str) -> Location {
+        self.location(&[Step::Field("materials"), Step::Key(name)])
+    }
+
+    /// Calls `visitor` with every object, also those inside others, in the file's order. The place is that of the variant, as in
+    /// `objects[3].Group[0].Sphere`.
+    pub fn visit_objects(&self, visitor: &mut dyn FnMut(&Place, &Object)) {
+        let walked = visit::visit_all(&self.top().field("objects"), &self.objects, &mut |at, object| {
+            visitor(at, object);
+            Ok(())
+        });
+        debug_assert!(walked.is_ok(), "nothing in it fails");
+    }
+
+    /// The top of the scene file, where the checks start.
+    pub(super) fn top(&self) -> Place<'_> {
+        Place::top(&self.source)
+    }
+}
