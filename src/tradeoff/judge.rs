@@ -291,8 +291,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
 
 /// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes
 /// a pixel dark, its relative errors look too large. Images of noisier settings are therefore not used: a pixel is half
-/// as bright if half of the images found no light in it.
-/// The second ones have the floor of relMSE.
+/// as bright if half of the images found no light in it. The second weights have the floor of relMSE.
 fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<(Weights, Weights)> {
     let defaults = sweep.subjects.first()?;
     let blocks = defaults.blocks.iter().flat_map(|(&samples, blocks)| {
@@ -330,8 +329,7 @@ fn unmet(brightest: f64, rounds: usize, level: f64, weights: &Weights) -> (f64, 
 
 /// The squared bias of the pixels that follows from the bias of the mean luminance: its certain part, and its largest value for a
 /// mean within the interval. For a bias b, w = 1 / (r² + f) and the shares l of the channels in the luminance, with means over pixels and
-/// channels, (mean 3 l b)² <= mean(w b²) mean(9 l²/w) (Cauchy-Schwarz).
-/// Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
+/// channels, (mean 3 l b)² <= mean(w b²) mean(9 l²/w) (Cauchy-Schwarz). Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
 /// different images.
 fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
     let image = &weights.image;

@@ -98,7 +98,7 @@ impl Weights {
     }
 }
 
-/// In f64: of bright scenes f32 would be subnormal, of dark ones infinite.
+/// In f64, because in f32 the weights of bright scenes would be subnormal, and those of dark ones infinite.
 fn inverse(image: &Pixels, floor: f64) -> Vec<f64> {
     image.as_flattened().iter().map(|&r| 1.0 / (f64::from(r) * f64::from(r) + floor)).collect()
 }
@@ -116,7 +116,7 @@ pub(super) fn distance(a: &Pixels, b: &Pixels, weights: &Weights) -> f64 {
     product(off.as_flattened(), off.as_flattened(), &inverse(&weights.image, weights.floor))
 }
 
-/// Value by value.
+/// The difference of two images, value by value.
 pub(super) fn difference(a: &Pixels, b: &Pixels) -> Pixels {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect()
 }

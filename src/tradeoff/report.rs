@@ -38,7 +38,7 @@ pub struct Findings {
     /// If the noise of the reference is known: the distance of the defaults from it, and whether that is more than noise.
     pub distance: Option<(Distance, bool)>,
     pub interrupted: bool,
-    /// The defaults first.
+    /// The measured settings, the defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
     /// The size of the reference, if only its middle is measured.

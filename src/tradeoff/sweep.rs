@@ -153,7 +153,7 @@ impl Sweep<'_> {
     /// The number of seeds before a sweep's own. They are reserved for images outside the rounds.
     pub const SEEDS_BEFORE: u32 = 4;
 
-    /// One of these seeds.
+    /// The seed of this number among the seeds before a sweep's own.
     pub fn seed_before(seed: u32, number: u32) -> u32 {
         seed.wrapping_sub(1 + number)
     }
