@@ -262,7 +262,7 @@ fn controls(planted: &Figures, table: &Table) -> Result<()> {
     Ok(())
 }
 
-/// What of a table is compared with the committed one.
+/// The parts of a table that are compared with the committed one.
 #[derive(Clone, Copy)]
 struct Compares {
     /// The figures themselves, where both are of the same driver. A new spill is found without them.

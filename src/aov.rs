@@ -167,7 +167,7 @@ impl Aovs {
         (!self.list.is_empty()).then(|| words.collect::<Vec<_>>().join(","))
     }
 
-    /// Those of a film: without channels it does not matter what they would be like.
+    /// The channels of a film, or the default if it has none: how they would be written does not matter then.
     pub fn of_film(&self) -> Aovs {
         if self.is_empty() { Aovs::default() } else { self.clone() }
     }

@@ -235,12 +235,12 @@ impl Film {
         Ok(Film { exponent, sampler, samples_lights: true, frame, pixels, channels, totals })
     }
 
-    /// The same film, of paths that sample lights, as by default, or find them by BSDF sampling alone.
+    /// Sets whether the paths sample lights, as by default, or find them by BSDF sampling alone.
     pub fn sampling_lights(self, samples_lights: bool) -> Film {
         Film { samples_lights, ..self }
     }
 
-    /// The same film, if it is empty, with further channels. `space` is that in which the kernels see the scene.
+    /// Gives an empty film further channels. `space` is that in which the kernels see the scene.
     ///
     /// # Errors
     /// `Error::Usage` where the memory does not hold them.
@@ -258,7 +258,7 @@ impl Film {
         (!self.channels.aovs.is_empty()).then_some(self.channels.space)
     }
 
-    /// The same film, of a part of an image that has its size.
+    /// Makes it the film of a part of an image; the part has the film's size.
     pub fn of_part(self, frame: Frame) -> Film {
         Film { frame, ..self }
     }

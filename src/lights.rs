@@ -24,7 +24,7 @@ pub struct AliasEntry {
     pub alias: u32,
     /// The exact probability that this entry is drawn, directly or as an alias.
     pub probability: f32,
-    /// The same for the alias.
+    /// The probability of the entry that the alias names.
     pub alias_probability: f32,
 }
 

@@ -1,4 +1,4 @@
-//! The options of a render, each declared once: its name, its values and how they are read, its words for `--help`, what it gives up,
+//! The options of a render, each declared once: its name, its values and how they are read, its words for `--help`, its trade-off,
 //! and the module of the shaders that it links. The command line, what a render says of itself, `plan` and `tradeoff` read this table.
 
 use std::collections::BTreeMap;
@@ -59,29 +59,27 @@ impl Default for RenderOptions {
 
 impl RenderOptions {
     /// The options that bias the result or are less exact, with their values.
-    pub fn biases(&self) -> impl Iterator<Item = (&'static Knob, String)> {
-        let biased = KNOBS.iter().filter(|knob| matches!(knob.class, Class::Bias | Class::Numerics));
-        biased.filter(|knob| !knob.is_default(self)).filter_map(|knob| Some((*knob, knob.value(self)?)))
+    pub fn biases(&self) -> impl Iterator<Item = (&'static OptionSpec, String)> {
+        let biased = TRADE_OFFS.iter().filter(|spec| matches!(spec.class, Class::Bias | Class::Numerics));
+        biased.filter(|spec| !spec.is_default(self)).filter_map(|spec| Some((*spec, spec.value(self)?)))
     }
-}
 
-impl RenderOptions {
     /// The options that change the image, by their names, with their values.
     pub fn of_image(&self) -> impl Iterator<Item = (&'static str, String)> {
         // Without channels beside the picture, nobody asks what they are like.
-        let counts = |knob: &&Knob| match knob.class {
+        let counts = |spec: &&OptionSpec| match spec.class {
             Class::Exact => false,
-            Class::Channels => !self.aov.is_empty() && !knob.is_default(self),
+            Class::Channels => !self.aov.is_empty() && !spec.is_default(self),
             _ => true,
         };
-        let known = all().filter(counts).filter(|knob| knob.reading.is_some());
-        known.map(|knob| (knob.name, knob.value(self).unwrap_or_else(|| "none".to_string())))
+        let known = all().filter(counts).filter(|spec| spec.reading.is_some());
+        known.map(|spec| (spec.name, spec.value(self).unwrap_or_else(|| "none".to_string())))
     }
 
     /// The options that settings name as [`RenderOptions::of_image`] does. What cannot be read has its default.
     pub fn of_settings(settings: &BTreeMap<String, String>) -> RenderOptions {
         let mut options = RenderOptions::default();
-        for (reading, text) in all().filter_map(|knob| Some((knob.reading?, settings.get(knob.name)?))) {
+        for (reading, text) in all().filter_map(|spec| Some((spec.reading?, settings.get(spec.name)?))) {
             _ = (reading.read)(&mut options, text);
         }
         options
@@ -89,13 +87,13 @@ impl RenderOptions {
 
     /// The options that are not at their defaults, as words of the command line.
     pub fn words(&self) -> Vec<String> {
-        let known = all().filter(|knob| !knob.is_default(self));
-        known.filter_map(|knob| Some([format!("--{}", knob.name), knob.value(self)?])).flatten().collect()
+        let known = all().filter(|spec| !spec.is_default(self));
+        known.filter_map(|spec| Some([format!("--{}", spec.name), spec.value(self)?])).flatten().collect()
     }
 
     /// The names of all options that [`RenderOptions`] holds.
     pub fn names() -> Vec<&'static str> {
-        all().filter(|knob| knob.reading.is_some()).map(|knob| knob.name).collect()
+        all().filter(|spec| spec.reading.is_some()).map(|spec| spec.name).collect()
     }
 }
 
@@ -216,7 +214,7 @@ pub enum Class {
     Bias,
     /// Nothing: the picture is the same to the byte, and the file has more channels beside it.
     Channels,
-    /// The same image, but for the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
+    /// An image that differs by the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
     Numerics,
 }
 
@@ -235,9 +233,9 @@ impl Class {
     }
 }
 
-/// An option.
+/// The declaration of an option.
 #[derive(Clone, Copy, Debug)]
-pub struct Knob {
+pub struct OptionSpec {
     /// The option's name, without dashes.
     pub name: &'static str,
     /// What it is.
@@ -248,7 +246,7 @@ pub struct Knob {
     pub default: Option<&'static str>,
     pub class: Class,
     /// What its values other than the default give up, in a sentence.
-    pub gives_up: &'static str,
+    pub trade_off: &'static str,
     /// How its value gets into [`RenderOptions`]; `None` for an option that a command has by itself.
     reading: Option<Reading>,
     /// How the command line takes an option that is not in [`RenderOptions`].
@@ -295,10 +293,10 @@ macro_rules! number {
     };
 }
 
-impl Knob {
+impl OptionSpec {
     /// For `--help`.
     pub fn help(&self) -> String {
-        format!("{} {}", self.about, self.gives_up).trim_end().to_string()
+        format!("{} {}", self.about, self.trade_off).trim_end().to_string()
     }
 
     /// What a render says where the option has a value that biases or is less exact.
@@ -327,7 +325,7 @@ impl Knob {
     }
 
     /// The option as it was given, for the reasons of a plan: `--roulette on, the default`.
-    pub fn asked(&self, options: &RenderOptions) -> String {
+    pub fn as_given(&self, options: &RenderOptions) -> String {
         let given = self.option(&self.value(options).unwrap_or_default());
         if self.is_default(options) { format!("{given}, the default") } else { given }
     }
@@ -394,7 +392,7 @@ argument!(DenoiseArg, DENOISE, bool);
 
 impl clap::Args for RenderOptions {
     fn augment_args(command: Command) -> Command {
-        command.args(all().filter(|knob| knob.reading.is_some()).map(Knob::arg))
+        command.args(all().filter(|spec| spec.reading.is_some()).map(OptionSpec::arg))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -410,8 +408,8 @@ impl clap::FromArgMatches for RenderOptions {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        for (knob, reading) in all().filter_map(|knob| Some((knob, knob.reading?))) {
-            if let Some(text) = matches.get_one::<String>(knob.name) {
+        for (spec, reading) in all().filter_map(|spec| Some((spec, spec.reading?))) {
+            if let Some(text) = matches.get_one::<String>(spec.name) {
                 let refused = |why| clap::Error::raw(clap::error::ErrorKind::InvalidValue, why);
                 (reading.read)(self, text).map_err(refused)?;
             }
@@ -423,8 +421,8 @@ impl clap::FromArgMatches for RenderOptions {
 /// The default of the option that links this module by default.
 pub fn default_of(module: &str) -> Option<&'static str> {
     let options = RenderOptions::default();
-    let knob = KNOBS.iter().find(|knob| knob.links.is_some_and(|links| links(&options) == module))?;
-    knob.default
+    let spec = TRADE_OFFS.iter().find(|spec| spec.links.is_some_and(|links| links(&options) == module))?;
+    spec.default
 }
 
 /// A whole number of a range.
@@ -441,44 +439,44 @@ fn clamp_limit(text: &str) -> Result<Option<f64>, String> {
     }
 }
 
-pub const SPP: Knob = Knob {
+pub const SPP: OptionSpec = OptionSpec {
     name: "spp",
     about: "Samples per pixel [default: the scene's].",
     values: &["1", "4", "16", "64", "256"],
     class: Class::Noise,
-    gives_up: "A quarter of the samples has about twice the error.",
+    trade_off: "A quarter of the samples has about twice the error.",
     own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(1..=MOST_SAMPLES))),
     ..PLAIN
 };
 
-pub const SIZE: Knob = Knob {
+pub const SIZE: OptionSpec = OptionSpec {
     name: "size",
     about: "Image size in pixels, or in percent of the scene's [default: the scene's].",
     values: &["25%", "50%", "100%"],
     class: Class::Detail,
-    gives_up: "Fewer pixels show less detail: each is the mean over a larger square.",
+    trade_off: "Fewer pixels show less detail: each is the mean over a larger square.",
     own: Some(|arg| arg.value_name("WxH|N%").value_parser(value_parser!(Size))),
     ..PLAIN
 };
 
-pub const INTEGRATOR: Knob = Knob {
+pub const INTEGRATOR: OptionSpec = OptionSpec {
     name: "integrator",
     about: "How paths find light: `mis` combines light sampling and BSDF sampling (power heuristic); `bsdf` uses BSDF sampling only.",
     values: &["mis", "bsdf"],
     default: Some("mis"),
     class: Class::Noise,
-    gives_up: "A `bsdf` path costs less. Its noise grows as the lights get smaller.",
+    trade_off: "A `bsdf` path costs less. Its noise grows as the lights get smaller.",
     reading: word!(integrator: Integrator),
     ..PLAIN
 };
 
-pub const ROULETTE: Knob = Knob {
+pub const ROULETTE: OptionSpec = OptionSpec {
     name: "roulette",
     about: "Russian roulette: ends dark paths at random and weights the survivors.",
     values: &["on", "off"],
     default: Some("on"),
     class: Class::Noise,
-    gives_up: "Off, every path runs to its end: less noise per path, more time.",
+    trade_off: "Off, every path runs to its end: less noise per path, more time.",
     reading: word!(roulette: Switch),
     links: Some(|options| match options.roulette {
         Switch::On => "step/roulette",
@@ -487,13 +485,13 @@ pub const ROULETTE: Knob = Knob {
     ..PLAIN
 };
 
-pub const SAMPLER: Knob = Knob {
+pub const SAMPLER: OptionSpec = OptionSpec {
     name: "sampler",
     about: "How samples are drawn: `sobol` uses Owen-scrambled Sobol points, `independent` uses independent random numbers.",
     values: &["sobol", "independent"],
     default: Some("sobol"),
     class: Class::Noise,
-    gives_up: "Independent samples are noisier in smooth pixels, and estimate their own error better.",
+    trade_off: "Independent samples are noisier in smooth pixels, and estimate their own error better.",
     reading: word!(sampler: Sampler),
     links: Some(|options| match options.sampler {
         Sampler::Sobol => "sampler/sobol",
@@ -502,13 +500,13 @@ pub const SAMPLER: Knob = Knob {
     ..PLAIN
 };
 
-pub const FILTER: Knob = Knob {
+pub const FILTER: OptionSpec = OptionSpec {
     name: "filter",
     about: "The reconstruction filter: `box` is the pixel's square, `tent` is 2 pixels wide, `gauss` 3, `mitchell` 4.",
     values: &["box", "tent", "gauss", "mitchell"],
     default: Some("box"),
     class: Class::Look,
-    gives_up: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where its filter is negative, \
+    trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where its filter is negative, \
                pixels beside a bright edge may be too. Pixels share what they see, but not their noise.",
     reading: word!(filter: Filter),
     links: Some(|options| match options.filter {
@@ -520,23 +518,23 @@ pub const FILTER: Knob = Knob {
     ..PLAIN
 };
 
-pub const MAX_DEPTH: Knob = Knob {
+pub const MAX_DEPTH: OptionSpec = OptionSpec {
     name: "max-depth",
     about: "The most scattering events per path [default: the scene's].",
     values: &["1", "2", "4", "8", "16"],
     class: Class::Bias,
-    gives_up: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
+    trade_off: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
     own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(0..=1_000_000))),
     ..PLAIN
 };
 
-pub const FRESNEL: Knob = Knob {
+pub const FRESNEL: OptionSpec = OptionSpec {
     name: "fresnel",
     about: "Fresnel reflectance of dielectrics: exact, or Schlick's approximation.",
     values: &["exact", "schlick"],
     default: Some("exact"),
     class: Class::Bias,
-    gives_up: "`schlick` biases the result: reflectances are off by up to 0.04 at an index of 1.5, 0.2 at 1.1, and 1 next to an index of 1.",
+    trade_off: "`schlick` biases the result: reflectances are off by up to 0.04 at an index of 1.5, 0.2 at 1.1, and 1 next to an index of 1.",
     reading: word!(fresnel: Fresnel),
     links: Some(|options| match options.fresnel {
         Fresnel::Exact => "lib/fresnel",
@@ -545,13 +543,13 @@ pub const FRESNEL: Knob = Knob {
     ..PLAIN
 };
 
-pub const CLAMP: Knob = Knob {
+pub const CLAMP: OptionSpec = OptionSpec {
     name: "clamp",
     about: "The most indirect radiance (two scattering events or more) that a path may add, in scene units.",
     values: &["off", "1", "10", "100"],
     default: Some("off"),
     class: Class::Bias,
-    gives_up: "A limit biases the result: bright rare paths, such as caustics, lose the radiance above it.",
+    trade_off: "A limit biases the result: bright rare paths, such as caustics, lose the radiance above it.",
     reading: Some(Reading {
         takes: Takes::Text("off|N"),
         read: |options, text| clamp_limit(text).map(|limit| options.clamp = limit),
@@ -564,13 +562,13 @@ pub const CLAMP: Knob = Knob {
     ..PLAIN
 };
 
-pub const PRECISION: Knob = Knob {
+pub const PRECISION: OptionSpec = OptionSpec {
     name: "precision",
     about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
     values: &["strict", "fast"],
     default: Some("strict"),
     class: Class::Numerics,
-    gives_up: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
+    trade_off: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
     reading: word!(precision: Precision),
     links: Some(|options| match options.precision {
         Precision::Strict => "geometry/sphere_chord",
@@ -579,34 +577,34 @@ pub const PRECISION: Knob = Knob {
     ..PLAIN
 };
 
-pub const BUILD: Knob = Knob {
+pub const BUILD: OptionSpec = OptionSpec {
     name: "build",
     about: "The quality of the BVH: build time against traversal time.",
     values: &["medium", "best"],
     default: Some("medium"),
     class: Class::Exact,
-    gives_up: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
+    trade_off: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
     reading: word!(build: Quality),
     ..PLAIN
 };
 
-/// It leaves the image as it is, and writes another one beside it. So it is no knob of the image, and `tradeoff` sweeps it like one.
-pub const DENOISE: Knob = Knob {
+/// It leaves the image as it is, and writes another one beside it. `tradeoff` sweeps it nevertheless.
+pub const DENOISE: OptionSpec = OptionSpec {
     name: "denoise",
     about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the image at the end without its noise, by Open Image \
             Denoise. The image itself gets the channels albedo and normal.",
     values: &[""],
     class: Class::Bias,
-    gives_up: "What is denoised loses detail that looks like noise, which biases the result.",
+    trade_off: "What is denoised loses detail that looks like noise, which biases the result.",
     own: Some(|arg| arg.action(ArgAction::SetTrue)),
     ..PLAIN
 };
 
-/// All that trade one thing for another, or a look for another, those first that are the first to be measured where time is short.
-pub const KNOBS: &[&Knob] =
+/// The options that trade one thing for another. Where time is short, the first ones are measured first.
+pub const TRADE_OFFS: &[&OptionSpec] =
     &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &PRECISION, &SIZE, &FILTER];
 
-pub const AOV: Knob = Knob {
+pub const AOV: OptionSpec = OptionSpec {
     name: "aov",
     about: "Further channels of the EXR, with commas between: `albedo`, `normal`, `depth`, `position`, `object`, `material`, `direct`, `indirect`.",
     class: Class::Channels,
@@ -619,9 +617,9 @@ pub const AOV: Knob = Knob {
 };
 
 /// What a file has beside the picture.
-const OF_FILES: &[&Knob] = &[
+const OF_FILES: &[&OptionSpec] = &[
     &AOV,
-    &Knob {
+    &OptionSpec {
         name: "aov-surface",
         about: "Of which surface `albedo` and `normal` are: `rough` passes mirrors and clear glass, as denoisers want it; `first` does not.",
         default: Some("rough"),
@@ -629,7 +627,7 @@ const OF_FILES: &[&Knob] = &[
         reading: word!(aov.surface: SeenSurface),
         ..PLAIN
     },
-    &Knob {
+    &OptionSpec {
         name: "aov-names",
         about: "How the EXR names its channels: `plain`, or `blender` as the passes of Blender's multilayer files.",
         default: Some("plain"),
@@ -640,26 +638,26 @@ const OF_FILES: &[&Knob] = &[
 ];
 
 /// What changes the speed and never the image, and is not swept over.
-const TUNING: &[&Knob] = &[
-    &Knob {
+const TUNING: &[&OptionSpec] = &[
+    &OptionSpec {
         name: "slots",
         about: "Paths in flight [default: by the device and the image].",
         reading: number!(slots: 1..=1 << 24),
         ..PLAIN
     },
-    &Knob {
+    &OptionSpec {
         name: "workgroup",
         about: "Invocations per workgroup [default: by the device].",
         reading: number!(workgroup: 1..=256),
         ..PLAIN
     },
-    &Knob {
+    &OptionSpec {
         name: "bounces",
         about: "Bounces per submission [default: measured, for about 100 ms].",
         reading: number!(bounces: 1..=4096),
         ..PLAIN
     },
-    &Knob {
+    &OptionSpec {
         name: "scatter",
         about: "How the stages of a bounce become kernels: one kernel for all; one per stage; or one per stage, with a scatter kernel \
                 and a queue per material [default: by the device].",
@@ -670,7 +668,7 @@ const TUNING: &[&Knob] = &[
         }),
         ..PLAIN
     },
-    &Knob {
+    &OptionSpec {
         name: "features",
         about: "What kernels contain: only what the scene requires, or everything that any scene can require.",
         default: Some("scene"),
@@ -680,19 +678,19 @@ const TUNING: &[&Knob] = &[
 ];
 
 /// An option that gives nothing up. Each entry says what is different.
-const PLAIN: Knob = Knob {
+const PLAIN: OptionSpec = OptionSpec {
     name: "",
     about: "",
     values: &[],
     default: None,
     class: Class::Exact,
-    gives_up: "",
+    trade_off: "",
     reading: None,
     own: None,
     links: None,
 };
 
 /// Every option.
-fn all() -> impl Iterator<Item = &'static Knob> {
-    KNOBS.iter().chain(OF_FILES).chain(TUNING).copied()
+fn all() -> impl Iterator<Item = &'static OptionSpec> {
+    TRADE_OFFS.iter().chain(OF_FILES).chain(TUNING).copied()
 }

@@ -10,7 +10,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     escaped(text, |c| c != '\n' && is_control(c))
 }
 
-/// The same for a text that is to stay on one line.
+/// A text of one line: line ends are escaped too.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_control)
 }

@@ -15,7 +15,7 @@ pub fn columns_of_stdout() -> Option<usize> {
     stdout.is_terminal().then(|| columns(terminal_size::terminal_size_of(stdout)))
 }
 
-/// The same of stderr.
+/// The columns of the terminal that stderr goes to; `None` if it goes elsewhere.
 pub fn columns_of_stderr() -> Option<usize> {
     let stderr = io::stderr();
     stderr.is_terminal().then(|| columns(terminal_size::terminal_size_of(stderr)))

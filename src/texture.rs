@@ -314,7 +314,7 @@ impl Texture {
         bitmaps.get(path, decoding)
     }
 
-    /// The same number everywhere.
+    /// A texture with the same number everywhere.
     pub fn grey(x: f64) -> Texture {
         Texture::Rgb(x, x, x)
     }

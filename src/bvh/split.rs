@@ -167,7 +167,7 @@ impl<'a> Group<'a> {
         while low < high {
             let item = self.items[low];
             let middle = item.middle();
-            // The same arithmetic as in the choice of the bin.
+            // Exactly the arithmetic of the choice of the bin.
             let above = (middle[cut.axis] - cut.low) * cut.scale >= cut.bin;
             let (bounds, middles) = &mut sides[usize::from(above)];
             bounds.add(item.min.into(), item.max.into());

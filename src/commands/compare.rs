@@ -118,7 +118,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             b.height
         )));
     }
-    let pixels = Pixels::of(&a, &b);
+    let pixels = Pixels::new(&a, &b);
     let variances = a.known_variance().zip(b.known_variance()).map(|(a, b)| [a, b]);
     let (width, height) = (a.width as usize, a.height as usize);
     let of_samples = [&args.image, &args.reference].map(|path| spreads(path).filter(|_| args.layer.is_none()));
@@ -201,7 +201,7 @@ struct Pixels {
 }
 
 impl Pixels {
-    fn of(a: &ExrImage, b: &ExrImage) -> Pixels {
+    fn new(a: &ExrImage, b: &ExrImage) -> Pixels {
         let broken = |rgb: &[f32; 3]| rgb.iter().any(|v| !v.is_finite());
         let count = |image: &[[f32; 3]], is: &dyn Fn(&[f32; 3]) -> bool| image.iter().filter(|rgb| is(rgb)).count();
         let negative = |rgb: &[f32; 3]| rgb.iter().any(|v| *v < 0.0);

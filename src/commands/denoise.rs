@@ -39,8 +39,9 @@ pub struct DenoiseArgs {
     pub json: bool,
 }
 
-/// Where the denoised image goes.
-pub struct Target {
+/// What denoises, and where the result goes.
+pub struct Denoising {
+    pub denoiser: Denoiser,
     pub exr: PathBuf,
     /// The picture beside it.
     pub png: Option<PathBuf>,
@@ -70,8 +71,9 @@ pub fn run(args: &DenoiseArgs) -> Result<()> {
     let stdout = args.json.then_some("the report of --json");
     check_outputs(&images, inputs, stdout, "nothing has been denoised")?;
     let denoiser = Denoiser::open(args.oidn.as_deref())?;
-    let target = Target { exr: args.output.clone(), png: args.png.clone(), view: args.view.transform() };
-    let (denoised, size) = denoise(&denoiser, &args.image, &target, args.quiet)?;
+    let view = args.view.transform();
+    let denoising = Denoising { denoiser, exr: args.output.clone(), png: args.png.clone(), view };
+    let (denoised, size) = denoise(&denoising, &args.image, args.quiet)?;
     if args.json {
         let mut report = object(json!({ "input": path_text(&args.image), "width": size.0, "height": size.1 }));
         report.extend(object(json!(denoised)));
@@ -84,7 +86,8 @@ pub fn run(args: &DenoiseArgs) -> Result<()> {
 ///
 /// # Errors
 /// `Error::Usage` where the image is denoised already.
-pub fn denoise(denoiser: &Denoiser, image: &Path, target: &Target, quiet: bool) -> Result<(Denoised, (u32, u32))> {
+pub fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised, (u32, u32))> {
+    let Denoising { denoiser, exr, png, view } = denoising;
     let noisy = read_noisy(image)?;
     let name = image.display();
     if let Some(before) = noisy.denoiser() {
@@ -103,17 +106,17 @@ pub fn denoise(denoiser: &Denoiser, image: &Path, target: &Target, quiet: bool) 
         [] => denoiser.name(),
         layers => format!("{}, with {}", denoiser.name(), layers.join(" and ")),
     };
-    write_denoised(&target.exr, &noisy, &rgb, &words)?;
-    if let Some(png) = &target.png {
-        write_png(png, *size, &|index| rgb[index], &target.view)?;
+    write_denoised(exr, &noisy, &rgb, &words)?;
+    if let Some(png) = png {
+        write_png(png, *size, &|index| rgb[index], view)?;
     }
     if !quiet {
         tell("warning: denoising biases the result: the error of the denoised image is not known");
-        tell(&format!("{}: denoised by {words}, {seconds:.1} s", target.exr.display()));
+        tell(&format!("{}: denoised by {words}, {seconds:.1} s", exr.display()));
     }
     let denoised = Denoised {
-        output: path_text(&target.exr),
-        png: target.png.as_deref().map(path_text),
+        output: path_text(exr),
+        png: png.as_deref().map(path_text),
         denoiser: denoiser.name(),
         layers,
         biases: ["denoise"],

@@ -8,7 +8,7 @@ use crate::cli::{GltfArgs, SceneArgs};
 use crate::error::Result;
 use crate::flatten::{DeviceScene, flatten};
 use crate::job::Size;
-use crate::options::{Knob, MAX_DEPTH, RenderOptions};
+use crate::options::{MAX_DEPTH, OptionSpec, RenderOptions};
 use crate::output::place::is_standard;
 use crate::scene::{Assets, GltfOptions, OnProgress, Scene};
 
@@ -70,7 +70,7 @@ pub fn size_of(scene: &Scene, asked: Option<Size>) -> (u32, u32) {
 }
 
 /// The options that bias the result or are less exact, with their values.
-pub fn biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene) -> Vec<(&'static Knob, String)> {
+pub fn biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene) -> Vec<(&'static OptionSpec, String)> {
     let cut = max_depth.filter(|depth| *depth < scene.render.max_depth);
     cut.map(|depth| (&MAX_DEPTH, depth.to_string())).into_iter().chain(options.biases()).collect()
 }
@@ -79,7 +79,7 @@ pub fn biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene) ->
 pub fn tell_biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
     let biases = biases(options, max_depth, scene);
     if !quiet {
-        biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
+        biases.iter().for_each(|(spec, value)| tell(&format!("warning: {}", spec.warning(value))));
     }
-    biases.iter().map(|(knob, value)| knob.option(value)).collect()
+    biases.iter().map(|(spec, value)| spec.option(value)).collect()
 }

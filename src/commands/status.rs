@@ -66,7 +66,7 @@ pub fn run(args: &StatusArgs) -> Result<()> {
     }
     let finish = joined.as_ref().map(|(film, samples)| finish(film, samples, &parts, &folder)).filter(|_| args.error);
 
-    let report = Report::of(&folder, &parts);
+    let report = Report::new(&folder, &parts);
     match args.json {
         true => print_json(&report.json(args, finish.as_ref()))?,
         false => report.lines(args, finish.as_ref()).iter().try_for_each(|line| print_line(line))?,
@@ -139,15 +139,10 @@ fn finish(film: &Film, samples: &Samples, parts: &Parts, folder: &Folder) -> Fin
     Finish::new(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
 }
 
-/// What the error is not about, as the header of a part tells.
+/// What the stated error excludes, by the header of a part.
 fn excluded_of(parts: &Parts) -> String {
-    excluded(&attribute_of(parts, "gpu-rt:biases"))
-}
-
-/// A text of the header of a part; empty where it has none.
-fn attribute_of(parts: &Parts, name: &str) -> String {
     let attributes = parts.reference.as_ref().and_then(|(path, _)| read_attributes(path).ok()).unwrap_or_default();
-    attribute_text(&attributes, name)
+    excluded(&attribute_text(&attributes, "gpu-rt:biases"))
 }
 
 /// What the image of all parts is.
@@ -160,7 +155,7 @@ enum Image {
 }
 
 impl Image {
-    fn of(folder: &Folder, parts: &Parts) -> Image {
+    fn read(folder: &Folder, parts: &Parts) -> Image {
         let path = folder.output();
         if !path.exists() {
             return Image::Absent;
@@ -219,14 +214,14 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn of<'a>(folder: &'a Folder, parts: &'a Parts) -> Report<'a> {
+    fn new<'a>(folder: &'a Folder, parts: &'a Parts) -> Report<'a> {
         let [start, end] = folder.asked.samples;
         let usable = || parts.all.iter().filter(|part| part.is_usable());
         let paces: Vec<f64> = usable().filter_map(|part| part.seconds_per_sample).collect();
         Report {
             folder,
             parts,
-            image: Image::of(folder, parts),
+            image: Image::read(folder, parts),
             asked: u64::from(end - start),
             done: usable().map(|part| part.samples.count()).sum(),
             seconds_per_sample: (!paces.is_empty()).then(|| paces.iter().sum::<f64>() / paces.len() as f64),

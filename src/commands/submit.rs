@@ -207,7 +207,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     };
     let path = whole(&path)?;
     text_of(&path)?;
-    let files = Files::of(&scene)?;
+    let files = Files::new(&scene)?;
     if fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_some()) {
         return Err(Error::Usage(format!(
             "{}: it is not empty. Give another folder with -o, or go on with `gpu-rt submit slurm --missing`",
@@ -277,7 +277,7 @@ struct Files {
 }
 
 impl Files {
-    fn of(scene: &Scene) -> Result<Files> {
+    fn new(scene: &Scene) -> Result<Files> {
         let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
         let mut whole_paths = Vec::new();
         for input in &moved {

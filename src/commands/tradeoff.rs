@@ -19,7 +19,7 @@ use crate::job::Size;
 use crate::metrics::error::relmse;
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
-use crate::options::{Class, DENOISE, KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
+use crate::options::{Class, DENOISE, MAX_DEPTH, OptionSpec, SIZE, SPP, TRADE_OFFS};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::Width;
@@ -86,11 +86,11 @@ const INTERRUPTED: &str = "interrupted before it was measured";
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // From here on a signal ends the measurement, not the program.
     let signals = Signals::listen("no report is written");
-    let stop = || signals.came();
+    let stop = || signals.have_come();
     args.reference.iter().try_for_each(|path| check_name(path, "an EXR"))?;
     args.output.iter().try_for_each(|path| check_name(path, "a folder"))?;
     let mut scene = load(&args.scene)?;
-    let knobs = knobs_of(args)?;
+    let specs = swept_options(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {
         tell_denoised(path, image);
@@ -111,19 +111,19 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut loading = Loading::new(args.quiet);
     let share = || (start.elapsed().as_secs_f64() / args.budget.as_secs_f64()).min(1.0);
     let mut progress = |words: &str| loading.show(words, share());
-    // A pilot renders the defaults at a small size to learn the cost of a sample. Then everything is rendered at the size that the
+    // A pace probe renders the defaults at a small size to learn the cost of a sample. Then everything is rendered at the size that the
     // budget allows.
     let exact = reference.is_some();
-    let settings = settings_of(&scene, &knobs)?;
-    let mut pilot = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
+    let settings = settings_of(&scene, &specs)?;
+    let mut probe = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
     progress("compiling defaults");
-    pilot.add(settings[0].clone())?;
+    probe.add(settings[0].clone())?;
     // The whole time of a round, including the work between the passes. The first round also warms the machine up.
     let mut cost = None;
     for round in 1..=2 {
-        let (begin, before) = (Instant::now(), pilot.samples(0).unwrap_or(0));
-        pilot.measure(at(MEASURING), round, &stop, &mut |_, _| progress("pilot"))?;
-        let samples = pilot.samples(0).unwrap_or(0) - before;
+        let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
+        probe.measure(at(MEASURING), round, &stop, &mut |_, _| progress("pilot"))?;
+        let samples = probe.samples(0).unwrap_or(0) - before;
         if samples > 0 {
             cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
         }
@@ -133,16 +133,16 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     if cost.is_none() && !stop() {
         return Err(too_short(args));
     }
-    let of_pixel = cost.unwrap_or(0.0) / pixels_ratio(pilot.size, (1, 1));
-    let compiling = Duration::from_secs_f64(pilot.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
+    let of_pixel = cost.unwrap_or(0.0) / pixels_ratio(probe.size, (1, 1));
+    let compiling = Duration::from_secs_f64(probe.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
     let for_rounds = left.saturating_sub(compiling.min(left.mul_f64(COMPILING)));
     let size = size_of(whole, pixels_for(of_pixel, settings.len(), for_rounds), exact);
-    let denoiser = denoiser_of(args, &knobs)?;
-    let mut sweep = match stop() || size == pilot.size {
+    let denoiser = denoiser_of(args, &specs)?;
+    let mut sweep = match stop() || size == probe.size {
         true => {
-            // The pilot's round is repeated together with the other settings.
-            pilot.begin_again(seed);
-            pilot
+            // The probe's round is repeated together with the other settings.
+            probe.begin_again(seed);
+            probe
         }
         false => Sweep::new(&device, &scene, size, seed),
     }
@@ -272,27 +272,27 @@ fn too_short(args: &TradeoffArgs) -> Error {
     ))
 }
 
-/// The knobs of the command line, each once; all knobs by default. The number of samples is not a knob here, because
+/// The options of `--knobs`, each once; all by default. The number of samples is not among them, because
 /// every setting is measured at several numbers. What is a matter of taste has no error.
-fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
-    let of_image = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name && knob.class != Class::Look);
+fn swept_options(args: &TradeoffArgs) -> Result<Vec<&'static OptionSpec>> {
+    let of_image = || TRADE_OFFS.iter().copied().filter(|spec| spec.name != SPP.name && spec.class != Class::Look);
     let all = || of_image().chain([&DENOISE]);
     for name in &args.knobs {
         if name == SPP.name {
             let why = "every setting is measured over its samples; the report has the number that each target takes";
             return Err(Error::Usage(format!("--knobs {name}: {why}")));
         }
-        if !all().any(|knob| knob.name == name) {
-            let names: Vec<&str> = all().map(|knob| knob.name).collect();
+        if !all().any(|spec| spec.name == name) {
+            let names: Vec<&str> = all().map(|spec| spec.name).collect();
             return Err(Error::Usage(format!("--knobs {name}: expected names from {}", names.join(", "))));
         }
     }
-    Ok(all().filter(|knob| args.knobs.is_empty() || args.knobs.iter().any(|name| name == knob.name)).collect())
+    Ok(all().filter(|spec| args.knobs.is_empty() || args.knobs.iter().any(|name| name == spec.name)).collect())
 }
 
 /// What denoises; none if nothing is denoised. Who asks for it by name is told what is wrong with its library. Otherwise the setting is not measured.
-fn denoiser_of(args: &TradeoffArgs, knobs: &[&Knob]) -> Result<Option<Denoiser>> {
-    if !knobs.iter().any(|knob| knob.name == DENOISE.name) {
+fn denoiser_of(args: &TradeoffArgs, specs: &[&OptionSpec]) -> Result<Option<Denoiser>> {
+    if !specs.iter().any(|spec| spec.name == DENOISE.name) {
         return Ok(None);
     }
     match Denoiser::open(args.oidn.as_deref()) {
@@ -324,10 +324,10 @@ fn options(more: &[String]) -> Result<RenderArgs> {
     RenderLine::try_parse_from(words).map(|line| line.args).map_err(|error| Error::Usage(error.to_string()))
 }
 
-/// The defaults, and each value of each knob that is not the default.
-fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
-    let setting = |knob: Option<&'static Knob>, value: &str| -> Result<Setting> {
-        let given = knob.map_or(Vec::new(), |knob| vec![format!("--{}", knob.name), value.to_string()]);
+/// The defaults, and each value of each option that is not the default.
+fn settings_of(scene: &Scene, specs: &[&'static OptionSpec]) -> Result<Vec<Setting>> {
+    let setting = |spec: Option<&'static OptionSpec>, value: &str| -> Result<Setting> {
+        let given = spec.map_or(Vec::new(), |spec| vec![format!("--{}", spec.name), value.to_string()]);
         // A flag has no value.
         let given: Vec<String> = given.into_iter().filter(|word| !word.is_empty()).collect();
         let mut args = options(&given)?;
@@ -340,16 +340,16 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
             _ => 1.0,
         };
         let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
-        Ok(Setting { knob, value: value.to_string(), options: args.options, max_depth, scale, denoise })
+        Ok(Setting { knob: spec, value: value.to_string(), options: args.options, max_depth, scale, denoise })
     };
     let mut settings = vec![setting(None, "")?];
-    for knob in knobs {
-        for value in knob.values {
-            let is_default = Some(*value) == knob.default || (knob.name == SIZE.name && *value == "100%");
+    for spec in specs {
+        for value in spec.values {
+            let is_default = Some(*value) == spec.default || (spec.name == SIZE.name && *value == "100%");
             let cuts_nothing =
-                knob.name == MAX_DEPTH.name && value.parse().is_ok_and(|depth: u32| depth >= scene.render.max_depth);
+                spec.name == MAX_DEPTH.name && value.parse().is_ok_and(|depth: u32| depth >= scene.render.max_depth);
             if !is_default && !cuts_nothing {
-                settings.push(setting(Some(knob), value)?);
+                settings.push(setting(Some(spec), value)?);
             }
         }
     }

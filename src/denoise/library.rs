@@ -77,7 +77,7 @@ impl Functions {
 pub struct Library {
     functions: Functions,
     device: Handle,
-    /// As 2.5.1.
+    /// The version, such as 2.5.1.
     pub version: String,
 }
 
@@ -85,7 +85,7 @@ pub struct Library {
 pub enum Failure {
     /// The system did not load it, for this reason.
     NotLoaded(String),
-    /// It is not the right one, or does not work here, for this reason.
+    /// The file is not Open Image Denoise, or the library does not work here, for this reason.
     NotUsable(String),
 }
 
@@ -94,7 +94,7 @@ impl Library {
     pub fn load(file: &OsStr) -> Result<Library, Failure> {
         // SAFETY: loading a library runs its code, so it has to be the library that its name says. The user installed it, or names its folder.
         let library = unsafe { Loaded::new(file) }.map_err(|error| Failure::NotLoaded(reason(&error)))?;
-        // It is never unloaded: its threads outlive its devices, and its functions stay valid.
+        // The library is never unloaded: its threads outlive its devices, and its functions stay valid.
         let library = ManuallyDrop::new(library);
         // SAFETY: a library with all of these functions is Open Image Denoise. Those of version 1 lack some of them.
         let functions = unsafe { Functions::of(&library) }.map_err(Failure::NotUsable)?;
@@ -192,12 +192,12 @@ fn error(functions: &Functions, device: Handle) -> Option<String> {
     Some(unsafe { CStr::from_ptr(message) }.to_string_lossy().into_owned())
 }
 
-/// The same, where there must be one.
+/// The error that a call that failed has left.
 fn error_of(functions: &Functions, device: Handle) -> String {
     error(functions, device).unwrap_or_else(|| "it does not say why".to_string())
 }
 
-/// What the system says, without the words of the crate around it.
+/// The message of the system, without the words of the crate around it.
 fn reason(error: &libloading::Error) -> String {
     use std::error::Error;
     error.source().map_or_else(|| error.to_string(), ToString::to_string)

@@ -83,7 +83,7 @@ impl Denoiser {
         if let Some(value) = values.iter().find(|v| !v.is_finite() || **v < 0.0) {
             return Err(failed(format!("a pixel of its result is {value}")));
         }
-        // What f32 cannot hold is f32::MAX, as in the image of a render.
+        // Values that are too large for f32 are f32::MAX, as in the image of a render.
         values.iter_mut().for_each(|v| *v = ((f64::from(*v) / scale) as f32).min(f32::MAX));
         Ok(denoised)
     }

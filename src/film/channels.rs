@@ -15,7 +15,7 @@ use crate::memory;
 pub(super) struct Channels {
     pub aovs: Aovs,
     pub space: SceneSpace,
-    /// Those of a pixel one after the other, in units of 2^-[`SUM_FRACTION`]; `i128::MAX` for one that has left its range.
+    /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`]; `i128::MAX` for a sum that has left its range.
     sums: Vec<i128>,
 }
 
@@ -63,7 +63,7 @@ impl Channels {
         }
     }
 
-    /// Those of a pixel; none where it is not in the image.
+    /// The sums of a pixel; empty if the pixel is not in the image.
     pub fn of(&self, index: usize) -> &[i128] {
         let count = self.aovs.count();
         self.sums.get(index * count..(index + 1) * count).unwrap_or_default()

@@ -91,7 +91,7 @@ impl Film {
         put_sums(self.channels.of(index).iter(), of_channels);
     }
 
-    /// The same as a list.
+    /// The words of a pixel, as a list.
     pub fn words(&self, index: usize) -> Vec<u16> {
         let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.aovs.count()];
         self.put_words(index, &mut words);

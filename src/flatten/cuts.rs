@@ -21,7 +21,7 @@ pub const MOST_LEAVES: usize = 1 << 21;
 /// The pairs that a thread cuts at a time.
 const PAIRS_AT_ONCE: usize = 4096;
 
-/// More than the rounding of a corner of a clipped face in f64, where no coordinate is above 1.
+/// A bound of the rounding in f64 of a corner of a clipped face, if no coordinate is above 1.
 const ROUNDING: f64 = 1e-14;
 
 /// A box, and the place of the pair whose faces, or parts of them, are in it.
@@ -54,7 +54,7 @@ pub fn boxes(
     if parts.len() <= most { parts } else { whole }
 }
 
-/// The boxes into which that of some faces is cut.
+/// The parts into which the box of some faces is cut.
 fn cut(bounds: Bounds, faces: &[[DVec3; 3]], least_saved: f32) -> Vec<Bounds> {
     let (mut done, mut open) = (Vec::new(), vec![bounds]);
     while let Some(bounds) = open.pop() {
@@ -70,7 +70,7 @@ fn cut(bounds: Bounds, faces: &[[DVec3; 3]], least_saved: f32) -> Vec<Bounds> {
     done
 }
 
-/// The boxes around what is of the faces in either half of a box. None if a half is empty.
+/// The boxes around the parts of faces in either half of a box. None if a half holds no part.
 fn halves(bounds: Bounds, faces: &[[DVec3; 3]]) -> Option<[Bounds; 2]> {
     let axis = (bounds.max - bounds.min).max_position();
     let middle = bounds.min[axis].midpoint(bounds.max[axis]);
@@ -80,7 +80,7 @@ fn halves(bounds: Bounds, faces: &[[DVec3; 3]]) -> Option<[Bounds; 2]> {
     Some([around(faces, low)?, around(faces, high)?])
 }
 
-/// The box around what is of the faces in a box. None if nothing is.
+/// The box around the parts of faces in a box. None if it holds no part.
 fn around(faces: &[[DVec3; 3]], within: Bounds) -> Option<Bounds> {
     let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let corners = faces.iter().flat_map(|face| clipped(face.to_vec(), within));

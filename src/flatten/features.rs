@@ -30,18 +30,19 @@ pub struct Features {
     pub primitives: [Option<String>; PRIMITIVES.len()],
     /// Kinds of material on objects, by the indices of `MATERIALS`. Unused materials do not count.
     pub materials: [Option<String>; MATERIALS.len()],
-    /// The same for materials with a lobe that is not specular.
+    /// Kinds of material on objects that have a lobe that is not specular.
     pub non_specular: [Option<String>; MATERIALS.len()],
-    /// The same for materials with a specular lobe.
+    /// Kinds of material on objects that have a specular lobe.
     pub specular: [Option<String>; MATERIALS.len()],
-    /// The same for materials with another lobe that is narrow (`Lobe::Narrow`).
+    /// Kinds of material on objects that have a narrow lobe (`Lobe::Narrow`).
     pub narrow: [Option<String>; MATERIALS.len()],
-    /// Media whose phase function is so.
+    /// Media with a narrow phase function.
     pub narrow_media: Option<String>,
-    /// The same for materials that have an extension, by the kinds of it (`ExtensionKind`).
+    /// Kinds of material on objects that have an extension, by its kind (`ExtensionKind`).
     pub extensions: [[Option<String>; MATERIALS.len()]; EXTENSIONS],
-    /// The same for clear materials with a colour, and for those that absorb light inside.
+    /// Kinds of transmissive material on objects that have a colour.
     pub tinted: [Option<String>; MATERIALS.len()],
+    /// Kinds of material on objects that absorb light inside.
     pub absorbing: [Option<String>; MATERIALS.len()],
     /// Kinds of texture, by the indices of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
@@ -87,7 +88,7 @@ pub struct Features {
     pub brute_force: bool,
     /// The largest number of nodes on the stack in a walk through the BVH.
     pub stack_size: u32,
-    /// The same for a walk through a mesh that bounds a medium.
+    /// The largest number of nodes on the stack in a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
 }
 

@@ -14,14 +14,14 @@ pub struct Hierarchies {
 }
 
 struct Kept {
-    /// It stays while this is there, so that no other mesh has its address.
+    /// The mesh is kept as long as its hierarchy, so that no other mesh gets its address.
     mesh: Arc<Mesh>,
     quality: Quality,
     hierarchy: Arc<Hierarchy>,
 }
 
 impl Hierarchies {
-    /// Drops those of meshes that the scene does not have.
+    /// Drops the hierarchies of meshes that the scene does not have.
     pub fn keep_those_of(&mut self, scene: &Scene) {
         self.kept.retain(|kept| scene.meshes.values().any(|mesh| Arc::ptr_eq(mesh, &kept.mesh)));
     }
@@ -55,7 +55,7 @@ mod tests {
     use crate::flatten::{flatten, flatten_again};
     use crate::options::RenderOptions;
 
-    /// What is flattened again is the same as what is flattened for the first time, and only new meshes and qualities are built.
+    /// A scene that is flattened again has the tables of the first time, and only new meshes and qualities are built.
     #[test]
     fn a_scene_that_is_flattened_again_has_its_hierarchies() {
         let load = || Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/instances.ron")).unwrap();
@@ -74,7 +74,7 @@ mod tests {
         assert_eq!(built(&scene, &medium), (meshes, meshes));
         assert_eq!(built(&scene, &medium), (meshes, meshes));
         assert_eq!(built(&scene, &best), (2 * meshes, 2 * meshes));
-        // Of a scene with other meshes, none is the same, and the old ones are dropped.
+        // A scene with other meshes finds none of its hierarchies, and the old ones are dropped.
         assert_eq!(built(&load(), &medium), (3 * meshes, meshes));
     }
 }

@@ -56,7 +56,7 @@ impl Builder<'_> {
         let groups = self.that_fit(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
         let of_delta = delta_lights.iter().map(|(_, light)| light.brightness(self.space));
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
-        // There is no light.
+        // The scene has no light.
         if sum == 0.0 || !sum.is_finite() {
             self.flat.features.emitting_sky = None;
             return;
@@ -82,7 +82,7 @@ impl Builder<'_> {
                 lights.push((code, instance));
             }
         }
-        // Those with a place first, as the tree asks.
+        // Lights with a position come first, as the tree requires.
         let (with_place, without): (Vec<_>, Vec<_>) =
             delta_lights.into_iter().partition(|(_, light)| light.place.is_some());
         for (object, light) in with_place.into_iter().chain(without) {
@@ -130,7 +130,7 @@ impl Builder<'_> {
         self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
         self.flat.features.sky_grid = (sky.columns, sky.rows);
         self.flat.sky = sky.cells;
-        // A surface sees at most half of it.
+        // A surface sees at most half of the sky.
         Some(0.5 * integral_over_directions(bitmap))
     }
 

@@ -25,7 +25,7 @@ impl Builder<'_> {
             albedo.frame((base, to_own), (DVec3::ZERO, &own.rotation)).map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
-            // At least the smallest normal number, because kernels divide by it.
+            // Kernels divide by the density, so it is at least the smallest normal number.
             density: ((density / self.space.scale) as f32).max(f32::MIN_POSITIVE),
             colour: f32s(albedo.plain().unwrap_or(DVec3::ONE)),
             texture,

@@ -28,7 +28,7 @@ pub struct Table {
 impl Table {
     pub const FIRST: Table = Table { uv_set: 0, has_tangents: false };
 
-    /// The one that a texture has on a mesh. A normal map on a smooth mesh needs tangents.
+    /// The table that a texture has on a mesh. A normal map on a smooth mesh needs tangents.
     fn of(texture: &Texture, mesh: &Mesh) -> Table {
         let has_tangents = texture.is_normal_map() && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
         Table { uv_set: texture.uv_set(), has_tangents }
@@ -36,7 +36,7 @@ impl Table {
 }
 
 impl Builder<'_> {
-    /// Finds the tables that textures need on meshes. Those but for the first are features, with the material that asked.
+    /// Finds the tables that textures need on meshes. All but the first are features, with the material that asked for them.
     pub fn find_tables(&mut self, placed: &[Placed<'_>]) {
         let mut known = HashSet::new();
         for primitive in placed {
@@ -86,7 +86,7 @@ impl Builder<'_> {
             Some(split) => (split.triangles.as_slice(), split.copies(positions.len())),
             None => (mesh.triangles.as_slice(), [].as_slice()),
         };
-        // For each vertex, the one of the mesh that it is or copies.
+        // For each vertex, the vertex of the mesh that it is or copies.
         let vertices = || (0..positions.len()).chain(copies.iter().map(|vertex| *vertex as usize));
         let count = positions.len() + copies.len();
         let words = &mut self.flat.meshes;

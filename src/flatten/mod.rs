@@ -106,10 +106,10 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     flatten_with(scene, size, options, None)
 }
 
-/// The same of a scene that may have been flattened before, by the hierarchies that were built then.
+/// Flattens a scene that may have been flattened before, with the hierarchies that were built then.
 ///
 /// # Errors
-/// As of [`flatten`].
+/// The errors of [`flatten`].
 pub fn flatten_again(
     scene: &Scene,
     size: (u32, u32),
@@ -257,7 +257,7 @@ struct Builder<'a> {
     quality: Quality,
     /// The numbers of the meshes that bound media.
     around_media: HashSet<usize>,
-    /// Those of an earlier flattening, where the next one shall have them.
+    /// The hierarchies of an earlier flattening, if there was one.
     hierarchies: Option<&'a mut Hierarchies>,
     /// The meshes that have been laid out.
     laid: Vec<Option<Laid>>,
@@ -344,7 +344,7 @@ impl Builder<'_> {
         }
         let place = shape.texture_place(&to_world.rotation);
         let index = self.flat.frames.len() as u32;
-        // Of a large sphere, texture coordinates are relative to its nearest point, and of a sphere to its centre.
+        // Texture coordinates of a large sphere are relative to its nearest point, and those of a sphere to its centre.
         let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
         let frames = textures.iter().filter_map(|texture| {
             let frame = texture.frame(place, (pole, &to_world.rotation))?;
@@ -412,7 +412,7 @@ fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>
     if let Some(slot) = place.and_then(|place| features.boundaries.get_mut(place)) {
         slot.get_or_insert_with(at_object);
     }
-    // As width_of_phase (shaders/medium/phase_pdf).
+    // The width is that of width_of_phase (shaders/medium/phase_pdf).
     if Lobe::of_width((3f64.sqrt() * (1.0 - medium.anisotropy.abs())) as f32) == Lobe::Narrow {
         features.narrow_media.get_or_insert_with(at_object);
     }

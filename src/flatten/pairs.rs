@@ -47,7 +47,7 @@ impl Pair {
         corners.fold(nothing, |all, corner| Bounds { min: all.min.min(corner), max: all.max.max(corner) })
     }
 
-    /// As kernels read it. The mesh's faces are numbered from `first_face` on.
+    /// The pair as kernels read it. The mesh's faces are numbered from `first_face` on.
     pub fn laid_out(self, triangles: &[[u32; 3]], positions: &[Vec3], first_face: u32) -> FacePair {
         let first @ [a, b, c] = triangles[self.first as usize];
         let second = self.second.map_or(first, |face| triangles[face as usize]);

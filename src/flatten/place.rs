@@ -130,7 +130,7 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     }
 }
 
-/// The same for all primitives, media and the lens; 1 if the scene is empty.
+/// The largest distance of all primitives, media and the lens from the eye along an axis; 1 if the scene is empty.
 pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>) -> f64 {
     let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world, eye));
     let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world, eye));

@@ -28,7 +28,7 @@ fn words(tangent: Vec4) -> Words {
 /// The faces of a mesh, with more vertices than it has where corners at a vertex have different tangents.
 pub struct Split {
     pub triangles: Vec<[u32; 3]>,
-    /// For each vertex, the one of the mesh that it is a copy of. Those of the mesh come first.
+    /// For each vertex, the vertex of the mesh that it is a copy of. The vertices of the mesh come first.
     copy_of: Vec<u32>,
     /// For each of the sets of texture coordinates that were asked for, the tangents of all vertices.
     pub tangents: Vec<Vec<Words>>,
@@ -40,7 +40,7 @@ impl Split {
         Split { triangles: mesh.triangles.clone(), copy_of, tangents: Vec::new() }
     }
 
-    /// For each vertex behind those of the mesh, the one that it is a copy of.
+    /// For each vertex behind those of the mesh, the vertex that it is a copy of.
     pub fn copies(&self, vertices: usize) -> &[u32] {
         self.copy_of.get(vertices..).unwrap_or_default()
     }

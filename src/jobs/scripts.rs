@@ -60,7 +60,7 @@ pub fn line(words: &[String]) -> String {
     words.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// The same, each behind a space.
+/// The words as the shell reads them, each behind a space.
 fn after_space(words: &[String]) -> String {
     words.iter().map(|word| format!(" {}", line(std::slice::from_ref(word)))).collect()
 }

@@ -19,7 +19,7 @@ pub struct Slurm {
 
 /// The numbers of the two jobs.
 pub struct Ids {
-    /// Nothing where no part is missing.
+    /// `None` if no part is missing.
     pub array: Option<String>,
     pub merge: String,
 }

@@ -69,7 +69,7 @@ pub struct Model<'a> {
     pub absorption: Option<Colour>,
     /// The struct that kernels read. The texture and the number of the kind are filled in later.
     pub on_device: data::Material,
-    /// The same of its second part, if its kind has one.
+    /// The second part as kernels read it, if the kind has one.
     pub second_part: Option<data::Material>,
 }
 
@@ -124,7 +124,7 @@ impl ExtensionKind {
 /// The number of kinds of extension.
 pub const EXTENSIONS: usize = ExtensionKind::VertexAlpha as usize + 1;
 
-/// One of them.
+/// An extension of a material, with its texture.
 #[derive(Clone, Copy, Debug)]
 pub struct Extension<'a> {
     pub kind: ExtensionKind,
@@ -154,7 +154,7 @@ pub struct Emission<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// The same, emitting beside what it scatters.
+    /// Adds an emission beside what the material scatters.
     pub fn glowing(mut self, emission: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
         self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));
@@ -172,7 +172,7 @@ impl<'a> Model<'a> {
         self.flagged(&lambertian::FIELDS.vertex_alpha, ExtensionKind::VertexAlpha, of_vertices)
     }
 
-    /// The same clear solid, of which each surface lets this share of light pass.
+    /// Lets each surface of a clear solid pass this share of light.
     pub fn tinted(mut self, transmittance: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &dielectric::FIELDS.transmittance, usage: Use::Albedo, texture };
         self.slot = transmittance.as_ref().map(slot);
@@ -180,13 +180,13 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same clear solid, absorbing so much per scene unit.
+    /// Makes a clear solid absorb this much per scene unit.
     pub fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
         self.absorption = absorption;
         self
     }
 
-    /// The same with an extension that is there or not. What it takes lies elsewhere, so its row is white.
+    /// Adds an extension if `is_there`. Its data lie elsewhere, so its row is white.
     fn flagged(mut self, field: &'static Field, kind: ExtensionKind, is_there: bool) -> Model<'a> {
         static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
         let slot = Slot { field, usage: Use::Share, texture: &WHITE };
@@ -194,17 +194,17 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same, with a colour that those of a mesh's vertices multiply.
+    /// Multiplies the colour by those of a mesh's vertices.
     pub fn coloured_by_vertices(self, has_them: bool) -> Model<'a> {
         self.flagged(&lambertian::FIELDS.vertex_colors, ExtensionKind::VertexColours, has_them)
     }
 
-    /// The same, making up for light that its microfacets scatter more than once.
+    /// Makes up for light that the microfacets scatter more than once.
     pub fn scattering_many_times(self, does: bool) -> Model<'a> {
         self.flagged(&conductor::FIELDS.multiscatter, ExtensionKind::Multiscatter, does)
     }
 
-    /// The same with a normal map.
+    /// Adds a normal map.
     pub fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.normal, usage: Use::Normal, texture };
         let map = |texture| Extension { kind: ExtensionKind::Normal, slot: slot(texture), parameter: scale as f32 };
@@ -212,7 +212,7 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same, with a layer that reflects this share, and straight on in this colour (KHR_materials_specular).
+    /// Adds a layer that reflects this share, and in this colour at normal incidence (KHR_materials_specular).
     pub fn layered(mut self, share: f64, colour: &'a Texture) -> Model<'a> {
         let slot = Slot { field: &pbr::FIELDS.specular_color, usage: Use::Albedo, texture: colour };
         let extension = Extension { kind: ExtensionKind::Specular, slot, parameter: share as f32 };

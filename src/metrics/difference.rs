@@ -39,8 +39,8 @@ pub enum ErrorSource {
     Variances,
     /// The spread of the paired differences a − b over the image.
     Pairs,
-    /// The same, although the files have variances: the pixels differ by much less than their variances, as in images
-    /// that share random numbers.
+    /// The spread of the paired differences, although the files have variances: the pixels differ by much less than these, as in
+    /// images that share random numbers.
     SharedNoise,
 }
 
@@ -147,7 +147,7 @@ impl Sums {
         }
     }
 
-    /// The same, if a single part may hold most of the noise, as with a rare bright pixel. The degrees of freedom are
+    /// The variance of the mean from the parts, if a single part may hold most of the noise, as with a rare bright pixel. The degrees of freedom are
     /// then at most those of a sum of squares with one degree each.
     fn noise_by_uneven_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);

@@ -43,7 +43,7 @@ impl Estimate {
         if self.error == 0.0 { 0.0 } else { self.error * student::quantile(p, self.degrees) }
     }
 
-    /// The same estimate, moved towards 0 by `slack`.
+    /// The estimate moved towards 0 by `slack`.
     pub fn beyond(&self, slack: f64) -> Estimate {
         Estimate { value: self.value.signum() * (self.value.abs() - slack).max(0.0), ..*self }
     }

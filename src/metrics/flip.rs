@@ -450,7 +450,7 @@ mod tests {
             |shift: f64| (0..height).map(|y| [(0.5 + 0.4 * (y as f64 * 0.7 + shift).sin()) as f32; 3]).collect();
         let (a, b): (Vec<[f32; 3]>, Vec<[f32; 3]>) = (column(0.0), column(0.3));
         let upright = error_map(1, &a, &b);
-        // The same image, transposed, is one band.
+        // The transposed image is one band.
         let lying = error_map(height, &a, &b);
         assert!(upright.iter().zip(&lying).all(|(a, b)| (a - b).abs() < 1e-6));
     }

@@ -42,7 +42,7 @@ pub struct Single {
     pub p: f64,
 }
 
-/// What the tests of single pixels say.
+/// The result of the tests of single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pixels {
     /// The images share their random numbers. `differing` pixels differ, and all the others are equal; the one of them that differs most.

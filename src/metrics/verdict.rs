@@ -224,7 +224,7 @@ mod tests {
             of(Pixels::Tested { most: Single { reference: 0.0, ..most }, visible: 0.3 }),
             "A is brighter by 50 in pixel (24, 39), p = 3e-8; the mean of the image is within noise"
         );
-        // What noise alone hides, is said.
+        // The sentence says from which difference on noise does not hide it.
         let noise = "A differs by noise only, p = 0.41: less than 0.01 would be a difference; ";
         let within = Single { p: 0.5, ..most };
         for (pixels, words) in [

@@ -18,7 +18,7 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> 
     replace_if(path, write, || Ok(()))
 }
 
-/// Does the same, if the old file `may` be replaced, which is asked last; if not, that is the error. Writers ask one after another, so that
+/// Replaces the file as [`replace`] does, if it `may` be replaced, which is asked last; if not, that is the error. Writers ask one after another, so that
 /// nobody replaces the old file between the answer and the replacement. Other kinds of files are not asked about.
 pub fn replace_if(
     path: &Path,
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(names(folder.path()), ["a.exr"]);
     }
 
-    /// Of writers at once, each replaces only what is less: the most stays, whoever comes last.
+    /// Concurrent writers each replace only a smaller number: the largest stays, whoever comes last.
     #[test]
     fn writers_ask_one_after_another() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,6 @@
 //! Where a file goes: what a path leads to, and which paths name one file.
 //!
-//! Nothing here opens a file, because opening a pipe waits for its other end.
+//! No function here opens a file, because opening a pipe waits for its other end.
 
 use std::fs::{self, Metadata};
 use std::io;
@@ -14,7 +14,7 @@ pub fn is_standard(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// What a path leads to.
+/// The kind of file that a path leads to.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Place {
     /// A regular file, or a file that does not exist yet in a folder that does. The path is not a link.

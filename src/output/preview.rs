@@ -1,7 +1,7 @@
 //! The image so far in the terminal that stderr is: its pixels where the environment names a terminal that shows such, half blocks
 //! elsewhere.
 //!
-//! Nothing is asked of the terminal. Its answer would come where users type, or never.
+//! The program sends no query to the terminal, because the answer would come where users type, or never.
 
 use std::io::Write;
 
@@ -19,7 +19,7 @@ use crate::terminal::size_of_stderr;
 const ROWS_BELOW: usize = 3;
 /// The pixels of a cell, where the terminal shows pixels: about as many as its own.
 const CELL: (usize, usize) = (8, 16);
-/// The same where the terminal does not enlarge them: no more than its own, or the image would be higher than its rows.
+/// The pixels of a cell, where the terminal does not enlarge images: no more than its own, or the image would be higher than its rows.
 const SMALL_CELL: (usize, usize) = (6, 12);
 /// The bytes of an image that kitty takes at a time.
 const KITTY_CHUNK: usize = 4096;
@@ -45,7 +45,7 @@ pub struct Preview {
     drawn: Option<Drawn>,
 }
 
-/// What tells whether the last image still stands where it was drawn.
+/// The state of the terminal at the last drawing. If it has changed, the image no longer stands where it was drawn.
 #[derive(Clone, Copy, PartialEq)]
 struct Drawn {
     /// The columns and rows of the terminal.
@@ -55,9 +55,9 @@ struct Drawn {
 }
 
 impl Preview {
-    /// Of images of this size, which the view shows as it shows them in a PNG.
+    /// A preview of images of this size, which the view shows as it shows them in a PNG.
     pub fn new(size: (u32, u32), view: ViewTransform) -> Preview {
-        let protocol = Protocol::of(&|name| std::env::var(name).unwrap_or_default());
+        let protocol = Protocol::detect(&|name| std::env::var(name).unwrap_or_default());
         Preview { protocol, size: (size.0 as usize, size.1 as usize), view, drawn: None }
     }
 
@@ -120,12 +120,12 @@ impl Preview {
 }
 
 impl Protocol {
-    /// By the environment, of which `variable` tells a variable; the empty text if there is none.
-    fn of(variable: &dyn Fn(&str) -> String) -> Protocol {
+    /// The protocol that the environment names. `variable` gives the value of a variable; the empty text if there is none.
+    fn detect(variable: &dyn Fn(&str) -> String) -> Protocol {
         let is_set = |name: &str| !variable(name).is_empty();
         let has = |name: &str, words: &[&str]| words.iter().any(|word| variable(name).contains(word));
         let blocks = Protocol::Blocks { true_colour: has("COLORTERM", &["truecolor", "24bit"]) };
-        // They pass on the environment of the terminal around them, but no images.
+        // Terminal multiplexers pass on the environment of the terminal around them, but no images.
         let is_within = has("TERM", &["screen", "tmux"]) || ["TMUX", "STY", "ZELLIJ"].into_iter().any(is_set);
         if is_within {
             blocks
@@ -222,7 +222,7 @@ mod tests {
     fn the_environment_tells_the_protocol() {
         let of = |set: &[(&str, &str)]| {
             let find = |name: &str| set.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value).to_owned();
-            Protocol::of(&find)
+            Protocol::detect(&find)
         };
         let blocks = |true_colour| Protocol::Blocks { true_colour };
         assert_eq!(of(&[]), blocks(false));

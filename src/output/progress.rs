@@ -18,8 +18,7 @@ const LINE_INTERVAL: Duration = Duration::from_secs(5);
 const MOMENT: Duration = Duration::from_millis(500);
 /// The steps of the bar. A step is a share of the work, because the work may be samples or seconds.
 const BAR_STEPS: u64 = 10_000;
-/// Indicatif omits the colour if stderr is not a terminal, or if NO_COLOR is set.
-/// It cuts off what is wider than the terminal.
+/// Indicatif omits the colour if stderr is not a terminal, or if NO_COLOR is set. It cuts off the text that is wider than the terminal.
 const TEMPLATE: &str = "{bar:10.cyan} {wide_msg}";
 /// The columns that the bar takes.
 const BAR: usize = 11;
@@ -32,14 +31,14 @@ pub struct Status {
     pub paths_per_second: f64,
     /// The error by [`crate::film::Film::relative_error`].
     pub relative_error: Option<f64>,
-    /// Of a render until an error: how far it is from that.
+    /// How far a render until an error is from its end.
     pub until: Option<Until>,
 }
 
-/// What a render until an error waits for.
+/// The end of a render until an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Until {
-    /// What the error is below, with the confidence that the render asks for.
+    /// The upper bound of the error, with the confidence that the render asks for.
     pub bound: f64,
     /// The samples per pixel at which it is expected to end; none where nothing says so.
     pub samples: Option<u64>,
@@ -353,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_left_out() {
+    fn unknown_numbers_are_left_out() {
         let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None, until: None };
         assert_eq!(
             progress(Goal::Samples(600)).describe(&nothing, MINUTE, 80),

@@ -45,7 +45,7 @@ pub fn remove_stale(target: &Path) {
         name.starts_with(beginning.as_bytes()) && name.ends_with(ENDING.as_bytes())
     };
     let entries = fs::read_dir(folder_of(target)).into_iter().flatten().flatten();
-    // Of a link, something else would be opened; of a pipe, nothing.
+    // Only regular files: to open a link opens another file, and to open a pipe waits.
     let files =
         entries.filter(|entry| is_ours(&entry.file_name()) && entry.file_type().is_ok_and(|kind| kind.is_file()));
     for path in files.map(|entry| entry.path()) {

@@ -1,4 +1,4 @@
-//! What a screen shows of linear radiance: exposure, a curve, and 8 bits. docs/pictures.md compares the curves.
+//! The view transform from linear radiance to a screen: exposure, a curve, and 8 bits. docs/pictures.md compares the curves.
 
 use clap::ValueEnum;
 
@@ -51,7 +51,7 @@ impl ViewTransform {
     }
 }
 
-/// What is added to a value before its fraction is cut off: from 0 to 1, and evenly distributed over any few pixels, so that their mean
+/// The dither that is added to a value before its fraction is cut off: from 0 to 1, and evenly distributed over any few pixels, so that their mean
 /// is that of the values. Whole values stay as they are: black is black, and white is white. All channels add the same, so that grey is grey.
 ///
 /// Interleaved gradient noise (J. Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014 course
@@ -101,7 +101,7 @@ fn filmic(colour: Rgb<f64>) -> Rgb<f64> {
 mod tests {
     use super::*;
 
-    /// What is shown without a threshold, in codes.
+    /// The codes that are shown without a dither.
     fn codes(tonemap: Tonemap, colour: Rgb<f64>) -> Rgb<f64> {
         tonemap.shown(colour).map(|v| 255.0 * srgb(v.clamp(0.0, 1.0)))
     }

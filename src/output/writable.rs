@@ -7,7 +7,7 @@ use super::atomic::no_file;
 use super::place::{Place, folder_of};
 use super::temporary;
 
-/// What the path leads to, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
+/// The place that the path leads to, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
 /// reason why it cannot.
 ///
 /// A stream is not opened. Temporary files that dead writers of the file have left are removed.
@@ -29,7 +29,7 @@ pub fn check(path: &Path) -> Result<Place, String> {
     Ok(place)
 }
 
-/// What keeps a file from being replaced, as far as the file system says so.
+/// The attribute that keeps a file from being replaced, if the file system has one.
 #[cfg(target_os = "linux")]
 fn by_attributes(target: &Path) -> Option<String> {
     use rustix::fs::{AtFlags, CWD, StatxAttributes, StatxFlags, statx};

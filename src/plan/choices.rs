@@ -11,7 +11,7 @@ use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
 use crate::material::{ExtensionKind, Material};
-use crate::options::{self, FeatureSet, Filter, Knob, RenderOptions};
+use crate::options::{self, FeatureSet, Filter, OptionSpec, RenderOptions};
 use crate::shape::KINDS;
 
 /// The reason of what sorts slots into queues.
@@ -333,11 +333,11 @@ pub(super) fn decide(
 ) -> Decided {
     let Bounces { fused, queues } = bounces;
     let if_so = |condition: bool, why: Reason| condition.then_some(why);
-    let by_option = |knob: &Knob| Chosen { module: knob.module(options), why: option(&knob.asked(options)) };
+    let by_option = |spec: &OptionSpec| Chosen { module: spec.module(options), why: option(&spec.as_given(options)) };
     // What approximates, where the scene has what the option is about.
-    let approximate = |knob: &Knob, in_scene: bool| match in_scene && !knob.is_default(options) {
-        true => by_option(knob),
-        false => usual(knob.module(&RenderOptions::default())),
+    let approximate = |spec: &OptionSpec, in_scene: bool| match in_scene && !spec.is_default(options) {
+        true => by_option(spec),
+        false => usual(spec.module(&RenderOptions::default())),
     };
     let (mesh, primitive) = split_meshes(entries(PRIMITIVES, &features.primitives));
     let (emitting_mesh, emitter) = split_meshes(entries(PRIMITIVES, &features.emitters));
@@ -390,7 +390,7 @@ pub(super) fn decide(
     let shines = served.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
-    let asked_aov = options::AOV.asked(options);
+    let asked_aov = options::AOV.as_given(options);
     let aov = |finder: Finder, there: &Option<Reason>| {
         let needed = there.is_some() && options.aov.sums().any(|sum| sum.finder() == finder);
         if_so(needed, option(&asked_aov))

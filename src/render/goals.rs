@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use super::Renderer;
 use super::outcome::{Noise, level_after};
+use super::renderer::Renderer;
 use super::sample_range::{Caller, PaceProbe};
 use crate::data::RUN_LENGTH;
 use crate::error::Result;
 use crate::film::{Film, Totals};
+use crate::job::{Goal, Job};
 use crate::samples::Samples;
 
 /// The samples at which a render until an error looks first.
@@ -121,14 +122,9 @@ impl Renderer<'_> {
     /// Samples that have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
     ///
     /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
-    pub(super) fn render_noise(
-        &mut self,
-        most: Range<u32>,
-        error: f64,
-        deadline: Option<Instant>,
-        (begun, looks): (u32, u32),
-        caller: &mut Caller<'_>,
-    ) -> Result<()> {
+    pub(super) fn render_noise(&mut self, job: &Job, caller: &mut Caller<'_>) -> Result<()> {
+        let Goal::Noise { error, deadline, end, begun, looks } = job.goal else { return Ok(()) };
+        let most = job.first_sample..end;
         let mut done = most.start;
         let mut noise = Noise { looks, reached: false };
         caller.outcome.noise = Some(noise);

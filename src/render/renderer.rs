@@ -67,9 +67,7 @@ impl<'a> Renderer<'a> {
         match job.goal {
             Goal::Samples(end) => self.render_samples(first..end, &mut caller)?,
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut caller)?,
-            Goal::Noise { error, deadline, end, begun, looks } => {
-                self.render_noise(first..end, error, deadline, (begun, looks), &mut caller)?;
-            }
+            Goal::Noise { .. } => self.render_noise(job, &mut caller)?,
         }
         self.bring_film(film)?;
         outcome.seconds = start.elapsed().as_secs_f64();

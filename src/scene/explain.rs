@@ -26,7 +26,7 @@ pub struct Explained {
     pub is_missing: bool,
 }
 
-/// The same error with the position of the value, its path, and what is expected there.
+/// The error of the parser, with the position of the value, its path, and what is expected there.
 pub fn explain(source: &Source, error: SpannedError) -> Explained {
     let cursor = source.offset(error.span.end.line, error.span.end.col);
     let explain = Explain { source, cursor };

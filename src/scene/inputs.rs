@@ -21,7 +21,7 @@ impl Scene {
         self.input_files().into_iter().map(|input| input.path).collect()
     }
 
-    /// The same, with how the scene names them.
+    /// The files that the scene reads, each with the name that the scene has for it.
     pub fn input_files(&self) -> Vec<Input> {
         self::inputs(self)
     }

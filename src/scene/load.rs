@@ -53,12 +53,12 @@ impl Scene {
         Scene::load_with(path, &mut |_, _, _| {})
     }
 
-    /// The same, with a report of the progress of large files about every MiB.
+    /// Loads a scene, and reports the progress of large files about every MiB.
     pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
         Scene::load_again(path, progress, &mut Assets::default())
     }
 
-    /// The same, of a scene that may have been read before: images and meshes are taken from `assets` where their files have not changed.
+    /// Loads a scene that may have been read before: images and meshes come from `assets` if their files have not changed.
     pub fn load_again(path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
         Scene::load_as(path, &GltfOptions::default(), progress, assets)
     }
@@ -86,12 +86,12 @@ impl Scene {
         of_gltf(path, to, options, &mut |_, _, _| {}, &mut Assets::default())
     }
 
-    /// The same for the text that a reader gives, such as standard input. `path` is its name in errors, as for [`Scene::parse`].
+    /// Reads a scene's text, such as that on standard input. `path` is its name in errors, as for [`Scene::parse`].
     pub fn read(reader: impl Read, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
         parse(text_of(reader, path)?, path, progress, &mut Assets::default())
     }
 
-    /// The same for a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.
+    /// Parses a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
         parse(text.to_owned(), path, &mut |_, _, _| {}, &mut Assets::default())
     }

@@ -66,7 +66,7 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
         let Some(entry) = entry.filter(|&entry| blanks.add_entry(source, entry)) else { return Parts::default() };
         whole.add(source, unit_of(source, entry));
     }
-    // The same text, without the objects around the entries. If it does not parse, nothing of it is checked.
+    // The text without the objects around the entries. If it does not parse, nothing in it is checked.
     let Ok(parts) = options().from_str::<Parts>(&whole.applied(source, true)) else { return Parts::default() };
     let absent = [
         ("image", parts.image.is_none()),

@@ -20,7 +20,7 @@ pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Objec
     }
 }
 
-/// The same for all objects of a scene.
+/// Visits all objects of a scene.
 pub fn visit_all(at: &Place, objects: &[Object], visitor: &mut dyn FnMut(&Place, &Object) -> Result<()>) -> Result<()> {
     objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
 }

@@ -86,7 +86,7 @@ impl Field {
         Field { name, about, ..self }
     }
 
-    /// The same, with a default.
+    /// Gives the field a default.
     pub const fn or(self, default: &'static str) -> Field {
         Field { default, ..self }
     }
@@ -96,7 +96,7 @@ impl Field {
         self.check_at(&above.field(self.name), x)
     }
 
-    /// The same for a number that is written without its name.
+    /// Checks a number that is written without its name; `at` is its own place.
     pub fn check_at(&self, at: &Place, x: f64) -> Result<()> {
         match self.takes {
             Takes::Number(range, unit) => range.check(at, self.name, unit, x),

@@ -40,7 +40,7 @@ impl Range {
         Range { least, most, has_ends: true, or_zero: false }
     }
 
-    /// The same without its ends.
+    /// The numbers between these two, without the two.
     pub const fn between(least: f64, most: f64) -> Range {
         Range { has_ends: false, ..Range::from_to(least, most) }
     }

@@ -96,7 +96,7 @@ impl Spans {
         self.follow(text, steps).map(|(id, _)| id)
     }
 
-    /// The same, with the steps that the text lacks.
+    /// The value at the end of these steps, or the innermost one on the way there and the steps that the text lacks.
     pub fn follow<'s>(&self, text: &str, mut steps: &'s [Step<'s>]) -> Option<(Id, &'s [Step<'s>])> {
         let mut id = self.root?;
         while let [step, rest @ ..] = steps {

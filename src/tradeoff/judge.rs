@@ -38,9 +38,11 @@ pub struct Measured {
     pub seconds_compile: f64,
     /// Seconds for one sample in every pixel, at the size of the sweep.
     pub seconds_here: f64,
-    /// The same at the whole size, half the width of their 95 % interval, and that as a share in standard errors: half of it.
+    /// Seconds for one sample in every pixel, at the whole size.
     pub seconds: f64,
+    /// Half the width of the 95 % interval of `seconds`.
     pub seconds_half_width: f64,
+    /// The relative standard error of `seconds`.
     pub seconds_doubt: f64,
     pub model: Model,
     /// The relative MSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.
@@ -289,8 +291,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
 
 /// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes
 /// a pixel dark, its relative errors look too large. Images of noisier settings are therefore not used: a pixel is half
-/// as bright if half of the images found no light in it.
-/// The second ones have the floor of relMSE.
+/// as bright if half of the images found no light in it. The second weights have the floor of relMSE.
 fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<(Weights, Weights)> {
     let defaults = sweep.subjects.first()?;
     let blocks = defaults.blocks.iter().flat_map(|(&samples, blocks)| {
@@ -328,8 +329,7 @@ fn unmet(brightest: f64, rounds: usize, level: f64, weights: &Weights) -> (f64, 
 
 /// The squared bias of the pixels that follows from the bias of the mean luminance: its certain part, and its largest value for a
 /// mean within the interval. For a bias b, w = 1 / (r² + f) and the shares l of the channels in the luminance, with means over pixels and
-/// channels, (mean 3 l b)² <= mean(w b²) mean(9 l²/w) (Cauchy-Schwarz).
-/// Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
+/// channels, (mean 3 l b)² <= mean(w b²) mean(9 l²/w) (Cauchy-Schwarz). Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
 /// different images.
 fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
     let image = &weights.image;

@@ -94,7 +94,7 @@ pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> 
     fitted(levels, (sampler == Sampler::Sobol).then_some(EXPONENTS))
 }
 
-/// The same of the errors of denoised images.
+/// Fits c and p of c N^-p to the errors of denoised images, which may fall slowly.
 pub fn falling_denoised(levels: &[(u32, Estimate)]) -> Option<Falling> {
     fitted(levels, Some((LEAST_OF_DENOISED, EXPONENTS.1)))
 }
@@ -126,15 +126,16 @@ fn fitted(levels: &[(u32, Estimate)], exponents: Option<(f64, f64)>) -> Option<F
     Some(Falling { noise: (y + exponent * x).exp(), exponent, middle: x, error: weight.sqrt().recip(), exponent_error })
 }
 
-/// The number of samples at which figures at some numbers of samples come down to a target, at least one: on a straight line in logarithms between
-/// the two next to it, or through the last two or the first two. None if they do not fall there, or if that is beyond [`FARTHEST`] times the last.
+/// The number of samples at which a figure comes down to a target, at least one. `figures` has the figure at some numbers of samples.
+/// Between them it is a straight line in logarithms; beyond them the line goes through the last two or the first two. None if the line
+/// does not fall, or if the number is beyond [`FARTHEST`] times the last.
 pub fn samples_to(figures: &[(u32, f64)], target: f64) -> Option<f64> {
     let points: Vec<(f64, f64)> = figures.iter().map(|(n, figure)| (f64::from(*n).ln(), figure.ln())).collect();
     let lines = points.windows(2);
     let line = lines.clone().find(|line| line[1].1 <= target.ln()).or_else(|| lines.clone().last())?;
     let slope = (line[1].1 - line[0].1) / (line[1].0 - line[0].0);
     let (farthest, at) = (points.last()?.0 + FARTHEST.ln(), line[0].0 + (target.ln() - line[0].1) / slope);
-    // Where it is there already, a line that rises says nothing.
+    // If the first figure is below the target already, a line that rises says nothing.
     match slope < 0.0 {
         true => Some(at).filter(|at| *at <= farthest).map(|at| at.exp().max(1.0)),
         false => figures.iter().find(|(_, figure)| *figure <= target).map(|(n, _)| f64::from(*n)),

@@ -37,7 +37,8 @@ pub fn paces(settings: &[&[Timed]], clock: &[Timed]) -> Vec<Pace> {
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
         logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>()
     };
-    // What rounds differ by is a property of the machine more than of a setting: three rounds that agree by chance prove nothing.
+    // The spread of rounds is that of the machine more than that of a setting, so all settings share the estimate at least: three rounds that
+    // agree by chance prove nothing.
     let degrees = |logs: &Vec<f64>| logs.len().saturating_sub(1) as f64;
     let all_degrees = relative.iter().map(degrees).sum::<f64>();
     let pooled = relative.iter().map(|logs| squares(logs)).sum::<f64>() / all_degrees;
@@ -64,7 +65,7 @@ fn clock_around(clock: &[Timed], at: f64) -> f64 {
             (1.0 - share) * before.seconds.ln() + share * after.seconds.ln()
         }
         (Some(only), None) | (None, Some(only)) => only.seconds.ln(),
-        // Of the clock's only block.
+        // The clock has one block, at this time.
         (None, None) => clock.first().map_or(0.0, |block| block.seconds.ln()),
     }
 }
@@ -160,7 +161,7 @@ mod tests {
         found[1..].iter().filter(differs).count()
     }
 
-    /// Of settings that do the same work on a busy machine, one in twenty at most is told to be faster or slower by its interval, whether the load
+    /// On a busy machine, at most one in twenty settings that do the same work is faster or slower by its interval, whether the load
     /// stays for a part of a block or for a whole sweep. Planted: all blocks of a setting one after another, and no clock.
     #[test]
     fn load_makes_no_setting_faster() {

@@ -54,7 +54,7 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The same, with the text between backticks in `<code>`.
+/// Escaped text, with the parts between backticks in `<code>`.
 fn marked(text: &str) -> String {
     let parts: Vec<String> = text.split('`').map(escaped).collect();
     let mark = |(i, part): (usize, &String)| match i % 2 {
@@ -125,7 +125,7 @@ fn given_up(report: &Findings) -> Vec<String> {
     for knob in all.filter_map(|setting| setting.knob) {
         if !told.contains(&knob.name) {
             told.push(knob.name);
-            lines.push(format!("`--{}` ({}): {} {}", knob.name, class_name(knob.class), knob.about, knob.gives_up));
+            lines.push(format!("`--{}` ({}): {} {}", knob.name, class_name(knob.class), knob.about, knob.trade_off));
         }
     }
     lines

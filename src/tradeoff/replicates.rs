@@ -98,7 +98,7 @@ impl Weights {
     }
 }
 
-/// In f64: of bright scenes f32 would be subnormal, of dark ones infinite.
+/// In f64, because in f32 the weights of bright scenes would be subnormal, and those of dark ones infinite.
 fn inverse(image: &Pixels, floor: f64) -> Vec<f64> {
     image.as_flattened().iter().map(|&r| 1.0 / (f64::from(r) * f64::from(r) + floor)).collect()
 }
@@ -116,7 +116,7 @@ pub(super) fn distance(a: &Pixels, b: &Pixels, weights: &Weights) -> f64 {
     product(off.as_flattened(), off.as_flattened(), &inverse(&weights.image, weights.floor))
 }
 
-/// Value by value.
+/// The difference of two images, value by value.
 pub(super) fn difference(a: &Pixels, b: &Pixels) -> Pixels {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect()
 }
@@ -181,7 +181,7 @@ pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) 
     squared_bias_apart(setting, baseline, weights, 1)
 }
 
-/// The same of pairs that are `apart` rounds from each other.
+/// The squared bias of the pixels from pairs that are `apart` rounds from each other.
 pub(super) fn squared_bias_apart(
     setting: &[Pixels],
     baseline: &[Pixels],
@@ -275,7 +275,7 @@ pub(super) mod tests {
         assert!(signed.p() < 1e-4 && squared.p() < 0.05, "{signed:?} {squared:?}");
     }
 
-    /// As `compare` has it: 21 % of the light for the whole of red.
+    /// The bias of the mean is that of its luminance, as in `compare`: all of red is 21 % of the light.
     #[test]
     fn a_bias_of_the_mean_is_one_of_the_luminance() {
         let images = |red: f32| vec![vec![[red, 1.0, 1.0]; 4]; 3];

@@ -38,7 +38,7 @@ pub struct Findings {
     /// If the noise of the reference is known: the distance of the defaults from it, and whether that is more than noise.
     pub distance: Option<(Distance, bool)>,
     pub interrupted: bool,
-    /// The defaults first.
+    /// The measured settings, the defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
     /// The size of the reference, if only its middle is measured.
@@ -275,7 +275,7 @@ impl Findings {
         recommended(&self.measured).into_iter().enumerate().map(sentence).chain(self.flip_of_denoised()).collect()
     }
 
-    /// What denoising changes in the time to a FLIP, in words; none if no setting denoises.
+    /// The time to a FLIP with and without denoising, in words; none if no setting denoises.
     fn flip_of_denoised(&self) -> Option<String> {
         let denoised = self.measured.iter().find(|measured| measured.setting.denoise)?;
         let time = |measured: &Measured| match measured.seconds_to_flip() {
@@ -435,7 +435,7 @@ impl Findings {
             cells.collect::<Vec<_>>().join(" ").trim_end().to_string()
         };
         let mut lines: Vec<String> = rows.iter().map(line).collect();
-        // Those of one reason together.
+        // The settings by the reason why they are not measured.
         let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
         for left in &self.unmeasured {
             match reasons.iter_mut().find(|(why, _)| *why == left.why) {
@@ -469,7 +469,7 @@ impl Findings {
                 "knob": setting.knob.map(|knob| knob.name),
                 "value": setting.value,
                 "class": class_name(setting.class()),
-                "gives_up": setting.knob.map(|knob| knob.gives_up),
+                "gives_up": setting.knob.map(|knob| knob.trade_off),
                 "measured": measured,
                 "verdict": verdict,
             })

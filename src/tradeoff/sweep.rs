@@ -13,7 +13,7 @@ use crate::film::Film;
 use crate::flatten::flatten;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
-use crate::options::{Class, Knob, RenderOptions};
+use crate::options::{Class, OptionSpec, RenderOptions};
 use crate::plan::Plan;
 use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
@@ -46,7 +46,7 @@ pub const SAMPLES_OF_FEWEST: f64 = FEWEST_ROUNDS as f64 * (LEVELS[0] + 2 * LEVEL
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// None for the defaults.
-    pub knob: Option<&'static Knob>,
+    pub knob: Option<&'static OptionSpec>,
     /// The knob's value, as the command line writes it.
     pub value: String,
     pub options: RenderOptions,
@@ -153,7 +153,7 @@ impl Sweep<'_> {
     /// The number of seeds before a sweep's own. They are reserved for images outside the rounds.
     pub const SEEDS_BEFORE: u32 = 4;
 
-    /// One of these seeds.
+    /// The seed of this number among the seeds before a sweep's own.
     pub fn seed_before(seed: u32, number: u32) -> u32 {
         seed.wrapping_sub(1 + number)
     }
@@ -183,7 +183,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The same with a denoiser.
+    /// The sweep with a denoiser, which settings that denoise need.
     pub fn denoised_by(self, denoiser: Option<&'a Denoiser>) -> Sweep<'a> {
         Sweep { denoiser, ..self }
     }
@@ -381,7 +381,7 @@ impl<'a> Sweep<'a> {
 /// How often denoising is timed. The least counts, because other load on the machine only adds to it.
 const TIMED: u32 = 3;
 
-/// What a denoiser takes.
+/// The picture and the two layers that help to denoise it.
 struct Layers {
     rgb: Pixels,
     albedo: Pixels,

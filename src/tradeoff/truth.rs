@@ -44,7 +44,7 @@ impl Truth {
         Truth::joined(sweep, 0, |i, subject| Some(i) != without && unbiased(subject))
     }
 
-    /// The mean of all images of unbiased settings but for those of the first round, whose images it does not share any random numbers with.
+    /// The mean of all images of unbiased settings after the first round. It shares no random numbers with the images of that round.
     pub fn after_first_round(sweep: &Sweep<'_>) -> Option<Truth> {
         Truth::joined(sweep, 1, |_, subject| matches!(subject.setting.class(), Class::Exact | Class::Noise))
     }

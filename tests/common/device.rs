@@ -10,7 +10,7 @@ pub fn software() -> &'static Device {
     DEVICE.get_or_init(open)
 }
 
-/// The same, opened anew: with nothing compiled for it yet.
+/// The software driver, opened anew: with nothing compiled for it yet.
 pub fn open() -> Device {
     let adapters = Adapters::find();
     let index = index_among(&adapters);

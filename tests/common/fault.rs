@@ -20,7 +20,7 @@ impl Fault {
         Fault { fault: format!("{function}:{call}:{result}:always"), mark: folder.join("fault") }
     }
 
-    /// The same, once only: what opens the device again can go on.
+    /// A fault that occurs once only: what opens the device again can go on.
     pub fn once(folder: &Path, function: &str, call: u32, result: &str) -> Fault {
         Fault { fault: format!("{function}:{call}:{result}:once"), mark: folder.join("fault") }
     }

@@ -78,7 +78,7 @@ pub fn to_fixed(value: f64, fraction: i32) -> Option<i128> {
 pub trait AddRuns {
     fn add_runs(&mut self, runs: &[Run]);
 
-    /// The same of samples that have weights of either sign.
+    /// Adds runs of samples that have weights of either sign.
     fn add_signed_runs(&mut self, runs: &[Run]);
 }
 

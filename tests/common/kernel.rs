@@ -56,7 +56,7 @@ impl Overlay {
         Overlay { tests, replaced, rewritten: BTreeMap::new() }
     }
 
-    /// The same with a change of a production module's text.
+    /// Adds a change of a production module's text.
     pub fn rewritten(mut self, production: &str, change: impl Fn(&str) -> String) -> Overlay {
         let own = Embedded.module(production).unwrap_or_else(|| panic!("there is no module {production} to rewrite"));
         let text = change(own);
@@ -160,7 +160,7 @@ impl Kernel {
         self.run_again(input, count, more, 1)
     }
 
-    /// The same so many times one after the other, with the output of one before the next.
+    /// Runs the kernel so many times one after the other, with the output of one before the next.
     pub fn run_again<I: Pod, O: Pod>(
         &self,
         input: &[I],

@@ -18,7 +18,7 @@ pub fn fresnel_of(c: f64, eta: f64, g2: f64) -> (f64, f64) {
     (0.5 * (s * s + p * p), t)
 }
 
-/// The same for an index of the far side relative to the near one.
+/// Fresnel's reflectances for an index of the far side relative to the near one.
 pub fn fresnel(c: f64, eta: f64) -> (f64, f64) {
     fresnel_of(c, eta, (eta - 1.0) * (eta + 1.0) + c * c)
 }

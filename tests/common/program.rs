@@ -74,7 +74,7 @@ pub fn until(child: &mut Child, mut is_so: impl FnMut(&mut Child) -> bool) {
     }
 }
 
-/// The same of a program that is not to end before.
+/// Waits for a condition, while the program must not end.
 pub fn meanwhile(child: &mut Child, is_so: impl Fn() -> bool) {
     until(child, |child| {
         let so = is_so();

@@ -143,7 +143,7 @@ pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot>
     shots
 }
 
-/// The same of several seeds and ranges; each shot is handed over when it is there.
+/// Renders several seeds and ranges; each shot is handed over when it is there.
 pub fn render_all(
     scene: &Scene,
     ask: &Ask,
@@ -157,7 +157,7 @@ pub fn render_all(
     });
 }
 
-/// The same with kernels that are linked from another library, in which errors can be planted; whoever looks at it checks the counts.
+/// Renders with kernels that are linked from another library, in which errors can be planted; the caller checks the counts.
 pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
     let mut shots = Vec::new();
     let wanted = ranges.iter().map(|samples| (ask.seed, samples.clone()));
@@ -239,7 +239,7 @@ pub fn render_job(
     (film, outcome)
 }
 
-/// The same onto a film that has samples.
+/// Renders onto a film that has samples.
 pub fn render_onto(
     scene: &Scene,
     options: &RenderOptions,
@@ -339,7 +339,7 @@ impl Shot {
         assert!(values.iter().all(|v| v.is_finite() && (*v >= 0.0 || filter == Filter::Mitchell)));
     }
 
-    /// The same render with another picture: for planting errors.
+    /// The render with another picture: for planting errors.
     pub fn changed(&self, change: impl Fn(u32, u32, [f32; 3]) -> [f32; 3]) -> Shot {
         let mut picture = self.picture.clone();
         for (pixel, rgb) in (0..).zip(&mut picture.rgb) {
@@ -348,7 +348,7 @@ impl Shot {
         self.with(picture)
     }
 
-    /// The same render with its columns in reverse order, its rows, or both.
+    /// The render with its columns in reverse order, its rows, or both.
     pub fn flipped(&self, (columns, rows): (bool, bool)) -> Shot {
         let (width, height) = (self.picture.width, self.picture.height);
         let mut picture = self.picture.clone();

@@ -125,7 +125,7 @@ impl<'a> Split<'a> {
         self.parts() * self.inputs.merge + self.inputs.write
     }
 
-    /// The same where groups of parts are joined first, at the same time.
+    /// The time to merge if groups of parts are joined first, at the same time.
     fn merge_in_groups(&self) -> f64 {
         2.0 * (self.parts().sqrt().ceil() * self.inputs.merge + self.inputs.write) + LAST_TASK
     }

@@ -29,7 +29,7 @@ pub fn flat(objects: &[String]) -> DeviceScene {
     flat_with("(look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40)", (16, 16), objects)
 }
 
-/// The same with a camera, for an image of this size.
+/// Flattens a scene with these objects and this camera, for an image of this size.
 pub fn flat_with(camera: &str, size: (u32, u32), objects: &[String]) -> DeviceScene {
     let mut text = format!(
         "Scene(image: (width: {}, height: {}), camera: {camera}, background: Solid((1, 1, 1)),\n\

@@ -12,7 +12,7 @@ pub fn on_terminal(command: Command, columns: u16) -> String {
     interrupted_on_terminal(command, columns, |_| false)
 }
 
-/// The same, with an interrupt when what it has printed is enough.
+/// Runs a command on a terminal, with an interrupt when what it has printed is enough.
 pub fn interrupted_on_terminal(mut command: Command, columns: u16, is_enough: impl Fn(&str) -> bool) -> String {
     let size = libc::winsize { ws_row: 24, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
     let (mut ours, mut its) = (0, 0);

@@ -58,7 +58,7 @@ pub fn tracer(primitive: &str, replaced: &[(&str, &str)]) -> Kernel {
     tracer_with_surface(primitive, &format!("{primitive}_surface"), &module, replaced)
 }
 
-/// The same with another function for the hit record.
+/// The kernel with another function for the hit record.
 pub fn tracer_with_surface(primitive: &str, surface: &str, surface_module: &str, replaced: &[(&str, &str)]) -> Kernel {
     let kind = match primitive {
         "sphere" => "Sphere",

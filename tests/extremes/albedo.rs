@@ -130,7 +130,7 @@ fn deep() -> Vec<Cell> {
         .into()
 }
 
-/// The same with roulette: the expectation stays.
+/// Albedos with roulette: the expectation stays.
 fn roulette() -> Vec<Cell> {
     let r = 0.1;
     let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);

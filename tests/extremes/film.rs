@@ -213,7 +213,7 @@ fn variances() -> Vec<Cell> {
         let mut film = Film::new(1, 1, 0).expect("a pixel fits");
         film.add_runs(&runs(&[], samples));
         let found = f64::from(film.develop().variance[0][0]);
-        // The same in f64.
+        // In f64.
         let spread = |run: &[f32]| {
             let mean = run.iter().map(|x| f64::from(*x)).sum::<f64>() / run.len() as f64;
             run.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>()

@@ -203,7 +203,7 @@ pub fn cells() -> Vec<Cell> {
             let cell = |figure, limit, because, get: &dyn Fn(&Verdict) -> f64| {
                 Cell::new(Row::Index, &range, figure, limit, because).achieved(get(&found))
             };
-            // The same function, without digits near 1.
+            // The function by the textbook, without digits near 1.
             let by_textbook = |cell: Cell, get: &dyn Fn(&Verdict) -> f64| match near {
                 true => cell.planted(TEXTBOOK, get(&of_textbook)),
                 false => cell,

@@ -186,7 +186,7 @@ fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
         .collect()
 }
 
-/// The same of floors that are tilted by a little: a normal in which the other components are not exactly 0.
+/// The worst error of floors that are tilted by a little: the other components of their normals are not exactly 0.
 fn worst_of_tilted(kernel: &Kernel, quads: &[Quad], rays: &[In]) -> f64 {
     let tilted: Vec<Quad> = quads.iter().map(|quad| Quad { normal: [6e-7, quad.normal[1], -8e-7], ..*quad }).collect();
     let answers = trace(kernel, &tilted, rays);

@@ -897,7 +897,7 @@ fn sections_that_are_missing_are_listed_too() {
     let error = parse("(camera: (look_from: 1, look_at: (0, 0, 0), vertical_fov: 40))").expect_err("it is bad");
     let fields = error.messages().iter().map(|text| text.split(": ").nth(1).unwrap().to_owned()).collect::<Vec<_>>();
     assert_eq!(fields, ["image", "background", "objects", "camera.look_from"], "{error}");
-    // One of them may be the field that nobody knows.
+    // An unknown field may be among them.
     all_at_marks("(§imag: (width: 4, height: 3), objects: [])");
 }
 

@@ -19,7 +19,7 @@ struct Noisy {
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// The same everywhere, of 5 % of the pixel.
+    /// Equal everywhere, 5 % of the pixel.
     Even,
     /// A hundredth of the samples bring a hundred times the mean: few pixels hold nearly all of the noise.
     Rare,
@@ -39,7 +39,7 @@ fn noisy(random: &mut Random, size: (usize, usize), kind: Kind) -> Noisy {
     rendered(random, size, kind, 1)
 }
 
-/// The same with this many times the samples.
+/// A noisy image of this many times the samples.
 fn rendered(random: &mut Random, (width, height): (usize, usize), kind: Kind, samples: u32) -> Noisy {
     let mut image = Noisy { rgb: Vec::new(), variance: Vec::new() };
     let (pixels, samples) = (width * height, f64::from(samples));

@@ -1,7 +1,7 @@
 //! The page that `gpu-rt tradeoff` writes: what stands first, what is folded, and that no screen is too narrow for it.
 
 use gpu_rt::metrics::estimate::Estimate;
-use gpu_rt::options::{KNOBS, RenderOptions};
+use gpu_rt::options::{RenderOptions, TRADE_OFFS};
 use gpu_rt::tradeoff::judge::Measured;
 use gpu_rt::tradeoff::model::{Falling, Model, Standing};
 use gpu_rt::tradeoff::page::html;
@@ -10,7 +10,7 @@ use gpu_rt::tradeoff::sweep::{Setting, Unmeasured};
 
 fn setting(knob: Option<(&str, &str)>) -> Setting {
     let (name, value) = knob.unzip();
-    let knob = name.map(|name| *KNOBS.iter().find(|knob| knob.name == name).expect("a knob"));
+    let knob = name.map(|name| *TRADE_OFFS.iter().find(|knob| knob.name == name).expect("a knob"));
     let value = value.unwrap_or_default().to_string();
     Setting { knob, value, options: RenderOptions::default(), max_depth: 50, scale: 1.0, denoise: false }
 }

@@ -20,7 +20,7 @@ fn floor(lights: &str) -> String {
     floor_of(1.0, lights)
 }
 
-/// The same with all lengths but the lights' times a factor.
+/// The floor with all lengths but the lights' times a factor.
 fn floor_of(scale: f64, lights: &str) -> String {
     let point = |p: [f64; 3]| triple(scale * DVec3::from(p));
     format!(

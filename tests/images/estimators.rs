@@ -67,7 +67,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     scenes_of(GREY, None)
 }
 
-/// The same with walls of an albedo, and of a depth.
+/// The scenes with walls of this albedo, and this max_depth.
 fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)> {
     let black = "Solid((0, 0, 0))";
     let adapted = |text: &str| {

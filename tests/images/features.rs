@@ -188,7 +188,7 @@ fn named(module: &naga::Module) -> BTreeSet<String> {
     functions.chain(globals).chain(structs).collect()
 }
 
-/// What of a shader no entry point reaches, once the values of its overrides are known. Of constants naga keeps the names and folds the
+/// The parts of a shader that no entry point reaches, once the values of its overrides are known. Of constants naga keeps the names and folds the
 /// values into expressions: they are out of reach where the rest of the text does not name them.
 fn unreached(text: &str) -> Vec<String> {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));

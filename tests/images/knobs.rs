@@ -10,7 +10,7 @@ use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::commands::Cli;
 use gpu_rt::flatten::flatten;
-use gpu_rt::options::{Class, Fresnel, KNOBS, Knob, Precision, RenderOptions};
+use gpu_rt::options::{Class, Fresnel, OptionSpec, Precision, RenderOptions, TRADE_OFFS};
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use gpu_rt::plan::{UniformTables, choices_of};
 use serde_json::Value;
@@ -52,7 +52,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("profile", None),
 ];
 
-/// Those of them that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one) or a library
+/// The options that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one) or a library
 /// ([`denoise`](../program/denoise.rs)), or do not end ([`watch`](../program/watch.rs) compares their images).
 const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "denoise", "oidn"];
 
@@ -67,7 +67,7 @@ const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "thin", "watts"];
 /// Options of a command that are neither knobs nor known to leave the image as it is.
 fn unknown(command: &clap::Command) -> Vec<String> {
     let known = |name: &str| {
-        KNOBS.iter().any(|knob| knob.name == name)
+        TRADE_OFFS.iter().any(|knob| knob.name == name)
             || SAME_IMAGE.iter().any(|(known, _)| *known == name)
             || WHICH_SAMPLES.contains(&name)
             || WHICH_SCENE.contains(&name)
@@ -100,7 +100,7 @@ fn every_option_of_render_that_changes_the_image_is_a_knob() {
 #[test]
 fn the_command_line_says_what_the_table_says() {
     let command = render_command();
-    for knob in KNOBS {
+    for knob in TRADE_OFFS {
         let argument = command.get_arguments().find(|argument| argument.get_long() == Some(knob.name));
         let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", knob.name));
         assert_eq!(argument.get_help().map(ToString::to_string), Some(knob.help()), "--{}", knob.name);
@@ -108,7 +108,7 @@ fn the_command_line_says_what_the_table_says() {
         let defaults = argument.get_default_values();
         assert_eq!(defaults.first().and_then(|value| value.to_str()), knob.default, "--{}", knob.name);
         // Sentences, and what biases says so.
-        for sentence in [knob.about, knob.gives_up] {
+        for sentence in [knob.about, knob.trade_off] {
             assert!(sentence.ends_with('.') && sentence.len() > 10, "--{}: {sentence}", knob.name);
         }
         assert_eq!(knob.help().contains("biases the result"), knob.class == Class::Bias, "--{}", knob.name);
@@ -122,10 +122,10 @@ fn the_command_line_says_what_the_table_says() {
             Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), "what?"]);
         assert!(nonsense.is_err(), "--{} takes anything", knob.name);
     }
-    let mut names: Vec<&str> = KNOBS.iter().map(|knob| knob.name).collect();
+    let mut names: Vec<&str> = TRADE_OFFS.iter().map(|knob| knob.name).collect();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), KNOBS.len(), "a knob is declared twice");
+    assert_eq!(names.len(), TRADE_OFFS.len(), "a knob is declared twice");
 }
 
 /// What is asked for is linked where the scene has what it is about, and nowhere else.
@@ -267,8 +267,8 @@ fn same_expectation(a: &[Mean], b: &[Mean], rounding: f64) -> Result<(), String>
 }
 
 /// Tests whose renders differ by a setting alone.
-fn values(class: Class) -> impl Iterator<Item = (&'static Knob, &'static str)> {
-    let of_class = KNOBS.iter().filter(move |knob| knob.class == class);
+fn values(class: Class) -> impl Iterator<Item = (&'static OptionSpec, &'static str)> {
+    let of_class = TRADE_OFFS.iter().filter(move |knob| knob.class == class);
     of_class
         .flat_map(|knob| knob.values.iter().filter(|value| Some(**value) != knob.default).map(|value| (*knob, *value)))
 }
@@ -613,7 +613,7 @@ fn what_approximates_is_the_same_to_the_byte_however_it_is_linked() {
 fn a_render_with_a_setting_that_biases_says_so() {
     let place = Place::new();
     let scene = place.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
-    let all = KNOBS.iter().flat_map(|knob| knob.values.iter().map(move |value| (*knob, *value)));
+    let all = TRADE_OFFS.iter().flat_map(|knob| knob.values.iter().map(move |value| (*knob, *value)));
     for (knob, value) in all {
         let option = knob.option(value);
         let options: Vec<&str> = match knob.name {

@@ -35,7 +35,7 @@ fn folder() -> tempfile::TempDir {
     // Turned by a right angle: u grows along y, v along -x.
     let turned = "vt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n";
     std::fs::write(folder.path().join("turned.obj"), square(turned, "")).expect("it is written");
-    // The same as smooth meshes, which have tangents at their vertices.
+    // Smooth meshes, which have tangents at their vertices.
     let normals = "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n";
     for (name, uvs) in [("smooth-mirrored.obj", mirrored), ("smooth-turned.obj", turned)] {
         let text = square(uvs, normals).replace("1/1", "1/1/1").replace("2/2", "2/2/2");

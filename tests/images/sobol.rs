@@ -69,7 +69,7 @@ fn until(scene: &Scene, goal: Goal, sampler: Sampler) -> (Film, Outcome) {
     onto_film(scene, goal, sampler, 4, sampler)
 }
 
-/// The same, with a seed, and a film that takes the samples to be placed by another sampler.
+/// Renders with a seed onto a film that takes the samples to be placed by another sampler.
 fn onto_film(scene: &Scene, goal: Goal, sampler: Sampler, seed: u32, of_film: Sampler) -> (Film, Outcome) {
     let size = (scene.image.width, scene.image.height);
     let options = RenderOptions { sampler, ..crate::common::render::plain() };

@@ -171,7 +171,7 @@ fn each_texture_has_its_own_texture_coordinates() {
     let ask = Ask::default().mis();
     let of_file = scene(folder.path(), "Gltf(path: \"square.glb\")", "");
     check(&of_file, |scene| render(scene, &ask)).unwrap_or_else(|error| panic!("{error}"));
-    // The same by a material of the scene's own.
+    // By a material of the scene file.
     let own = "\"own\": Lambertian(albedo: Image(path: \"base.png\"), emission: Image(path: \"glow.png\", uv_set: 1),
         normal: Image(path: \"normal.png\", uv_set: 3))";
     let mesh = "Mesh(path: \"square.glb#meshes/0/primitives/0\", material: \"own\")";

@@ -73,7 +73,7 @@ fn a_walk_is_right_or_counted_as_cut_short() {
     }
 }
 
-/// The same of quads that are passed: the lamp behind them is met, or the sample is counted as cut short.
+/// Of quads that are passed, the lamp behind them is met, or the sample is counted as cut short.
 #[test]
 fn a_walk_that_passes_all_is_right_or_counted_as_cut_short() {
     for (count, cut) in [(30_000, 0), (250_000, 8)] {

@@ -191,7 +191,7 @@ fn ranges_of_more_than_2_to_the_40() {
 /// A lamp that lights a floor a long way off: at twice the warning's distance nothing arrives, and before it what should.
 #[test]
 fn lights_too_small_for_where_they_shine() {
-    // The same irradiance at any distance: the floor has a radiance of 0.5.
+    // The irradiance does not depend on the distance: the floor has a radiance of 0.5.
     let lit = |distance: f64, lamp: &str| {
         let radiance = distance * distance;
         format!(
@@ -355,7 +355,7 @@ fn quads_that_overlap_in_a_plane() {
     };
     assert_silent(&turned(0.9 + 0.15));
     assert_warns(&turned(0.8), "objects[1].Quad", &["touches"]);
-    // The same far away and turned, where f64 rounds too.
+    // Far away and turned, where f64 rounds too.
     let moved = |y: f64| {
         let [one, other] = [&floor, &tile(0.0, y, 0.5, "steel")].map(|quad| quad.trim_end_matches(',').to_string());
         let by = "by: [Rotate(axis: (1, 2, 3), degrees: 50), Translate((1e6, 2e6, 3e6))]";
@@ -806,7 +806,7 @@ fn the_ends_of_what_numbers_may_be() {
     assert!(flattened * 4 > scenes.len() * 3, "{flattened} of {}", scenes.len());
 }
 
-/// The same scene warns of the same whatever its unit of length is.
+/// A scene has the same warnings whatever its unit of length is.
 #[test]
 fn warnings_do_not_depend_on_the_unit() {
     let of = |unit: f64| {

@@ -203,7 +203,7 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
     }
 }
 
-/// The same where the products of coordinates and reciprocals overflow.
+/// Boxes for which the products of coordinates and reciprocals overflow.
 #[test]
 fn boxes_that_are_too_far_for_floats_are_never_missed() {
     let own = Kernel::new("test/bounds");

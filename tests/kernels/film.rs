@@ -29,7 +29,7 @@ fn linked_with(replaced: &[(&str, &str)], choices: &[(&'static str, &'static str
     let read = |buffer, count| kernel.run_for::<_, u32>(&rows, rows.len(), &buffers, (buffer, count));
     let words = read("film", PIXELS as usize * size_of::<PixelTotals>() / 4);
     let totals: Vec<PixelTotals> = bytemuck::pod_collect_to_vec(&words);
-    // The same once more, for the counters.
+    // A second time, for the counters.
     let words = read("counters", size_of::<Counters>() / 4);
     let counters: Vec<Counters> = bytemuck::pod_collect_to_vec(&words);
     let Counters { nan, infinite, cut, refused, counts, .. } = counters[0];

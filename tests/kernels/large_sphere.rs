@@ -192,7 +192,7 @@ fn a_large_sphere_of_any_radius_is_hit_where_it_is() {
     let without = tracer("large_sphere", &[("geometry/offset", "test/control/offset_none")]);
     let found = trace(&without, &large_spheres, &rays);
     assert!(faults(&large_spheres, &rays, &found)[2] > RAYS / 10, "rays without an offset");
-    // The same by centres and radii in f32.
+    // By centres and radii in f32.
     let spheres: Vec<Sphere> = large_spheres
         .iter()
         .map(|large_sphere| {

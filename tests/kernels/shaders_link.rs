@@ -58,14 +58,14 @@ fn kind_of(shader: &str) -> &'static MaterialKind {
     Material::KINDS.iter().find(|kind| kind.shader == shader).expect("there is such a material")
 }
 
-/// The same with media in such boundaries.
+/// Adds media in these boundaries.
 fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Features {
     let count = boundaries.count_ones() + 1;
     let textured_media = textured_media.then(|| "a test".to_string());
     Features { boundaries: on(boundaries), textured_media, media: count, boundary_stack_size: 8, ..features }
 }
 
-/// The same with Russian roulette, and these emitters sampled as lights where anything answers to them.
+/// Adds Russian roulette, and these emitters sampled as lights where anything answers to them.
 fn lit(features: Features, emitters: usize, sky: bool) -> Features {
     if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
         return features;
@@ -81,25 +81,25 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
     }
 }
 
-/// The same with materials that emit beside what they scatter.
+/// Adds an emission to the materials that scatter.
 fn glowing(features: Features) -> Features {
     detailed(features, ExtensionKind::Emission)
 }
 
-/// The same with an extension of all materials that may scatter into many directions.
+/// Adds an extension to all materials that may scatter into many directions.
 fn detailed(features: Features, kind: ExtensionKind) -> Features {
     let mut extensions = features.extensions.clone();
     extensions[kind as usize] = features.non_specular.clone();
     Features { extensions, ..features }
 }
 
-/// The same with materials that have an alpha, and colours and alphas of vertices.
+/// Adds an alpha to materials, and colours and alphas of vertices.
 fn covered(features: Features) -> Features {
     let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha];
     of_vertices.into_iter().fold(detailed(features, ExtensionKind::Alpha), detailed)
 }
 
-/// The same with numbers of materials that vary.
+/// Adds numbers of materials that vary.
 fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
     let mut extensions = features.extensions.clone();
     for kind in kinds {
@@ -109,7 +109,7 @@ fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
     Features { extensions, ..features }
 }
 
-/// The same with colours of the clear materials.
+/// Adds colours to the clear materials.
 fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
     let clear = bits_of(|kind| kind.is_transmissive);
     let those = |asked: bool| -> [Option<String>; MATERIALS.len()] {
@@ -118,7 +118,7 @@ fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
     Features { tinted: those(tinted), absorbing: those(absorbing), ..features }
 }
 
-/// The same with lights without size, directional ones among them, where anything answers to them.
+/// Adds lights without size, directional ones among them, where anything answers to them.
 fn delta_lit(features: Features, directional: bool) -> Features {
     if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
         return features;
@@ -132,18 +132,18 @@ fn delta_lit(features: Features, directional: bool) -> Features {
     }
 }
 
-/// The same with so many lights that one is chosen by the tree.
+/// Has so many lights that one is chosen by the tree.
 fn many_lights(features: Features) -> Features {
     Features { lights: 2, sky_light: 1, ..features }
 }
 
-/// The same with images on meshes that have tables of their own, and tangents in them.
+/// Adds images on meshes that have tables of their own, and tangents in them.
 fn with_tables(features: Features, tangents: bool) -> Features {
     let asked = |on: bool| on.then(|| "a test".to_string());
     Features { uv_tables: asked(true), vertex_tangents: asked(tangents), ..features }
 }
 
-/// The same with smooth meshes.
+/// Adds smooth meshes.
 fn smooth(features: Features) -> Features {
     Features { smooth: Some("a test".to_string()), ..features }
 }
@@ -167,12 +167,12 @@ fn all_sampled() -> Features {
     detailed(covered(glowing(coloured(lit, true, true))), ExtensionKind::Normal)
 }
 
-/// The same with render space turned to the camera's axes.
+/// Turns render space to the camera's axes.
 fn turned(features: Features) -> Features {
     Features { turned: Some("a test".to_string()), ..features }
 }
 
-/// The same with so few primitives that all are asked.
+/// Has so few primitives that each ray tests all of them.
 fn few(features: Features) -> Features {
     Features { brute_force: true, ..features }
 }

@@ -300,7 +300,7 @@ fn directions_map_to_their_places_on_sphere_and_sky() {
         wrong = wrong.max(around(u, (n.z.atan2(n.x) + PI) / TAU));
     }
     assert!(worst.iter().all(|off| *off <= ANGLE), "{worst:?}");
-    // The same with z's sign turned.
+    // With z's sign turned.
     assert!(wrong > 1.0);
     // The axes themselves, said in words: a sphere's u is a quarter at +z, half at +x; v is 1 at the top. The sky's middle
     // is -z, its right half +x, its top row +y.

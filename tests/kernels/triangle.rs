@@ -108,7 +108,7 @@ fn rays_from_inside(random: &mut Random, mesh: &Mesh, scale: f64, place: DVec3, 
                     origin[axis] = target[axis] - 0.5 * target[axis].signum();
                     (origin, target - origin)
                 }
-                // The same along the axis.
+                // Along the axis.
                 3 => {
                     let axis = target.abs().max_position();
                     let mut origin = target;

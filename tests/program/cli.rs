@@ -831,7 +831,7 @@ fn compare_takes_any_exr_and_refuses_the_rest() {
     }
 }
 
-/// The same picture of more code.
+/// More code, and the same picture.
 #[test]
 fn all_features_change_the_plan_and_not_the_image() {
     let place = Place::new();

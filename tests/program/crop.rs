@@ -104,7 +104,7 @@ fn parts_go_on_and_join() {
 }
 
 #[test]
-fn what_is_no_part_is_refused() {
+fn a_crop_outside_the_image_is_refused() {
     let folder = folder();
     for (crop, why) in [
         ("20,0,5,5", "24 x 16"),

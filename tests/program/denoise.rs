@@ -165,7 +165,7 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     expected.insert("gpu-rt:denoiser".into(), denoiser);
     assert_eq!(out.attributes.iter().cloned().collect::<BTreeMap<_, _>>(), expected);
 
-    // The same image gives the same header, byte for byte, and the picture is that of `develop`.
+    // An image gives one header, byte for byte, and the picture is that of `develop`.
     let bytes = |name: &str| fs::read(at(&place, name)).expect("it is read");
     place.says("develop out.exr -o again.png").exits(0);
     assert!(bytes("out.png") == bytes("again.png"));

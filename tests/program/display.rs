@@ -59,7 +59,7 @@ fn creation(name: &str, (width, height): (u32, u32)) -> Vec<u8> {
     packet(4, 1, name, &[&width.to_le_bytes(), &height.to_le_bytes(), &3u32.to_le_bytes(), b"R\0G\0B\0"])
 }
 
-/// Those of an image: bands of rows from the top, the channels of a pixel together.
+/// The messages of an image: bands of rows from the top, the channels of a pixel together.
 fn update(name: &str, (width, height): (u32, u32), rgb: &[[f32; 3]]) -> Vec<Vec<u8>> {
     let rows = MOST_NUMBERS / (3 * width as usize);
     let band = |(number, pixels): (usize, &[[f32; 3]])| {
@@ -189,7 +189,7 @@ fn no_viewer_stops_a_render() {
 }
 
 #[test]
-fn what_is_no_address_is_refused() {
+fn a_display_server_without_an_address_is_refused() {
     let place = Place::new();
     for address in ["14158", "localhost", ":14158", "localhost:0", "localhost:70000", "localhost:tev"] {
         let ran = place.render(&["--display-server", address]).exits(2);

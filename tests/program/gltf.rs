@@ -17,7 +17,7 @@ fn with_room() -> Place {
 const SMALL: [&str; 4] = ["--size", "16x10", "--spp", "8"];
 
 #[test]
-fn what_convert_writes_renders_to_the_same_image() {
+fn a_converted_scene_renders_to_the_same_image() {
     let place = with_room();
     let render = |scene: &str, more: &[&str], to: &str| {
         place.run(&[&["render", scene, "--device", software(), "-o", to], &SMALL[..], more].concat()).exits(0)
@@ -38,7 +38,7 @@ fn what_convert_writes_renders_to_the_same_image() {
 }
 
 #[test]
-fn what_convert_cannot_do_is_refused() {
+fn convert_and_gltf_options_refuse_other_files() {
     let place = with_room();
     for (words, says) in [
         (

@@ -71,7 +71,7 @@ fn names_that_say_no_format_are_refused_before_rendering() {
 
 /// A picture has no state.
 #[test]
-fn what_a_png_cannot_do_is_refused_in_words() {
+fn a_png_with_channels_or_resume_is_refused() {
     let place = Place::new();
     place.render(&["-o", "a.png"]).exits(0);
     for resume in ["--resume", "--resume=auto"] {

@@ -141,7 +141,7 @@ impl Held {
 
 /// The table: ways to link, slots, samplers and splits, each resumed and joined.
 #[test]
-fn however_the_work_is_split_the_bytes_are_those_of_one_render() {
+fn split_and_joined_renders_have_the_bytes_of_one() {
     let place = Place::new();
     for sampler in ["sobol", "independent"] {
         place.render(&format!("--quiet --sampler {sampler} --spp 64 -o whole.exr")).exits(0);
@@ -267,7 +267,7 @@ fn a_finished_render_is_done() {
 
 /// What does not fit together is refused with exit status 2, and the message names it. The file stays as it was.
 #[test]
-fn what_does_not_fit_is_refused_by_name() {
+fn resume_refuses_another_render_and_names_the_difference() {
     let place = Place::new();
     place.render("--quiet --spp 16 -o out.exr").exits(0);
     place.render("--quiet --samples 16..32 -o part.exr").exits(0);
@@ -405,7 +405,7 @@ fn several_devices_have_the_bytes_of_one() {
 /// A render that is stopped says what it has, and goes on from there.
 #[cfg(unix)]
 #[test]
-fn what_is_interrupted_goes_on() {
+fn an_interrupted_render_goes_on() {
     let place = Place::new();
     let mut child = place.spawn("--spp 100000 --quiet --checkpoint 0.05s -o out.exr");
     meanwhile(&mut child, || place.path("out.exr").exists());
@@ -428,14 +428,14 @@ fn what_is_interrupted_goes_on() {
 /// A render that is killed at any moment leaves a file that can be read, and that a later one goes on from.
 #[cfg(unix)]
 #[test]
-fn what_is_killed_goes_on() {
+fn a_killed_render_goes_on() {
     killed_at_moments(10);
 }
 
 #[cfg(unix)]
 #[test]
 #[ignore = "minutes: make test-long"]
-fn what_is_killed_at_200_moments_goes_on() {
+fn a_render_killed_at_200_moments_goes_on() {
     killed_at_moments(200);
 }
 
@@ -457,17 +457,17 @@ fn killed_at_moments(moments: u64) {
     place.is_one_render(held + 8);
 }
 
-/// The same for each call of the system on files, from the first of a checkpoint to the last: the old file is there, or the new one.
+/// A render is killed at each call of the system on files, from the first of a checkpoint to the last: the old file is there, or the new one.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_is_killed_within_a_checkpoint_goes_on() {
+fn a_render_killed_within_a_checkpoint_goes_on() {
     killed_at_calls(11);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "minutes: make test-long"]
-fn what_is_killed_at_each_call_of_a_checkpoint_goes_on() {
+fn a_render_killed_at_each_call_of_a_checkpoint_goes_on() {
     killed_at_calls(1);
 }
 

@@ -32,7 +32,7 @@ fn next_checkpoint(child: &mut std::process::Child, file: &Path) {
 }
 
 #[test]
-fn what_nohup_ignores_stays_ignored() {
+fn a_signal_that_nohup_ignores_stays_ignored() {
     let place = Place::new();
     let arguments = [&place.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice()].concat();
     let mut command = place.command(&arguments);

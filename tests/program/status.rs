@@ -377,7 +377,7 @@ fn the_error_and_the_picture_are_those_of_the_joined_parts() {
 }
 
 #[test]
-fn what_is_no_job_is_refused() {
+fn status_refuses_a_folder_without_a_job() {
     let place = Place::new(2, 8);
     for folder in ["job/parts", "missing", "job/job.json"] {
         let said = place.says(&format!("status {folder}")).exits(2).stderr;

@@ -101,7 +101,7 @@ impl Cluster {
         finish(command.spawn().expect("the program starts"))
     }
 
-    /// The same for the folder that is there.
+    /// Submits the folder that is there again.
     fn again(&self, option: &str) -> Ran {
         self.slurm(&[option, self.job("").to_str().expect("UTF-8")])
     }
@@ -186,7 +186,7 @@ fn has(job: &[String], word: &str) -> bool {
 /// Tasks, a part that is missing, the one task that renders it, and the join: the bytes of one render, of the scene as it was when it was
 /// submitted.
 #[test]
-fn what_is_shared_is_one_render() {
+fn a_submitted_render_has_the_bytes_of_one() {
     let cluster = Cluster::new();
     let whole = cluster.whole("--spp 100 --roulette off");
     let ran = cluster.submit("--spp 100 --parts 4 --roulette off -- --partition=long --time=2:00:00").exits(0);
@@ -378,7 +378,7 @@ fn the_largest_array_of_the_cluster_is_kept() {
 
 /// What cannot be submitted leaves nothing behind, and says why.
 #[test]
-fn what_cannot_be_is_refused() {
+fn a_refused_submission_leaves_nothing_behind() {
     let cluster = Cluster::new();
     let refused = |more: &str, words: &[&str]| {
         let said = cluster.submit(more).exits(2).stderr;

@@ -55,7 +55,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
 }
 
 #[test]
-fn what_is_told_of_scenes_and_devices_has_the_keys_that_are_documented() {
+fn check_plan_and_devices_have_the_keys_that_are_documented() {
     let place = place();
     let good = place.says("check ../scenes/sphere.ron --json").exits(0).json();
     compare("### `check --json`", &[good, place.says("check ../scenes/none.ron --json").exits(2).json()]);
@@ -66,7 +66,7 @@ fn what_is_told_of_scenes_and_devices_has_the_keys_that_are_documented() {
 
 #[test]
 #[cfg(unix)]
-fn what_is_told_of_a_job_has_the_keys_that_are_documented() {
+fn status_has_the_keys_that_are_documented() {
     let place = place();
     let submit = "submit slurm ../scenes/sphere.ron --spp 16 --parts 2 -o job --dry-run --device";
     place.says(&format!("{submit} {}", software())).exits(0);

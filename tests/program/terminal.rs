@@ -103,7 +103,7 @@ mod wide {
 
     /// Progress, warnings, summaries, tables, errors and help. A word alone in its row may be wider: a path is never broken.
     #[test]
-    fn nothing_is_wider_than_the_terminal() {
+    fn no_line_is_wider_than_the_terminal() {
         let place = Place::new();
         let white = SPHERE
             .replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)")
@@ -143,7 +143,7 @@ mod wide {
 
     /// JSON stays JSON, and what a program reads stays in its line.
     #[test]
-    fn what_programs_read_is_never_broken() {
+    fn lines_that_programs_read_are_never_broken() {
         let place = Place::new();
         let text = on_terminal(place.command(&["devices", "--json"]), 20);
         assert!(serde_json::from_str::<serde_json::Value>(&text).is_ok(), "{text}");

@@ -67,7 +67,7 @@ impl Watch {
         last
     }
 
-    /// The same of a render that comes to its end.
+    /// Waits for a render that comes to its end.
     fn until_rendered(&mut self) -> String {
         self.until("sphere.exr: ")
     }
@@ -142,7 +142,7 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
     let said = watch.until_rendered();
     assert!(said.contains("compiled for the change: ") && said.matches(none).count() == 1, "{said}");
     watch.is_of_the_scene();
-    // Those of before are still there.
+    // The earlier messages are still there.
     watch.save(SPHERE, Save::InPlace);
     let said = watch.until_rendered();
     assert_eq!(said.matches(none).count(), 2, "{said}");
@@ -349,7 +349,7 @@ fn a_part_of_the_image_has_previews_of_that_part() {
 }
 
 #[test]
-fn what_cannot_be_watched_is_refused_in_words() {
+fn watch_refuses_streams_and_options_of_one_render() {
     let place = Place::new();
     for (more, words) in [
         ("--samples 0..8", "'--samples <A..B>'"),

@@ -21,11 +21,11 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// How long a signal may wait.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// Notes when one of some files changes. The stamps of the files decide. The system tells when to look at them: its words do not say what a
+/// Finds out when one of some files changes. The stamps of the files decide. The system tells when to look at them: its words do not say what a
 /// save is, because editors save in many ways, and some put a new file in the place of the old one.
 pub struct Changes {
     files: BTreeMap<PathBuf, Stamp>,
-    /// Nothing where the system does not tell of changes.
+    /// `None` if the system does not report changes.
     system: Option<RecommendedWatcher>,
     /// The folders that the system tells of.
     folders: BTreeSet<PathBuf>,
@@ -33,7 +33,7 @@ pub struct Changes {
     stirred: Arc<AtomicBool>,
     looked: Mutex<Instant>,
     /// Whether a file has changed.
-    came: AtomicBool,
+    has_changed: AtomicBool,
 }
 
 impl Changes {
@@ -51,14 +51,14 @@ impl Changes {
             folders: BTreeSet::new(),
             stirred,
             looked: Mutex::new(Instant::now()),
-            came: AtomicBool::new(false),
+            has_changed: AtomicBool::new(false),
         }
     }
 
     /// Begins anew with these files, as they were when they were read.
     pub fn follow(&mut self, files: &BTreeMap<PathBuf, Stamp>) {
         self.files.clone_from(files);
-        self.came = AtomicBool::new(false);
+        self.has_changed = AtomicBool::new(false);
         // A file behind a link changes in another folder.
         let real = files.keys().filter_map(|path| path.canonicalize().ok());
         let folders: BTreeSet<PathBuf> =
@@ -78,8 +78,8 @@ impl Changes {
     }
 
     /// Whether a file has changed. May be asked from any thread, as often as is convenient.
-    pub fn came(&self) -> bool {
-        if self.came.load(Ordering::Relaxed) {
+    pub fn have_changed(&self) -> bool {
+        if self.has_changed.load(Ordering::Relaxed) {
             return true;
         }
         let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
@@ -88,13 +88,13 @@ impl Changes {
         }
         *looked = Instant::now();
         let changed = self.files.iter().any(|(path, before)| stamp(path) != *before);
-        self.came.fetch_or(changed, Ordering::Relaxed);
+        self.has_changed.fetch_or(changed, Ordering::Relaxed);
         changed
     }
 
     /// Waits until a file has changed and the save is over, or until `ends`. The result is the files that have changed, and when that was noted.
     pub fn wait(&self, ends: impl Fn() -> bool) -> Option<(Vec<&Path>, Instant)> {
-        while !self.came() {
+        while !self.have_changed() {
             if ends() {
                 return None;
             }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::RenderArgs;
 use crate::aov::Aov;
-use crate::commands::denoise::{Denoised, Target, denoise};
+use crate::commands::denoise::{Denoised, Denoising, denoise};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::output::place::can_be_replaced;
@@ -12,34 +12,24 @@ use crate::output::place::can_be_replaced;
 /// The channels that a denoiser wants.
 pub const WANTED: [Aov; 2] = [Aov::Albedo, Aov::Normal];
 
-/// What denoises, and where the result goes.
-pub struct Denoising {
-    denoiser: Denoiser,
-    target: Target,
+/// Loads the library before anything costs time; `None` without `--denoise`.
+pub fn open(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
+    if !args.denoise() {
+        return Ok(None);
+    }
+    let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
+    let denoiser = Denoiser::open(args.oidn.as_deref()).map_err(undone)?;
+    let (exr, png) = (beside(image), args.png.as_deref().and_then(picture_beside));
+    Ok(Some(Denoising { denoiser, exr, png, view: args.view.transform() }))
 }
 
-impl Denoising {
-    /// Loads the library before anything costs time; `None` without `--denoise`.
-    pub fn open(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
-        if !args.denoise() {
-            return Ok(None);
-        }
-        let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
-        let denoiser = Denoiser::open(args.oidn.as_deref()).map_err(undone)?;
-        let (exr, png) = (beside(image), args.png.as_deref().and_then(picture_beside));
-        Ok(Some(Denoising { denoiser, target: Target { exr, png, view: args.view.transform() } }))
-    }
-
-    /// Denoises the image of the render, which its file holds.
-    pub fn write(&self, exr: &Path, quiet: bool) -> Result<Denoised> {
-        let held = |error: Error| match error {
-            Error::Denoiser(words) => {
-                Error::Denoiser(format!("{words}. {} holds the image with its noise", exr.display()))
-            }
-            error => error,
-        };
-        denoise(&self.denoiser, exr, &self.target, quiet).map(|(denoised, _)| denoised).map_err(held)
-    }
+/// Denoises the image of the render, which its file holds.
+pub fn write(denoising: &Denoising, exr: &Path, quiet: bool) -> Result<Denoised> {
+    let held = |error: Error| match error {
+        Error::Denoiser(words) => Error::Denoiser(format!("{words}. {} holds the image with its noise", exr.display())),
+        error => error,
+    };
+    denoise(denoising, exr, quiet).map(|(denoised, _)| denoised).map_err(held)
 }
 
 /// The name of the denoised image: NAME.denoised.exr of NAME.exr.

@@ -26,11 +26,11 @@ use crate::scene::Scene;
 use crate::threads::beside;
 use accumulation::Accumulation;
 pub use args::RenderArgs;
-use denoising::{Denoising, WANTED};
 use observers::Observers;
 use record::Held;
-pub use record::{Finish, attributes_of, excluded};
+pub use record::{Finish, attributes_of};
 use rendering::{Clock, Rendering};
+pub use request::excluded;
 use request::{Request, checked_image};
 use session::Session;
 pub use summary::{doubts, error_words, noise_words};
@@ -47,7 +47,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let scene = session.load(args)?;
     let mut args = args.clone();
     if args.denoise() {
-        args.options.aov.include(&WANTED);
+        args.options.aov.include(&denoising::WANTED);
     }
     render(&args, &scene, &mut session, start)
 }
@@ -64,7 +64,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     tell_warnings(&scene.warnings());
     tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet);
     let image = checked_image(args, scene)?;
-    let denoising = Denoising::open(args, &image.0)?;
+    let denoising = denoising::open(args, &image.0)?;
     clock.seconds.load = clock.lap();
 
     let (opened, flat) = session.flatten(args, scene, &mut clock);
@@ -100,7 +100,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     }
     rendering.clock.seconds.write = rendering.clock.lap();
     let denoised = match (denoising, request.exr()) {
-        (Some(denoising), Some(exr)) if finish.complete => Some(denoising.write(exr, args.quiet)?),
+        (Some(denoising), Some(exr)) if finish.complete => Some(denoising::write(&denoising, exr, args.quiet)?),
         _ => None,
     };
 

@@ -79,7 +79,7 @@ impl<'a> Observers<'a> {
         let Request { args, job, image, .. } = request;
         let progress = Progress::new(args.quiet, job, earlier);
         let viewers = Viewers::open(args, image.display().to_string(), job.size);
-        let mut observers = Observers::of(progress, viewers, signals, job);
+        let mut observers = Observers::silent(progress, viewers, signals, job);
         observers.changes = changes;
         observers.checkpoints.interval = if args.watch { args.checkpoint.min(MOST_WATCHED) } else { args.checkpoint };
         observers.checkpoints.is_chosen = !args.watch;
@@ -89,7 +89,7 @@ impl<'a> Observers<'a> {
     }
 
     /// Observers that take no snapshots and write no checkpoints.
-    fn of(progress: Progress, viewers: Viewers, signals: &'a Signals, job: &Job) -> Observers<'a> {
+    fn silent(progress: Progress, viewers: Viewers, signals: &'a Signals, job: &Job) -> Observers<'a> {
         let checkpoints =
             Checkpoints { next: None, interval: Duration::ZERO, is_chosen: true, failed: None, kept: false };
         let pace = Pace::new(job, 0);
@@ -128,14 +128,14 @@ impl<'a> Observers<'a> {
             }
         }
         self.progress.update(self.pace.status(outcome));
-        let is_stopped = self.signals.came();
+        let is_stopped = self.signals.have_come();
         if is_stopped && !std::mem::replace(&mut self.told, true) {
             let signal = self.signals;
             self.progress.message(&format!("{signal}: ending the samples under way; a second signal ends at once"));
         }
         match is_stopped {
             true => Next::Stop,
-            false if self.changes.is_some_and(Changes::came) => Next::Drop,
+            false if self.changes.is_some_and(Changes::have_changed) => Next::Drop,
             false if has_looked => Next::GoOn,
             false if keep => Next::WholeSnapshot,
             false if look => Next::Snapshot,
@@ -230,7 +230,7 @@ mod tests {
 
     /// Observers that take a snapshot at this time, and write checkpoints at this interval.
     fn observers(signals: &Signals, next_snapshot: Option<Instant>, interval: Duration) -> Observers<'_> {
-        let mut observers = Observers::of(Progress::new(true, &JOB, 0), Viewers::default(), signals, &JOB);
+        let mut observers = Observers::silent(Progress::new(true, &JOB, 0), Viewers::default(), signals, &JOB);
         observers.next_snapshot = next_snapshot;
         observers.checkpoints.interval = interval;
         observers.checkpoints.next = Some(Instant::now() + interval);

@@ -14,10 +14,6 @@ use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
 
-/// What the stated error of any render excludes, in words.
-const EXCLUDED: &str =
-    "what max_depth cut off (cut_paths), rejected samples, light that no sample has met, and rounding (about 1e-6)";
-
 /// The result of a render, or of films that were joined.
 pub struct Finish {
     pub samples: Samples,
@@ -84,20 +80,12 @@ impl Finish {
     }
 }
 
-/// What the stated error excludes where these options bias the result, in words.
-pub fn excluded(biases: &str) -> String {
-    match biases {
-        "" => EXCLUDED.to_string(),
-        biases => format!("{EXCLUDED}, and what {biases} did"),
-    }
-}
-
 /// Samples of each pixel in the output.
 #[derive(Clone, Copy, Default)]
 pub struct Held {
-    /// Those that an earlier render has left, if this one goes on with it.
+    /// The earlier render's, if this one goes on with it.
     pub before: Option<u64>,
-    /// Those of the file if it stays as it was, because they are more than this render has.
+    /// The samples of the file if it stays as it was, because they are more than this render has.
     pub at_end: Option<u64>,
 }
 

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::accumulation::Accumulation;
 use super::observers::Observers;
-use super::record::{Finish, Held, Seconds, drop_absent, overrun, record};
+use super::record::{Finish, Held, Seconds, attributes_of, drop_absent, overrun, record};
 use super::request::Request;
 use crate::commands::console::{object, path_text};
 use crate::commands::denoise::Denoised;
@@ -71,7 +71,7 @@ impl Rendering<'_> {
     pub fn run(&mut self) -> Result<()> {
         let first = self.attempt();
         let Err(Error::Device(why)) = &first else { return first };
-        if self.loaded.is_none() || self.observers.signals.came() {
+        if self.loaded.is_none() || self.observers.signals.have_come() {
             return first;
         }
         self.observers.progress.message(&format!("warning: {why}; the device is opened once more"));
@@ -114,7 +114,8 @@ impl Rendering<'_> {
                     per_sample(begun.elapsed().as_secs_f64(), samples.count().saturating_sub(earlier));
                 let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
                 let state = State::new(request.identity().clone(), devices.clone(), film, samples, looks);
-                request.write(film, Some(state), &record(request, numerics, &finish, &seconds))?;
+                let attributes = attributes_of(&record(request, numerics, &finish, &seconds));
+                request.write(film, Some(state), &attributes)?;
                 let image = request.image.display();
                 signals.set_loss(format!("{image} holds the last checkpoint; what came since is lost"));
                 Ok(())
@@ -155,7 +156,7 @@ impl Rendering<'_> {
         self.held.at_end = if finish.complete { request.more_than(samples.count()) } else { None };
         if self.loaded.is_some() && self.held.at_end.is_none() {
             let state = State::new(request.identity().clone(), devices.clone(), pixels, samples.clone(), *looks);
-            request.write(pixels, Some(state), record)?;
+            request.write(pixels, Some(state), &attributes_of(record))?;
         }
         self.observers.signals.set_loss(format!("{} holds the image", request.image.display()));
         request.write_png(pixels)
@@ -174,7 +175,8 @@ impl Rendering<'_> {
         if film.film.totals().paths == 0 {
             return Error::Device(why);
         }
-        let written = request.write(&film.film, None, record).and_then(|()| request.write_png(&film.film));
+        let written =
+            request.write(&film.film, None, &attributes_of(record)).and_then(|()| request.write_png(&film.film));
         Error::Device(match written {
             Ok(()) => format!("{why}; {image} holds what there was, and cannot be resumed"),
             Err(error) => format!("{why}; {error}"),

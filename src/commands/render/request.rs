@@ -5,11 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use serde_json::{Map, Value};
-
 use super::args::RenderArgs;
 use super::denoising;
-use super::record::{attributes_of, excluded};
 use crate::commands::outputs::{EXR, EXR_OR_PNG, PNG, check_outputs};
 use crate::commands::scene::{biases, size_of};
 use crate::error::{Error, Result};
@@ -17,11 +14,15 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
-use crate::output::exr::{State, read_state, write_render};
+use crate::output::exr::{Attribute, State, read_state, write_render};
 use crate::output::format::{Format, format_of};
 use crate::output::place::{can_be_replaced, is_standard};
 use crate::output::png::write_png;
 use crate::scene::Scene;
+
+/// What the stated error of any render excludes, in words.
+const EXCLUDED: &str =
+    "what max_depth cut off (cut_paths), rejected samples, light that no sample has met, and rounding (about 1e-6)";
 
 /// What is asked of a render.
 pub struct Request<'a> {
@@ -82,7 +83,7 @@ impl<'a> Request<'a> {
 
     /// Writes the image that `-o` names. It is an error if that is an EXR with more samples of this render, which another process may have
     /// put there meanwhile. Nothing can go on from an image without a state.
-    pub fn write(&self, film: &Film, state: Option<State>, record: &Map<String, Value>) -> Result<()> {
+    pub fn write(&self, film: &Film, state: Option<State>, attributes: &[(String, Attribute)]) -> Result<()> {
         let Some(exr) = self.exr() else { return self.write_picture(&self.image, film) };
         let mine = state.as_ref().map(|state| state.samples.count());
         let may = || match mine.and_then(|mine| Some((mine, self.more_than(mine)?))) {
@@ -92,7 +93,7 @@ impl<'a> Request<'a> {
             )),
         };
         let state = state.filter(|_| !self.args.no_state);
-        write_render(exr, film, &attributes_of(record), state.as_ref(), may)
+        write_render(exr, film, attributes, state.as_ref(), may)
     }
 
     /// Writes the picture beside the EXR, if one is asked for.
@@ -122,6 +123,14 @@ impl<'a> Request<'a> {
             }
             false => format!("{image} holds {samples} samples per pixel. Add --resume to go on"),
         }
+    }
+}
+
+/// What the stated error excludes where these options bias the result, in words.
+pub fn excluded(biases: &str) -> String {
+    match biases {
+        "" => EXCLUDED.to_string(),
+        biases => format!("{EXCLUDED}, and what {biases} did"),
     }
 }
 

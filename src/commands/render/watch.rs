@@ -49,7 +49,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
                 }
             }
         }
-        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.came()));
+        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.have_come()));
         let Some((files, noted)) = changed else {
             let image = args.image();
             return Err(signals.interrupted(&match began {
@@ -140,7 +140,7 @@ fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) 
     }
 }
 
-/// The same part of an image in another size, in whole pixels around it.
+/// A part of an image, in an image of another size: the whole pixels around it.
 fn scaled(crop: &Crop, (width, height): (u32, u32), (to_width, to_height): (u32, u32)) -> Crop {
     let along = |first: u32, count: u32, all: u32, to: u32| {
         let at = |place: u64| place * u64::from(to);

@@ -96,7 +96,7 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
 /// The warnings about opaque surfaces and about clear ones.
 pub fn search<'a>(search: &Search<'a>) -> [Worst<'a>; 2] {
     // Hidden sides are seen through clear objects alone.
-    let sees_all = search.bodies().any(|body| body.role.clear);
+    let sees_all = search.finder.placed.iter().any(|placed| search.roles[placed.material as usize].clear);
     let all = search.bodies().enumerate().flat_map(|(number, body)| sides(number, &body));
     let mut all: Vec<Side> = all.filter(|side| sees_all || !side.hidden).collect();
     all.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.distance.total_cmp(&b.distance)));
@@ -128,7 +128,7 @@ struct Pairs<'s, 'a> {
     search: &'s Search<'a>,
     /// The pairs of objects that are counted.
     known: HashSet<(usize, usize)>,
-    /// Of opaque surfaces and of clear ones.
+    /// The worst pair of opaque surfaces, and the worst with a clear one.
     worst: [Worst<'a>; 2],
 }
 

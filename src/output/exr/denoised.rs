@@ -1,4 +1,4 @@
-//! What a denoiser wants of a file, and the file of what it makes of that.
+//! Reads the picture and the layers that a denoiser needs from an EXR, and writes the denoised image.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -10,9 +10,9 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 
+use super::attribute::{Attribute, DENOISER, decoded, text, to_io};
 use super::read::{as_floats, find_rgb, float, note_of_colours, open, pixels_of, read_part, triple};
 use super::write::{OF_PICTURE, sort_attributes};
-use super::{Attribute, decoded, text, to_io};
 use crate::chromaticities::{Conversion, REC_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
@@ -25,7 +25,7 @@ pub struct NoisyFile {
     pub rgb: Vec<Rgb<f32>>,
     pub albedo: Option<Vec<Rgb<f32>>>,
     pub normal: Option<Vec<Rgb<f32>>>,
-    /// What is to be told of its colours, if they were not those of Rec. 709.
+    /// The note for users about its colours, if they were not those of Rec. 709.
     pub colours: Option<String>,
     header: Header,
 }
@@ -36,8 +36,6 @@ const ALBEDOS: [&str; 3] = ["albedo", "denoising albedo", "diffcol"];
 const NORMALS: [&str; 3] = ["n", "normal", "denoising normal"];
 const COMPONENTS: [Rgb<&str>; 2] = [CHANNELS, ["X", "Y", "Z"]];
 
-/// The attribute that names the denoiser of a denoised image.
-pub const DENOISER: &str = "gpu-rt:denoiser";
 const BIASES: &str = "gpu-rt:biases";
 /// The attributes that are true of the image with its noise only: those of its error.
 const OF_NOISE: [&str; 7] = [
@@ -52,7 +50,7 @@ const OF_NOISE: [&str; 7] = [
 const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the result, and its error is not known.";
 
 impl NoisyFile {
-    /// What has denoised it already.
+    /// The denoiser that has denoised it already.
     pub fn denoiser(&self) -> Option<String> {
         let known = self.header.own_attributes.other.iter().find(|(name, _)| decoded(name) == DENOISER);
         known.map(|(_, value)| match Attribute::of_exr(value) {

@@ -11,7 +11,7 @@ use ::exr::meta::attribute::{ChannelDescription, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
-use super::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
+use super::attribute::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
 use crate::chromaticities::Conversion;
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
@@ -26,9 +26,9 @@ pub struct ExrImage {
     pub height: u32,
     /// Row 0 on top. Linear Rec. 709.
     pub rgb: Vec<Rgb<f32>>,
-    /// What is to be told of its colours, if they were not those of Rec. 709.
+    /// The note for users about its colours, if they were not those of Rec. 709.
     pub colours: Option<String>,
-    /// As [`Picture::variance`]. Only files of gpu-rt have this and the next two.
+    /// The variances of [`Picture::variance`]. Only files of gpu-rt have variances, samples and rejected samples.
     pub variance: Option<Vec<Rgb<f32>>>,
     pub samples: Option<Vec<u32>>,
     pub rejected: Option<Vec<u32>>,
@@ -43,7 +43,7 @@ impl ExrImage {
         variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
     }
 
-    /// What has denoised it, if `gpu-rt denoise` made it.
+    /// The denoiser, if `gpu-rt denoise` made the file.
     pub fn denoiser(&self) -> Option<&str> {
         let found = self.attributes.iter().find(|(name, _)| name == DENOISER);
         found.map(|(_, words)| words.as_str())
@@ -188,8 +188,7 @@ fn read_place(
     Ok(image)
 }
 
-/// The name of a channel without that of its layer.
-/// What users are told of a file whose colours are, or are not, converted.
+/// The note for users about a file whose colours are converted, or cannot be.
 pub(super) fn note_of_colours(conversion: &std::result::Result<Option<Conversion>, String>) -> Option<String> {
     match conversion {
         Ok(conversion) => conversion.as_ref().map(Conversion::words),
@@ -197,6 +196,7 @@ pub(super) fn note_of_colours(conversion: &std::result::Result<Option<Conversion
     }
 }
 
+/// The name of a channel without that of its layer.
 fn last_part(channel: &str) -> &str {
     channel.rsplit('.').next().unwrap_or_default()
 }

@@ -8,8 +8,8 @@ use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
+use super::attribute::{Attribute, STATE, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
-use super::{Attribute, STATE, decoded};
 use crate::aov::SceneSpace;
 use crate::data::{SampleSpread, Sampler};
 use crate::error::{Error, Result};
@@ -18,7 +18,7 @@ use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
 
-/// What a film is of.
+/// What a render needs to go on: which image a film is of, its samples, and the film's form.
 #[derive(Clone, Debug)]
 pub struct State {
     pub identity: Identity,
@@ -35,7 +35,7 @@ pub struct State {
     /// The space in which the kernels see the scene, if there are channels beside the radiance.
     pub space: Option<SceneSpace>,
     pub totals: Totals,
-    /// Of all words of all pixels.
+    /// The checksum of all words of all pixels.
     checksum: u32,
 }
 
@@ -92,7 +92,7 @@ impl State {
         difference.or((of_film(self) != of_film(other)).then(|| "their films differ".to_string()))
     }
 
-    /// As the file has it, for this film.
+    /// The text of the state in the file, for this film.
     pub(super) fn describe(&self, film: &Film, checksum: u32) -> String {
         let stored = Stored {
             format: FORMAT,

@@ -11,7 +11,8 @@ use ::exr::meta::attribute::{ChannelDescription, Compression, IntegerBounds, Lin
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
-use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
+use super::attribute::{Attribute, REJECTED, SAMPLES, STATE, VARIANCES, text, to_io};
+use super::state::State;
 use crate::aov::{Channel, ChannelNames};
 use crate::chromaticities::REC_709;
 use crate::data::CHANNELS;
@@ -23,7 +24,7 @@ use crate::output::atomic;
 /// The file's `comments`, which explain the layers beside R, G and B.
 const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean; 3.4028235e38 where unknown. \
     samples, rejected: camera samples of the pixel that went into the mean, and that were left out as not finite.";
-/// What follows where there are channels of `--aov`.
+/// The end of the `comments` of a file with channels of `--aov`.
 const COMMENTS_OF_AOVS: &str = " Z: distance along the camera's axis, mean over the samples that hit a surface; 3.4028235e38 without any. \
     N, P: in the world's axes. object, material: numbers from 1; 0 is none.";
 /// The name of the part that holds the picture, of a file with several parts. Blender takes the name for that of the pass, or of the view
@@ -76,7 +77,7 @@ pub fn write_render(
     write_parts(path, &film.frame(), &contents, attributes, part, may)
 }
 
-/// What a channel of the picture's part holds.
+/// The contents of a channel of the picture's part.
 enum Value {
     Radiance(usize),
     Variance(usize),
@@ -89,7 +90,7 @@ enum Value {
 struct Contents<'a> {
     part: &'static str,
     pixel: &'a dyn Fn(usize) -> PicturePixel,
-    /// That has the channels beside the radiance.
+    /// The film with the channels beside the radiance.
     film: Option<&'a Film>,
     /// By their names.
     channels: Vec<(String, Value)>,
@@ -274,7 +275,7 @@ fn compress<W: Write + Seek>(
 }
 
 impl StatePart<'_> {
-    /// The same of the state.
+    /// The bytes of the state of these pixels, one channel after another.
     fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
         let pixels: Vec<Vec<u16>> = row.map(|index| self.film.words(index)).collect();
         let channel = |word: &usize| pixels.iter().flat_map(|words| words[*word].to_ne_bytes()).collect::<Vec<u8>>();

@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(budget.check((LARGEST_SIDE, rows), OF_FLOATS, 0), Ok(()));
         let refused = budget.check((LARGEST_SIDE, rows + 1), OF_FLOATS, 0).unwrap_err();
         assert!(refused.contains("expected at most 2147483647 bytes of texels"), "{refused}");
-        // The same as bytes takes a third.
+        // As bytes, the image takes a third.
         assert_eq!(budget.check((LARGEST_SIDE, rows + 1), OF_BYTES, 0), Ok(()));
         budget.0.push(("big.png".to_owned(), (9, 8), LARGEST_BINDING - 144));
         assert_eq!(budget.check((4, 3), OF_FLOATS, BEYOND), Ok(()));
