@@ -1,10 +1,15 @@
-//! The parts of a scene file, but for materials and textures: in f64 and in scene units.
+//! The parts of a scene as its file writes them, but for materials and textures: in f64 and in scene units, before flattening.
+
+use std::collections::BTreeMap;
 
 use clap::ValueEnum;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::delta_light::DeltaLight;
 use crate::error::{Error, Result};
+use crate::shape::mesh::MeshShape;
+use crate::shape::{self, Shape, ShapeKind};
 use crate::source::declare::declare;
 use crate::source::form::{Checked, Field, Form, PATH, colour, flag, number, other, point, texture, vector, whole};
 use crate::source::{DEGREES, NO_UNIT, Place, Range, SCENE_UNITS};
@@ -265,6 +270,62 @@ declare! {
             /// Henyey and Greenstein's g: above 0 most light is scattered forwards, below 0 back.
             #[serde(default)]
             anisotropy: f64 = number(Range::between(-1.0, 1.0), NO_UNIT).or("0");
+        }
+    }
+}
+
+impl Object {
+    /// Its kind of shape; none for lights without size and for objects that contain others.
+    pub fn kind(&self) -> Option<&'static ShapeKind> {
+        match self {
+            Object::Sphere { .. } => Some(&shape::sphere::KIND),
+            Object::Quad { .. } => Some(&shape::quad::KIND),
+            Object::Box { .. } => Some(&shape::cuboid::KIND),
+            Object::Disk { .. } => Some(&shape::disk::KIND),
+            Object::Mesh { .. } => Some(&shape::mesh::KIND),
+            _ => None,
+        }
+    }
+
+    /// The light without size that it is, if it is one.
+    pub fn delta_light(&self) -> Option<DeltaLight> {
+        match *self {
+            Object::PointLight { at, intensity } => Some(DeltaLight::Point { at, intensity }),
+            Object::SpotLight { at, towards, intensity, inner, outer } => {
+                Some(DeltaLight::Spot { at, towards, intensity, inner, outer })
+            }
+            Object::DirectionalLight { direction, irradiance } => {
+                Some(DeltaLight::Directional { direction, irradiance })
+            }
+            _ => None,
+        }
+    }
+
+    /// Its shape; none for lights without size, for objects that contain others, and for a mesh that is not in `meshes`.
+    pub fn shape<'a>(&self, meshes: &'a BTreeMap<&str, MeshShape<'a>>) -> Option<Shape<'a>> {
+        match self {
+            Object::Sphere { center, radius, .. } => {
+                Some(Shape::Sphere(shape::Sphere { center: *center, radius: *radius }))
+            }
+            Object::Quad { corner, u, v, .. } => Some(Shape::Quad(shape::Quad { corner: *corner, u: *u, v: *v })),
+            Object::Box { min, max, .. } => Some(Shape::Cuboid(shape::Cuboid { min: *min, max: *max })),
+            Object::Disk { center, normal, radius, .. } => {
+                Some(Shape::Disk(shape::Disk { center: *center, normal: *normal, radius: *radius }))
+            }
+            Object::Mesh { path, .. } => meshes.get(path.as_str()).map(Shape::Mesh),
+            _ => None,
+        }
+    }
+
+    /// The name of the object's own material. Lights without size and objects that contain others have none.
+    pub fn material(&self) -> Option<&str> {
+        match self {
+            Object::Sphere { material, .. }
+            | Object::Quad { material, .. }
+            | Object::Box { material, .. }
+            | Object::Disk { material, .. }
+            | Object::Mesh { material, .. } => material.as_deref(),
+            _ => None,
         }
     }
 }
