@@ -8,73 +8,8 @@ use crate::data::{self, f32s, luminance};
 use crate::error::Result;
 use crate::shape::similarity::Similarity;
 use crate::shape::{Aabb, RenderSpace};
-use crate::source::form::{Field, Form, Takes};
-use crate::source::{DEGREES, NO_UNIT, Place, Range, SMALLEST};
-use crate::texture::{Colour, Use};
-
-const AT: Field = Field::new("at", Takes::Point, "Where the light is.");
-const TOWARDS: Field = Field::new("towards", Takes::Point, "A point in the middle of its beam.");
-const INTENSITY: Field = Field::new(
-    "intensity",
-    Takes::Colour(Use::Radiance.range()),
-    "Power per solid angle. A surface that faces the light at a distance d gets the irradiance intensity / d². Transforms do not scale \
-     it.",
-);
-const INNER: Field = Field::new(
-    "inner",
-    Takes::Number(ANGLES, DEGREES),
-    "The angle from the middle of the beam up to which the light has its whole intensity; at most `outer`.",
-)
-.or("0");
-const OUTER: Field = Field::new(
-    "outer",
-    Takes::Number(ANGLES, DEGREES),
-    "The angle from which on it has none. Between them it falls as in glTF: by the square of the share of the cosine.",
-)
-.or("45");
-const DIRECTION: Field =
-    Field::new("direction", Takes::Vector, "Where the light goes, not where it comes from; of any length but 0.");
-const IRRADIANCE: Field = Field::new(
-    "irradiance",
-    Takes::Colour(Use::Radiance.range()),
-    "Power per area of a surface that faces the light, the same everywhere.",
-);
-const ANGLES: Range = Range::from_to(0.0, 180.0);
-
-pub fn default_inner() -> f64 {
-    0.0
-}
-
-pub fn default_outer() -> f64 {
-    45.0
-}
-
-/// As the scene file writes them.
-pub const FORMS: &[Form] = &[
-    Form {
-        name: "PointLight",
-        about: "A light without size that is equally bright in all directions. No ray can hit it, so the camera does not see it, nor does a \
-                mirror. Mirrors and glass stop its light: only light sampling finds it, and `--integrator bsdf` refuses it.",
-        fields: &[AT, INTENSITY],
-        in_order: false,
-        example: "PointLight(at: (0, 3, 1), intensity: (5, 5, 5))",
-    },
-    Form {
-        name: "SpotLight",
-        about: "A `PointLight` with a beam.",
-        fields: &[AT, TOWARDS, INTENSITY, INNER, OUTER],
-        in_order: false,
-        example: "SpotLight(at: (0, 3, 1), towards: (0, 0, 0), intensity: (5, 5, 5), inner: 20, outer: 30)",
-    },
-    Form {
-        name: "DirectionalLight",
-        about: "A light so far away that it reaches everything from one direction, like a sun without size. What is said of a `PointLight` \
-                holds for it.",
-        fields: &[DIRECTION, IRRADIANCE],
-        in_order: false,
-        example: "DirectionalLight(direction: (1, -2, -1), irradiance: (3, 3, 3))",
-    },
-];
+use crate::source::{Place, SMALLEST};
+use crate::texture::Colour;
 
 /// A light without size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,36 +30,21 @@ fn height(degrees: f64) -> f64 {
 }
 
 impl DeltaLight {
-    /// Checks its numbers.
+    /// Checks its numbers, each of which is in its own range.
     pub fn check(&self, above: &Place) -> Result<()> {
         match *self {
-            DeltaLight::Point { at, intensity } => {
-                AT.check_vector(above, at)?;
-                check_colour(above, &INTENSITY, intensity)
+            DeltaLight::Spot { at, towards, .. } if (towards - at).length() < SMALLEST => {
+                Err(above.field("towards").error("towards and at are the same point"))
             }
-            DeltaLight::Spot { at, towards, intensity, inner, outer } => {
-                AT.check_vector(above, at)?;
-                TOWARDS.check_vector(above, towards)?;
-                if (towards - at).length() < SMALLEST {
-                    return Err(above.field("towards").error("towards and at are the same point"));
-                }
-                check_colour(above, &INTENSITY, intensity)?;
-                INNER.check(above, inner)?;
-                OUTER.check(above, outer)?;
-                if inner > outer {
-                    let message = format!("expected an inner angle of at most outer ({outer}), found {inner}");
-                    return Err(above.field("inner").error(message));
-                }
-                Ok(())
+            DeltaLight::Spot { inner, outer, .. } if inner > outer => {
+                let message = format!("expected an inner angle of at most outer ({outer}), found {inner}");
+                Err(above.field("inner").error(message))
             }
-            DeltaLight::Directional { direction, irradiance } => {
-                DIRECTION.check_vector(above, direction)?;
-                if direction.length() < SMALLEST {
-                    let message = "the direction has no length: expected a direction such as (0, -1, 0)";
-                    return Err(above.field("direction").error(message));
-                }
-                check_colour(above, &IRRADIANCE, irradiance)
+            DeltaLight::Directional { direction, .. } if direction.length() < SMALLEST => {
+                let message = "the direction has no length: expected a direction such as (0, -1, 0)";
+                Err(above.field("direction").error(message))
             }
+            _ => Ok(()),
         }
     }
 
@@ -162,13 +82,6 @@ impl DeltaLight {
             }
         }
     }
-}
-
-fn check_colour(above: &Place, field: &Field, colour: Colour) -> Result<()> {
-    let at = above.field(field.name);
-    let channels = colour.to_array().into_iter().enumerate();
-    { channels }
-        .try_for_each(|(index, channel)| Use::Radiance.range().check(&at.index(index), field.name, NO_UNIT, channel))
 }
 
 /// The angles of a spot light, in degrees.

@@ -8,40 +8,83 @@ use serde::{Deserialize, Serialize};
 
 use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
-use crate::error::Result;
-use crate::source::form::{Field, Form, PATH, Takes, kinds};
+use crate::error::{Error, Result};
+use crate::source::declare::declare;
+use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, kinds, number, other, whole};
 use crate::source::{NO_UNIT, Place, Range, SCENE_UNITS};
 
 /// A linear Rec. 709 colour: red, green, blue.
 pub type Colour = DVec3;
 
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub enum Texture {
-    Rgb(f64, f64, f64),
-    Checker {
-        scale: f64,
-        even: Colour,
-        odd: Colour,
-    },
-    Image {
-        path: String,
-        /// What its colours are multiplied by.
-        #[serde(default = "white")]
-        tint: Colour,
-        /// The channel that a number is taken from. A colour has none.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        channel: Option<Channel>,
-        /// Which of a mesh's sets of texture coordinates it has.
-        #[serde(default, skip_serializing_if = "is_first")]
-        uv_set: u32,
-    },
-    Noise {
-        scale: f64,
-    },
-    Marble {
-        scale: f64,
-    },
+/// Each texture of a glTF material may have a set of its own, and these are few.
+const MOST_UV_SETS: u32 = 16;
+
+/// The range of a channel depends on the material's slot, which has it.
+const CHANNEL: Field = number(Range::ANY, NO_UNIT);
+const COLOUR: Field = colour(Range::ANY);
+const FREQUENCY: Field = number(Range::POSITIVE, "per scene unit");
+
+declare! {
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub enum Texture {
+        /// One colour everywhere, linear Rec. 709.
+        Rgb: rgb, "Rgb(0.7, 0.3, 0.2)" (
+            /// Red.
+            r: f64 = CHANNEL;
+            /// Green.
+            g: f64 = CHANNEL;
+            /// Blue.
+            b: f64 = CHANNEL;
+        )
+        /// Cubes of two colours that take turns along each axis.
+        Checker: checker, "Checker(scale: 0.5, even: (0.2, 0.3, 0.1), odd: (0.9, 0.9, 0.9))" {
+            /// The side of a cube.
+            scale: f64 = number(Range::POSITIVE, SCENE_UNITS);
+            /// Where the sum of floor(p / scale) over the coordinates is even.
+            even: Colour = COLOUR;
+            /// Where it is odd.
+            odd: Colour = COLOUR;
+        }
+        /// An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.
+        Image: image, "Image(path: \"textures/planet.png\")" {
+            /// A PNG, JPEG, BMP, TGA, TIFF or WebP in sRGB, or a linear HDR or EXR; or an image of a glTF file, such as
+            /// `room.glb#images/0`.
+            path: String = other(PATH);
+            /// What its colours are multiplied by.
+            #[serde(default = "white")]
+            tint: Colour = COLOUR.or("(1, 1, 1)");
+            /// Of a number, such as a roughness: the channel that it is taken from. Its codes are linear, and the red of `tint` is its
+            /// factor.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            channel: Option<Channel> = other("R, G, B or A").or("for a number R");
+            /// On a mesh: which of its sets of texture coordinates it has. A part of a glTF file has one for each pair of TEXCOORD and
+            /// KHR_texture_transform among the textures of its material in the file; other meshes have one.
+            #[serde(default, skip_serializing_if = "is_first")]
+            uv_set: u32 = whole(0, MOST_UV_SETS - 1).or("0, the first");
+        }
+        /// Perlin noise as a grey: 0.5 (1 + perlin(scale · p)).
+        Noise: noise, "Noise(scale: 4)" {
+            /// Detail: a larger number makes finer patterns.
+            scale: f64 = FREQUENCY;
+        }
+        /// Marble as a grey: 0.5 (1 + sin(scale · z + 10 turbulence(p))), with seven octaves of Perlin noise.
+        Marble: marble, "Marble(scale: 4)" {
+            scale: f64 = noise::FIELDS.scale;
+        }
+    }
+}
+
+impl Checked for Channel {}
+
+impl Checked for Texture {
+    /// Checks a number that may vary where it does not.
+    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+        match (field.takes, self.plain()) {
+            (Takes::Varying(_), Some(grey)) => field.check(above, grey.x),
+            _ => Ok(()),
+        }
+    }
 }
 
 fn white() -> Colour {
@@ -107,111 +150,17 @@ pub mod normal_map {
 /// The properties that all textures of a kind share.
 #[derive(Debug)]
 pub struct TextureKind {
-    pub form: Form,
-    /// The name of its file under shaders/texture.
+    /// The name of its file under shaders/texture. A plain colour is stored in the material, and has none.
     pub shader: &'static str,
 }
 
-/// The range of a channel depends on the material's slot, which has it.
-const fn channel(name: &'static str, about: &'static str) -> Field {
-    Field::new(name, Takes::Number(Range::ANY, NO_UNIT), about)
-}
-
-const fn colour(name: &'static str, about: &'static str) -> Field {
-    Field::new(name, Takes::Colour(Range::ANY), about)
-}
-
-const TINT: Field =
-    Field::new("tint", Takes::Colour(Range::ANY), "What its colours are multiplied by.").or("(1, 1, 1)");
-const CHANNEL: Field = Field::new(
-    "channel",
-    Takes::Other("R, G, B or A"),
-    "Of a number, such as a roughness: the channel that it is taken from. Its codes are linear, and the red of `tint` is its factor.",
-)
-.or("for a number R");
-/// Each texture of a glTF material may have a set of its own, and these are few.
-const MOST_UV_SETS: u32 = 16;
-const UV_SET: Field = Field::new(
-    "uv_set",
-    Takes::Whole(0, MOST_UV_SETS - 1),
-    "On a mesh: which of its sets of texture coordinates it has. A part of a glTF file has one for each pair of TEXCOORD and \
-     KHR_texture_transform among the textures of its material in the file; other meshes have one.",
-)
-.or("0, the first");
-const SIDE: Field = Field::new("scale", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The side of a cube.");
-const FREQUENCY: Field = Field::new(
-    "scale",
-    Takes::Number(Range::POSITIVE, "per scene unit"),
-    "Detail: a larger number makes finer patterns.",
-);
-
 kinds! {
     Texture: TextureKind;
-    // A plain colour is stored in the material, and has no shader file.
-    Rgb => TextureKind {
-        form: Form {
-            name: "Rgb",
-            about: "One colour everywhere, linear Rec. 709.",
-            fields: &[channel("r", "Red."), channel("g", "Green."), channel("b", "Blue.")],
-            in_order: true,
-            example: "Rgb(0.7, 0.3, 0.2)",
-        },
-        shader: "",
-    },
-    Checker => TextureKind {
-        form: Form {
-            name: "Checker",
-            about: "Cubes of two colours that take turns along each axis.",
-            fields: &[
-                SIDE,
-                colour("even", "Where the sum of floor(p / scale) over the coordinates is even."),
-                colour("odd", "Where it is odd."),
-            ],
-            in_order: false,
-            example: "Checker(scale: 0.5, even: (0.2, 0.3, 0.1), odd: (0.9, 0.9, 0.9))",
-        },
-        shader: "checker",
-    },
-    Image => TextureKind {
-        form: Form {
-            name: "Image",
-            about: "An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.",
-            fields: &[
-                Field::new(
-                    "path",
-                    Takes::Other(PATH),
-                    "A PNG, JPEG, BMP, TGA, TIFF or WebP in sRGB, or a linear HDR or EXR; or an image of a glTF file, \
-                     such as `room.glb#images/0`.",
-                ),
-                TINT,
-                CHANNEL,
-                UV_SET,
-            ],
-            in_order: false,
-            example: "Image(path: \"textures/planet.png\")",
-        },
-        shader: "image",
-    },
-    Noise => TextureKind {
-        form: Form {
-            name: "Noise",
-            about: "Perlin noise as a grey: 0.5 (1 + perlin(scale · p)).",
-            fields: &[FREQUENCY],
-            in_order: false,
-            example: "Noise(scale: 4)",
-        },
-        shader: "noise",
-    },
-    Marble => TextureKind {
-        form: Form {
-            name: "Marble",
-            about: "Marble as a grey: 0.5 (1 + sin(scale · z + 10 turbulence(p))), with seven octaves of Perlin noise.",
-            fields: &[FREQUENCY],
-            in_order: false,
-            example: "Marble(scale: 4)",
-        },
-        shader: "marble",
-    },
+    Rgb => TextureKind { shader: "" },
+    Checker => TextureKind { shader: "checker" },
+    Image => TextureKind { shader: "image" },
+    Noise => TextureKind { shader: "noise" },
+    Marble => TextureKind { shader: "marble" },
 }
 
 /// The shader files of the kinds of texture, under shaders/texture. Kernels switch on the indices.
@@ -301,24 +250,24 @@ impl Texture {
     /// Refuses numbers that are invalid, or out of range for the use of the texture.
     pub fn check(&self, at: &Place, usage: Use) -> Result<()> {
         let at = at.variant(self.name());
-        UV_SET.check_whole(&at, self.uv_set())?;
+        image::FIELDS.uv_set.check_whole(&at, self.uv_set())?;
         match self {
             Texture::Image { tint: Colour::ONE, channel: Some(Channel::Rgb), .. } if usage == Use::Normal => Ok(()),
             _ if usage == Use::Normal => Err(at.unexpected("a normal map: Image(path: ..), without a tint")),
             Texture::Image { channel: Some(Channel::Rgb), .. } if usage == Use::Share => {
-                Err(at.field(CHANNEL.name).error("a number has one channel: R, G, B or A"))
+                Err(at.field(image::FIELDS.channel.name).error("a number has one channel: R, G, B or A"))
             }
             Texture::Rgb(r, g, b) => usage.check(&at, DVec3::new(*r, *g, *b)),
             Texture::Checker { scale, even, odd } => {
-                SIDE.check(&at, *scale)?;
+                checker::FIELDS.scale.check(&at, *scale)?;
                 usage.check(&at.field("even"), *even)?;
                 usage.check(&at.field("odd"), *odd)
             }
             Texture::Image { channel: Some(_), .. } if usage != Use::Share => Err(at
-                .field(CHANNEL.name)
+                .field(image::FIELDS.channel.name)
                 .error("a colour has all channels: remove the channel, which is for numbers such as a roughness")),
-            Texture::Image { tint, .. } => usage.check(&at.field(TINT.name), *tint),
-            Texture::Noise { scale } | Texture::Marble { scale } => FREQUENCY.check(&at, *scale),
+            Texture::Image { tint, .. } => usage.check(&at.field(image::FIELDS.tint.name), *tint),
+            Texture::Noise { scale } | Texture::Marble { scale } => noise::FIELDS.scale.check(&at, *scale),
         }
     }
 
@@ -489,6 +438,6 @@ mod tests {
 
     #[test]
     fn what_is_expected_names_all_kinds() {
-        assert_eq!(TEXTURE, format!("a texture: {}", any_of(Texture::KINDS.iter().map(|kind| &kind.form))));
+        assert_eq!(TEXTURE, format!("a texture: {}", any_of(Texture::FORMS.iter())));
     }
 }

@@ -1,24 +1,10 @@
 //! A clear solid: glass, water.
 
-use super::{ABSORPTION, Lobe, MaterialKind, Model, Number, TRANSMITTANCE};
+use super::declared::dielectric::FIELDS;
+use super::model::{Lobe, MaterialKind, Model};
 use crate::data;
-use crate::source::form::{Field, Form, Takes};
-use crate::source::{NO_UNIT, Range};
-
-pub(super) const IOR: Field = Field::new(
-    "ior",
-    Takes::Number(Range::POSITIVE, NO_UNIT),
-    "Index of refraction, relative to what is outside: 1.5 for glass, 1.33 for water, 0.667 for air in glass.",
-);
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form {
-        name: "Dielectric",
-        about: "A clear solid, such as glass or water. It reflects and refracts.",
-        fields: &[IOR, TRANSMITTANCE, ABSORPTION],
-        in_order: false,
-        example: "Dielectric(ior: 1.5)",
-    },
     shader: "dielectric",
     lobes: &[Lobe::Specular],
     is_transmissive: true,
@@ -36,8 +22,7 @@ pub fn model(ior: f64) -> Model<'static> {
         slot: None,
         lobes: vec![Lobe::Specular],
         two_sided: None,
-        numbers: vec![Number { field: &IOR, value: ior, warning: warning(ior) }],
-        colours: Vec::new(),
+        warning: warning(ior).map(|warning| (&FIELDS.ior, warning)),
         lacks: None,
         second_part: None,
         extensions: Vec::new(),

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::model::LEAST_ROUGHNESS;
+
 /// Rows are roughnesses, and columns the cosines of the view.
 const ROWS: usize = 32;
 const COLUMNS: usize = 32;
@@ -14,7 +16,7 @@ const SECTORS: u32 = 32;
 pub fn kept_shares() -> Vec<[f32; 4]> {
     let share = |at: usize| {
         let (row, column) = (at / COLUMNS, at % COLUMNS);
-        let roughness = (row as f64 / (ROWS - 1) as f64).max(f64::from(super::LEAST_ROUGHNESS));
+        let roughness = (row as f64 / (ROWS - 1) as f64).max(f64::from(LEAST_ROUGHNESS));
         let alpha = roughness * roughness;
         let x = column as f64 / (COLUMNS - 1) as f64;
         // At a grazing view, everything is mirrored to the other side.

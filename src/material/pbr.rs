@@ -1,53 +1,12 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
-use super::{
-    ALPHA, ALPHA_CUTOFF, ANY_LOBE, EMISSION, ExtensionKind, Lobe, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL,
-    NORMAL_SCALE, Number, SPECULAR, SPECULAR_COLOR, Slot, VERTEX_ALPHA, VERTEX_COLORS, conductor, varying,
-};
+use super::conductor;
+use super::declared::pbr::FIELDS;
+use super::model::{ANY_LOBE, ExtensionKind, Lobe, MaterialKind, Model, Slot, varying};
 use crate::data;
-use crate::source::form::{Field, Form, Takes};
-use crate::source::{NO_UNIT, Range};
 use crate::texture::{Texture, Use};
 
-const BASE_COLOR: Field =
-    Field::new("base_color", Takes::Texture(Use::Albedo.range()), "The colour of the body, or of the metal.")
-        .or("Rgb(1, 1, 1)");
-const METALLIC: Field =
-    Field::new("metallic", Takes::Varying(Range::SHARE), "1 is a metal, 0 is none, and between is a mixture.").or("1");
-const ROUGHNESS: Field = Field::new(
-    "roughness",
-    Takes::Varying(Range::SHARE),
-    "The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 0, a perfect mirror.",
-)
-.or("1");
-const IOR: Field =
-    Field::new("ior", Takes::Number(Range::from_to(1.0, MOST_IOR), NO_UNIT), "The index of refraction of the layer.")
-        .or("1.5");
-
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form {
-        name: "Pbr",
-        about: "The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its names \
-                and defaults are those of glTF.",
-        fields: &[
-            BASE_COLOR,
-            METALLIC,
-            ROUGHNESS,
-            IOR,
-            SPECULAR,
-            SPECULAR_COLOR,
-            MULTISCATTER,
-            EMISSION,
-            ALPHA,
-            ALPHA_CUTOFF,
-            VERTEX_COLORS,
-            VERTEX_ALPHA,
-            NORMAL,
-            NORMAL_SCALE,
-        ],
-        in_order: false,
-        example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
-    },
     shader: "pbr",
     lobes: ANY_LOBE,
     is_transmissive: false,
@@ -67,18 +26,16 @@ pub const KIND: MaterialKind = MaterialKind {
 };
 
 pub fn model<'a>(base_color: &'a Texture, metallic: &'a Texture, roughness: &'a Texture, ior: f64) -> Model<'a> {
-    let (metallic, number_of_metallic, varying_metallic) = varying(&METALLIC, ExtensionKind::Metallic, metallic);
-    let (roughness, number_of_roughness, varying_roughness) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
+    let (metallic, varying_metallic) = varying(&FIELDS.metallic, ExtensionKind::Metallic, metallic);
+    let (roughness, varying_roughness) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     // Where nothing says that all of it is a metal, it has a matt body too.
     let is_metal = metallic == 1.0 && varying_metallic.is_none();
     let lobes = if is_metal { vec![conductor::lobe(roughness)] } else { vec![Lobe::Wide, conductor::lobe(roughness)] };
-    let ior_number = Number { field: &IOR, value: ior, warning: None };
     Model {
-        slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
+        slot: Some(Slot { field: &FIELDS.base_color, usage: Use::Albedo, texture: base_color }),
         lobes,
         two_sided: None,
-        numbers: number_of_metallic.into_iter().chain(number_of_roughness).chain([ior_number]).collect(),
-        colours: Vec::new(),
+        warning: None,
         lacks: None,
         extensions: varying_roughness.into_iter().chain(varying_metallic).collect(),
         absorption: None,

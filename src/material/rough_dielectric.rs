@@ -1,30 +1,12 @@
 //! A clear solid with a rough surface: frosted glass.
 
-use super::{
-    ABSORPTION, ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE,
-    TRANSMITTANCE, dielectric, varying,
-};
+use super::declared::rough_dielectric::FIELDS;
+use super::dielectric;
+use super::model::{ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, varying};
 use crate::data::{self, NO_TEXTURE};
-use crate::source::Range;
-use crate::source::form::{Field, Form, Takes};
 use crate::texture::Texture;
 
-const ROUGHNESS: Field = Field::new(
-    "roughness",
-    Takes::Varying(Range::SHARE),
-    "0 is a `Dielectric`. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.",
-)
-.or("0");
-
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form {
-        name: "RoughDielectric",
-        about: "A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets of GGX. Light that \
-                microfacets would scatter more than once is lost.",
-        fields: &[dielectric::IOR, ROUGHNESS, TRANSMITTANCE, ABSORPTION, NORMAL, NORMAL_SCALE],
-        in_order: false,
-        example: "RoughDielectric(ior: 1.5, roughness: 0.3)",
-    },
     shader: "rough_dielectric",
     lobes: ANY_LOBE,
     is_transmissive: true,
@@ -45,11 +27,10 @@ pub fn lobes(ior: f64, roughness: f64) -> Vec<Lobe> {
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
-    let (roughness, number, extension) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
+    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     let on_device = data::Material { parameter: roughness as f32, ..clear.on_device };
     Model {
         lobes: lobes(ior, roughness),
-        numbers: clear.numbers.into_iter().chain(number).collect(),
         extensions: extension.into_iter().collect(),
         on_device,
         second_part: Some(data::Material {

@@ -1,37 +1,13 @@
 //! A pane of clear solid that is too thin to bend light: a window, a bubble.
 
+use super::conductor;
+use super::declared::thin_dielectric::FIELDS;
 use super::dielectric;
-use super::{
-    ANY_LOBE, ExtensionKind, MOST_IOR, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, TRANSMITTANCE, conductor,
-    varying,
-};
+use super::model::{ANY_LOBE, ExtensionKind, MaterialKind, Model, varying};
 use crate::data;
-use crate::source::form::{Field, Form, Takes};
-use crate::source::{NO_UNIT, Range};
 use crate::texture::Texture;
 
-const IOR: Field = Field::new(
-    "ior",
-    Takes::Number(Range::from_to(1.0, MOST_IOR), NO_UNIT),
-    "Index of refraction, of which the reflectance follows.",
-)
-.or("1.5");
-const ROUGHNESS: Field = Field::new(
-    "roughness",
-    Takes::Varying(Range::SHARE),
-    "0 is clear. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.",
-)
-.or("0");
-
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form {
-        name: "ThinDielectric",
-        about: "A pane that is thin: one surface stands for both of its sides, and what passes is not bent. It reflects as one surface \
-                does, as glTF has it for transmission without a volume. A rough pane spreads what passes as it spreads what it reflects.",
-        fields: &[IOR, ROUGHNESS, TRANSMITTANCE, NORMAL, NORMAL_SCALE],
-        in_order: false,
-        example: "ThinDielectric(transmittance: Rgb(0.6, 0.9, 0.7))",
-    },
     shader: "thin_dielectric",
     lobes: ANY_LOBE,
     is_transmissive: true,
@@ -42,10 +18,10 @@ pub const KIND: MaterialKind = MaterialKind {
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
-    let (roughness, number, extension) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
+    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     Model {
         lobes: vec![conductor::lobe(roughness)],
-        numbers: [Number { field: &IOR, value: ior, warning: None }].into_iter().chain(number).collect(),
+        warning: None,
         extensions: extension.into_iter().collect(),
         on_device: data::Material { parameter: roughness as f32, ..clear.on_device },
         ..clear

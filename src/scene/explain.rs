@@ -5,13 +5,12 @@
 
 use ron::error::{Error as Ron, SpannedError};
 
-use super::forms::{SCENE, TRANSFORMS, groups};
+use super::forms::{SCENE, groups};
 use super::nearest::nearest;
+use super::types::{Object, Transform};
 use super::validate::boundaries;
-use crate::delta_light;
 use crate::error::Error;
 use crate::material::a_material;
-use crate::shape::kinds_in_files;
 use crate::source::form::{Form, NUMBER, Takes, any_of};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 use crate::texture::number::NEITHER;
@@ -357,13 +356,6 @@ fn lower(message: &str) -> String {
     first.into_iter().chain(characters).collect()
 }
 
-/// "an object: Sphere(..), .."
-fn object() -> String {
-    let forms = kinds_in_files().map(|kind| &kind.form).chain(delta_light::FORMS);
-    let shapes: Vec<String> = forms.map(|form| format!("{}(..)", form.name)).collect();
-    format!("an object: {}, Transformed(..), Group([..]), Gltf(..) or Medium(..)", shapes.join(", "))
-}
-
 const BY_NAME: &str = "fields by name: (name: value, ..)";
 
 /// The words for what the scene format expects at the end of a path.
@@ -378,9 +370,11 @@ fn expected(path: &[Step<'_>]) -> String {
     match path {
         [] => SCENE.in_full(),
         [.., Step::Key(_)] => a_material(),
-        [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => object(),
+        [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => {
+            format!("an object: {}", any_of(Object::FORMS.iter()))
+        }
         [.., Step::Field("boundary")] => boundaries("(..)", ", Transformed(..) or not"),
-        [.., Step::Field("by"), Step::Index(_)] => format!("a transform: {}", any_of(TRANSFORMS.iter())),
+        [.., Step::Field("by"), Step::Index(_)] => format!("a transform: {}", any_of(Transform::FORMS.iter())),
         [.., Step::Field(name)] => field(name).map_or(NUMBER.to_owned(), Takes::words),
         [.., Step::Variant(name)] => form(name).map_or(BY_NAME.to_owned(), Form::content),
         [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))".to_owned(),

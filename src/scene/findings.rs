@@ -27,6 +27,10 @@ impl Findings {
         }
     }
 
+    pub fn note_all(&mut self, errors: Vec<Error>) {
+        errors.into_iter().for_each(|error| _ = self.note::<()>(Err(error)));
+    }
+
     pub fn is_empty(&self) -> bool {
         self.errors.is_empty()
     }

@@ -6,6 +6,7 @@
 
 mod assets;
 mod bitmap;
+mod declared;
 mod explain;
 mod file;
 mod findings;

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
+use super::declared::{LARGEST_AREA, rotate, scale};
 use super::findings::Findings;
-use super::forms::*;
 use super::model::Scene;
 use super::nearest::nearest;
 use super::types::*;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
@@ -25,9 +25,7 @@ pub fn validate(scene: &Scene, findings: &mut Findings) {
         findings.note(value.check(&top.field("materials").key(name)));
     }
     objects(scene, findings);
-    let at = top.field("render");
-    findings.note(SAMPLES.check_whole(&at, scene.render.samples));
-    findings.note(MAX_DEPTH.check_whole(&at, scene.render.max_depth));
+    findings.note_all(scene.render.check_fields(&top.field("render")));
 }
 
 /// Checks the objects again, now that the meshes are known.
@@ -50,28 +48,20 @@ fn objects(scene: &Scene, findings: &mut Findings) {
 }
 
 fn image(at: &Place, image: &ImageSize, findings: &mut Findings) {
-    let sides = [WIDTH.check_whole(at, image.width), HEIGHT.check_whole(at, image.height)];
+    let sides = image.check_fields(at);
     let area = u64::from(image.width) * u64::from(image.height);
-    if sides.iter().all(Result::is_ok) && area > LARGEST_AREA {
+    if sides.is_empty() && area > LARGEST_AREA {
         let most = format!("width times height of at most {LARGEST_AREA} pixels");
         findings.note::<()>(Err(at.error(format!("expected {most}, found {area}"))));
     }
-    sides.into_iter().for_each(|side| _ = findings.note(side));
+    findings.note_all(sides);
 }
 
 fn camera(at: &Place, camera: &Camera, findings: &mut Findings) {
-    let points = [
-        LOOK_FROM.check_vector(at, camera.look_from),
-        LOOK_AT.check_vector(at, camera.look_at),
-        UP.check_vector(at, camera.up),
-    ];
-    if points.iter().all(Result::is_ok) {
+    if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| vector(at, v).is_ok()) {
         findings.note(directions(at, camera));
     }
-    points.into_iter().for_each(|point| _ = findings.note(point));
-    findings.note(VERTICAL_FOV.check(at, camera.vertical_fov));
-    findings.note(APERTURE.check(at, camera.aperture));
-    findings.note(camera.focus_distance.map_or(Ok(()), |distance| FOCUS_DISTANCE.check(at, distance)));
+    findings.note_all(camera.check_fields(at));
 }
 
 fn directions(at: &Place, camera: &Camera) -> Result<()> {
@@ -153,9 +143,8 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
                 self::object(known, &at.index(index), inner, reach, findings);
             }
         }
-        Object::Medium { boundary, density, albedo, anisotropy } => {
+        Object::Medium { boundary, albedo, .. } => {
             self::boundary(known, &at.field("boundary"), boundary, reach, findings);
-            findings.note(DENSITY.check(at, *density));
             findings.note(match albedo.image() {
                 Some(_) => {
                     let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
@@ -164,13 +153,13 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
                 }
                 None => albedo.check(&at.field("albedo"), Use::Albedo),
             });
-            findings.note(ANISOTROPY.check(at, *anisotropy));
+            findings.note_all(object.check_fields(at));
         }
         Object::PointLight { .. } | Object::SpotLight { .. } | Object::DirectionalLight { .. } => {
             let Some(light) = object.delta_light() else { return };
             let is_in_reach = reach.holds(1.0, light.distance());
             let in_reach = || if is_in_reach { Ok(()) } else { Err(at.error(OUT_OF_REACH)) };
-            findings.note(light.check(at).and_then(|()| in_reach()));
+            findings.note(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_reach()));
         }
         _ => {
             findings.note(shape(known, at, object, reach));
@@ -181,6 +170,7 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
 
 /// Checks the numbers of a shape, but not its material. A mesh is checked once its file has been read.
 fn shape(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+    first(object.check_fields(at))?;
     let Some(shape) = object.shape(known.meshes) else { return Ok(()) };
     shape.check(at)?;
     let (size, distance) = shape.span();
@@ -214,7 +204,8 @@ fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach, findi
 
 /// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
 pub fn boundaries(after_each: &str, transformed: &str) -> String {
-    let boundary = |kind: &ShapeKind| Some(format!("{} {}{after_each}", kind.boundary.as_ref()?.words, kind.form.name));
+    let boundary =
+        |(name, kind): (_, &ShapeKind)| Some(format!("{} {name}{after_each}", kind.boundary.as_ref()?.words));
     format!("a boundary: {}{transformed}, without a material", any(kinds_in_files().filter_map(boundary)))
 }
 
@@ -235,21 +226,25 @@ fn transforms(at: &Place, by: &[Transform], mut reach: Reach, findings: &mut Fin
 }
 
 fn transform(at: &Place, transform: &Transform) -> Result<()> {
+    let at = at.variant(transform.name());
     match transform {
-        Transform::Translate(by) => vector(&at.variant("Translate"), *by),
-        Transform::Scale(s) => FACTOR.check_at(&at.variant("Scale"), *s),
-        Transform::RotateX(angle) => ANGLE.check_at(&at.variant("RotateX"), *angle),
-        Transform::RotateY(angle) => ANGLE.check_at(&at.variant("RotateY"), *angle),
-        Transform::RotateZ(angle) => ANGLE.check_at(&at.variant("RotateZ"), *angle),
-        Transform::Rotate { axis, degrees } => {
-            let at = at.variant("Rotate");
-            AXIS.check_vector(&at, *axis)?;
-            if axis.length() < SMALLEST {
-                return Err(at.field("axis").error("the axis has no length"));
+        Transform::Translate(by) => vector(&at, *by),
+        Transform::Scale(factor) => scale::FIELDS.scale.check_at(&at, *factor),
+        Transform::RotateX(angle) | Transform::RotateY(angle) | Transform::RotateZ(angle) => {
+            rotate::FIELDS.degrees.check_at(&at, *angle)
+        }
+        Transform::Rotate { axis, .. } => {
+            first(transform.check_fields(&at))?;
+            match axis.length() < SMALLEST {
+                true => Err(at.field("axis").error("the axis has no length")),
+                false => Ok(()),
             }
-            ANGLE.check(&at, *degrees)
         }
     }
+}
+
+fn first(errors: Vec<Error>) -> Result<()> {
+    errors.into_iter().next().map_or(Ok(()), Err)
 }
 
 /// The names that objects may refer to.
@@ -281,7 +276,7 @@ impl KnownNames<'_> {
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
         if material.has_alpha() && object.kind().is_some_and(|kind| kind.encloses()) {
-            let open = kinds_in_files().filter(|kind| !kind.encloses()).map(|kind| format!("a {}", kind.form.name));
+            let open = kinds_in_files().filter(|(_, kind)| !kind.encloses()).map(|(name, _)| format!("a {name}"));
             return Err(at.error(format!(
                 "the material {name:?} has an alpha, which a {} cannot have: expected {}, or a material without an alpha",
                 object.name(),

@@ -4,26 +4,14 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::Laid;
 use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound,
-    padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Placement, Shape, ShapeKind, Tables, error_bound, padded,
 };
 use crate::data::{self, f32s};
 use crate::error::Result;
-use crate::source::form::{Field, Form, Takes};
 use crate::source::{Place, SMALLEST};
 
-const MIN: Field = Field::new("min", Takes::Point, "The corner with the lowest coordinates.");
-const MAX: Field = Field::new("max", Takes::Point, "The corner with the highest; each is above that of `min`.");
-
 pub const KIND: ShapeKind = ShapeKind {
-    form: Form {
-        name: "Box",
-        about: "A box along the axes; a transform turns it. Each face shows a whole image.",
-        fields: &[MIN, MAX, MATERIAL],
-        in_order: false,
-        example: "Box(min: (-1, 0, -1), max: (1, 2, 1), material: \"matt\")",
-    },
-    in_files: true,
+    name: Some("Box"),
     shader: "cuboid",
     word: "box",
     sizes: &[("a side", "")],
@@ -46,8 +34,6 @@ impl Cuboid {
 impl Geometry for Cuboid {
     fn check(&self, at: &Place) -> Result<()> {
         let Cuboid { min, max } = *self;
-        MIN.check_vector(at, min)?;
-        MAX.check_vector(at, max)?;
         for (axis, (low, high)) in ["x", "y", "z"].into_iter().zip(min.to_array().into_iter().zip(max.to_array())) {
             if high - low < SMALLEST {
                 let message =

@@ -17,8 +17,7 @@ use crate::error::Result;
 use crate::source::Place;
 
 pub const KIND: ShapeKind = ShapeKind {
-    form: sphere::KIND.form,
-    in_files: false,
+    name: None,
     shader: "large_sphere",
     word: sphere::KIND.word,
     sizes: sphere::KIND.sizes,
@@ -93,8 +92,8 @@ impl LargeSphere {
 }
 
 impl Geometry for LargeSphere {
-    fn check(&self, at: &Place) -> Result<()> {
-        self.sphere.check(at)
+    fn check(&self, _: &Place) -> Result<()> {
+        Ok(())
     }
 
     fn span(&self) -> (f64, f64) {

@@ -7,32 +7,16 @@ use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 pub use super::closed::OpenEdges;
 use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, ShapeKind, Tables, binary_exponent,
-    error_bound, exp2, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Placement, ShapeKind, Tables, binary_exponent, error_bound, exp2,
+    padded,
 };
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::{Field, Form, PATH, Takes};
 
 /// Rays hit the triangles, so that the shader files are those of the triangle.
 pub const KIND: ShapeKind = ShapeKind {
-    form: Form {
-        name: "Mesh",
-        about: "The triangles of a file. The outside of a triangle is where its corners run counter-clockwise. Without normals in the \
-                file it is flat-shaded. A file is read once, however many meshes name it.",
-        fields: &[
-            Field::new(
-                "path",
-                Takes::Other(PATH),
-                "A .ply, .obj, .gltf or .glb; materials in it are not used. Or a part of a glTF file, such as `room.glb#meshes/0/primitives/1`.",
-            ),
-            MATERIAL,
-        ],
-        in_order: false,
-        example: "Mesh(path: \"meshes/star.ply\", material: \"matt\")",
-    },
-    in_files: true,
+    name: Some("Mesh"),
     shader: "triangle",
     word: "mesh",
     sizes: &[("a size", "")],

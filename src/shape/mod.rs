@@ -21,7 +21,7 @@ use glam::{DMat3, DVec3, Vec3};
 use crate::data::{self, KIND_DELTA_LIGHT, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::{Field, Form, Takes, kinds};
+use crate::source::form::kinds;
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use hull::{Hull, normal, reach_of};
@@ -34,10 +34,8 @@ pub use sphere::Sphere;
 
 /// The properties that all shapes of a kind share.
 pub struct ShapeKind {
-    /// How the scene file writes it.
-    pub form: Form,
-    /// Whether scene files have it. The host chooses the others in place of one that they have.
-    pub in_files: bool,
+    /// Its name in scene files. One without a name is chosen by the host in place of one that they have.
+    pub name: Option<&'static str>,
     /// The name of its files under shaders/geometry and shaders/light.
     pub shader: &'static str,
     /// Its name in messages.
@@ -62,11 +60,6 @@ pub struct Boundary {
     /// The words before its name in messages: an article, and what is expected of the shape.
     pub words: &'static str,
 }
-
-/// The field that all shapes have.
-const MATERIAL: Field =
-    Field::new("material", Takes::Other("a material's name in quotes"), "One of the scene's materials.")
-        .or("none; only the boundary of a medium may leave it out");
 
 /// The table that holds the elements of a kind on the device.
 pub struct Table {
@@ -138,7 +131,7 @@ pub struct Emitter {
 
 /// What every shape implements on the host.
 pub trait Geometry {
-    /// Checks its numbers.
+    /// Checks its numbers, each of which is in its own range.
     fn check(&self, at: &Place) -> Result<()>;
 
     /// Its smallest size, and a bound of its farthest distance from the origin. They limit the transforms of the shape.
@@ -199,9 +192,9 @@ impl<'a> Deref for Shape<'a> {
 /// The kinds of shape by number.
 pub const KINDS: &[ShapeKind] = Shape::KINDS;
 
-/// Those that scene files have.
-pub fn kinds_in_files() -> impl Iterator<Item = &'static ShapeKind> {
-    KINDS.iter().filter(|kind| kind.in_files)
+/// The names of those that scene files have.
+pub fn kinds_in_files() -> impl Iterator<Item = (&'static str, &'static ShapeKind)> {
+    KINDS.iter().filter_map(|kind| Some((kind.name?, kind)))
 }
 
 impl<'a> Shape<'a> {

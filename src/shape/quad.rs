@@ -3,28 +3,13 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::Laid;
-use super::{
-    Aabb, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound, padded,
-};
+use super::{Aabb, Element, Emitter, Geometry, Hull, Placement, Shape, ShapeKind, Tables, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
-use crate::source::form::{Field, Form, Takes};
 use crate::source::{Place, SMALLEST, parallel};
 
-const CORNER: Field = Field::new("corner", Takes::Point, "One of its corners.");
-const U: Field =
-    Field::new("u", Takes::Vector, "The edge from there to a neighbouring corner, in scene units; u of images.");
-const V: Field = Field::new("v", Takes::Vector, "The other edge, in scene units, not parallel to u; v of images.");
-
 pub const KIND: ShapeKind = ShapeKind {
-    form: Form {
-        name: "Quad",
-        about: "A parallelogram. Its normal is u × v.",
-        fields: &[CORNER, U, V, MATERIAL],
-        in_order: false,
-        example: "Quad(corner: (-1, 0, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"matt\")",
-    },
-    in_files: true,
+    name: Some("Quad"),
     shader: "quad",
     word: "quad",
     sizes: &[("an edge", "u"), ("an edge", "v")],
@@ -63,11 +48,8 @@ impl Quad {
 
 impl Geometry for Quad {
     fn check(&self, at: &Place) -> Result<()> {
-        CORNER.check_vector(at, self.corner)?;
-        for (field, edge) in [(&U, self.u), (&V, self.v)] {
-            field.check_vector(at, edge)?;
+        for (name, edge) in [("u", self.u), ("v", self.v)] {
             if edge.length() < SMALLEST {
-                let name = field.name;
                 return Err(at.field(name).error(format!("the quad has no extent along {name}")));
             }
         }

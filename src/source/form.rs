@@ -74,9 +74,16 @@ pub struct Field {
 }
 
 impl Field {
-    /// A field that must be given.
-    pub const fn new(name: &'static str, takes: Takes, about: &'static str) -> Field {
-        Field { name, takes, default: "", about }
+    /// A field that must be given. Its declaration has its name and its meaning.
+    pub const fn taking(takes: Takes) -> Field {
+        Field { name: "", takes, default: "", about: "" }
+    }
+
+    /// The field with a name and a meaning, unless it has its own.
+    pub const fn named(self, name: &'static str, about: &'static str) -> Field {
+        let name = if self.name.is_empty() { name } else { self.name };
+        let about = if about.is_empty() { self.about } else { about.trim_ascii_start() };
+        Field { name, about, ..self }
     }
 
     /// Gives the field a default.
@@ -121,6 +128,84 @@ impl Field {
         super::vector(&above.field(self.name), v)
     }
 }
+
+pub const fn number(range: Range, unit: &'static str) -> Field {
+    Field::taking(Takes::Number(range, unit))
+}
+
+pub const fn whole(least: u32, most: u32) -> Field {
+    Field::taking(Takes::Whole(least, most))
+}
+
+pub const fn point() -> Field {
+    Field::taking(Takes::Point)
+}
+
+pub const fn vector() -> Field {
+    Field::taking(Takes::Vector)
+}
+
+pub const fn colour(channel: Range) -> Field {
+    Field::taking(Takes::Colour(channel))
+}
+
+pub const fn texture(channel: Range) -> Field {
+    Field::taking(Takes::Texture(channel))
+}
+
+/// A number that may vary over a surface.
+pub const fn varying(range: Range) -> Field {
+    Field::taking(Takes::Varying(range))
+}
+
+pub const fn flag() -> Field {
+    Field::taking(Takes::Other("true or false"))
+}
+
+/// Anything else, in words.
+pub const fn other(words: &'static str) -> Field {
+    Field::taking(Takes::Other(words))
+}
+
+/// A value of a field. Only numbers have ranges that are checked as they stand.
+pub trait Checked {
+    /// Refuses a number out of the field's range; `above` is the place of the form.
+    fn check_as(&self, _field: &Field, _above: &Place) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Checked for f64 {
+    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+        field.check(above, *self)
+    }
+}
+
+impl Checked for u32 {
+    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+        field.check_whole(above, *self)
+    }
+}
+
+impl Checked for DVec3 {
+    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+        match field.takes {
+            Takes::Colour(_) => field.check_colour(above, *self),
+            _ => field.check_vector(above, *self),
+        }
+    }
+}
+
+impl<T: Checked> Checked for Option<T> {
+    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+        self.as_ref().map_or(Ok(()), |value| value.check_as(field, above))
+    }
+}
+
+impl Checked for bool {}
+impl Checked for String {}
+impl<T> Checked for Vec<T> {}
+impl<T> Checked for Box<T> {}
 
 /// A struct or an enum's variant as the scene file writes it.
 #[derive(Debug)]
@@ -194,11 +279,6 @@ macro_rules! kinds {
 
             pub fn kind(&self) -> &'static $kind {
                 &Self::KINDS[self.number()]
-            }
-
-            /// The variant's name, as the scene file writes it.
-            pub fn name(&self) -> &'static str {
-                self.kind().form.name
             }
         }
     };

@@ -1,5 +1,6 @@
 //! The text of the scene file, the places of its values, and errors and checks that point at them. Nothing here knows the scene.
 
+pub(crate) mod declare;
 pub mod form;
 mod numbers;
 mod spans;

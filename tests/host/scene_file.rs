@@ -133,7 +133,7 @@ fn sample(takes: &Takes) -> &'static str {
 }
 
 /// Compares forms with the type that serde reads: the fields and their defaults; that there are all variants where it is an enum.
-fn compare<T: DeserializeOwned + PartialEq + std::fmt::Debug>(forms: &[&Form]) {
+fn compare<T: DeserializeOwned + PartialEq + std::fmt::Debug>(forms: &[Form]) {
     let is_struct = forms.len() == 1 && forms[0].name.starts_with(char::is_lowercase);
     if !is_struct {
         let Err(Ron::NoSuchEnumVariant { expected, .. }) = read::<T>("Nothing(1)") else { panic!("no enum") };
@@ -184,11 +184,11 @@ fn the_declarations_are_those_that_are_read() {
                 let names: Vec<_> = forms[0].fields.iter().map(|field| field.name).collect();
                 assert!(error.ends_with(&format!("expected one of {}", names.join(", "))), "{error}");
             }
-            "Backgrounds" => compare::<Background>(&forms),
-            "Materials" => compare::<Material>(&forms),
-            "Textures" => compare::<Texture>(&forms),
-            "Objects" => compare::<Object>(&forms),
-            "Transforms" => compare::<Transform>(&forms),
+            "Backgrounds" => compare::<Background>(forms),
+            "Materials" => compare::<Material>(forms),
+            "Textures" => compare::<Texture>(forms),
+            "Objects" => compare::<Object>(forms),
+            "Transforms" => compare::<Transform>(forms),
             _ => panic!("{group} is compared with nothing"),
         }
     }

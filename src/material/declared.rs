@@ -1,0 +1,209 @@
+//! Materials as the scene file writes them. A field that several materials have is described by the first of them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::source::declare::declare;
+use crate::source::form::{Checked, Field, Form, colour, flag, number, other, texture, varying};
+use crate::source::{NO_UNIT, Place, Range};
+use crate::texture::{Colour, Texture, Use, normal_map, number};
+
+/// The largest index of refraction of a surface that reflects from microfacets.
+pub const MOST_IOR: f64 = 1e3;
+/// The most that a clear solid absorbs per unit.
+pub const MOST_ABSORPTION: f64 = 1e9;
+
+const ALBEDO: Field = texture(Use::Albedo.range());
+const RADIANCE: Field = texture(Use::Radiance.range());
+const SHARE: Field = varying(Range::SHARE);
+
+declare! {
+    /// A material as the scene file writes it.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    #[expect(clippy::large_enum_variant, reason = "a scene has few materials")]
+    pub enum Material {
+        /// A matt surface: it looks equally bright from all directions.
+        Lambertian: lambertian, "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))" {
+            /// The reflected share of light.
+            albedo: Texture = ALBEDO;
+            /// The radiance that it emits beside what it reflects, on both sides.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
+            /// The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads, disks and
+            /// meshes.
+            #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+            alpha: Texture = SHARE.or("1");
+            /// With it, the surface stops all light where its alpha is at least this, and none elsewhere.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            alpha_cutoff: Option<f64> = number(Range::NOT_NEGATIVE, NO_UNIT).or("no cutoff");
+            /// Whether the colours of a mesh's vertices multiply its colour. Those of glTF files are read (`COLOR_0`).
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            vertex_colors: bool = flag().or("false");
+            /// Whether the alpha of a mesh's vertices multiplies its alpha. That of glTF files is read (`COLOR_0`) where the file's own
+            /// material has the alphaMode MASK or BLEND.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            vertex_alpha: bool = flag().or("false");
+            /// A normal map: an image whose red, green and blue are the x, y and z of the normal, each from -1 at 0 to 1 at its largest
+            /// code. x is along u, y along v, and z is the normal of the surface. Its codes are linear.
+            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            normal: Option<Texture> = other("an image: Image(path: ..)").or("none: the normal is that of the surface");
+            /// What x and y of the normal map are multiplied by.
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            normal_scale: f64 = number(Range::from_to(-1e3, 1e3), NO_UNIT).or("1");
+        }
+        /// A mirror, perfect or rough. It has no Fresnel term. Rays that would go below the surface are absorbed.
+        Metal: metal, "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)" {
+            albedo: Texture = lambertian::FIELDS.albedo;
+            /// Roughness. A random vector of at most this length is added to the reflected direction, which has the length 1.
+            #[serde(default)]
+            fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
+        }
+        /// A clear solid, such as glass or water. It reflects and refracts.
+        Dielectric: dielectric, "Dielectric(ior: 1.5)" {
+            /// Index of refraction, relative to what is outside: 1.5 for glass, 1.33 for water, 0.667 for air in glass.
+            ior: f64 = number(Range::POSITIVE, NO_UNIT);
+            /// The share of the refracted light that each surface lets pass. Light through a body passes two surfaces.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            transmittance: Option<Texture> = ALBEDO.or("all of it");
+            /// What the inside absorbs per scene unit: exp(-absorption · distance) is left of light that reaches the body's surface from
+            /// inside. The surface must be closed. Light that ends on another object inside the body keeps all.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            absorption: Option<Colour> = colour(Range::from_to(0.0, MOST_ABSORPTION)).or("none: it is clear");
+        }
+        /// A lamp: it emits the same radiance in all directions, and reflects nothing.
+        DiffuseLight: diffuse_light, "DiffuseLight(emit: Rgb(15, 15, 15), two_sided: false)" {
+            /// The emitted radiance.
+            emit: Texture = RADIANCE;
+            /// Whether both sides emit. `false` emits on one side alone: u × v of a quad, the outside of a sphere, box or mesh. The other
+            /// side is black.
+            #[serde(default = "yes")]
+            two_sided: bool = flag().or("true");
+        }
+        /// A metal, polished or rough, with microfacets of GGX. Its colour is an `albedo`, or the measured `eta` and `k` of a real
+        /// metal. Light that microfacets would reflect more than once is lost, unless `multiscatter` is true.
+        Conductor: conductor, "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)" {
+            /// The reflected share of light that falls straight on it. At grazing angles it rises to 1 by Schlick's formula.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            albedo: Option<Texture> = ALBEDO.or("none if `eta` and `k` are given");
+            /// The index of refraction for red, green and blue, with `k` instead of `albedo`: the reflection is exact.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            eta: Option<Colour> = colour(Range::from_to(1e-3, 1e3)).or("none if `albedo` is given");
+            /// The extinction coefficient for red, green and blue.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            k: Option<Colour> = colour(Range::from_to(0.0, 1e3)).or("none if `albedo` is given");
+            /// 0 is a perfect mirror. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
+            /// counts as 0.
+            #[serde(default = "zero", with = "number")]
+            roughness: Texture = SHARE.or("0");
+            /// Whether it makes up for the light that its microfacets would reflect more than once, by Turquin's factor. Otherwise that
+            /// light is lost.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            multiscatter: bool = flag().or("false");
+            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            normal: Option<Texture> = lambertian::FIELDS.normal;
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            normal_scale: f64 = lambertian::FIELDS.normal_scale;
+        }
+        /// A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets of GGX. Light that
+        /// microfacets would scatter more than once is lost.
+        RoughDielectric: rough_dielectric, "RoughDielectric(ior: 1.5, roughness: 0.3)" {
+            ior: f64 = dielectric::FIELDS.ior;
+            /// 0 is a `Dielectric`. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
+            /// counts as 0.
+            #[serde(default = "zero", with = "number")]
+            roughness: Texture = SHARE.or("0");
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            absorption: Option<Colour> = dielectric::FIELDS.absorption;
+            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            normal: Option<Texture> = lambertian::FIELDS.normal;
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            normal_scale: f64 = lambertian::FIELDS.normal_scale;
+        }
+        /// The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its
+        /// names and defaults are those of glTF.
+        Pbr: pbr, "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)" {
+            /// The colour of the body, or of the metal.
+            #[serde(default = "white")]
+            base_color: Texture = ALBEDO.or("Rgb(1, 1, 1)");
+            /// 1 is a metal, 0 is none, and between is a mixture.
+            #[serde(default = "white", with = "number")]
+            metallic: Texture = SHARE.or("1");
+            /// The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 0, a
+            /// perfect mirror.
+            #[serde(default = "white", with = "number")]
+            roughness: Texture = SHARE.or("1");
+            /// The index of refraction of the layer.
+            #[serde(default = "index_of_glass")]
+            ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
+            /// All that the layer reflects is multiplied by this.
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            specular: f64 = number(Range::SHARE, NO_UNIT).or("1");
+            /// What the layer reflects of light straight on it is multiplied by this colour; grazing light keeps its own.
+            #[serde(default = "white", skip_serializing_if = "is_white")]
+            specular_color: Texture = ALBEDO.or("Rgb(1, 1, 1)");
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            multiscatter: bool = conductor::FIELDS.multiscatter;
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            emission: Option<Texture> = lambertian::FIELDS.emission;
+            #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+            alpha: Texture = lambertian::FIELDS.alpha;
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            alpha_cutoff: Option<f64> = lambertian::FIELDS.alpha_cutoff;
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            vertex_colors: bool = lambertian::FIELDS.vertex_colors;
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            vertex_alpha: bool = lambertian::FIELDS.vertex_alpha;
+            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            normal: Option<Texture> = lambertian::FIELDS.normal;
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            normal_scale: f64 = lambertian::FIELDS.normal_scale;
+        }
+        /// A pane that is thin: one surface stands for both of its sides, and what passes is not bent. It reflects as one surface
+        /// does, as glTF has it for transmission without a volume. A rough pane spreads what passes as it spreads what it reflects.
+        ThinDielectric: thin_dielectric, "ThinDielectric(transmittance: Rgb(0.6, 0.9, 0.7))" {
+            /// Index of refraction, of which the reflectance follows.
+            #[serde(default = "index_of_glass")]
+            ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
+            /// 0 is clear. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.
+            #[serde(default = "zero", with = "number")]
+            roughness: Texture = SHARE.or("0");
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
+            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            normal: Option<Texture> = lambertian::FIELDS.normal;
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            normal_scale: f64 = lambertian::FIELDS.normal_scale;
+        }
+    }
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn white() -> Texture {
+    Texture::Rgb(1.0, 1.0, 1.0)
+}
+
+pub fn is_white(texture: &Texture) -> bool {
+    *texture == white()
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(number: &f64) -> bool {
+    *number == 1.0
+}
+
+fn zero() -> Texture {
+    Texture::grey(0.0)
+}
+
+fn index_of_glass() -> f64 {
+    1.5
+}

@@ -1,0 +1,263 @@
+//! The properties of materials, as the rest of the host sees them.
+
+use super::declared::{conductor, dielectric, is_white, lambertian, pbr};
+use crate::bitmap::Bitmaps;
+use crate::data;
+use crate::source::Place;
+use crate::source::form::Field;
+use crate::texture::{Colour, Texture, Use};
+
+/// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
+pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
+
+/// The properties that all materials of a kind share.
+#[derive(Debug)]
+pub struct MaterialKind {
+    /// The name of its file under shaders/material.
+    pub shader: &'static str,
+    /// The lobes that materials of the kind can have. If one of them is not specular, a second file SHADER_eval evaluates the BSDF for
+    /// light sampling.
+    pub lobes: &'static [Lobe],
+    /// Whether it transmits light.
+    pub is_transmissive: bool,
+    pub emits: bool,
+    /// What materials of the kind may have beside their row of the table.
+    pub extensions: &'static [ExtensionKind],
+    /// Whether kernels read more numbers of it than one element of their table holds. Then it has two of them.
+    pub has_second_part: bool,
+}
+
+/// The width of a lobe into which a material scatters. On the device, SHADER_is_non_specular says whether a material has one that is not
+/// specular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Lobe {
+    /// A single direction, for which no light can be sampled.
+    Specular,
+    /// Below [`NARROW_LOBE`], so that light sampling rarely finds a light in it.
+    Narrow,
+    Wide,
+}
+
+/// The width in radians from which on a lobe is wide, as shaders/data/material.wgsl says.
+pub const NARROW_LOBE: f32 = 0.1;
+
+impl Lobe {
+    /// A lobe of this width in radians.
+    pub fn of_width(width: f32) -> Lobe {
+        if width < NARROW_LOBE { Lobe::Narrow } else { Lobe::Wide }
+    }
+}
+
+/// The lobes of a kind of material whose roughness is a parameter.
+pub const ANY_LOBE: &[Lobe] = &[Lobe::Wide, Lobe::Narrow, Lobe::Specular];
+
+/// The properties of a material on the host. No field has a default, so that a new material cannot forget one.
+pub struct Model<'a> {
+    /// Its texture, if it has one.
+    pub slot: Option<Slot<'a>>,
+    /// None if it does not scatter. Those of a roughness of 0 where the roughness is a texture.
+    pub lobes: Vec<Lobe>,
+    /// Whether it emits to both sides; none if it does not emit. Its texture is the emitted radiance.
+    pub two_sided: Option<bool>,
+    /// A warning about a number that is allowed but likely to disappoint, with the field that holds it.
+    pub warning: Option<(&'static Field, String)>,
+    /// What is expected, if fields that exclude or require each other are not given so.
+    pub lacks: Option<&'static str>,
+    /// What it has beside its row of the table.
+    pub extensions: Vec<Extension<'a>>,
+    /// Of a clear solid: what it absorbs per scene unit.
+    pub absorption: Option<Colour>,
+    /// The struct that kernels read. The texture and the number of the kind are filled in later.
+    pub on_device: data::Material,
+    /// The second part as kernels read it, if the kind has one.
+    pub second_part: Option<data::Material>,
+}
+
+/// A texture of a material, with the field that holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot<'a> {
+    pub field: &'static Field,
+    pub usage: Use,
+    pub texture: &'a Texture,
+}
+
+/// What a material may have beside its row of the table: a row of its own for each (shaders/data/material).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExtensionKind {
+    /// The radiance that it emits beside what it scatters.
+    Emission,
+    /// The share of light that it stops.
+    Alpha,
+    /// Its roughness, where that varies over the surface.
+    Roughness,
+    /// How metallic it is, where that varies.
+    Metallic,
+    /// The normal in the frame of the texture coordinates.
+    Normal,
+    /// The colours of a mesh's vertices, which multiply its own.
+    VertexColours,
+    /// It makes up for light that microfacets scatter more than once.
+    Multiscatter,
+    /// How much the layer of glTF's material reflects, and in which colour.
+    Specular,
+    /// The alpha of a mesh's vertices, which multiplies its own.
+    VertexAlpha,
+}
+
+impl ExtensionKind {
+    /// The index of the row with a material's extension of this kind.
+    pub fn row_of(self, extensions: &mut data::Extension) -> &mut u32 {
+        match self {
+            ExtensionKind::Emission => &mut extensions.emission,
+            ExtensionKind::Alpha => &mut extensions.alpha,
+            ExtensionKind::Roughness => &mut extensions.roughness,
+            ExtensionKind::Metallic => &mut extensions.metallic,
+            ExtensionKind::Normal => &mut extensions.normal,
+            ExtensionKind::VertexColours => &mut extensions.vertex_colours,
+            ExtensionKind::Multiscatter => &mut extensions.multiscatter,
+            ExtensionKind::Specular => &mut extensions.specular,
+            ExtensionKind::VertexAlpha => &mut extensions.vertex_alpha,
+        }
+    }
+}
+
+/// The number of kinds of extension.
+pub const EXTENSIONS: usize = ExtensionKind::VertexAlpha as usize + 1;
+
+/// An extension of a material, with its texture.
+#[derive(Clone, Copy, Debug)]
+pub struct Extension<'a> {
+    pub kind: ExtensionKind,
+    pub slot: Slot<'a>,
+    /// The number beside its texture. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1.
+    pub parameter: f32,
+}
+
+impl<'a> Extension<'a> {
+    pub fn emission(slot: Slot<'a>, two_sided: bool) -> Extension<'a> {
+        Extension { kind: ExtensionKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
+    }
+}
+
+/// A material's number that may vary: the number, or 0 and the extension that stands for it.
+pub fn varying<'a>(field: &'static Field, kind: ExtensionKind, texture: &'a Texture) -> (f64, Option<Extension<'a>>) {
+    let slot = Slot { field, usage: Use::Share, texture };
+    let number = texture.plain().map(|grey| grey.x);
+    (number.unwrap_or(0.0), number.is_none().then_some(Extension { kind, slot, parameter: 0.0 }))
+}
+
+/// The emission of a material.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission<'a> {
+    pub slot: Slot<'a>,
+    pub two_sided: bool,
+}
+
+impl<'a> Model<'a> {
+    /// Adds an emission beside what the material scatters.
+    pub fn glowing(mut self, emission: &'a Option<Texture>) -> Model<'a> {
+        let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
+        self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));
+        self
+    }
+
+    /// The model with an alpha: it stops this share of light, which the alpha of a mesh's vertices may multiply. With a cutoff, it stops all
+    /// light where its alpha is at least that, and none elsewhere.
+    pub fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>, of_vertices: bool) -> Model<'a> {
+        let least = cutoff.unwrap_or(1.0);
+        let stops_all = !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least);
+        let slot = Slot { field: &lambertian::FIELDS.alpha, usage: Use::Share, texture: alpha };
+        let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
+        self.extensions.extend((!stops_all).then_some(Extension { kind: ExtensionKind::Alpha, slot, parameter }));
+        self.flagged(&lambertian::FIELDS.vertex_alpha, ExtensionKind::VertexAlpha, of_vertices)
+    }
+
+    /// Lets each surface of a clear solid pass this share of light.
+    pub fn tinted(mut self, transmittance: &'a Option<Texture>) -> Model<'a> {
+        let slot = |texture| Slot { field: &dielectric::FIELDS.transmittance, usage: Use::Albedo, texture };
+        self.slot = transmittance.as_ref().map(slot);
+        self.on_device.colour = [1.0; 3];
+        self
+    }
+
+    /// Makes a clear solid absorb this much per scene unit.
+    pub fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
+        self.absorption = absorption;
+        self
+    }
+
+    /// Adds an extension if `is_there`. Its data lie elsewhere, so its row is white.
+    fn flagged(mut self, field: &'static Field, kind: ExtensionKind, is_there: bool) -> Model<'a> {
+        static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
+        let slot = Slot { field, usage: Use::Share, texture: &WHITE };
+        self.extensions.extend(is_there.then_some(Extension { kind, slot, parameter: 0.0 }));
+        self
+    }
+
+    /// Multiplies the colour by those of a mesh's vertices.
+    pub fn coloured_by_vertices(self, has_them: bool) -> Model<'a> {
+        self.flagged(&lambertian::FIELDS.vertex_colors, ExtensionKind::VertexColours, has_them)
+    }
+
+    /// Makes up for light that the microfacets scatter more than once.
+    pub fn scattering_many_times(self, does: bool) -> Model<'a> {
+        self.flagged(&conductor::FIELDS.multiscatter, ExtensionKind::Multiscatter, does)
+    }
+
+    /// Adds a normal map.
+    pub fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
+        let slot = |texture| Slot { field: &lambertian::FIELDS.normal, usage: Use::Normal, texture };
+        let map = |texture| Extension { kind: ExtensionKind::Normal, slot: slot(texture), parameter: scale as f32 };
+        self.extensions.extend(normal.as_ref().map(map));
+        self
+    }
+
+    /// Adds a layer that reflects this share, and in this colour at normal incidence (KHR_materials_specular).
+    pub fn layered(mut self, share: f64, colour: &'a Texture) -> Model<'a> {
+        let slot = Slot { field: &pbr::FIELDS.specular_color, usage: Use::Albedo, texture: colour };
+        let extension = Extension { kind: ExtensionKind::Specular, slot, parameter: share as f32 };
+        self.extensions.extend((share != 1.0 || !is_white(colour)).then_some(extension));
+        self
+    }
+
+    /// What it emits, if it does not scatter.
+    pub fn light(&self) -> Option<Emission<'a>> {
+        Some(Emission { slot: self.slot?, two_sided: self.two_sided? })
+    }
+
+    /// What it emits, whether it scatters or not.
+    pub fn emission(&self) -> Option<Emission<'a>> {
+        let glow = || self.extensions.iter().find(|extension| extension.kind == ExtensionKind::Emission);
+        self.light().or_else(|| {
+            let Extension { slot, parameter, .. } = *glow()?;
+            Some(Emission { slot, two_sided: parameter != 0.0 })
+        })
+    }
+
+    /// Its textures, also plain ones: its own first, then those of its extensions in their order.
+    pub fn slots(&self) -> impl Iterator<Item = Slot<'a>> + use<'a, '_> {
+        self.slot.into_iter().chain(self.extensions.iter().map(|extension| extension.slot))
+    }
+}
+
+impl Slot<'_> {
+    pub fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
+        let (is_odd, message) = match self.usage {
+            Use::Share | Use::Normal => return None,
+            // Light leaves a clear body, so that a transmittance of 1 traps no path.
+            Use::Albedo if self.field.name == dielectric::FIELDS.transmittance.name => return None,
+            // What a layer does not reflect reaches the matt body.
+            Use::Albedo if self.field.name == pbr::FIELDS.specular_color.name => return None,
+            Use::Albedo => (
+                self.texture.is_white(bitmaps),
+                "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
+                 is intended",
+            ),
+            Use::Radiance => (
+                self.texture.brightest(bitmaps) == 0.0,
+                "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
+            ),
+        };
+        is_odd.then(|| at.field(self.field.name).warning(message))
+    }
+}

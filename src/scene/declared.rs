@@ -1,0 +1,304 @@
+//! The parts of a scene file, but for materials and textures: in f64 and in scene units.
+
+use clap::ValueEnum;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::source::declare::declare;
+use crate::source::form::{Checked, Field, Form, PATH, colour, flag, number, other, point, texture, vector, whole};
+use crate::source::{DEGREES, NO_UNIT, Place, Range, SCENE_UNITS};
+use crate::texture::{Colour, Texture, Use};
+
+/// The most pixels of an image.
+pub const LARGEST_AREA: u64 = 1 << 30;
+
+const SIDE: Field = whole(1, 1 << 16);
+const RADIANCE: Field = colour(Use::Radiance.range());
+const ANGLE: Field = number(Range::from_to(0.0, 180.0), DEGREES);
+const TURN: Field = number(Range::ANY, DEGREES);
+const LENGTH: Field = number(Range::POSITIVE, SCENE_UNITS);
+
+declare! {
+    /// The size of the image: 2^30 pixels at most. `--size` overrides it.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct ImageSize: image, "(width: 1200, height: 675)" {
+        /// In pixels.
+        width: u32 = SIDE;
+        /// In pixels.
+        height: u32 = SIDE;
+    }
+}
+
+declare! {
+    /// A camera with a thin lens.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct Camera: camera,
+        "(look_from: (13, 2, 3), look_at: (0, 0, 0), vertical_fov: 20, aperture: 0.1, focus_distance: 10)"
+    {
+        /// Where the camera is.
+        look_from: DVec3 = point();
+        /// What is in the middle of the image.
+        look_at: DVec3 = point();
+        /// The direction that is up in the image; not parallel to the view.
+        #[serde(default = "up")]
+        up: DVec3 = vector().or("(0, 1, 0)");
+        /// The angle between the upper and the lower edge of the image.
+        vertical_fov: f64 = number(Range::between(0.0, 180.0), DEGREES);
+        /// The diameter of the lens; 0 is a pinhole, which shows everything sharp.
+        #[serde(default)]
+        aperture: f64 = number(Range::NOT_NEGATIVE, SCENE_UNITS).or("0");
+        /// The distance from the lens to the plane that is sharp.
+        #[serde(default)]
+        focus_distance: Option<f64> = LENGTH.or("the distance to `look_at`");
+    }
+}
+
+fn up() -> DVec3 {
+    DVec3::Y
+}
+
+declare! {
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub enum Background {
+        /// A radiance that does not depend on the direction.
+        Solid: solid, "Solid((0, 0, 0))" (
+            /// The radiance.
+            colour: Colour = RADIANCE;
+        )
+        /// A blend from straight down to straight up, by 0.5 (y + 1) of the ray's unit direction.
+        Gradient: gradient, "Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))" {
+            /// The radiance straight down.
+            bottom: Colour = RADIANCE;
+            /// The radiance straight up.
+            top: Colour = RADIANCE;
+        }
+        /// A sky all around: a latitude-longitude image, with +y at the top and -z in the middle.
+        Image: sky, "Image(path: \"sky.exr\")" {
+            /// A file of the same formats as the texture `Image`.
+            path: String = other(PATH);
+        }
+    }
+}
+
+declare! {
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub enum Transform {
+        /// A shift.
+        Translate: translate, "Translate((265, 0, 295))" (
+            /// The shift, in scene units.
+            by: DVec3 = vector();
+        )
+        /// A change of size around the origin.
+        Scale: scale, "Scale(2)" (
+            /// The factor, the same along all axes.
+            scale: f64 = number(Range::POSITIVE, NO_UNIT);
+        )
+        /// A turn around the x axis: 90 takes +y to +z.
+        RotateX: rotate_x, "RotateX(90)" (
+            /// The angle.
+            degrees: f64 = TURN;
+        )
+        /// A turn around the y axis: 90 takes +z to +x.
+        RotateY: rotate_y, "RotateY(15)" (
+            /// The angle.
+            degrees: f64 = TURN;
+        )
+        /// A turn around the z axis: 90 takes +x to +y.
+        RotateZ: rotate_z, "RotateZ(-18)" (
+            /// The angle.
+            degrees: f64 = TURN;
+        )
+        /// A turn around any axis through the origin, right-handed.
+        Rotate: rotate, "Rotate(axis: (1, 1, 0), degrees: 45)" {
+            /// The axis, of any length but 0.
+            axis: DVec3 = vector();
+            /// The angle.
+            degrees: f64 = TURN;
+        }
+    }
+}
+
+/// The material of a shape, which is absent only on the boundary of a `Medium`.
+const MATERIAL: Field = other("a material's name in quotes")
+    .named("", "One of the scene's materials.")
+    .or("none; only the boundary of a medium may leave it out");
+
+declare! {
+    /// An object of the scene.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub enum Object {
+        /// A sphere. Images on it have u = (atan2(-z, x) + π) / 2π and v = acos(-y) / π of the unit normal.
+        Sphere: sphere, "Sphere(center: (0, 1, 0), radius: 1, material: \"matt\")" {
+            /// The middle.
+            center: DVec3 = point();
+            /// The distance from the middle to the surface.
+            radius: f64 = LENGTH;
+            #[serde(default)]
+            material: Option<String> = MATERIAL;
+        }
+        /// A parallelogram. Its normal is u × v.
+        Quad: quad, "Quad(corner: (-1, 0, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"matt\")" {
+            /// One of its corners.
+            corner: DVec3 = point();
+            /// The edge from there to a neighbouring corner, in scene units; u of images.
+            u: DVec3 = vector();
+            /// The other edge, in scene units, not parallel to u; v of images.
+            v: DVec3 = vector();
+            #[serde(default)]
+            material: Option<String> = MATERIAL;
+        }
+        /// A box along the axes; a transform turns it. Each face shows a whole image.
+        Box: cuboid, "Box(min: (-1, 0, -1), max: (1, 2, 1), material: \"matt\")" {
+            /// The corner with the lowest coordinates.
+            min: DVec3 = point();
+            /// The corner with the highest; each is above that of `min`.
+            max: DVec3 = point();
+            #[serde(default)]
+            material: Option<String> = MATERIAL;
+        }
+        /// The triangles of a file. The outside of a triangle is where its corners run counter-clockwise. Without normals in the file it
+        /// is flat-shaded. A file is read once, however many meshes name it.
+        Mesh: mesh, "Mesh(path: \"meshes/star.ply\", material: \"matt\")" {
+            /// A .ply, .obj, .gltf or .glb; materials in it are not used. Or a part of a glTF file, such as
+            /// `room.glb#meshes/0/primitives/1`.
+            #[serde(skip_serializing)]
+            path: String = other(PATH);
+            #[serde(default)]
+            material: Option<String> = MATERIAL;
+        }
+        /// A flat disk. Images fill the square around it: v is the direction that is nearest to +y, or -z where the normal is +y or -y,
+        /// and u is v × normal.
+        Disk: disk, "Disk(center: (0, 3, 0), normal: (0, -1, 0), radius: 0.5, material: \"matt\")" {
+            /// The middle.
+            center: DVec3 = point();
+            /// The direction in which its front faces; of any length but 0.
+            normal: DVec3 = vector();
+            /// The distance from the middle to the edge.
+            radius: f64 = LENGTH;
+            #[serde(default)]
+            material: Option<String> = MATERIAL;
+        }
+        /// A light without size that is equally bright in all directions. No ray can hit it, so the camera does not see it, nor does a
+        /// mirror. Mirrors and glass stop its light: only light sampling finds it, and `--integrator bsdf` refuses it.
+        PointLight: point_light, "PointLight(at: (0, 3, 1), intensity: (5, 5, 5))" {
+            /// Where the light is.
+            at: DVec3 = point();
+            /// Power per solid angle. A surface that faces the light at a distance d gets the irradiance intensity / d². Transforms do not
+            /// scale it.
+            intensity: Colour = RADIANCE;
+        }
+        /// A `PointLight` with a beam.
+        SpotLight: spot_light, "SpotLight(at: (0, 3, 1), towards: (0, 0, 0), intensity: (5, 5, 5), inner: 20, outer: 30)" {
+            at: DVec3 = point_light::FIELDS.at;
+            /// A point in the middle of its beam.
+            towards: DVec3 = point();
+            intensity: Colour = point_light::FIELDS.intensity;
+            /// The angle from the middle of the beam up to which the light has its whole intensity; at most `outer`.
+            #[serde(default)]
+            inner: f64 = ANGLE.or("0");
+            /// The angle from which on it has none. Between them it falls as in glTF: by the square of the share of the cosine.
+            #[serde(default = "default_outer")]
+            outer: f64 = ANGLE.or("45");
+        }
+        /// A light so far away that it reaches everything from one direction, like a sun without size. What is said of a `PointLight`
+        /// holds for it.
+        DirectionalLight: directional_light, "DirectionalLight(direction: (1, -2, -1), irradiance: (3, 3, 3))" {
+            /// Where the light goes, not where it comes from; of any length but 0.
+            direction: DVec3 = vector();
+            /// Power per area of a surface that faces the light, the same everywhere.
+            irradiance: Colour = RADIANCE;
+        }
+        /// An object that is moved, turned or scaled.
+        Transformed: transformed,
+            "Transformed(
+    by: [Scale(2), RotateY(15), Translate((265, 0, 295))],
+    object: Box(min: (0, 0, 0), max: (1, 1, 1), material: \"matt\"),
+)"
+        {
+            /// Applied in the order listed.
+            by: Vec<Transform> = other("a list of transforms: [..]");
+            /// Any object, also a group.
+            object: Box<Object> = other("an object");
+        }
+        /// Several objects as one.
+        Group: group,
+            "Group([
+    Sphere(center: (0, 1, 0), radius: 1, material: \"matt\"),
+    Sphere(center: (0, 2.5, 0), radius: 0.5, material: \"matt\"),
+])"
+        (
+            /// The objects.
+            objects: Vec<Object> = other("a list of objects: [..]").named("[..]", "");
+        )
+        /// What the default scene of a glTF file has, with its materials and transforms, without its cameras. Its materials have the
+        /// names `PATH#NAME` for other objects. [gltf.md](gltf.md) says what is read.
+        Gltf: gltf, "Gltf(path: \"meshes/stool.glb\")" {
+            /// A .gltf or .glb.
+            #[serde(skip_serializing)]
+            path: String = other(PATH);
+            /// Whether its lights are in Blender's watts, which are divided by 683 lm/W.
+            #[serde(default, skip_serializing)]
+            watts: Option<bool> = flag().or("true for files by Blender, else false");
+            /// Which glass is thin. Auto: of files by Blender open meshes, as it renders them. Pane: glass without a thickness in the
+            /// file, as glTF says.
+            #[serde(default, skip_serializing)]
+            thin: Thin = other("Auto or Pane").or("Auto");
+            .. #[serde(default, skip_deserializing)] objects: Vec<Object>
+        }
+        /// Fog or smoke of constant density inside a boundary, which itself is invisible. Where media overlap, their densities add. A
+        /// medium whose boundary is also a glass surface fills the glass.
+        Medium: medium,
+            "Medium(boundary: Sphere(center: (0, 1, 0), radius: 5), density: 0.01, albedo: Rgb(1, 1, 1), anisotropy: 0)"
+        {
+            /// A Sphere, a Box or a closed Mesh, Transformed or not.
+            boundary: Box<Object> = other("an object without a material");
+            /// The extinction coefficient: light falls to 1/e over a distance of 1 / density.
+            density: f64 = number(Range::NOT_NEGATIVE, "per scene unit");
+            /// The scattered share of that light; the rest is absorbed. An `Image` is not allowed.
+            albedo: Texture = texture(Use::Albedo.range());
+            /// Henyey and Greenstein's g: above 0 most light is scattered forwards, below 0 back.
+            #[serde(default)]
+            anisotropy: f64 = number(Range::between(-1.0, 1.0), NO_UNIT).or("0");
+        }
+    }
+}
+
+fn default_outer() -> f64 {
+    45.0
+}
+
+/// Which glass of a glTF file is thin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ValueEnum)]
+pub enum Thin {
+    /// Of files by Blender what is open, as it renders them; of others as they say.
+    #[default]
+    Auto,
+    /// What has no thickness in the file, as glTF says.
+    Pane,
+}
+
+impl Checked for Thin {}
+
+declare! {
+    /// Settings that the command line overrides.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct RenderDefaults: render, "(samples: 500, max_depth: 50)" {
+        /// Samples per pixel; `--spp` overrides it.
+        samples: u32 = whole(1, 1 << 31).or("100");
+        /// The most scattering events of a path, on surfaces and in media; `--max-depth` overrides it.
+        max_depth: u32 = whole(0, 1_000_000).or("50");
+    }
+}
+
+impl Default for RenderDefaults {
+    fn default() -> Self {
+        RenderDefaults { samples: 100, max_depth: 50 }
+    }
+}
