@@ -1,7 +1,6 @@
 //! The features of the renderer that a scene requires.
 
 use crate::bitmap::FORMATS;
-use crate::data;
 use crate::material::{EXTENSIONS, ExtensionKind, Lobe, MATERIALS, Material};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
@@ -170,20 +169,5 @@ impl Features {
     /// Whether anything in the scene has a lobe that is not specular. If nothing does, no light is sampled.
     pub(super) fn samples_light_anywhere(&self) -> bool {
         self.media > 0 || self.non_specular.iter().any(Option::is_some)
-    }
-}
-
-impl super::DeviceScene {
-    /// Fills the tables of features that the scene lacks, because kernels with everything bind them: a light that is
-    /// never chosen, a black sky.
-    pub(super) fn require_all(&mut self, sample_lights: bool) {
-        if sample_lights && self.sky.is_empty() {
-            self.sky.push(data::SkyCell::default());
-            self.lights.push(data::Light {
-                code: data::HIT_NOTHING,
-                instance: data::NO_INSTANCE,
-                ..data::Light::default()
-            });
-        }
     }
 }

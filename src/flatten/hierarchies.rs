@@ -2,9 +2,45 @@
 
 use std::sync::Arc;
 
-use super::meshes::Hierarchy;
-use crate::bvh::Quality;
+use glam::Vec3;
+
+use super::cuts;
+use super::pairs::{Pair, pairs};
+use crate::bvh::{self, Bounds, Bvh, Quality};
+use crate::data::{HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, primitive_code};
 use crate::scene::{Mesh, Scene};
+
+/// The hierarchy of a mesh, and the pairs of faces that are its leaves, in the order in which nodes name them.
+pub struct Hierarchy {
+    pub bvh: Bvh,
+    pub pairs: Vec<Pair>,
+}
+
+impl Hierarchy {
+    pub fn over(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Hierarchy {
+        let pairs = pairs(&mesh.triangles, positions);
+        let whole = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect();
+        let boxes = match quality {
+            Quality::Best => cuts::boxes(whole, cuts::MOST_LEAVES, &pairs, &mesh.triangles, positions),
+            _ => whole,
+        };
+        let coded = boxes.into_iter().map(|(bounds, pair)| (bounds, primitive_code(KIND_TRIANGLE, pair)));
+        let (bounds, codes): (Vec<Bounds>, Vec<u32>) = coded.unzip();
+        let mut bvh = bvh::build(&bounds, &codes, quality);
+        let mut in_order = Vec::with_capacity(pairs.len());
+        let mut places = vec![None; pairs.len()];
+        let children = bvh.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut bvh.root]);
+        for code in children.filter(|code| **code != HIT_NOTHING && **code & PRIMITIVE_BIT != 0) {
+            let pair = (*code ^ primitive_code(KIND_TRIANGLE, 0)) as usize;
+            let place = *places[pair].get_or_insert_with(|| {
+                in_order.push(pairs[pair]);
+                in_order.len() as u32 - 1
+            });
+            *code = primitive_code(KIND_TRIANGLE, place);
+        }
+        Hierarchy { bvh, pairs: in_order }
+    }
+}
 
 #[derive(Default)]
 pub struct Hierarchies {

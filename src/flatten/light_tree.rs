@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DQuat, DVec3};
 
-use super::meshes::octahedral;
+use super::octahedral::octahedral;
 use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_SKY, LIGHT_NODE_TWO_SIDED};
 use crate::shape::Aabb;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Builder;
+use super::builder::Builder;
 use super::place::PlacedMedium;
 use crate::data::{self, f32s};
 use crate::shape::{Element, Placement, RenderSpace};

@@ -8,32 +8,18 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::Builder;
-use super::cuts;
-use super::pairs::{Pair, pairs};
+use super::builder::Builder;
+use super::hierarchies::Hierarchy;
+use super::mesh_tables::Table;
+use super::octahedral::octahedral;
+use super::pairs::Pair;
 use super::place::Placed;
 use super::tangents::Split;
-use crate::bvh::{self, Bounds, Bvh, Quality};
-use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
+use crate::bvh::Quality;
+use crate::data::{NO_NORMAL, NO_UVS};
 use crate::scene::{Mesh, Texture};
-use crate::shape::mesh::{Laid, MeshShape};
-
-/// A table of a mesh beside its vertices. The first one has the first set of texture coordinates, and the colours and alphas of the vertices.
-#[derive(Clone, Copy, PartialEq)]
-pub struct Table {
-    uv_set: u32,
-    has_tangents: bool,
-}
-
-impl Table {
-    pub const FIRST: Table = Table { uv_set: 0, has_tangents: false };
-
-    /// The table that a texture has on a mesh. A normal map on a smooth mesh needs tangents.
-    fn of(texture: &Texture, mesh: &Mesh) -> Table {
-        let has_tangents = texture.is_normal_map() && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
-        Table { uv_set: texture.uv_set(), has_tangents }
-    }
-}
+use crate::shape::Laid;
+use crate::shape::mesh::MeshShape;
 
 impl Builder<'_> {
     /// Finds the tables that textures need on meshes. All but the first are features, with the material that asked for them.
@@ -154,62 +140,4 @@ fn split(mesh: &Mesh, positions: &[Vec3], tables: &[Table]) -> Option<Split> {
     let mut split = (!sets.is_empty()).then(|| Split::new(mesh))?;
     sets.into_iter().for_each(|uv_set| split.add(mesh, positions, uvs_of(mesh, uv_set)));
     Some(split)
-}
-
-/// The hierarchy of a mesh, and the pairs of faces that are its leaves, in the order in which nodes name them.
-pub struct Hierarchy {
-    pub bvh: Bvh,
-    pub pairs: Vec<Pair>,
-}
-
-impl Hierarchy {
-    fn over(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Hierarchy {
-        let pairs = pairs(&mesh.triangles, positions);
-        let whole = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect();
-        let boxes = match quality {
-            Quality::Best => cuts::boxes(whole, cuts::MOST_LEAVES, &pairs, &mesh.triangles, positions),
-            _ => whole,
-        };
-        let coded = boxes.into_iter().map(|(bounds, pair)| (bounds, primitive_code(KIND_TRIANGLE, pair)));
-        let (bounds, codes): (Vec<Bounds>, Vec<u32>) = coded.unzip();
-        let mut bvh = bvh::build(&bounds, &codes, quality);
-        let mut in_order = Vec::with_capacity(pairs.len());
-        let mut places = vec![None; pairs.len()];
-        let children = bvh.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut bvh.root]);
-        for code in children.filter(|code| **code != HIT_NOTHING && **code & PRIMITIVE_BIT != 0) {
-            let pair = (*code ^ primitive_code(KIND_TRIANGLE, 0)) as usize;
-            let place = *places[pair].get_or_insert_with(|| {
-                in_order.push(pairs[pair]);
-                in_order.len() as u32 - 1
-            });
-            *code = primitive_code(KIND_TRIANGLE, place);
-        }
-        Hierarchy { bvh, pairs: in_order }
-    }
-}
-
-impl super::DeviceScene {
-    /// Appends a hierarchy to the table of nodes. Its primitives are numbered from `first_primitive` on. Returns the code of its root.
-    pub fn add_nodes(&mut self, bvh: &Bvh, first_primitive: u32) -> u32 {
-        let first = self.nodes.len() as u32;
-        let moved = |code: u32| match code {
-            HIT_NOTHING => code,
-            _ if code & PRIMITIVE_BIT == 0 => code + first,
-            _ => code + first_primitive,
-        };
-        self.nodes.extend(bvh.nodes.iter().map(|node| data::Node { children: node.children.map(moved), ..*node }));
-        moved(bvh.root)
-    }
-}
-
-/// Encodes a unit vector with the octahedral map. shaders/lib/octahedral decodes it.
-pub fn octahedral(n: Vec3) -> u32 {
-    let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
-    let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
-    let (x, y) = match n.z < 0.0 {
-        true => ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)),
-        false => (n.x, n.y),
-    };
-    let word = |x: f32| (x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16;
-    u32::from(word(x)) | u32::from(word(y)) << 16
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 
-use super::meshes::octahedral;
+use super::octahedral::octahedral;
 use crate::data::NO_NORMAL;
 use crate::guard::guarded;
 use crate::scene::Mesh;

@@ -4,16 +4,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::mesh::Mesh;
-
-/// The open edges of a mesh: no neighbouring face runs along them in the other direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OpenEdges {
-    /// The first face of the file, counted from 0, that has such an edge.
-    pub face: u32,
-    /// The number of open edges.
-    pub count: usize,
-}
+use super::mesh::{Mesh, OpenEdges};
 
 impl Mesh {
     /// The edges at which the mesh is open or its winding changes; none if it is closed and wound one way.

@@ -2,10 +2,9 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::Laid;
-use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, Placement, Shape, ShapeKind, Tables, error_bound, padded,
-};
+use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
+use super::hull::Hull;
+use super::space::{Aabb, Placement, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::{Place, SMALLEST};
@@ -15,8 +14,8 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "cuboid",
     word: "box",
     sizes: &[("a side", "")],
-    table: super::table!(cuboids of data::Cuboid, "boxes"),
-    boundary: Some(Boundary { name: "cuboid", words: "a" }),
+    table: table!(cuboids of data::Cuboid, "boxes"),
+    boundary: Some(Boundary { name: "cuboid", is_convex: true, words: "a" }),
 };
 
 #[derive(Clone, Copy)]
@@ -73,11 +72,11 @@ impl Geometry for Cuboid {
         padded(center - reach, center + reach, error)
     }
 
-    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
         let Cuboid { min, max } = *self;
         let d = (max - min) * at.scale();
         vec![Emitter {
-            code: Shape::Cuboid(*self).code(index as usize),
+            code,
             instance: data::NO_INSTANCE,
             area: 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x),
             around: Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p))),

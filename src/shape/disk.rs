@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::Laid;
-use super::{Aabb, Element, Emitter, Geometry, Hull, Placement, Quad, Shape, ShapeKind, Tables, padded};
+use super::geometry::{Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
+use super::hull::Hull;
+use super::quad::Quad;
+use super::space::{Aabb, Placement, padded};
 use crate::data;
 use crate::error::Result;
 use crate::source::{Place, SMALLEST, parallel};
@@ -15,7 +17,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "disk",
     word: "disk",
     sizes: &[("a diameter", "radius")],
-    table: super::table!(disks of data::Quad, "disks"),
+    table: table!(disks of data::Quad, "disks"),
     boundary: None,
 };
 
@@ -69,9 +71,9 @@ impl Geometry for Disk {
         padded(bounds.min.as_vec3(), bounds.max.as_vec3(), square.error)
     }
 
-    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
         vec![Emitter {
-            code: Shape::Disk(*self).code(index as usize),
+            code,
             instance: data::NO_INSTANCE,
             area: PI * (self.radius * at.scale()).powi(2),
             around: self.bounds(at),

@@ -6,12 +6,11 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::Laid;
+use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
+use super::hull::Hull;
 use super::similarity::Similarity;
-use super::{
-    Boundary, Element, Emitter, Geometry, Hull, Placement, Shape, ShapeKind, Sphere, Tables, error_bound, padded,
-    sphere,
-};
+use super::space::{Placement, error_bound, padded};
+use super::sphere::{self, Sphere};
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::Place;
@@ -21,8 +20,8 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "large_sphere",
     word: sphere::KIND.word,
     sizes: sphere::KIND.sizes,
-    table: super::table!(large_spheres of data::LargeSphere, "spheres that are large against their distance from the camera"),
-    boundary: Some(Boundary { name: "large_sphere", words: "a" }),
+    table: table!(large_spheres of data::LargeSphere, "spheres that are large against their distance from the camera"),
+    boundary: Some(Boundary { name: "large_sphere", is_convex: true, words: "a" }),
 };
 
 /// A sphere is a large sphere if its radius is more than this many times its distance from the camera. As `data::Sphere`, its
@@ -124,8 +123,7 @@ impl Geometry for LargeSphere {
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
     }
 
-    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
-        let code = Shape::LargeSphere(*self).code(index as usize);
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
         vec![self.sphere.emitter(at, code)]
     }
 

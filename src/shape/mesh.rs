@@ -5,11 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
-pub use super::closed::OpenEdges;
-use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, Placement, ShapeKind, Tables, binary_exponent, error_bound, exp2,
-    padded,
-};
+use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
+use super::hull::Hull;
+use super::space::{Aabb, Placement, binary_exponent, error_bound, exp2, padded};
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
@@ -20,12 +18,21 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "triangle",
     word: "mesh",
     sizes: &[("a size", "")],
-    table: super::table!(instances of data::Instance, "where meshes stand"),
-    boundary: Some(Boundary { name: "mesh", words: "a closed" }),
+    table: table!(instances of data::Instance, "where meshes stand"),
+    boundary: Some(Boundary { name: "mesh", is_convex: false, words: "a closed" }),
 };
 
 /// The end of a warning that says why a mesh has no texture coordinates, although its file has some.
 pub const UVS_IGNORED: &str = "all texture coordinates are ignored";
+
+/// The open edges of a mesh: no neighbouring face runs along them in the other direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OpenEdges {
+    /// The first face of the file, counted from 0, that has such an edge.
+    pub face: u32,
+    /// The number of open edges.
+    pub count: usize,
+}
 
 /// A triangle mesh in its own space, in the file's units. Every vertex belongs to a triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,18 +71,6 @@ impl Mesh {
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         self.positions.iter().fold(nothing, |(low, high), &p| (low.min(p), high.max(p)))
     }
-}
-
-/// The place of a mesh in the device's tables.
-#[derive(Clone, Copy, Default)]
-pub struct Laid {
-    /// The code of its hierarchy's root.
-    pub root: u32,
-    /// The index of its first face.
-    pub first_face: u32,
-    pub to_uvs: u32,
-    /// The largest number of nodes on the stack in a walk through its hierarchy.
-    pub stack_size: u32,
 }
 
 /// A mesh of the scene. Objects place it.
@@ -188,7 +183,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
     }
 
     /// Each triangle is a light.
-    fn emitters(&self, at: &Placement, index: u32, laid: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, index: u32, _: u32, laid: Laid) -> Vec<Emitter> {
         let face = |(face, corners): (u32, &[u32; 3])| {
             let [a, b, c] = corners.map(|corner| self.mesh.positions[corner as usize]);
             let across = (b - a).cross(c - a);

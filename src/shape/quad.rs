@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::Laid;
-use super::{Aabb, Element, Emitter, Geometry, Hull, Placement, Shape, ShapeKind, Tables, error_bound, padded};
+use super::geometry::{Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
+use super::hull::Hull;
+use super::space::{Aabb, Placement, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::{Place, SMALLEST, parallel};
@@ -13,7 +14,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "quad",
     word: "quad",
     sizes: &[("an edge", "u"), ("an edge", "v")],
-    table: super::table!(quads of data::Quad, "quads"),
+    table: table!(quads of data::Quad, "quads"),
     boundary: None,
 };
 
@@ -76,11 +77,11 @@ impl Geometry for Quad {
         padded(around.min.as_vec3(), around.max.as_vec3(), quad.error)
     }
 
-    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
         let Quad { corner, u, v } = *self;
         let corners = [corner, corner + u, corner + v, corner + u + v];
         vec![Emitter {
-            code: Shape::Quad(*self).code(index as usize),
+            code,
             instance: data::NO_INSTANCE,
             area: u.cross(v).length() * at.scale() * at.scale(),
             around: Aabb::around(corners.map(|p| at.point(p))),

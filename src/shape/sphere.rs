@@ -4,10 +4,9 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::Laid;
-use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, Placement, Shape, ShapeKind, Tables, error_bound, padded,
-};
+use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
+use super::hull::Hull;
+use super::space::{Aabb, Placement, error_bound, padded};
 use crate::data;
 use crate::error::Result;
 use crate::source::Place;
@@ -17,8 +16,8 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "sphere",
     word: "sphere",
     sizes: &[("a radius", "radius")],
-    table: super::table!(spheres of data::Sphere, "spheres"),
-    boundary: Some(Boundary { name: "sphere", words: "a" }),
+    table: table!(spheres of data::Sphere, "spheres"),
+    boundary: Some(Boundary { name: "sphere", is_convex: true, words: "a" }),
 };
 
 #[derive(Clone, Copy)]
@@ -60,8 +59,8 @@ impl Geometry for Sphere {
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
     }
 
-    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
-        vec![self.emitter(at, Shape::Sphere(*self).code(index as usize))]
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
+        vec![self.emitter(at, code)]
     }
 
     fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec2, DVec3};
 
-use super::{Body, Search, U, Worst, coincidence};
+use super::search::{Body, Search, U, Worst, coincidence};
 use crate::shape::{Hull, Shape, normal, reach_of};
 
 /// Each surface in a plane is compared with this number of others, those next to it along an edge.

@@ -4,8 +4,8 @@
 
 use glam::DVec3;
 
+use super::search::{Diagnostic, OTHER, Role, Search, U, Worst};
 use super::within::{Within, is_outside_in_front};
-use super::{Diagnostic, OTHER, Role, Search, U, Worst};
 use crate::scene::Object;
 use crate::shape::{Hull, normal};
 

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Body, Search, U, Worst, coincidence};
+use super::search::{Body, Search, U, Worst, coincidence};
 use crate::shape::Hull;
 
 /// Each object is compared with this number of others, those next in the order.

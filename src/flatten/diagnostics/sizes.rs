@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Body, Diagnostic, Search, U, Worst, short};
+use super::search::{Body, Diagnostic, Search, U, Worst, short};
 use crate::flatten::place::reach;
 use crate::scene::Object;
 use crate::shape::Hull;

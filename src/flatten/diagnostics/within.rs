@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::Body;
+use super::search::Body;
 use crate::shape::Hull;
 use crate::shape::mesh::MeshShape;
 
@@ -93,7 +93,7 @@ fn distance_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 mod tests {
     use glam::DVec3;
 
-    use super::{distance_squared, solid_angle};
+    use super::search::{distance_squared, solid_angle};
 
     #[test]
     fn a_tetrahedron_is_all_around_its_inside() {

@@ -1,0 +1,248 @@
+//! Fills the tables of a scene for the kernels.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec3;
+
+use super::device_scene::DeviceScene;
+use super::hierarchies::Hierarchies;
+use super::mesh_tables::Table;
+use super::place::{Placed, PlacedMedium};
+use crate::bitmap::Decoding;
+use crate::bvh::{self, Bounds, Quality};
+use crate::data::{self, NO_TEXTURE, f32s};
+use crate::material::{Extension, ExtensionKind, Slot};
+use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
+use crate::shape::similarity::Similarity;
+use crate::shape::{Element, KINDS, Laid, LargeSphere, Placement, RenderSpace, Shape};
+
+/// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
+/// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
+/// in docs/performance.md.
+const MOST_BY_BRUTE_FORCE: usize = 24;
+const LEAST_CROSSINGS: f32 = 1.25;
+
+/// A scene on its way to a `DeviceScene`.
+pub struct Builder<'a> {
+    pub scene: &'a Scene,
+    pub space: RenderSpace,
+    pub quality: Quality,
+    /// The numbers of the meshes that bound media.
+    pub around_media: HashSet<usize>,
+    /// The hierarchies of an earlier flattening, if there was one.
+    pub hierarchies: Option<&'a mut Hierarchies>,
+    /// The meshes that have been laid out.
+    pub laid: Vec<Option<Laid>>,
+    /// The tables of each mesh beside its vertices.
+    pub tables: Vec<Vec<Table>>,
+    /// The index in the table of each of the scene's materials that an object uses.
+    pub materials: Vec<u32>,
+    /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind
+    /// the other.
+    pub textures: Vec<Vec<&'a Texture>>,
+    /// The place of each image's first word, by path and decoding.
+    pub images: HashMap<(String, Decoding), u32>,
+    /// The first frames of meshes, by mesh and material.
+    pub mesh_frames: HashMap<(usize, u32), u32>,
+    pub flat: DeviceScene,
+}
+
+impl Builder<'_> {
+    /// Lays out the primitives and builds the hierarchy over them.
+    pub fn add_primitives(&mut self, placed: &[Placed<'_>]) {
+        let (codes, bounds): (Vec<_>, Vec<_>) =
+            (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
+        let bvh = bvh::build(&bounds, &codes, self.quality);
+        self.flat.primitives = placed.len() as u32;
+        let flat = &mut self.flat;
+        let crowded = placed.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
+        flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
+        // The number of primitives of each kind that the scene has, before boundaries of media are added.
+        let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
+        let counts: Vec<u32> = counts.collect();
+        let room = &mut flat.settings.brute_force;
+        // Surfaces with an alpha are passed in the walk through the hierarchy alone.
+        flat.features.brute_force &= counts.len() <= room.len() && !flat.features.has_extension(ExtensionKind::Alpha);
+        room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
+        self.flat.settings.root = self.flat.add_nodes(&bvh, 0);
+        // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
+        let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
+        self.flat.features.stack_size = (bvh.stack_size + within).max(1);
+    }
+
+    pub fn add_media(&mut self, media: &[PlacedMedium<'_>]) {
+        for medium in media {
+            self.add_medium(medium);
+            let size = self.laid_of(&medium.boundary).stack_size;
+            let features = &mut self.flat.features;
+            features.boundary_stack_size = features.boundary_stack_size.max(size);
+        }
+        self.flat.features.media = media.len() as u32;
+    }
+
+    /// Adds a primitive. Returns its code and its bounds.
+    pub fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
+        let Placed { shape, to_world, material } = primitive;
+        let frame = self.frame_of(primitive);
+        let material = self.materials[*material as usize];
+        let (index, bounds) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
+        (shape.code(index), bounds)
+    }
+
+    /// Adds a shape of an object or of a medium's boundary. Returns its index among its kind, and its bounds.
+    pub fn add_shape(&mut self, shape: &Shape, to_world: &Similarity, element: Element) -> (usize, Bounds) {
+        let element = Element { laid: self.laid_of(shape), ..element };
+        let tables = &mut self.flat.shapes;
+        let (min, max) = shape.lay_out(&Placement { to_world, space: self.space }, element, tables);
+        (shape.kind().table.count(tables) - 1, Bounds { min, max })
+    }
+
+    /// The place of a mesh in the tables; the default for other shapes.
+    pub fn laid_of(&mut self, shape: &Shape) -> Laid {
+        shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
+    }
+
+    /// The index of a primitive's first frame; 0 if its material has no texture.
+    pub fn frame_of(&mut self, primitive: &Placed) -> u32 {
+        let Placed { shape, to_world, material } = primitive;
+        let textures = &self.textures[*material as usize];
+        if textures.is_empty() {
+            return 0;
+        }
+        // All instances of a mesh share frames, because textures are evaluated in the mesh's own space.
+        let shared = shape.mesh().map(|mesh| (mesh.number, *material));
+        if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
+            return frame;
+        }
+        let place = shape.texture_place(&to_world.rotation);
+        let index = self.flat.frames.len() as u32;
+        // Texture coordinates of a large sphere are relative to its nearest point, and those of a sphere to its centre.
+        let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
+        let frames = textures.iter().filter_map(|texture| {
+            let frame = texture.frame(place, (pole, &to_world.rotation))?;
+            let mesh = shape.mesh().filter(|_| texture.image().is_some());
+            Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(texture, mesh) as f32, ..frame }))
+        });
+        let frames: Vec<_> = frames.collect();
+        self.flat.frames.extend(frames);
+        if let Some(key) = shared {
+            self.mesh_frames.insert(key, index);
+        }
+        index
+    }
+}
+
+impl Builder<'_> {
+    pub fn add_background(&mut self, radiance_scale: f64) {
+        let scene = self.scene;
+        let settings = &mut self.flat.settings;
+        let kind = background_kind(&scene.background);
+        settings.background = kind as u32;
+        self.flat.features.backgrounds[kind] =
+            Some(format!("background at {}", scene.location(&[Step::Field("background")])));
+        match &scene.background {
+            Background::Solid(colour) => {
+                settings.background_bottom = f32s(radiance_scale * *colour);
+            }
+            Background::Gradient { bottom, top } => {
+                settings.background_bottom = f32s(radiance_scale * *bottom);
+                settings.background_top = f32s(radiance_scale * *top);
+            }
+            Background::Image { path } => {
+                settings.background_bottom = [radiance_scale as f32; 3];
+                if let Some(bitmap) = scene.bitmaps.colours(path) {
+                    settings.background_width = bitmap.width;
+                    settings.background_height = bitmap.height;
+                    settings.background_format = bitmap.format.number() as u32;
+                    self.flat.settings.background_texel = self.add_image(path, Decoding::Colour, bitmap);
+                }
+            }
+        }
+    }
+
+    /// Adds the materials that objects use.
+    pub fn add_materials(&mut self, used: &[bool], radiance_scale: f64) {
+        let scene = self.scene;
+        for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+            let model = material.model();
+            let row = data::Material { kind: material.number() as u32, ..model.on_device };
+            self.materials[number] = self.flat.materials.len() as u32;
+            self.add_row(name, row, model.slot, radiance_scale);
+            if let Some(second) = model.second_part {
+                self.add_row(name, second, None, radiance_scale);
+            }
+        }
+    }
+
+    /// Adds a row of the table of materials.
+    pub fn add_row(&mut self, name: &str, mut row: data::Material, slot: Option<Slot<'_>>, radiance_scale: f64) {
+        row.texture = NO_TEXTURE;
+        if let Some(slot) = slot {
+            let brightness = match slot.usage {
+                Use::Radiance => radiance_scale,
+                Use::Albedo | Use::Share | Use::Normal => 1.0,
+            };
+            row.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
+            row.texture = self.add_texture(slot.texture, brightness);
+        }
+        self.flat.materials.push(row);
+        self.flat.material_names.push(name.to_owned());
+    }
+
+    /// Adds what materials have beside their rows: rows behind those of all materials. The emission of a light has one too, since a
+    /// kernel asks all emitters alike.
+    pub fn add_details(&mut self, used: &[bool], radiance_scale: f64) {
+        let scene = self.scene;
+        let mut extensions = vec![data::Extension::NONE; self.flat.materials.len()];
+        for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+            let model = material.model();
+            let light = model.light().map(|light| Extension::emission(light.slot, light.two_sided));
+            let is_textured = |slot: Slot| u32::from(slot.texture.plain().is_none());
+            let mut own = data::Extension::NONE;
+            own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
+            // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
+            let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, is_textured) };
+            for extension in model.extensions.iter().copied().chain(light) {
+                *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
+                let row = data::Material { kind: frame, parameter: extension.parameter, ..data::Material::default() };
+                frame += is_textured(extension.slot);
+                self.add_row(name, row, Some(extension.slot), radiance_scale);
+            }
+            if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {
+                *extensions = own;
+            }
+        }
+        self.flat.extensions = extensions;
+    }
+
+    /// The place of an image's first word. An image is stored once, however often it is used.
+    pub fn add_image(&mut self, path: &str, decoding: Decoding, bitmap: &Bitmap) -> u32 {
+        let key = (path.to_string(), decoding);
+        if let Some(&first) = self.images.get(&key) {
+            return first;
+        }
+        let first = self.flat.texel_words().map(<[u32]>::len).sum::<usize>() as u32;
+        self.flat.images.push((path.to_string(), bitmap.clone()));
+        self.images.insert(key, first);
+        first
+    }
+
+    /// Adds a texture. Returns its number, or `NO_TEXTURE` for a plain colour.
+    pub fn add_texture(&mut self, texture: &Texture, brightness: f64) -> u32 {
+        let scene = self.scene;
+        let flat =
+            texture.upload(brightness, &scene.bitmaps, |path, decoding, bitmap| self.add_image(path, decoding, bitmap));
+        let Some(flat) = flat else { return NO_TEXTURE };
+        self.flat.textures.push(flat);
+        self.flat.textures.len() as u32 - 1
+    }
+}
+
+/// The index in `BACKGROUNDS`.
+fn background_kind(background: &Background) -> usize {
+    match background {
+        Background::Solid(_) => 0,
+        Background::Gradient { .. } => 1,
+        Background::Image { .. } => 2,
+    }
+}

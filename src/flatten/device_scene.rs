@@ -1,0 +1,88 @@
+//! A scene as the kernels see it.
+
+use super::features::Features;
+use crate::aov::SceneSpace;
+use crate::bitmap::{Format, SRGB};
+use crate::bvh::Bvh;
+use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT};
+use crate::scene::Bitmap;
+use crate::shape::Tables;
+
+/// A scene as the kernels see it.
+#[derive(Clone, Debug, Default)]
+pub struct DeviceScene {
+    pub features: Features,
+    /// The camera, the background and the BVH's root. The render fills in the other settings.
+    pub settings: data::Settings,
+    pub nodes: Vec<data::Node>,
+    pub shapes: Tables,
+    /// Faces, vertices and texture coordinates of all meshes, in the layout of shaders/bind/meshes.
+    pub meshes: Vec<[u32; 4]>,
+    /// The leaves of the meshes' hierarchies.
+    pub face_pairs: Vec<data::FacePair>,
+    pub media: Vec<data::Medium>,
+    pub lights: Vec<data::Light>,
+    pub delta_lights: Vec<data::DeltaLight>,
+    /// The tree over the lights; empty if there are fewer than two.
+    pub light_nodes: Vec<data::LightNode>,
+    /// The distribution of directions by the background's image.
+    pub sky: Vec<data::SkyCell>,
+    pub materials: Vec<data::Material>,
+    /// Where a material has extensions, those of each row of `materials`.
+    pub extensions: Vec<data::Extension>,
+    /// Where a material asks for it, what single scattering by microfacets keeps of light.
+    pub kept_shares: Vec<[f32; 4]>,
+    /// The names in the scene file of the rows of `materials`.
+    pub material_names: Vec<String>,
+    pub textures: Vec<data::Texture>,
+    pub frames: Vec<data::Frame>,
+    /// The images, in the order of their texels, each with its path. The texels are the scene's own: a copy may take 2 GiB.
+    pub images: Vec<(String, Bitmap)>,
+    /// The number of objects that rays can hit. An instance of a mesh counts as one.
+    pub primitives: u32,
+    /// The scene's radiance is the device's radiance times 2 to this power.
+    pub radiance_exponent: i32,
+    /// Render space in the scene.
+    pub space: SceneSpace,
+    /// Warnings about the placed scene, each with a location in the file, the number and a remedy.
+    pub warnings: Vec<String>,
+}
+
+impl DeviceScene {
+    /// The words of the buffer of texels, in parts: the table of sRGB codes if an image has them, then the images.
+    pub fn texel_words(&self) -> impl Iterator<Item = &[u32]> {
+        let has_codes = self.features.texel_formats[Format::Srgb.number()].is_some();
+        let table = has_codes.then(|| bytemuck::cast_slice(SRGB.as_slice()));
+        table.into_iter().chain(self.images.iter().map(|(_, bitmap)| bitmap.words.as_slice()))
+    }
+
+    pub(super) fn add_frame(&mut self, frame: data::Frame) -> u32 {
+        self.frames.push(frame);
+        self.frames.len() as u32 - 1
+    }
+
+    /// Appends a hierarchy to the table of nodes. Its primitives are numbered from `first_primitive` on. Returns the code of its root.
+    pub(super) fn add_nodes(&mut self, bvh: &Bvh, first_primitive: u32) -> u32 {
+        let first = self.nodes.len() as u32;
+        let moved = |code: u32| match code {
+            HIT_NOTHING => code,
+            _ if code & PRIMITIVE_BIT == 0 => code + first,
+            _ => code + first_primitive,
+        };
+        self.nodes.extend(bvh.nodes.iter().map(|node| data::Node { children: node.children.map(moved), ..*node }));
+        moved(bvh.root)
+    }
+
+    /// Fills the tables of features that the scene lacks, because kernels with everything bind them: a light that is
+    /// never chosen, a black sky.
+    pub(super) fn require_all(&mut self, sample_lights: bool) {
+        if sample_lights && self.sky.is_empty() {
+            self.sky.push(data::SkyCell::default());
+            self.lights.push(data::Light {
+                code: data::HIT_NOTHING,
+                instance: data::NO_INSTANCE,
+                ..data::Light::default()
+            });
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! What every shape has: the properties of its kind, and the methods of its geometry. Neither has defaults, so that a new shape cannot forget
+//! one.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::hull::Hull;
+use super::space::{Aabb, Placement};
+use crate::data;
+use crate::error::Result;
+use crate::source::Place;
+
+/// The properties that all shapes of a kind share.
+pub struct ShapeKind {
+    /// Its name in scene files. One without a name is chosen by the host in place of one that they have.
+    pub name: Option<&'static str>,
+    /// The name of its files under shaders/geometry and shaders/light.
+    pub shader: &'static str,
+    /// Its name in messages.
+    pub word: &'static str,
+    /// The names of its sizes in messages, with the fields that hold them. The last name stands for all further sizes.
+    pub sizes: &'static [(&'static str, &'static str)],
+    pub table: Table,
+    /// Its properties as a medium's boundary, if it can be one.
+    pub boundary: Option<Boundary>,
+}
+
+impl ShapeKind {
+    /// Whether a ray that passes its surface meets it again from inside. (A mesh consists of faces, which it meets one by one.)
+    pub fn encloses(&self) -> bool {
+        self.boundary.as_ref().is_some_and(|boundary| boundary.is_convex)
+    }
+}
+
+pub struct Boundary {
+    /// Its name among the boundaries. A convex one has a file of this name under shaders/medium.
+    pub name: &'static str,
+    pub is_convex: bool,
+    /// The words before its name in messages: an article, and what is expected of the shape.
+    pub words: &'static str,
+}
+
+/// The table that holds the elements of a kind on the device.
+pub struct Table {
+    /// The name of the file under shaders/bind.
+    pub name: &'static str,
+    /// The linker's values that say how it is bound.
+    pub space: &'static str,
+    pub size: &'static str,
+    /// Its contents, in words.
+    pub why: &'static str,
+    /// Bytes of an element.
+    pub stride: usize,
+    pub bytes: fn(&Tables) -> &[u8],
+}
+
+impl Table {
+    /// The number of its elements.
+    pub fn count(&self, tables: &Tables) -> usize {
+        (self.bytes)(tables).len() / self.stride
+    }
+}
+
+/// The `Table` of a member of `Tables`, with the same name.
+macro_rules! table {
+    ($member:ident of $element:ty, $why:literal) => {
+        $crate::shape::geometry::Table {
+            name: stringify!($member),
+            space: concat!("space_of_", stringify!($member)),
+            size: concat!("size_of_", stringify!($member)),
+            why: $why,
+            stride: size_of::<$element>(),
+            bytes: |tables| bytemuck::cast_slice(&tables.$member),
+        }
+    };
+}
+pub(super) use table;
+
+/// The elements of all shapes, as the kernels read them.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    pub spheres: Vec<data::Sphere>,
+    pub quads: Vec<data::Quad>,
+    pub cuboids: Vec<data::Cuboid>,
+    pub instances: Vec<data::Instance>,
+    pub large_spheres: Vec<data::LargeSphere>,
+    pub disks: Vec<data::Quad>,
+}
+
+/// The place of a mesh in the device's tables.
+#[derive(Clone, Copy, Default)]
+pub struct Laid {
+    /// The code of its hierarchy's root.
+    pub root: u32,
+    /// The index of its first face.
+    pub first_face: u32,
+    pub to_uvs: u32,
+    /// The largest number of nodes on the stack in a walk through its hierarchy.
+    pub stack_size: u32,
+}
+
+/// The members that an element of any shape has: how it refers to the rest of the scene.
+#[derive(Clone, Copy, Default)]
+pub struct Element {
+    pub order: u32,
+    pub material: u32,
+    pub frame: u32,
+    /// Of a mesh, its place in the device's tables.
+    pub laid: Laid,
+}
+
+/// A surface that can be sampled as a light.
+pub struct Emitter {
+    pub code: u32,
+    /// Of a triangle, the instance of its mesh.
+    pub instance: u32,
+    pub area: f64,
+    pub around: Aabb,
+    /// Of a flat surface.
+    pub normal: Option<DVec3>,
+}
+
+/// What every shape implements on the host.
+pub trait Geometry {
+    /// Checks its numbers, each of which is in its own range.
+    fn check(&self, at: &Place) -> Result<()>;
+
+    /// Its smallest size, and a bound of its farthest distance from the origin. They limit the transforms of the shape.
+    fn span(&self) -> (f64, f64);
+
+    /// The map from texture coordinates to the shape's own space: base + columns · local.
+    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3);
+
+    /// Adds its element to its table. Returns the lowest and the highest corner of a box around it in render space.
+    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3);
+
+    /// The lights that it consists of; `index` is its place in its table, and `code` its code.
+    fn emitters(&self, at: &Placement, index: u32, code: u32, laid: Laid) -> Vec<Emitter>;
+
+    /// Writes into its element the index of its first light among all lights, or `NOT_SAMPLED`.
+    fn set_light(&self, tables: &mut Tables, index: usize, laid: Laid, light: u32);
+
+    /// A simple bounding volume, for the warnings about sizes and distances.
+    fn hull(&self, at: &Placement) -> Hull;
+}
