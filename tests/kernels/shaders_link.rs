@@ -394,13 +394,15 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
     assert!(unused_lines.len() > 1000, "{} lines", unused_lines.len());
     // The numerics probe is part of no render.
     let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
-    probe.lines.iter().for_each(|line| _ = unused_lines.remove(line));
+    unused_lines.retain(|line| !probe.lines.contains(line));
     for (features, options) in combinations() {
         for scatter in SCATTERS {
             let plan = kernels(&features, &options, scatter);
             assert!(!plan.all().is_empty());
             for kernel in plan.all() {
-                kernel.linked.lines.iter().for_each(|line| _ = unused_lines.remove(line));
+                for line in &kernel.linked.lines {
+                    unused_lines.remove(line);
+                }
                 // Nothing that the scene lacks.
                 let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
                     let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
