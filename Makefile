@@ -33,7 +33,8 @@ test: toolchain oidn
 	$(CARGO) test --release --no-run
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
-	$(CARGO) test --release
+	tests/slowest.sh $(CARGO) test --release --lib --bins --tests
+	$(CARGO) test --release --doc
 
 # Open Image Denoise, which the tests denoise with, unless OIDN_DIR names its folder. Python only fetches it and checks its hash.
 oidn:

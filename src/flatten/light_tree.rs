@@ -17,9 +17,9 @@ const BINS: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
     Place,
-    /// Nowhere: directional lights, which are equally bright from every point.
-    Nowhere,
-    /// All around: the sky, equally bright from every point as well.
+    /// Directional lights, which are equally bright from every point.
+    Directional,
+    /// The sky, which is all around, and equally bright from every point.
     Sky,
 }
 

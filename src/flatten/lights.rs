@@ -109,7 +109,7 @@ impl Builder<'_> {
         let intensity = light.brightness(self.space);
         if light.place.is_none() {
             features.directional_lights.get_or_insert_with(asked);
-            return Bounded { extent: Extent::Nowhere, ..everywhere(intensity) };
+            return Bounded { extent: Extent::Directional, ..everywhere(intensity) };
         }
         let (axis, beam) = light.cone();
         Bounded {

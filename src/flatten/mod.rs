@@ -88,7 +88,7 @@ fn flatten_with(
     let mut finder = Finder::new(scene, &meshes, view.eye);
     scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
     for (primitive, object) in finder.placed.iter().zip(&finder.objects) {
-        note(&mut features, scene, object, primitive);
+        require_primitive(&mut features, scene, object, primitive);
         if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
             features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
         }
@@ -99,15 +99,15 @@ fn flatten_with(
         let number = primitive.material as usize;
         if !std::mem::replace(&mut used[number], true) {
             let (name, material) = &scene.materials[number];
-            note_material(&mut features, scene, name, material);
+            require_material(&mut features, scene, name, material);
         }
     }
-    finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
+    finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
     if let Background::Image { path } = &scene.background
         && let Some(bitmap) = scene.bitmaps.colours(path)
     {
         let at = scene.location(&[Step::Field("background")]);
-        note_format(&mut features, bitmap, || format!("background at {at}"));
+        require_format(&mut features, bitmap, || format!("background at {at}"));
     }
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
@@ -207,12 +207,12 @@ fn flatten_with(
 }
 
 /// Records the features that a primitive requires.
-fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
+fn require_primitive(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
     features.primitives[primitive.shape.number()].get_or_insert_with(|| scene.location_of(object).to_string());
 }
 
 /// Records the features that a material on an object requires.
-fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
+fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     let number = material.number();
     features.materials[number].get_or_insert_with(at_material);
@@ -241,17 +241,17 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
         features.textures[kind].get_or_insert_with(at_material);
     }
     for bitmap in model.slots().filter_map(|slot| slot.texture.bitmap(&scene.bitmaps)) {
-        note_format(features, bitmap, at_material);
+        require_format(features, bitmap, at_material);
     }
 }
 
 /// Records the format that an image requires.
-fn note_format(features: &mut Features, bitmap: &Bitmap, asked_by: impl FnOnce() -> String) {
+fn require_format(features: &mut Features, bitmap: &Bitmap, asked_by: impl FnOnce() -> String) {
     features.texel_formats[bitmap.format.number()].get_or_insert_with(asked_by);
 }
 
 /// Records the features that a medium requires.
-fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>) {
+fn require_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>) {
     let kind = medium.boundary.code_kind();
     let at_object = || scene.location_of(medium.object).to_string();
     let place = BOUNDARIES.iter().position(|(_, number)| *number == kind);

@@ -69,7 +69,7 @@ declare! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     #[serde(deny_unknown_fields)]
     pub enum Background {
-        /// The same radiance from everywhere.
+        /// A radiance that does not depend on the direction.
         Solid: solid, "Solid((0, 0, 0))" (
             /// The radiance.
             colour: Colour = RADIANCE;

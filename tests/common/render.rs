@@ -432,20 +432,6 @@ impl Shot {
     }
 }
 
-/// Holds that an image has the same bytes with all stages as kernels of their own, sorted by material or not, in small dispatches.
-pub fn same_bytes_however_cut(scene: &Scene, ask: &Ask, what: &str) {
-    let bits = |ask: &Ask| {
-        render(scene, ask).picture.rgb.as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>()
-    };
-    let usual = bits(ask);
-    for scatter in [Scatter::Linked, Scatter::Queues] {
-        let cut = |options: &mut RenderOptions| {
-            (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
-        };
-        assert!(usual == bits(&ask.clone().scatter(scatter).with(cut)), "{what}: {scatter:?} delivers other bytes");
-    }
-}
-
 /// Tests that two independent renders (two seeds) have one expectation, with this share of false alarms: see [`worst_difference`].
 pub fn same_expectation(a: &Shot, b: &Shot, rounding: f64, alpha: f64) -> Result<(), String> {
     let worst = worst_difference(a, b, rounding);

@@ -7,7 +7,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::options::{Integrator, RenderOptions, Scatter};
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_bytes_however_cut, same_expectation, scene};
+use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene};
 use crate::common::scenes::triple;
 use crate::common::vectors::U;
 
@@ -221,17 +221,6 @@ fn a_light_without_size_is_clamped_as_others() {
     same_expectation(&sphere, &clamped, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let usual = render(&point, &Ask::default().seed(2).mis());
     assert!(same_expectation(&sphere, &usual, 1e-5, ALPHA).is_err(), "the clamp does nothing");
-}
-
-/// All stages as kernels of their own, small dispatches: the same bytes.
-#[test]
-fn lights_without_size_make_the_same_bytes_however_the_work_is_cut() {
-    let lights = "PointLight(at: (0.3, 1.4, 0.3), intensity: (1, 1, 1)),
-        SpotLight(at: (-0.5, 1.5, 0), towards: (0, 0, 0), intensity: (3, 3, 3), inner: 10, outer: 30),
-        DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1))";
-    let scene = scene(&room(lights));
-    let ask = Ask::spp(16).seed(7).mis().sobol().roulette();
-    same_bytes_however_cut(&scene, &ask, "lights without size");
 }
 
 /// Far and near, bright and faint, in large and small scenes; on the floor, behind it, and at the point that is seen.

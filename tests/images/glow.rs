@@ -4,7 +4,7 @@ use gpu_rt::aov::Aov;
 use gpu_rt::options::Scatter;
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, render, render_planted, same_bytes_however_cut, same_expectation, scene, scene_in};
+use crate::common::render::{Ask, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -77,14 +77,6 @@ fn light_sampling_changes_no_expectation_where_surfaces_emit_and_scatter() {
         .rewritten("step/found_light", |own| own.replace("contribution * mis_weight(path, hit)", "contribution"));
     let twice = render_planted(&room, &mis, &twice);
     assert!(same_expectation(&bsdf, &twice, 1e-5, ALPHA).is_err(), "light that is counted twice is not found");
-}
-
-#[test]
-fn the_bytes_do_not_depend_on_how_the_work_is_cut() {
-    let room = scene(&room());
-    for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
-        same_bytes_however_cut(&room, &ask, "a room with surfaces that emit and scatter");
-    }
 }
 
 /// Shapes of one material, all turned.

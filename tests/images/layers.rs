@@ -1,6 +1,6 @@
 //! Layers of glTF's material with a share and a colour of their own (KHR_materials_specular).
 
-use crate::common::render::{Ask, render, same_bytes_however_cut, same_expectation, scene};
+use crate::common::render::{Ask, render, same_expectation, scene};
 
 const ALPHA: f64 = 1e-6;
 
@@ -46,9 +46,4 @@ fn light_sampling_changes_no_expectation_beside_layers() {
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let more = render(&scene(&wall(0.9)), &Ask::default().seed(2).mis());
     assert!(same_expectation(&bsdf, &more, 1e-5, ALPHA).is_err(), "a layer of 0.9 is not told from one of 0.7");
-}
-
-#[test]
-fn layers_have_the_same_bytes_however_the_work_is_cut() {
-    same_bytes_however_cut(&scene(&wall(0.7)), &Ask::spp(8).seed(7).mis(), "a room with layers of their own");
 }

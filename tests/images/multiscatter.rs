@@ -2,7 +2,7 @@
 
 use crate::common::kernel::Overlay;
 use crate::common::microfacets::{Facets, kept, masking, schlick, shadowing};
-use crate::common::render::{Ask, render, render_planted, same_bytes_however_cut, same_expectation, scene};
+use crate::common::render::{Ask, render, render_planted, same_expectation, scene};
 
 const ALPHA: f64 = 1e-6;
 /// The most by which the table is off (tests/kernels/rough.rs).
@@ -92,5 +92,4 @@ fn light_sampling_changes_no_expectation_beside_metals_that_lose_nothing() {
         .rewritten("material/conductor_eval", |own| own.replace("with_lost_light(single, straight, hit)", "single"));
     let lossy = render_planted(&room, &mis, &lossy);
     assert!(same_expectation(&bsdf, &lossy, 1e-5, ALPHA).is_err(), "light that is lost in one of the two is not found");
-    same_bytes_however_cut(&room, &Ask::spp(8).seed(7).mis(), "a room with metals that lose nothing");
 }

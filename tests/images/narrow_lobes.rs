@@ -314,19 +314,12 @@ fn lights_without_size_are_probed_where_paths_can_find_them() {
     assert_eq!(smooth, Counted { probed: 0.0, found: 0.0, missing: 0.0 });
 }
 
-/// The whole report, but for what differs by its nature.
+/// The whole report, but for what differs by its nature. Of the scenes that ship, tests/unchanged.rs holds what is counted.
 #[test]
 fn reports_do_not_depend_on_how_stages_are_linked() {
     let ships = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
     let run = Run::of(&under_a_sky(0.4));
-    let mirror = Run::of(&under_a_mirror(0.4));
-    for (scene, counts) in [
-        (run.scene(), true),
-        (mirror.scene(), true),
-        (ships("glass.ron"), true),
-        (ships("lights.ron"), true),
-        (ships("cornell-smoke.ron"), false),
-    ] {
+    for (scene, counts) in [(run.scene(), true), (ships("cornell-smoke.ron"), false)] {
         let of = |scatter: &str, seed: &str| {
             let more = ["--scatter", scatter, "--seed", seed, "--size", "32x18", "--spp", "16", "--quiet"];
             let (mut report, _) = run.report(&scene, &more);

@@ -9,7 +9,7 @@ use gpu_rt::scene::{GltfOptions, Scene};
 
 use crate::common::gltf::{glb, room};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_bytes_however_cut, same_expectation, scene_in};
+use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -136,16 +136,6 @@ fn light_sampling_changes_no_expectation_where_numbers_vary() {
     });
     let plain = render_planted(&room, &mis, &plain);
     assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "a response of another roughness is not found");
-}
-
-#[test]
-fn the_bytes_do_not_depend_on_how_the_work_is_cut() {
-    let folder = tempfile::tempdir().expect("a folder");
-    marks(folder.path());
-    let room = scene_in(folder.path(), ROOM);
-    for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
-        same_bytes_however_cut(&room, &ask, "a room whose numbers vary");
-    }
 }
 
 /// A glTF file's texture of metallic and roughness has the image of the scene that is written by hand.

@@ -8,7 +8,7 @@
 use crate::common::everything::{Everything, World, same};
 use crate::common::render::{Ask, render, render_each};
 use gpu_rt::film::Film;
-use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::options::Scatter;
 use gpu_rt::scene::Scene;
 
 fn everything() -> (Everything, Scene) {
@@ -40,71 +40,50 @@ fn two_renders_in_a_row_are_the_same() {
     assert!(same(&usual, &again[0]) && same(&usual, &again[2]), "by one renderer");
 }
 
+/// Whole runs by scattered rays alone, and runs cut at both ends by the defaults. One path at a time, fewer than a row of pixels has, more than the
+/// image has runs. Each size of a workgroup is another kernel to compile, so that each way of linking has two.
 #[test]
 fn slots_workgroups_and_submissions_do_not_show() {
-    let (_files, scene) = everything();
-    // Whole runs, and runs cut at both ends. One path at a time, fewer than a row of pixels has, more than the image has runs; idle slots
-    // cost time, so that the largest number comes only once with each kind of scatter.
     use Scatter::{Fused, Linked, Queues};
+    let (_files, scene) = everything();
     let whole = [
-        (Linked, 1, 64, 50),
-        (Linked, 97, 1, 1),
-        (Linked, 97, 256, 7),
-        (Linked, 4096, 32, 50),
-        (Queues, 1, 32, 7),
-        (Queues, 97, 64, 1),
-        (Queues, 4096, 256, 50),
-        (Queues, 100_000, 64, 50),
+        (Linked, 1, 32, 50),
+        (Linked, 97, 256, 1),
+        (Linked, 4096, 32, 7),
+        (Queues, 1, 64, 7),
+        (Queues, 97, 1, 1),
+        (Queues, 4096, 64, 50),
         (Fused, 1, 64, 1),
-        (Fused, 97, 32, 50),
-        (Fused, 4096, 1, 7),
-        (Fused, 100_000, 256, 50),
+        (Fused, 97, 1, 50),
+        (Fused, 100_000, 64, 50),
     ];
     let cut = [
-        (Linked, 1, 1, 7),
         (Linked, 97, 32, 50),
-        (Linked, 4096, 64, 1),
-        (Linked, 100_000, 256, 7),
-        (Queues, 1, 256, 50),
-        (Queues, 97, 1, 7),
-        (Queues, 4096, 32, 1),
-        (Fused, 1, 32, 50),
-        (Fused, 97, 1, 7),
+        (Linked, 100_000, 32, 7),
+        (Queues, 97, 64, 7),
+        (Queues, 4096, 64, 1),
+        (Fused, 97, 256, 7),
         (Fused, 4096, 256, 1),
     ];
-    for (samples, wishes) in [(0..16, whole.as_slice()), (3..21, cut.as_slice())] {
-        let ask = |options| Ask { samples: Some(samples.clone()), options, ..Ask::default() };
-        let usual = render(&scene, &ask(crate::common::render::plain()));
+    let by_rays = Ask { samples: Some(0..16), ..Ask::default() };
+    let by_defaults = Ask { samples: Some(3..21), ..Ask::default().mis().sobol().roulette() };
+    for (usual, wishes) in [(by_rays, whole.as_slice()), (by_defaults, cut.as_slice())] {
+        let expected = render(&scene, &usual);
         for &(scatter, slots, workgroup, bounces) in wishes {
-            let options = RenderOptions {
-                slots: Some(slots),
-                workgroup: Some(workgroup),
-                bounces: Some(bounces),
-                scatter: Some(scatter),
-                ..crate::common::render::plain()
-            };
-            assert!(same(&usual, &render(&scene, &ask(options.clone()))), "{samples:?}: {options:?}");
+            let ask = usual.clone().scatter(scatter).with(|options| {
+                (options.slots, options.workgroup, options.bounces) = (Some(slots), Some(workgroup), Some(bounces));
+            });
+            assert!(same(&expected, &render(&scene, &ask)), "{ask:?}");
         }
     }
 }
 
 #[test]
-fn slots_and_parts_do_not_show_with_sobol_points() {
-    use Scatter::{Fused, Linked, Queues};
+fn parts_do_not_show_with_sobol_points() {
     let (_files, scene) = everything();
     let ask = Ask::spp(24).sobol();
     let usual = render(&scene, &ask);
     assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "the sampler changes the image");
-    for (scatter, slots, workgroup, bounces) in [(Fused, 97, 32, 7), (Linked, 4096, 64, 50), (Queues, 97, 256, 7)] {
-        let options = RenderOptions {
-            slots: Some(slots),
-            workgroup: Some(workgroup),
-            bounces: Some(bounces),
-            scatter: Some(scatter),
-            ..ask.options.clone()
-        };
-        assert!(same(&usual, &render(&scene, &Ask { options: options.clone(), ..ask.clone() })), "{options:?}");
-    }
     // Parity is that of the absolute number of a run; the first samples do not depend on how many there will be.
     let parts = render_each(&scene, &ask, &[8..24, 0..8]);
     assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);

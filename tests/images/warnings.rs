@@ -1,6 +1,5 @@
 //! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none
-//! for a twin scene just on the other side of its limit. What surfaces near glass are warned of is held against
-//! pictures.
+//! for a twin scene just on the other side of its limit. The limits of surfaces near glass are compared with pictures.
 
 use crate::common::marked::{fault, unmarked};
 use crate::common::scenes::files;
@@ -458,7 +457,7 @@ fn clear_solids_that_touch() {
 /// The objects of a scene with a gap of this width.
 type Objects = Box<dyn Fn(f64) -> String>;
 
-/// Where a warning says from where on all is well.
+/// The gap from which on a warning says that all is well.
 fn limit(warning: &str) -> f64 {
     let words: Vec<&str> = warning.split(' ').collect();
     let at = words.windows(2).rposition(|pair| pair == ["more", "than"]);
@@ -466,9 +465,7 @@ fn limit(warning: &str) -> f64 {
     number.unwrap_or_else(|| panic!("no limit in {warning}"))
 }
 
-/// A lamp behind clear surfaces is seen, and glass bends what is behind it, from a little more than the limit on; at
-/// half of it they are wrong in most pixels. At all widths of what is warned of, from one end of the scene to the
-/// other.
+/// A lamp behind a clear surface is seen where the gap is a little more than the warning's limit. At half of the limit most pixels are wrong.
 #[test]
 fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
     let quads = |half: f64| {
