@@ -10,7 +10,7 @@ use std::sync::Arc;
 use base64::Engine;
 use glam::{DVec3, Vec3};
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Mesh, OpenEdges, Scene};
+use gpu_rt::scene::{Assets, GltfOptions, Mesh, OpenEdges, Scene};
 use serde_json::json;
 
 /// A scene with one object.
@@ -468,10 +468,11 @@ fn a_file_named_often_is_read_once_and_tells_how_far_it_is() {
                   background: Solid((1, 1, 1)), materials: {\"grey\": Dielectric(ior: 1)}, objects: [";
     fs::write(&path, format!("{header}{object}])")).unwrap();
     let mut told = Vec::new();
-    let scene = Scene::load_with(&path, &mut |file, done, whole| {
+    let mut progress = |file: &Path, done, whole| {
         assert_eq!((file, whole), (folder.path().join("big.obj").as_path(), text.len() as u64));
         told.push(done);
-    });
+    };
+    let scene = Scene::load_as(&path, &GltfOptions::default(), &mut progress, &mut Assets::default());
     assert_eq!(scene.unwrap().meshes.len(), 1);
     assert_eq!(told.len(), 2, "at the start and after a MiB: {told:?}");
     assert!(told[0] == 0 && told[1] > 1 << 20);

@@ -52,9 +52,6 @@ impl File {
                 return Err(Broken::new(format!("{at}.type"), "expected perspective or orthographic"));
             }
         };
-        let field = |name: &str, found: f64| {
-            Broken::new(format!("{at}.perspective.{name}"), format!("expected a positive number, found {found}"))
-        };
         let yfov = decimal(perspective.yfov);
         if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
             let reason = format!("expected an angle between 0 and pi, found {yfov}");
@@ -62,7 +59,8 @@ impl File {
         }
         let aspect = perspective.aspect_ratio.map_or(ASPECT, decimal);
         if !(aspect > 0.0 && aspect.is_finite()) {
-            return Err(field("aspectRatio", aspect));
+            let reason = format!("expected a positive number, found {aspect}");
+            return Err(Broken::new(format!("{at}.perspective.aspectRatio"), reason));
         }
         let DAffine3 { matrix3, translation } = placed.to_scene;
         let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
