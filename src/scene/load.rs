@@ -23,6 +23,7 @@ use super::{bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
 use crate::material::ExtensionKind;
 use crate::printable::one_line;
+use crate::shape::Aabb;
 use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
@@ -230,7 +231,7 @@ fn of_gltf(
     drop(file);
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
-    let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
+    let (camera, image) = view.unwrap_or_else(|| gltf::framing(Aabb::around([DVec3::ZERO])));
     let background = match &options.sky {
         Some(sky) if path == to => Background::Image { path: sky.clone() },
         Some(sky) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },

@@ -7,6 +7,7 @@ use gltf::json::validation::Checked;
 use super::nodes::Placed;
 use super::{Broken, File, Result, decimal};
 use crate::scene::types::{Camera, ImageSize};
+use crate::shape::Aabb;
 
 /// A camera of the file.
 pub struct View {
@@ -82,7 +83,7 @@ impl File {
 }
 
 /// A camera that sees all of a box, from the front, the right and above.
-pub fn framing((low, high): (DVec3, DVec3)) -> (Camera, ImageSize) {
+pub fn framing(Aabb { min: low, max: high }: Aabb) -> (Camera, ImageSize) {
     const FOV: f64 = 40.0;
     let (middle, radius) = match low.cmple(high).all() {
         true => (0.5 * (low + high), 0.5 * (high - low).length()),

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::camera::View;
 use super::generator::LightUnits;
@@ -101,17 +101,9 @@ fn is_read(extension: &str) -> bool {
 }
 
 /// The smallest box around meshes that are placed.
-pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> (DVec3, DVec3) {
-    let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (path, to_scene) in placed {
-        let Some(mesh) = meshes.get(path) else { continue };
-        let (min, max) = mesh.bounds();
-        for corner in (Aabb { min, max }).corners() {
-            let corner = to_scene.transform_point3(corner);
-            bounds = (bounds.0.min(corner), bounds.1.max(corner));
-        }
-    }
-    bounds
+pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> Aabb {
+    let known = placed.iter().filter_map(|(path, to_scene)| Some((meshes.get(path)?, to_scene)));
+    Aabb::around(known.flat_map(|(mesh, to_scene)| mesh.bounds().corners().map(|p| to_scene.transform_point3(p))))
 }
 
 impl File {
