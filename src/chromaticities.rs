@@ -1,23 +1,14 @@
 //! Colours of other primaries than Rec. 709, as an EXR's header may name them.
 
 use exr::math::Vec2;
-use exr::meta::attribute;
+use exr::meta::attribute::Chromaticities;
 use glam::{DMat3, DVec3};
 
 use crate::data::Rgb;
 
-/// The primaries and the white of linear red, green and blue, each as CIE 1931 x and y.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chromaticities {
-    pub red: [f32; 2],
-    pub green: [f32; 2],
-    pub blue: [f32; 2],
-    pub white: [f32; 2],
-}
-
 /// Rec. 709 and its white D65 (ITU-R BT.709-6, items 1.3 and 1.4).
 pub const REC_709: Chromaticities =
-    Chromaticities { red: [0.64, 0.33], green: [0.3, 0.6], blue: [0.15, 0.06], white: [0.3127, 0.329] };
+    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
 
 /// Chromaticities that differ by less are the same: files have them with three or four digits.
 const SAME: f32 = 1e-3;
@@ -29,64 +20,47 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-impl From<attribute::Chromaticities> for Chromaticities {
-    fn from(of_file: attribute::Chromaticities) -> Chromaticities {
-        let of = |Vec2(x, y): Vec2<f32>| [x, y];
-        let attribute::Chromaticities { red, green, blue, white } = of_file;
-        Chromaticities { red: of(red), green: of(green), blue: of(blue), white: of(white) }
+fn is_rec_709(given: &Chromaticities) -> bool {
+    let all = |of: &Chromaticities| [of.red, of.green, of.blue, of.white];
+    let near = |(a, b): (Vec2<f32>, Vec2<f32>)| (a.0 - b.0).abs() <= SAME && (a.1 - b.1).abs() <= SAME;
+    all(given).into_iter().zip(all(&REC_709)).all(near)
+}
+
+/// XYZ of white, with Y = 1.
+fn white(of: &Chromaticities) -> DVec3 {
+    let [x, y] = [of.white.0, of.white.1].map(f64::from);
+    DVec3::new(x, y, 1.0 - x - y) / y
+}
+
+/// The matrix to XYZ that takes (1, 1, 1) to white (SMPTE RP 177).
+fn to_xyz(of: &Chromaticities) -> DMat3 {
+    let column = |Vec2(x, y): Vec2<f32>| DVec3::new(f64::from(x), f64::from(y), 1.0 - f64::from(x) - f64::from(y));
+    let primaries = DMat3::from_cols(column(of.red), column(of.green), column(of.blue));
+    primaries * DMat3::from_diagonal(primaries.inverse() * white(of))
+}
+
+/// The conversion to Rec. 709; none if these are its own. White stays white, by Bradford's adaptation.
+///
+/// # Errors
+/// If they are no primaries of a colour space.
+fn to_rec_709(of: Chromaticities) -> Result<Option<Conversion>, String> {
+    if is_rec_709(&of) {
+        return Ok(None);
+    }
+    let cones = BRADFORD * white(&REC_709) / (BRADFORD * white(&of));
+    let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
+    let matrix = to_xyz(&REC_709).inverse() * adapted * to_xyz(&of);
+    // No primaries in use come near this; those on a line, or a white of no light, are beyond it or no numbers.
+    match matrix.to_cols_array().iter().all(|v| v.abs() < 1e3) {
+        true => Ok(Some(Conversion { of, matrix })),
+        false => Err(format!("its chromaticities are no primaries of colours: {}", words(&of))),
     }
 }
 
-impl From<Chromaticities> for attribute::Chromaticities {
-    fn from(Chromaticities { red, green, blue, white }: Chromaticities) -> attribute::Chromaticities {
-        let of = |[x, y]: [f32; 2]| Vec2(x, y);
-        attribute::Chromaticities { red: of(red), green: of(green), blue: of(blue), white: of(white) }
-    }
-}
-
-impl Chromaticities {
-    fn is_rec_709(&self) -> bool {
-        let all = |of: &Chromaticities| [of.red, of.green, of.blue, of.white];
-        let pairs = all(self).into_iter().flatten().zip(all(&REC_709).into_iter().flatten());
-        { pairs }.all(|(a, b)| (a - b).abs() <= SAME)
-    }
-
-    /// XYZ of white, with Y = 1.
-    fn white(&self) -> DVec3 {
-        let [x, y] = self.white.map(f64::from);
-        DVec3::new(x, y, 1.0 - x - y) / y
-    }
-
-    /// The matrix to XYZ that takes (1, 1, 1) to white (SMPTE RP 177).
-    fn to_xyz(self) -> DMat3 {
-        let column = |[x, y]: [f32; 2]| DVec3::new(f64::from(x), f64::from(y), 1.0 - f64::from(x) - f64::from(y));
-        let primaries = DMat3::from_cols(column(self.red), column(self.green), column(self.blue));
-        primaries * DMat3::from_diagonal(primaries.inverse() * self.white())
-    }
-
-    /// The conversion to Rec. 709; none if these are its own. White stays white, by Bradford's adaptation.
-    ///
-    /// # Errors
-    /// If they are no primaries of a colour space.
-    pub fn to_rec_709(self) -> Result<Option<Conversion>, String> {
-        if self.is_rec_709() {
-            return Ok(None);
-        }
-        let cones = BRADFORD * REC_709.white() / (BRADFORD * self.white());
-        let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
-        let matrix = REC_709.to_xyz().inverse() * adapted * self.to_xyz();
-        // No primaries in use come near this; those on a line, or a white of no light, are beyond it or no numbers.
-        match matrix.to_cols_array().iter().all(|v| v.abs() < 1e3) {
-            true => Ok(Some(Conversion { of: self, matrix })),
-            false => Err(format!("its chromaticities are no primaries of colours: {}", self.words())),
-        }
-    }
-
-    fn words(&self) -> String {
-        let of = |[x, y]: [f32; 2]| format!("({x}, {y})");
-        let Chromaticities { red, green, blue, white } = *self;
-        format!("red {}, green {}, blue {}, white {}", of(red), of(green), of(blue), of(white))
-    }
+fn words(given: &Chromaticities) -> String {
+    let of = |Vec2(x, y): Vec2<f32>| format!("({x}, {y})");
+    let Chromaticities { red, green, blue, white } = *given;
+    format!("red {}, green {}, blue {}, white {}", of(red), of(green), of(blue), of(white))
 }
 
 /// A conversion of colours to Rec. 709.
@@ -101,8 +75,8 @@ impl Conversion {
     ///
     /// # Errors
     /// What is wrong with its chromaticities.
-    pub fn of_file(known: Option<attribute::Chromaticities>) -> Result<Option<Conversion>, String> {
-        known.map_or(Ok(None), |known| Chromaticities::from(known).to_rec_709())
+    pub fn of_file(known: Option<Chromaticities>) -> Result<Option<Conversion>, String> {
+        known.map_or(Ok(None), to_rec_709)
     }
 
     /// A colour of Rec. 709, which has negative parts if it is outside of Rec. 709. One that is not finite stays as it is.
@@ -115,7 +89,7 @@ impl Conversion {
 
     /// What it converts from.
     pub fn words(&self) -> String {
-        format!("its colours are converted to Rec. 709, from {}", self.of.words())
+        format!("its colours are converted to Rec. 709, from {}", words(&self.of))
     }
 }
 
@@ -123,12 +97,24 @@ impl Conversion {
 mod tests {
     use super::*;
 
-    const ACES_CG: Chromaticities =
-        Chromaticities { red: [0.713, 0.293], green: [0.165, 0.83], blue: [0.128, 0.044], white: [0.32168, 0.33767] };
-    const ACES: Chromaticities =
-        Chromaticities { red: [0.7347, 0.2653], green: [0.0, 1.0], blue: [0.0001, -0.077], white: [0.32168, 0.33767] };
-    const XYZ: Chromaticities =
-        Chromaticities { red: [1.0, 0.0], green: [0.0, 1.0], blue: [0.0, 0.0], white: [1.0 / 3.0, 1.0 / 3.0] };
+    const ACES_CG: Chromaticities = Chromaticities {
+        red: Vec2(0.713, 0.293),
+        green: Vec2(0.165, 0.83),
+        blue: Vec2(0.128, 0.044),
+        white: Vec2(0.32168, 0.33767),
+    };
+    const ACES: Chromaticities = Chromaticities {
+        red: Vec2(0.7347, 0.2653),
+        green: Vec2(0.0, 1.0),
+        blue: Vec2(0.0001, -0.077),
+        white: Vec2(0.32168, 0.33767),
+    };
+    const XYZ: Chromaticities = Chromaticities {
+        red: Vec2(1.0, 0.0),
+        green: Vec2(0.0, 1.0),
+        blue: Vec2(0.0, 0.0),
+        white: Vec2(1.0 / 3.0, 1.0 / 3.0),
+    };
 
     fn close(found: Rgb<f32>, expected: Rgb<f32>, error: f32) {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= error), "{found:?}, expected {expected:?}");
@@ -137,28 +123,28 @@ mod tests {
     #[test]
     fn colours_convert_as_others_convert_them() {
         // The rows of ACEScg to linear Rec. 709 by Bradford, as OpenColorIO's ACES config has them.
-        let conversion = ACES_CG.to_rec_709().unwrap().unwrap();
+        let conversion = to_rec_709(ACES_CG).unwrap().unwrap();
         close(conversion.convert([1.0, 0.0, 0.0]), [1.705_05, -0.130_26, -0.024_00], 1e-4);
         close(conversion.convert([0.0, 1.0, 0.0]), [-0.621_79, 1.140_80, -0.128_97], 1e-4);
         close(conversion.convert([0.0, 0.0, 1.0]), [-0.083_26, -0.010_55, 1.152_97], 1e-4);
         for space in [ACES_CG, ACES, XYZ] {
-            close(space.to_rec_709().unwrap().unwrap().convert([0.18; 3]), [0.18; 3], 1e-6);
+            close(to_rec_709(space).unwrap().unwrap().convert([0.18; 3]), [0.18; 3], 1e-6);
         }
     }
 
     #[test]
     fn rec_709_stays_and_no_primaries_are_refused() {
-        assert_eq!(REC_709.to_rec_709(), Ok(None));
-        assert_eq!(Chromaticities { white: [0.3128, 0.3290], ..REC_709 }.to_rec_709(), Ok(None));
+        assert_eq!(to_rec_709(REC_709), Ok(None));
+        assert_eq!(to_rec_709(Chromaticities { white: Vec2(0.3128, 0.3290), ..REC_709 }), Ok(None));
         for broken in [
             Chromaticities { red: REC_709.green, ..REC_709 },
-            Chromaticities { white: [0.3, 0.0], ..REC_709 },
-            Chromaticities { blue: [f32::NAN, 0.0], ..REC_709 },
-            Chromaticities { red: [f32::INFINITY, 0.0], ..REC_709 },
+            Chromaticities { white: Vec2(0.3, 0.0), ..REC_709 },
+            Chromaticities { blue: Vec2(f32::NAN, 0.0), ..REC_709 },
+            Chromaticities { red: Vec2(f32::INFINITY, 0.0), ..REC_709 },
         ] {
-            assert!(broken.to_rec_709().is_err_and(|words| words.contains("no primaries")), "{broken:?}");
+            assert!(to_rec_709(broken).is_err_and(|words| words.contains("no primaries")), "{broken:?}");
         }
-        let conversion = ACES.to_rec_709().unwrap().unwrap();
+        let conversion = to_rec_709(ACES).unwrap().unwrap();
         assert!(conversion.convert([f32::INFINITY, 1.0, 0.0])[0].is_infinite());
     }
 }

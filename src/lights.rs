@@ -28,13 +28,6 @@ pub struct AliasEntry {
     pub alias_probability: f32,
 }
 
-/// A table for the alias method. Probabilities are in proportion to weights, rounded to multiples of 2^-24, so that they are
-/// exactly the probabilities with which the device draws.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AliasTable {
-    pub entries: Vec<AliasEntry>,
-}
-
 /// The number of uniform numbers for each weight: in proportion, but at least one for each positive weight.
 fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     if weights.len() > MAX_ENTRIES || weights.iter().any(|w| !w.is_finite() || *w < 0.0) {
@@ -63,52 +56,53 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     Some(parts.collect())
 }
 
-impl AliasTable {
-    /// None if no weight is positive, if a weight is negative or not finite, or if there are more than [`MAX_ENTRIES`].
-    pub fn new(weights: &[f64]) -> Option<AliasTable> {
-        let wanted = apportion(weights)?;
-        let count = wanted.len() as u64;
-        // Entry i is found by the uniform numbers k from ceil(i 2^24 / n) on. k n = i 2^24 + rest, and the rest grows
-        // by n with each k.
-        let first = |i: u64| (i * UNIFORMS).div_ceil(count);
-        // Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", IEEE Trans. Softw. Eng. 17(9),
-        // 1991, in integers: entries that need fewer uniform numbers than find them give the others to entries that need more.
-        let found_by: Vec<u64> = (0..count).map(|i| first(i + 1) - first(i)).collect();
-        let mut left = wanted.clone();
-        let (mut less, mut more) = (Vec::new(), Vec::new());
-        for (i, (wants, found)) in wanted.iter().zip(&found_by).enumerate() {
-            if wants < found { less.push(i) } else { more.push(i) }
-        }
-        let mut own = found_by.clone();
-        let mut alias: Vec<usize> = (0..wanted.len()).collect();
-        while let Some(i) = less.pop() {
-            // The sums are equal, so that if one entry needs fewer, another needs more.
-            let Some(&from) = more.last() else { break };
-            own[i] = left[i];
-            alias[i] = from;
-            left[from] -= found_by[i] - left[i];
-            if left[from] < found_by[from] {
-                more.pop();
-                less.push(from);
-            }
-        }
-        let share = |draws: u64| (draws as f64 / UNIFORMS as f64) as f32;
-        let entry = |i: usize| {
-            let rest = first(i as u64) * count - i as u64 * UNIFORMS;
-            let threshold = match own[i] {
-                0 => 0,
-                all if all == found_by[i] => UNIFORMS,
-                some => rest + (some - 1) * count + 1,
-            };
-            AliasEntry {
-                threshold: share(threshold),
-                alias: alias[i] as u32,
-                probability: share(wanted[i]),
-                alias_probability: share(wanted[alias[i]]),
-            }
-        };
-        Some(AliasTable { entries: (0..wanted.len()).map(entry).collect() })
+/// A table for the alias method. Probabilities are in proportion to weights, rounded to multiples of 2^-24, so that they are
+/// exactly the probabilities with which the device draws.
+///
+/// None if no weight is positive, if a weight is negative or not finite, or if there are more than [`MAX_ENTRIES`].
+pub fn alias_table(weights: &[f64]) -> Option<Vec<AliasEntry>> {
+    let wanted = apportion(weights)?;
+    let count = wanted.len() as u64;
+    // Entry i is found by the uniform numbers k from ceil(i 2^24 / n) on. k n = i 2^24 + rest, and the rest grows
+    // by n with each k.
+    let first = |i: u64| (i * UNIFORMS).div_ceil(count);
+    // Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", IEEE Trans. Softw. Eng. 17(9),
+    // 1991, in integers: entries that need fewer uniform numbers than find them give the others to entries that need more.
+    let found_by: Vec<u64> = (0..count).map(|i| first(i + 1) - first(i)).collect();
+    let mut left = wanted.clone();
+    let (mut less, mut more) = (Vec::new(), Vec::new());
+    for (i, (wants, found)) in wanted.iter().zip(&found_by).enumerate() {
+        if wants < found { less.push(i) } else { more.push(i) }
     }
+    let mut own = found_by.clone();
+    let mut alias: Vec<usize> = (0..wanted.len()).collect();
+    while let Some(i) = less.pop() {
+        // The sums are equal, so that if one entry needs fewer, another needs more.
+        let Some(&from) = more.last() else { break };
+        own[i] = left[i];
+        alias[i] = from;
+        left[from] -= found_by[i] - left[i];
+        if left[from] < found_by[from] {
+            more.pop();
+            less.push(from);
+        }
+    }
+    let share = |draws: u64| (draws as f64 / UNIFORMS as f64) as f32;
+    let entry = |i: usize| {
+        let rest = first(i as u64) * count - i as u64 * UNIFORMS;
+        let threshold = match own[i] {
+            0 => 0,
+            all if all == found_by[i] => UNIFORMS,
+            some => rest + (some - 1) * count + 1,
+        };
+        AliasEntry {
+            threshold: share(threshold),
+            alias: alias[i] as u32,
+            probability: share(wanted[i]),
+            alias_probability: share(wanted[alias[i]]),
+        }
+    };
+    Some((0..wanted.len()).map(entry).collect())
 }
 
 /// The distribution of directions towards the sky: cells of a grid over its image. The weight of a cell is its mean
@@ -193,7 +187,7 @@ impl SkyDistribution {
         for (i, weight) in weights.iter_mut().enumerate() {
             *weight *= solid_angles[i / columns];
         }
-        let table = AliasTable::new(&weights)?;
+        let table = alias_table(&weights)?;
         let cell = |(i, entry): (usize, &AliasEntry)| {
             let alias = entry.alias as usize;
             SkyCell {
@@ -203,7 +197,7 @@ impl SkyDistribution {
                 alias_density: (f64::from(entry.alias_probability) / solid_angles[alias / columns]) as f32,
             }
         };
-        let cells = table.entries.iter().enumerate().map(cell).collect();
+        let cells = table.iter().enumerate().map(cell).collect();
         Some(SkyDistribution { columns: columns as u32, rows: rows as u32, cells })
     }
 }

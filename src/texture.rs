@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use glam::{DMat3, DVec3};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
@@ -115,10 +115,7 @@ pub mod number {
     pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Texture, D::Error> {
         Ok(match Written::deserialize(from)? {
             Written::Number(x) => Texture::grey(x),
-            Written::Texture(Texture::Image { path, tint, channel: None, uv_set }) => {
-                Texture::Image { path, tint, channel: Some(Channel::default()), uv_set }
-            }
-            Written::Texture(texture) => texture,
+            Written::Texture(texture) => texture.or_channel(Channel::default()),
         })
     }
 
@@ -130,21 +127,9 @@ pub mod number {
     }
 }
 
-/// A normal map: an image, of which all channels are numbers.
-pub mod normal_map {
-    use serde::{Deserialize, Deserializer};
-
-    use super::Texture;
-    use crate::bitmap::Channel;
-
-    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Texture>, D::Error> {
-        Ok(Option::deserialize(from)?.map(|texture| match texture {
-            Texture::Image { path, tint, channel: None, uv_set } => {
-                Texture::Image { path, tint, channel: Some(Channel::Rgb), uv_set }
-            }
-            other => other,
-        }))
-    }
+/// Reads a normal map: an image, of which all channels are numbers.
+pub fn normal_map<'a, D: Deserializer<'a>>(from: D) -> std::result::Result<Option<Texture>, D::Error> {
+    Ok(Option::<Texture>::deserialize(from)?.map(|texture| texture.or_channel(Channel::Rgb)))
 }
 
 /// The properties that all textures of a kind share.
@@ -203,8 +188,7 @@ impl Use {
             Use::Share => "share",
             Use::Normal => "normal",
         };
-        let channels = colour.to_array().into_iter().enumerate();
-        { channels }.try_for_each(|(index, channel)| self.range().check(&at.index(index), name, NO_UNIT, channel))
+        self.range().check_each(at, name, colour)
     }
 
     /// Refuses an image with a texel out of range, and names the first one; also one that `tint` makes too bright.
@@ -281,10 +265,7 @@ impl Texture {
 
     /// The path of its image, which needs texture coordinates.
     pub fn image(&self) -> Option<&String> {
-        match self {
-            Texture::Image { path, .. } => Some(path),
-            Texture::Rgb(..) | Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => None,
-        }
+        self.decoded().map(|(path, _)| path)
     }
 
     /// The set of a mesh's texture coordinates that its image has.
@@ -312,6 +293,14 @@ impl Texture {
     pub fn bitmap<'a>(&self, bitmaps: &'a Bitmaps) -> Option<&'a Bitmap> {
         let (path, decoding) = self.decoded()?;
         bitmaps.get(path, decoding)
+    }
+
+    /// The texture with this channel, if it is an image without one.
+    fn or_channel(mut self, given: Channel) -> Texture {
+        if let Texture::Image { channel, .. } = &mut self {
+            channel.get_or_insert(given);
+        }
+        self
     }
 
     /// A texture with the same number everywhere.

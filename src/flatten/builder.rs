@@ -82,7 +82,7 @@ impl Builder<'_> {
 
     /// Adds a primitive. Returns its code and its bounds.
     pub fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
-        let Placed { shape, to_world, material } = primitive;
+        let Placed { shape, to_world, material, .. } = primitive;
         let frame = self.frame_of(primitive);
         let material = self.materials[*material as usize];
         let (index, bounds) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
@@ -104,7 +104,7 @@ impl Builder<'_> {
 
     /// The index of a primitive's first frame; 0 if its material has no texture.
     pub fn frame_of(&mut self, primitive: &Placed) -> u32 {
-        let Placed { shape, to_world, material } = primitive;
+        let Placed { shape, to_world, material, .. } = primitive;
         let textures = &self.textures[*material as usize];
         if textures.is_empty() {
             return 0;
@@ -130,9 +130,7 @@ impl Builder<'_> {
         }
         index
     }
-}
 
-impl Builder<'_> {
     pub fn add_background(&mut self, radiance_scale: f64) {
         let scene = self.scene;
         let settings = &mut self.flat.settings;

@@ -88,7 +88,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::flatten::{flatten, flatten_again};
+    use crate::flatten::{flatten, flatten_with};
     use crate::options::RenderOptions;
 
     /// A scene that is flattened again has the tables of the first time, and only new meshes and qualities are built.
@@ -99,7 +99,7 @@ mod tests {
         let medium = RenderOptions::default();
         let best = RenderOptions { build: Quality::Best, ..RenderOptions::default() };
         let mut built = |scene: &Scene, options: &RenderOptions| {
-            let again = flatten_again(scene, (16, 9), options, &mut hierarchies).unwrap();
+            let again = flatten_with(scene, (16, 9), options, Some(&mut hierarchies)).unwrap();
             let first = flatten(scene, (16, 9), options).unwrap();
             assert!(again.nodes == first.nodes && again.meshes == first.meshes);
             assert_eq!(again.settings.root, first.settings.root);

@@ -31,13 +31,13 @@ use crate::delta_light::PlacedLight;
 use crate::error::{Error, Result};
 use crate::material::{ExtensionKind, Lobe, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
-use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
+use crate::scene::{Background, Material, Object, Scene, Step};
 use crate::shape::{Hull, Placement, RenderSpace, binary_exponent, exp2, mesh};
 use crate::threads::beside;
 use builder::Builder;
 use diagnostics::Search;
 use mesh_tables::Table;
-use place::{Finder, Placed, PlacedMedium, extent};
+use place::{Finder, PlacedMedium, extent};
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -62,35 +62,29 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     flatten_with(scene, size, options, None)
 }
 
-/// Flattens a scene that may have been flattened before, with the hierarchies that were built then.
+/// Flattens a scene with the hierarchies of an earlier flattening, if there was one.
 ///
 /// # Errors
 /// The errors of [`flatten`].
-pub fn flatten_again(
+pub fn flatten_with(
     scene: &Scene,
     size: (u32, u32),
     options: &RenderOptions,
-    hierarchies: &mut Hierarchies,
+    mut hierarchies: Option<&mut Hierarchies>,
 ) -> Result<DeviceScene> {
-    hierarchies.keep_those_of(scene);
-    flatten_with(scene, size, options, Some(hierarchies))
-}
-
-fn flatten_with(
-    scene: &Scene,
-    size: (u32, u32),
-    options: &RenderOptions,
-    hierarchies: Option<&mut Hierarchies>,
-) -> Result<DeviceScene> {
+    if let Some(hierarchies) = &mut hierarchies {
+        hierarchies.keep_those_of(scene);
+    }
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
     let view = View::new(&scene.camera, size);
     let mut finder = Finder::new(scene, &meshes, view.eye);
     scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
-    for (primitive, object) in finder.placed.iter().zip(&finder.objects) {
-        require_primitive(&mut features, scene, object, primitive);
+    for primitive in &finder.placed {
+        let at_object = || scene.location_of(primitive.object).to_string();
+        features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
         if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
-            features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
+            features.smooth.get_or_insert_with(at_object);
         }
     }
     // Whether an object uses each material.
@@ -107,7 +101,7 @@ fn flatten_with(
         && let Some(bitmap) = scene.bitmaps.colours(path)
     {
         let at = scene.location(&[Step::Field("background")]);
-        require_format(&mut features, bitmap, || format!("background at {at}"));
+        features.texel_formats[bitmap.format.number()].get_or_insert_with(|| format!("background at {at}"));
     }
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
@@ -206,11 +200,6 @@ fn flatten_with(
     Ok(flat)
 }
 
-/// Records the features that a primitive requires.
-fn require_primitive(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
-    features.primitives[primitive.shape.number()].get_or_insert_with(|| scene.location_of(object).to_string());
-}
-
 /// Records the features that a material on an object requires.
 fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
@@ -241,13 +230,8 @@ fn require_material(features: &mut Features, scene: &Scene, name: &str, material
         features.textures[kind].get_or_insert_with(at_material);
     }
     for bitmap in model.slots().filter_map(|slot| slot.texture.bitmap(&scene.bitmaps)) {
-        require_format(features, bitmap, at_material);
+        features.texel_formats[bitmap.format.number()].get_or_insert_with(at_material);
     }
-}
-
-/// Records the format that an image requires.
-fn require_format(features: &mut Features, bitmap: &Bitmap, asked_by: impl FnOnce() -> String) {
-    features.texel_formats[bitmap.format.number()].get_or_insert_with(asked_by);
 }
 
 /// Records the features that a medium requires.

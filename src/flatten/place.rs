@@ -12,6 +12,7 @@ use crate::shape::{Hull, Placement, RenderSpace, Shape};
 
 /// A primitive, with the transform that its texture needs.
 pub struct Placed<'a> {
+    pub object: &'a Object,
     pub shape: Shape<'a>,
     /// The transform from the object's own space to the world.
     pub to_world: Similarity,
@@ -39,8 +40,6 @@ pub struct Finder<'a> {
     /// The camera's place.
     eye: DVec3,
     pub placed: Vec<Placed<'a>>,
-    /// The object of each primitive.
-    pub objects: Vec<&'a Object>,
     pub media: Vec<PlacedMedium<'a>>,
     /// The lights without size, each with its object.
     pub lights: Vec<(&'a Object, PlacedLight)>,
@@ -53,7 +52,6 @@ impl<'a> Finder<'a> {
             meshes,
             eye,
             placed: Vec::new(),
-            objects: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),
         }
@@ -87,8 +85,7 @@ impl<'a> Finder<'a> {
                 let material = object.material().and_then(|name| self.materials.get(name).copied());
                 if let (Some(shape), Some(material)) = (object.shape(self.meshes), material) {
                     let shape = shape.seen_from(to_world, self.eye);
-                    self.placed.push(Placed { shape, to_world: *to_world, material });
-                    self.objects.push(object);
+                    self.placed.push(Placed { object, shape, to_world: *to_world, material });
                 }
             }
         }

@@ -46,7 +46,7 @@ declare! {
             vertex_alpha: bool = flag().or("false");
             /// A normal map: an image whose red, green and blue are the x, y and z of the normal, each from -1 at 0 to 1 at its largest
             /// code. x is along u, y along v, and z is the normal of the surface. Its codes are linear.
-            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = other("an image: Image(path: ..)").or("none: the normal is that of the surface");
             /// What x and y of the normal map are multiplied by.
             #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -100,7 +100,7 @@ declare! {
             /// light is lost.
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             multiscatter: bool = flag().or("false");
-            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
@@ -117,7 +117,7 @@ declare! {
             transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             #[serde(default, skip_serializing_if = "Option::is_none")]
             absorption: Option<Colour> = dielectric::FIELDS.absorption;
-            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
@@ -156,7 +156,7 @@ declare! {
             vertex_colors: bool = lambertian::FIELDS.vertex_colors;
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             vertex_alpha: bool = lambertian::FIELDS.vertex_alpha;
-            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
@@ -172,7 +172,7 @@ declare! {
             roughness: Texture = SHARE.or("0");
             #[serde(default, skip_serializing_if = "Option::is_none")]
             transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
-            #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;

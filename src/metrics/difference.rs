@@ -9,7 +9,6 @@ use super::estimate::{Estimate, corrected, degrees_of_sum};
 use super::grid::{CELLS, Grid};
 use super::images::{Images, QUANTITIES, Quantity};
 use super::pixels::{Pixels, pixels};
-use crate::data::luminance;
 
 /// The shift of a mean, in its standard errors, if the largest one, two or three of [`CELLS`]² normal numbers are
 /// removed: the sums of their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
@@ -196,7 +195,7 @@ fn sums_of_cells(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[us
             if !images.counts(pixel) || out.contains(&pixel) {
                 continue;
             }
-            let [a, b] = [images.a, images.b].map(|image| quantity.of(image[pixel].map(f64::from)));
+            let [a, b] = images.values(quantity, pixel);
             let variance = images.variance(quantity, pixel).unwrap_or(0.0);
             cells[row * grid.columns + column][cell_row * CELLS + cell_column].add(&Sums {
                 pixels: 1.0,
@@ -276,7 +275,7 @@ impl Scales {
 
 /// Compares the images. None if no pixel is finite in both.
 pub fn difference(images: &Images<'_>) -> Option<Difference> {
-    let mut counted = (0..images.width * images.height).filter(|&pixel| images.counts(pixel)).peekable();
+    let mut counted = images.counted().peekable();
     counted.peek()?;
     let identical = counted.all(|pixel| images.a[pixel] == images.b[pixel]);
     let grid = Grid::new(images.width, images.height);
@@ -309,12 +308,11 @@ fn source(images: &Images<'_>) -> ErrorSource {
         return ErrorSource::Pairs;
     }
     let (mut noisy, mut beyond) = (0, 0);
-    for pixel in (0..images.width * images.height).filter(|&pixel| images.counts(pixel)) {
-        let of = |image: &[[f32; 3]]| luminance(image[pixel].map(f64::from));
+    for pixel in images.counted() {
+        let [a, b] = images.values(Quantity::Luminance, pixel);
         let variance = images.variance(Quantity::Luminance, pixel).unwrap_or(0.0);
-        let difference = of(images.a) - of(images.b);
         noisy += usize::from(variance > 0.0);
-        beyond += usize::from(variance > 0.0 && difference * difference > variance);
+        beyond += usize::from(variance > 0.0 && (a - b) * (a - b) > variance);
     }
     match noisy >= ENOUGH_PIXELS && (beyond as f64) < SHARED * noisy as f64 {
         true => ErrorSource::SharedNoise,

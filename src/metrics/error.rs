@@ -1,4 +1,5 @@
-//! Mean square errors over pixels and channels, of linear radiance and of sRGB pictures.
+//! Mean square errors over pixels and channels, of linear radiance and of sRGB pictures. There is none if the images differ in size or
+//! are empty. A NaN or infinite input makes an error of radiance so.
 
 use crate::data::{luminance, srgb, unit};
 
@@ -7,15 +8,11 @@ use crate::data::{luminance, srgb, unit};
 pub const RELATIVE_FLOOR: f64 = 0.01;
 
 /// Mean square error: mean over pixels and channels of (a − b)².
-///
-/// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b))
 }
 
 /// Relative mean square error of `a` against the reference `b`: mean over pixels and channels of (a − b)² / (b² + 0.01), untrimmed.
-///
-/// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + RELATIVE_FLOOR))
 }
@@ -34,8 +31,6 @@ pub fn mean_luminance(image: &[[f32; 3]]) -> f64 {
 
 /// The mean square error of `a` relative to the image `b`: mean over pixels and channels of (a − b)² / (b² + 0.01 b̄²), with b̄ the mean
 /// luminance of b. The square of what `gpu-rt render` states as the relative error.
-///
-/// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn relative_mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     let floor = floor_of(b);
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + floor))
@@ -43,9 +38,7 @@ pub fn relative_mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 
 /// The relative mean square error without the 0.1 % of the pixels with the largest error (rounded down to whole
 /// pixels). The few rare bright paths that dominate the untrimmed error do not count. It proves nothing, because errors
-/// in few pixels do not count either.
-///
-/// None if the images differ in size or are empty. A NaN or infinite input makes the result so, unless it is trimmed.
+/// in few pixels do not count either. Nor does a NaN that is trimmed.
 pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     if a.len() != b.len() || a.is_empty() {
         return None;
@@ -60,8 +53,6 @@ pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 
 /// The peak signal-to-noise ratio in dB of both images, clamped to 0..1 and sRGB-encoded: 10 log10(1 / MSE), with a
 /// peak of 1. Infinite if the encoded images are equal.
-///
-/// None if the images differ in size or are empty.
 pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     let shown = |v: f64| srgb(unit(v));
     mean(a, b, |a, b| (shown(a) - shown(b)).powi(2)).map(|error| -10.0 * error.log10())
@@ -69,15 +60,11 @@ pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 
 /// The error of the noise of an image with these variances, relative to an image and a floor in squared radiance: the mean over pixels and
 /// channels of v / (b² + floor).
-///
-/// None if the images differ in size or are empty.
 pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]], floor: f64) -> Option<f64> {
     mean(variance, reference, |v, b| v / (b * b + floor))
 }
 
-/// The signed relative difference of the mean luminances: the mean of a − b over the mean of b.
-///
-/// None if the images differ in size or are empty; infinite or NaN if the mean of b is 0.
+/// The signed relative difference of the mean luminances: the mean of a − b over the mean of b. Infinite or NaN if the mean of b is 0.
 pub fn mean_difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     let mean = mean_luminance(b);
     (a.len() == b.len() && !a.is_empty()).then(|| (mean_luminance(a) - mean) / mean)

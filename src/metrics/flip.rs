@@ -65,20 +65,13 @@ impl Filter {
         Filter(self.0[cut..self.0.len() - cut].to_vec())
     }
 
-    /// Filters `row`, which has `margin` more values on either side than `out`.
-    fn along_row(&self, row: &[f64], margin: usize, out: &mut [f64]) {
-        out.fill(0.0);
-        for (weight, shifted) in self.0.iter().zip(row[margin - self.radius()..].windows(out.len())) {
-            out.iter_mut().zip(shifted).for_each(|(out, value)| *out += weight * value);
+    /// The weighted sum of rows of `width` values, one for each weight.
+    fn weighted<'a>(&self, rows: impl Iterator<Item = &'a [f64]>, width: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; width];
+        for (weight, row) in self.0.iter().zip(rows) {
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
-    }
-
-    /// Filters the columns of `rows`, and writes the row `at` of the result.
-    fn along_columns(&self, rows: &[Vec<f64>], at: usize, out: &mut [f64]) {
-        out.fill(0.0);
-        for (weight, row) in self.0.iter().zip(&rows[at - self.radius()..]) {
-            out.iter_mut().zip(row).for_each(|(out, value)| *out += weight * value);
-        }
+        sums
     }
 }
 
@@ -185,9 +178,8 @@ impl Flip {
                 row[margin + width..].fill(last);
             }
             for ((filter, rows), channel) in filters.iter().zip(&mut filtered).zip(CHANNEL) {
-                let mut out = vec![0.0; width];
-                filter.along_row(&opponents[channel], margin, &mut out);
-                rows.push(out);
+                let shifted = opponents[channel][margin - filter.radius()..].windows(width);
+                rows.push(filter.weighted(shifted, width));
             }
         }
         (0..band.len()).map(|y| self.columns(width, &filtered, y + margin)).collect()
@@ -196,9 +188,8 @@ impl Flip {
     /// Filters the columns of rows that are already filtered, and returns the row `at`.
     fn columns(&self, width: usize, rows: &[Vec<Vec<f64>>; TERMS], at: usize) -> FilteredRow {
         let filtered = |kernel: &Filter, term: usize| {
-            let mut out = vec![0.0; width];
-            kernel.along_columns(&rows[term], at, &mut out);
-            out
+            let shifted = &rows[term][at - kernel.radius()..];
+            kernel.weighted(shifted.iter().map(Vec::as_slice), width)
         };
         let [a, rg, by, by2] = [0, 1, 2, 3].map(|term| filtered(&self.colour[term], term));
         let lab = (0..width).map(|x| hunt(linear([a[x], rg[x], by[x] + by2[x]]))).collect();

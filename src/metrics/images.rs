@@ -62,6 +62,16 @@ pub struct Spreads<'a> {
 }
 
 impl Images<'_> {
+    /// The pixels that count.
+    pub(super) fn counted(&self) -> impl Iterator<Item = usize> {
+        (0..self.width * self.height).filter(|&pixel| self.counts(pixel))
+    }
+
+    /// A quantity of a pixel in a and in b.
+    pub(super) fn values(&self, quantity: Quantity, pixel: usize) -> [f64; 2] {
+        [self.a, self.b].map(|image| quantity.of(image[pixel].map(f64::from)))
+    }
+
     /// Whether the pixel is finite in both images, and therefore counts.
     pub fn counts(&self, pixel: usize) -> bool {
         self.a[pixel].iter().chain(&self.b[pixel]).all(|v| v.is_finite())
@@ -84,8 +94,7 @@ impl Images<'_> {
     /// pixels. A pixel that is noisy in only one image may have a rare path there; leaving it out would darken that
     /// image. Empty without variances, or if the noise is spread over many pixels.
     pub(super) fn ruling(&self) -> Vec<usize> {
-        let pixels = (0..self.width * self.height).filter(|&pixel| self.counts(pixel));
-        let known = pixels.filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
+        let known = self.counted().filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
         let mut left: Vec<(usize, [f64; 2])> = known.collect();
         let few = FEW.min(left.len() / FEW);
         let mut ruling = Vec::new();

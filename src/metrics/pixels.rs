@@ -8,6 +8,8 @@
 //!
 //! docs/comparing.md has the derivation and measurements.
 
+use std::collections::HashMap;
+
 use super::estimate::{LEVEL, corrected};
 use super::grid::Grid;
 use super::images::{Images, QUANTITIES, Quantity, Spreads};
@@ -73,16 +75,6 @@ pub(super) fn pixels(images: &Images<'_>, grid: &Grid) -> Pixels {
     tested.unwrap_or_else(|| Pixels::Untested(most_different(images).map(|(single, _)| single)))
 }
 
-/// The pixels that are finite in both images.
-fn counted<'a>(images: &'a Images<'_>) -> impl Iterator<Item = usize> + 'a {
-    (0..images.width * images.height).filter(|&pixel| images.counts(pixel))
-}
-
-/// A quantity of a pixel in a and in b.
-fn values(images: &Images<'_>, quantity: Quantity, pixel: usize) -> [f64; 2] {
-    [images.a, images.b].map(|image| quantity.of(image[pixel].map(f64::from)))
-}
-
 fn differs(images: &Images<'_>, pixel: usize) -> bool {
     let channels = images.a[pixel].into_iter().zip(images.b[pixel]).map(|(a, b)| [a, b].map(f64::from));
     channels.into_iter().any(|[a, b]| (a - b).abs() > ROUNDING * a.abs().max(b.abs()))
@@ -94,7 +86,7 @@ fn most_different(images: &Images<'_>) -> Option<(Single, usize)> {
         let channels = images.a[pixel].into_iter().zip(images.b[pixel]);
         channels.map(|(a, b)| (f64::from(a) - f64::from(b)).abs()).fold(0.0, f64::max)
     };
-    let differing = counted(images).filter(|&pixel| differs(images, pixel));
+    let differing = images.counted().filter(|&pixel| differs(images, pixel));
     let (mut most, mut count) = (None, 0);
     for (pixel, size) in differing.map(|pixel| (pixel, size(pixel))) {
         count += 1;
@@ -104,7 +96,7 @@ fn most_different(images: &Images<'_>) -> Option<(Single, usize)> {
     }
     let (pixel, _) = most?;
     let difference = |quantity: &Quantity| {
-        let [a, b] = values(images, *quantity, pixel);
+        let [a, b] = images.values(*quantity, pixel);
         a - b
     };
     let [_, colours @ ..] = QUANTITIES;
@@ -117,7 +109,7 @@ fn most_different(images: &Images<'_>) -> Option<(Single, usize)> {
 }
 
 fn single(images: &Images<'_>, quantity: Quantity, pixel: usize, p: f64) -> Single {
-    let [a, b] = values(images, quantity, pixel);
+    let [a, b] = images.values(quantity, pixel);
     Single { at: [pixel % images.width, pixel / images.width], quantity, difference: a - b, reference: b, p }
 }
 
@@ -130,7 +122,7 @@ fn single(images: &Images<'_>, quantity: Quantity, pixel: usize, p: f64) -> Sing
 fn shared(images: &Images<'_>) -> Option<Pixels> {
     let noise = Noise::new(images);
     let (mut noisy, mut different) = (0u64, 0u64);
-    for pixel in counted(images).filter(|&pixel| noise.is_there(pixel)) {
+    for pixel in images.counted().filter(|&pixel| noise.is_there(pixel)) {
         noisy += 1;
         different += u64::from(images.a[pixel] != images.b[pixel]);
     }
@@ -138,7 +130,7 @@ fn shared(images: &Images<'_>) -> Option<Pixels> {
         return None;
     }
     let (most, differing) = most_different(images)?;
-    if differing as f64 > MOST_THAT_DIFFER * counted(images).count() as f64 {
+    if differing as f64 > MOST_THAT_DIFFER * images.counted().count() as f64 {
         return None;
     }
     let p = corrected(few_heads(different as f64, noisy as f64), SHARE_EQUAL);
@@ -168,7 +160,7 @@ impl<'a> Noise<'a> {
 
     /// By the variance, if it is known. Otherwise a pixel counts that differs from its neighbours in both images, as noise does.
     fn is_there(&self, pixel: usize) -> bool {
-        let [a, b] = values(self.images, Quantity::Luminance, pixel);
+        let [a, b] = self.images.values(Quantity::Luminance, pixel);
         let least = DIGITS * self.digit * a.abs().max(b.abs());
         match self.images.variance(Quantity::Luminance, pixel) {
             Some(variance) => variance > least * least,
@@ -200,20 +192,22 @@ impl<'a> Noise<'a> {
 fn beyond(images: &Images<'_>, grid: &Grid, Spreads { images: spreads, alike }: Spreads<'_>) -> Option<Pixels> {
     let mut most: Option<(usize, Quantity, f64)> = None;
     let mut visible = Vec::new();
-    let share = SHARE_BEYOND / (QUANTITIES.len() * counted(images).count()) as f64;
-    let mut limits = Limits::default();
+    let share = SHARE_BEYOND / (QUANTITIES.len() * images.counted().count()) as f64;
+    // By what they depend on: the numbers of samples, and the degrees of freedom.
+    let mut limits = HashMap::new();
     for quantity in QUANTITIES {
         let sources = [images.a, images.b].into_iter().zip(spreads).filter(|_| !alike);
         let brought: Vec<Vec<f64>> =
             sources.map(|(image, spread)| brought(grid, images, quantity, image, spread)).collect();
-        for pixel in counted(images).filter(|&pixel| spreads.iter().all(|spread| is_known(&spread[pixel]))) {
-            let [a, b] = values(images, quantity, pixel);
+        for pixel in images.counted().filter(|&pixel| spreads.iter().all(|spread| is_known(&spread[pixel]))) {
+            let [a, b] = images.values(quantity, pixel);
             let largest = a.abs().max(b.abs());
             let brightest = brought.iter().map(|brought| brought[grid.tile_of(pixel)]).fold(0.0, f64::max);
             let noise = Samples::new(quantity, spreads.map(|spread| spread[pixel]), brightest * largest);
             let error = (noise.variance + (ROUNDING * largest).powi(2)).sqrt();
             if quantity == Quantity::Luminance {
-                visible.push(limits.of(&noise, share) * error / b.abs());
+                let key = [noise.counts[0], noise.counts[1], noise.degrees].map(f64::to_bits);
+                visible.push(*limits.entry(key).or_insert_with(|| limit(&noise, share)) * error / b.abs());
             }
             let z = if a == b { 0.0 } else { (a - b).abs() / error };
             // Most pixels are far from the smallest p-value.
@@ -247,7 +241,7 @@ fn brought(
     spread: &[SampleSpread],
 ) -> Vec<f64> {
     let mut tiles = vec![(0.0, 0.0); grid.tiles()];
-    for pixel in counted(images).filter(|&pixel| is_known(&spread[pixel])) {
+    for pixel in images.counted().filter(|&pixel| is_known(&spread[pixel])) {
         let (means, variances) = &mut tiles[grid.tile_of(pixel)];
         *means += quantity.of(image[pixel].map(f64::from)).abs();
         *variances += variance(quantity, &spread[pixel]);
@@ -301,26 +295,7 @@ fn all_in_one(z: f64, n: f64, m: f64) -> f64 {
     (2.0 * ln.exp()).min(1.0)
 }
 
-/// How many standard errors a pixel must differ by, for the last numbers of samples.
-#[derive(Default)]
-struct Limits {
-    last: Option<([f64; 3], f64)>,
-}
-
-impl Limits {
-    fn of(&mut self, noise: &Samples, share: f64) -> f64 {
-        let key = [noise.counts[0], noise.counts[1], noise.degrees];
-        match self.last {
-            Some((known, limit)) if known == key => limit,
-            _ => {
-                let limit = limit(noise, share);
-                self.last = Some((key, limit));
-                limit
-            }
-        }
-    }
-}
-
+/// How many standard errors a pixel must differ by.
 fn limit(noise: &Samples, share: f64) -> f64 {
     let shows = |z: f64| corrected(noise.p(z), share) < LEVEL;
     let (mut low, mut high) = (1.0, 1e9);

@@ -11,8 +11,8 @@ use super::inputs::{Input, buffers};
 use crate::bitmap::{Bitmap, Decoding};
 use crate::shape::mesh::Mesh;
 
-/// What tells that a file has changed: when it was written last, its length, and the number that another file of its name would not have.
-/// The time of the last write, the length and the inode of a file; `None` if there is no file.
+/// What tells that a file has changed: the time of its last write, its length, and its inode, which another file of its name would not
+/// have. `None` if there is no file.
 pub type Stamp = Option<(SystemTime, u64, u64)>;
 
 /// The stamp of a file as it is now.

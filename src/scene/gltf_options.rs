@@ -5,7 +5,7 @@ use std::path::Path;
 use super::types::Thin;
 use crate::error::{Error, Result};
 
-/// The glTF options: what the command line says of a scene that a glTF file describes.
+/// The glTF options of the command line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GltfOptions {
     /// The name of a camera; the first one if it is not given.

@@ -21,36 +21,31 @@ impl Scene {
         self.input_files().into_iter().map(|input| input.path).collect()
     }
 
-    /// The files that the scene reads, each with the name that the scene has for it.
+    /// The scene file, the images and meshes that it names, and the files that those name.
     pub fn input_files(&self) -> Vec<Input> {
-        self::inputs(self)
-    }
-}
-
-/// The scene file, the images and meshes that it names, and the files that those name.
-fn inputs(scene: &Scene) -> Vec<Input> {
-    let scene_file = Input { path: scene.source.path().to_owned(), fixed: false };
-    let mut inputs = vec![scene_file.clone()];
-    inputs.extend(buffers(&scene_file));
-    // Of the parts of a glTF file, each names it. An empty one has no part.
-    let mut names = Vec::new();
-    scene.visit_objects(&mut |_, object| {
-        if let Object::Gltf { path, .. } = object {
-            names.push(path.clone());
+        let scene_file = Input { path: self.source.path().to_owned(), fixed: false };
+        let mut inputs = vec![scene_file.clone()];
+        inputs.extend(buffers(&scene_file));
+        // Of the parts of a glTF file, each names it. An empty one has no part.
+        let mut names = Vec::new();
+        self.visit_objects(&mut |_, object| {
+            if let Object::Gltf { path, .. } = object {
+                names.push(path);
+            }
+        });
+        names.extend(self.bitmaps.paths().chain(self.meshes.keys()));
+        let mut known = HashSet::from([scene_file.path]);
+        for name in names {
+            let path = split(&self.source.resolve(name)).0.into_owned();
+            if !known.insert(path.clone()) {
+                continue;
+            }
+            let file = Input { path, fixed: Path::new(name).is_absolute() };
+            inputs.extend(buffers(&file));
+            inputs.push(file);
         }
-    });
-    names.extend(scene.bitmaps.paths().chain(scene.meshes.keys()).cloned());
-    let mut known = HashSet::from([scene_file.path]);
-    for name in names {
-        let path = split(&scene.source.resolve(&name)).0.into_owned();
-        if !known.insert(path.clone()) {
-            continue;
-        }
-        let file = Input { path, fixed: Path::new(&name).is_absolute() };
-        inputs.extend(buffers(&file));
-        inputs.push(file);
+        inputs
     }
-    inputs
 }
 
 /// The files with the buffers of a .gltf, which is JSON. Other meshes are one file.

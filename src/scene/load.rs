@@ -23,6 +23,7 @@ use super::{bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
 use crate::material::ExtensionKind;
 use crate::printable::one_line;
+use crate::shape::Aabb;
 use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
@@ -50,20 +51,11 @@ impl Scene {
     ///
     /// Every error is an [`Error::Scene`], or several of them. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
     pub fn load(path: &Path) -> Result<Scene> {
-        Scene::load_with(path, &mut |_, _, _| {})
+        Scene::load_as(path, &GltfOptions::default(), &mut |_, _, _| {}, &mut Assets::default())
     }
 
-    /// Loads a scene, and reports the progress of large files about every MiB.
-    pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
-        Scene::load_again(path, progress, &mut Assets::default())
-    }
-
-    /// Loads a scene that may have been read before: images and meshes come from `assets` if their files have not changed.
-    pub fn load_again(path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-        Scene::load_as(path, &GltfOptions::default(), progress, assets)
-    }
-
-    /// Reads and validates a scene that may have been read before, with the glTF options of the command line.
+    /// Reads and validates a scene, with the glTF options of the command line, and reports the progress of large files about every MiB.
+    /// Images and meshes come from `assets` if the scene has been read before and their files have not changed.
     pub fn load_as(
         path: &Path,
         options: &GltfOptions,
@@ -75,7 +67,8 @@ impl Scene {
             return of_gltf(path, path, options, progress, assets);
         }
         options.refuse(path)?;
-        parse(read(path)?, path, progress, assets)
+        let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
+        parse(text_of(file, path)?, path, progress, assets)
     }
 
     /// The scene of a glTF file, as the scene file `to` would have it.
@@ -95,11 +88,6 @@ impl Scene {
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
         parse(text.to_owned(), path, &mut |_, _, _| {}, &mut Assets::default())
     }
-}
-
-/// Reads the text of a scene file.
-fn read(path: &Path) -> Result<String> {
-    text_of(File::open(path).map_err(|error| cannot_read(path, &error))?, path)
 }
 
 fn cannot_read(path: &Path, error: &io::Error) -> Error {
@@ -178,7 +166,7 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
     let (mut paths, mut known) = (Vec::new(), HashMap::new());
     scene.visit_objects(&mut |at, object| {
         let Object::Gltf { path, watts, thin, .. } = object else { return };
-        let reading = gltf::Reading { asker: gltf::Asker::Object, watts: *watts, thin: *thin };
+        let reading = gltf::Reading { asker: &gltf::OBJECT, watts: *watts, thin: *thin };
         if let Some(before) = known.insert(path.clone(), reading) {
             let alike = "another Gltf(..) reads this file in another way: expected the same fields in both, or a copy of the file";
             findings.note(if before == reading { Ok(()) } else { Err(at.field("path").error(alike)) });
@@ -236,14 +224,14 @@ fn of_gltf(
         false => relative(to.parent().unwrap_or(Path::new("")), file),
     };
     let name = seen(path).to_string_lossy().into_owned();
-    let reading = gltf::Reading { asker: gltf::Asker::Options, watts: options.watts, thin: options.thin };
+    let reading = gltf::Reading { asker: &gltf::OPTIONS, watts: options.watts, thin: options.thin };
     let file = assets.gltf.open(path, progress).map_err(broken)?;
     let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
     let (is_of_blender, has_lamps) = (file.blender().is_some(), contents.has_lights());
     drop(file);
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
-    let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
+    let (camera, image) = view.unwrap_or_else(|| gltf::framing(Aabb::around([DVec3::ZERO])));
     let background = match &options.sky {
         Some(sky) if path == to => Background::Image { path: sky.clone() },
         Some(sky) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
@@ -322,7 +310,8 @@ fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, 
     scene.meshes = mesh::load_all(scene, reading, &mut findings, progress, assets);
     assets.close();
     if findings.is_empty() && !scene.meshes.is_empty() {
-        validate::with_meshes(scene, &mut findings);
+        // Again, now that the meshes are known.
+        validate::objects(scene, &mut findings);
     }
     findings.end()?;
     assets.end();

@@ -41,11 +41,6 @@ impl Scene {
         self.source.error(steps, message)
     }
 
-    /// The location of `objects[index]` in the scene file.
-    pub fn object_location(&self, index: usize) -> Location {
-        self.location(&[Step::Field("objects"), Step::Index(index)])
-    }
-
     /// The location of an object in the scene file, also of one inside other objects.
     pub fn location_of(&self, object: &Object) -> Location {
         self.place_of(object, |steps| self.location(steps))
@@ -58,25 +53,16 @@ impl Scene {
 
     /// What `tell` says of the steps to an object.
     fn place_of<T>(&self, object: &Object, tell: impl Fn(&[Step<'_>]) -> T) -> T {
-        let top = self.top();
-        let objects = top.field("objects");
         let mut found = None;
-        for (index, outer) in self.objects.iter().enumerate() {
-            let walked = visit::visit(&objects.index(index), outer, &mut |at, inner| {
-                if std::ptr::eq(inner, object) {
-                    // The visited place is that of the variant; the object is one step above.
-                    let mut steps = at.steps();
-                    steps.pop();
-                    found = Some(tell(&steps));
-                }
-                Ok(())
-            });
-            debug_assert!(walked.is_ok(), "nothing in it fails");
-            if found.is_some() {
-                break;
+        self.visit_objects(&mut |at, inner| {
+            if std::ptr::eq(inner, object) {
+                // The visited place is that of the variant; the object is one step above.
+                let mut steps = at.steps();
+                steps.pop();
+                found = Some(tell(&steps));
             }
-        }
-        found.unwrap_or_else(|| tell(&objects.steps()))
+        });
+        found.unwrap_or_else(|| tell(&[Step::Field("objects")]))
     }
 
     /// The location of the definition of the material of this name.
@@ -86,12 +72,12 @@ impl Scene {
 
     /// Calls `visitor` with every object, also those inside others, in the file's order. The place is that of the variant, as in
     /// `objects[3].Group[0].Sphere`.
-    pub fn visit_objects(&self, visitor: &mut dyn FnMut(&Place, &Object)) {
-        let walked = visit::visit_all(&self.top().field("objects"), &self.objects, &mut |at, object| {
-            visitor(at, object);
-            Ok(())
-        });
-        debug_assert!(walked.is_ok(), "nothing in it fails");
+    pub fn visit_objects<'a>(&'a self, visitor: &mut dyn FnMut(&Place, &'a Object)) {
+        let top = self.top();
+        let objects = top.field("objects");
+        for (index, object) in self.objects.iter().enumerate() {
+            visit::visit(&objects.index(index), object, visitor);
+        }
     }
 
     /// The top of the scene file, where the checks start.

@@ -19,10 +19,7 @@ pub fn options() -> ron::Options {
 }
 
 /// Reads a map as a list in the file's order. The second occurrence of a name is an error.
-pub fn in_file_order<'de, D>(deserializer: D) -> std::result::Result<Vec<(String, Material)>, D::Error>
-where
-    D: Deserializer<'de>,
-{
+pub fn in_file_order<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<(String, Material)>, D::Error> {
     struct InFileOrder;
 
     impl<'de> Visitor<'de> for InFileOrder {
@@ -32,10 +29,7 @@ where
             f.write_str("a map of materials")
         }
 
-        fn visit_map<M>(self, mut map: M) -> std::result::Result<Self::Value, M::Error>
-        where
-            M: MapAccess<'de>,
-        {
+        fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
             let mut names = HashSet::new();
             let mut materials = Vec::new();
             while let Some(name) = map.next_key::<String>()? {

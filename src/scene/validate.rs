@@ -28,12 +28,8 @@ pub fn validate(scene: &Scene, findings: &mut Findings) {
     findings.note_all(scene.render.check_fields(&top.field("render")));
 }
 
-/// Checks the objects again, now that the meshes are known.
-pub fn with_meshes(scene: &Scene, findings: &mut Findings) {
-    objects(scene, findings);
-}
-
-fn objects(scene: &Scene, findings: &mut Findings) {
+/// Checks the objects, and their meshes if these are known.
+pub fn objects(scene: &Scene, findings: &mut Findings) {
     let meshes = mesh::shapes(&scene.meshes);
     let known = KnownNames {
         scene,

@@ -1,26 +1,20 @@
 //! A walk over all objects with their places.
 
 use super::types::Object;
-use crate::error::Result;
 use crate::source::Place;
 
 /// Calls the visitor with an object and all objects inside it, in the file's order. The place is that of the variant, as in
 /// `objects[3].Group[0].Sphere`.
-pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Object) -> Result<()>) -> Result<()> {
+pub fn visit<'a>(at: &Place, object: &'a Object, visitor: &mut dyn FnMut(&Place, &'a Object)) {
     let at = &at.variant(object.name());
-    visitor(at, object)?;
+    visitor(at, object);
     match object {
         Object::Transformed { object, .. } => visit(&at.field("object"), object, visitor),
         Object::Medium { boundary, .. } => visit(&at.field("boundary"), boundary, visitor),
         Object::Group(objects) | Object::Gltf { objects, .. } => {
-            objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
+            objects.iter().enumerate().for_each(|(index, object)| visit(&at.index(index), object, visitor));
         }
         // A shape contains no other objects.
-        _ => Ok(()),
+        _ => {}
     }
-}
-
-/// Visits all objects of a scene.
-pub fn visit_all(at: &Place, objects: &[Object], visitor: &mut dyn FnMut(&Place, &Object) -> Result<()>) -> Result<()> {
-    objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
 }

@@ -4,45 +4,38 @@ use std::collections::HashSet;
 
 use super::model::Scene;
 use super::types::*;
-use super::visit::visit_all;
 use crate::source::Place;
 
 impl Scene {
     /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a
-    /// remedy. Warnings that depend on the positions of placed objects come from flattening.
+    /// remedy, in the file's order. Warnings that depend on the positions of placed objects come from flattening.
     pub fn warnings(&self) -> Vec<String> {
-        self::warnings(self)
-    }
-}
-
-/// The warnings about a scene, in the file's order.
-fn warnings(scene: &Scene) -> Vec<String> {
-    let top = scene.top();
-    let used: HashSet<&str> = materials_of(&scene.objects).collect();
-    let mut warnings = scene.notes.clone();
-    warnings.extend(radians(&top.field("camera").field("vertical_fov")));
-    for (name, material) in &scene.materials {
-        let materials = top.field("materials");
-        let at = materials.key(name);
-        if !used.contains(name.as_str()) {
-            warnings.push(at.warning("no object uses this material: use it or remove it"));
+        let top = self.top();
+        let mut used = HashSet::new();
+        self.visit_objects(&mut |_, object| used.extend(object.material()));
+        let mut warnings = self.notes.clone();
+        warnings.extend(radians(&top.field("camera").field("vertical_fov")));
+        for (name, material) in &self.materials {
+            let materials = top.field("materials");
+            let at = materials.key(name);
+            if !used.contains(name.as_str()) {
+                warnings.push(at.warning("no object uses this material: use it or remove it"));
+            }
+            warnings.extend(material.warnings(&at, &self.bitmaps));
         }
-        warnings.extend(material.warnings(&at, &scene.bitmaps));
-    }
-    if scene.objects.is_empty() {
-        let message = "there are 0 objects, so that the image shows only the background: add objects";
-        warnings.push(top.field("objects").warning(message));
-    }
-    let mut told = HashSet::new();
-    let walked = visit_all(&top.field("objects"), &scene.objects, &mut |at, object| {
-        match object {
+        if self.objects.is_empty() {
+            let message = "there are 0 objects, so that the image shows only the background: add objects";
+            warnings.push(top.field("objects").warning(message));
+        }
+        let mut told = HashSet::new();
+        self.visit_objects(&mut |at, object| match object {
             Object::Medium { density: 0.0, .. } => {
                 let message = "a density of 0 means that the medium has no effect: remove it or raise its density";
                 warnings.push(at.field("density").warning(message));
             }
-            Object::Mesh { path, .. } if told.insert(path.clone()) => {
+            Object::Mesh { path, .. } if told.insert(path) => {
                 let flat = ["none of its faces has an area: it is left out".to_owned()];
-                let about = scene.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);
+                let about = self.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
             }
             Object::Transformed { by, .. } => {
@@ -59,11 +52,9 @@ fn warnings(scene: &Scene) -> Vec<String> {
                 }
             }
             _ => {}
-        }
-        Ok(())
-    });
-    debug_assert!(walked.is_ok(), "nothing in it fails");
-    warnings
+        });
+        warnings
+    }
 }
 
 /// The warning that an angle is surely written in radians.
@@ -88,25 +79,6 @@ fn degrees_of_radians(text: &str) -> Option<i32> {
     // Cut off or rounded. Numbers of more digits than f64 has are not exact.
     let near = (value - degrees.to_radians()).abs() <= last.max(1e-15 * value.abs());
     (near && degrees != 0.0 && degrees.abs() <= 360.0).then_some(degrees as i32)
-}
-
-/// The names of the materials that objects use, also inside groups.
-fn materials_of(objects: &[Object]) -> impl Iterator<Item = &str> {
-    let mut rest: Vec<&Object> = objects.iter().rev().collect();
-    std::iter::from_fn(move || {
-        while let Some(object) = rest.pop() {
-            match object {
-                Object::Transformed { object, .. } => rest.push(object),
-                Object::Group(objects) | Object::Gltf { objects, .. } => rest.extend(objects.iter().rev()),
-                Object::Medium { boundary, .. } => rest.push(boundary),
-                _ => {}
-            }
-            if let Some(name) = object.material() {
-                return Some(name);
-            }
-        }
-        None
-    })
 }
 
 #[cfg(test)]

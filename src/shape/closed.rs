@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::mesh::{Mesh, OpenEdges};
+use super::space::Aabb;
 
 impl Mesh {
     /// The edges at which the mesh is open or its winding changes; none if it is closed and wound one way.
@@ -52,7 +53,7 @@ impl Mesh {
 
     /// Six times the signed volume, in units of the mesh's size, and the most that rounding adds to it.
     fn signed_volume(&self) -> (f64, f64) {
-        let (low, high) = self.bounds();
+        let Aabb { min: low, max: high } = self.bounds();
         let extent = (high - low).max_element();
         // Coordinates relative to the middle, in units of the size, do not overflow and cancel little.
         let middle = low + 0.5 * (high - low);

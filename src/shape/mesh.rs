@@ -66,10 +66,9 @@ impl Mesh {
         self.faces.get(triangle).copied().unwrap_or(triangle as u32)
     }
 
-    /// The corners of the smallest box around it. For an empty mesh they are infinite.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.positions.iter().fold(nothing, |(low, high), &p| (low.min(p), high.max(p)))
+    /// The smallest box around it.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(self.positions.iter().copied())
     }
 }
 
@@ -96,8 +95,7 @@ pub fn shapes(meshes: &BTreeMap<String, Arc<Mesh>>) -> BTreeMap<&str, MeshShape<
 
 impl<'a> MeshShape<'a> {
     fn new(number: usize, path: &'a str, mesh: &'a Mesh) -> MeshShape<'a> {
-        let (min, max) = mesh.bounds();
-        MeshShape { number, path, mesh, around: Aabb { min, max }, open: OnceLock::new() }
+        MeshShape { number, path, mesh, around: mesh.bounds(), open: OnceLock::new() }
     }
 
     /// Its open edges. The result is cached, because it takes a sort of all edges.

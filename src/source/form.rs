@@ -114,19 +114,6 @@ impl Field {
             _ => Ok(()),
         }
     }
-
-    /// Checks each channel of a colour.
-    pub fn check_colour(&self, above: &Place, colour: DVec3) -> Result<()> {
-        let Takes::Colour(range) = self.takes else { return Ok(()) };
-        let at = above.field(self.name);
-        let channels = colour.to_array().into_iter().enumerate();
-        { channels }.try_for_each(|(index, channel)| range.check(&at.index(index), self.name, NO_UNIT, channel))
-    }
-
-    /// Checks each coordinate of a point or a vector.
-    pub fn check_vector(&self, above: &Place, v: DVec3) -> Result<()> {
-        super::vector(&above.field(self.name), v)
-    }
 }
 
 pub const fn number(range: Range, unit: &'static str) -> Field {
@@ -189,10 +176,8 @@ impl Checked for u32 {
 
 impl Checked for DVec3 {
     fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
-        match field.takes {
-            Takes::Colour(_) => field.check_colour(above, *self),
-            _ => field.check_vector(above, *self),
-        }
+        let range = if let Takes::Colour(range) = field.takes { range } else { Range::ANY };
+        range.check_each(&above.field(field.name), field.name, *self)
     }
 }
 

@@ -214,15 +214,9 @@ impl<'a> Place<'a> {
         id.map_or("", |id| slice(self.source.text(), self.source.spans.value(id)))
     }
 
-    /// The location of this value, and its path as messages show it.
-    pub fn spot(&self) -> (Location, String) {
-        let steps = self.steps();
-        (self.source.location_of(&steps), field(&steps))
-    }
-
     /// The text of a warning about this value, in the form of an error's.
     pub fn warning(&self, message: &str) -> String {
-        let (location, field) = self.spot();
-        format!("{location}: {}: {}", one_line(&field), one_line(message))
+        let steps = self.steps();
+        format!("{}: {}: {}", self.source.location_of(&steps), one_line(&field(&steps)), one_line(message))
     }
 }

@@ -71,6 +71,11 @@ impl Range {
         let unit = if unit == DEGREES { ", in degrees" } else { "" };
         Err(at.unexpected(format!("{a} {name} {or}{range}{unit}")))
     }
+
+    /// Refuses a colour, a point or a vector with a number out of range.
+    pub fn check_each(&self, at: &Place, name: &str, v: DVec3) -> Result<()> {
+        v.to_array().into_iter().enumerate().try_for_each(|(index, x)| self.check(&at.index(index), name, NO_UNIT, x))
+    }
 }
 
 impl fmt::Display for Range {
@@ -89,7 +94,7 @@ impl fmt::Display for Range {
 }
 
 pub fn vector(at: &Place, v: DVec3) -> Result<()> {
-    v.to_array().into_iter().enumerate().try_for_each(|(index, x)| Range::ANY.check(&at.index(index), "", "", x))
+    Range::ANY.check_each(at, "", v)
 }
 
 /// Whether two directions are parallel, whatever their lengths.

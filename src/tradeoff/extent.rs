@@ -38,8 +38,7 @@ pub struct Whole {
 impl Whole {
     /// For a sweep that is itself at the whole size.
     pub fn of_sweep(sweep: &Sweep<'_>) -> Whole {
-        let blocks = sweep.subjects.first().and_then(|defaults| defaults.blocks.get(&LEVEL));
-        let images = blocks.into_iter().flatten().map(|block| block.image.clone()).collect();
+        let images = sweep.subjects.first().map_or(Vec::new(), |defaults| defaults.images(LEVEL));
         Whole { slower: 1.0, noisier: 1.0, size: sweep.size, images, seconds_to_denoise: 0.0 }
     }
 
@@ -62,7 +61,7 @@ impl Whole {
         let weights = Weights::of_rounds(self.images.iter().enumerate().map(|(i, image)| (i, 1, image)))?;
         let coarse: Vec<Pixels> = self.images.iter().map(|image| coarsened(image, self.size, share)).collect();
         let signed = signed_bias(&coarse, &self.images, &weights.image)?;
-        Some((signed, squared_bias(&coarse, &self.images, &weights)?))
+        Some((signed, squared_bias(&coarse, &self.images, &weights, 1)?))
     }
 }
 
@@ -85,7 +84,7 @@ const MOST_SAMPLES: u32 = LEVEL;
 pub fn calibrate(sweep: &mut Sweep<'_>, whole: (u32, u32), until: Instant, stop: Stop<'_>) -> Result<Option<Whole>> {
     let sweep_seed = sweep.seed;
     let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
-    let Some(block) = defaults.blocks.get(&LEVEL).and_then(|blocks| blocks.last()) else { return Ok(None) };
+    let Some(block) = defaults.blocks_of(LEVEL).last() else { return Ok(None) };
     let (compiling, setting, of_small) = (defaults.seconds_compile, defaults.setting.clone(), block.seconds);
     let left = || until.saturating_duration_since(Instant::now()).as_secs_f64();
     // A pixel of a large image takes less time than one of a small image. One sample measures how much.

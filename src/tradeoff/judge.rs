@@ -3,7 +3,7 @@
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, falling_denoised, samples_to, standings};
 use super::pace::{Pace, Timed, paces};
-use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, squared_bias_apart};
+use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::data::luminance;
@@ -38,11 +38,9 @@ pub struct Measured {
     pub seconds_compile: f64,
     /// Seconds for one sample in every pixel, at the size of the sweep.
     pub seconds_here: f64,
-    /// Seconds for one sample in every pixel, at the whole size.
-    pub seconds: f64,
-    /// Half the width of the 95 % interval of `seconds`.
+    /// Half the width of the 95 % interval of the model's seconds, which are those of the whole size.
     pub seconds_half_width: f64,
-    /// The relative standard error of `seconds`.
+    /// The relative standard error of the model's seconds.
     pub seconds_doubt: f64,
     pub model: Model,
     /// The relative MSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.
@@ -95,14 +93,9 @@ impl Measured {
         1.0 / (variance * self.model.seconds)
     }
 
-    /// Whether its knob is declared to keep the expectation.
-    pub fn declared_unbiased(&self) -> bool {
-        matches!(self.setting.class(), Class::Exact | Class::Noise)
-    }
-
     /// Whether it has no bias: none is declared, and none was found.
     pub fn is_faithful(&self) -> bool {
-        self.declared_unbiased() && !self.biased && !self.lacks_paths
+        self.setting.declared_unbiased() && !self.biased && !self.lacks_paths
     }
 
     /// Whether it reaches all targets as soon as another setting, or as late, within the error of the timings.
@@ -126,7 +119,7 @@ impl Measured {
     pub fn short_verdict(&self) -> &'static str {
         match (self.standing, self.biased) {
             (Standing::NeverReaches, _) => "cannot reach",
-            (_, true) if self.declared_unbiased() => "differs",
+            (_, true) if self.setting.declared_unbiased() => "differs",
             _ if !self.reliable => "unreliable",
             (Standing::Dominated, _) => "dominated",
             (Standing::AsDefaults, true) => "biased",
@@ -189,12 +182,12 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
         all.into_iter().for_each(|setting| sweep.leave_out(setting, unreached));
         return Judged::default();
     };
-    let seconds: Vec<Vec<Timed>> = sweep.subjects.iter().map(seconds).collect();
+    let seconds = sweep.subjects.iter().map(|subject| subject.blocks_of(LEVEL).iter().map(Block::timed).collect());
+    let seconds: Vec<Vec<Timed>> = seconds.collect();
     let timed: Vec<usize> = (0..seconds.len()).filter(|&i| seconds[i].len() >= FEWEST_ROUNDS).collect();
     let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>(), &sweep.clock).into_iter();
     // The number of rounds that all of them have: an additional image of one setting alone would look like a difference.
-    let rounds =
-        |level: u32| timed.iter().map(|&i| sweep.subjects[i].blocks.get(&level).map_or(0, Vec::len)).min().unwrap_or(0);
+    let rounds = |level: u32| timed.iter().map(|&i| sweep.subjects[i].blocks_of(level).len()).min().unwrap_or(0);
     let common = LEVELS.map(|level| (level, rounds(level)));
     let mut found: Vec<(usize, Measured)> = Vec::new();
     let mut missing = Vec::new();
@@ -213,7 +206,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     for (setting, why) in missing {
         sweep.leave_out(setting, why);
     }
-    let distance = |subject: usize| reference?.distance(&images(&sweep.subjects[subject]), &weights);
+    let distance = |subject: usize| reference?.distance(&sweep.subjects[subject].images(LEVEL), &weights);
     let of_defaults = distance(0);
     // Two tests for each setting against the defaults, and two for the defaults against the reference (Šidák, JASA 62(318), 1967).
     let tests = 2 * (found.len().saturating_sub(1) + usize::from(of_defaults.is_some()));
@@ -238,7 +231,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
             (measured.signed, measured.squared) = (distance.signed, distance.squared);
             measured.against_reference = true;
         }
-        let declared = measured.declared_unbiased();
+        let declared = measured.setting.declared_unbiased();
         measured.biased = match declared {
             true => shows_more(&measured.signed, &measured.squared),
             false => shows(&measured.signed, &measured.squared),
@@ -342,11 +335,6 @@ fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
     (share * least.powi(2), share * size.upper().powi(2))
 }
 
-/// The times of the blocks that paces are measured with.
-fn seconds(subject: &Subject<'_>) -> Vec<Timed> {
-    subject.blocks.get(&LEVEL).map_or(Vec::new(), |blocks| blocks.iter().map(Block::timed).collect())
-}
-
 /// The FLIP of the first image of each number of samples.
 fn flips(subject: &Subject<'_>, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f64)> {
     let flip = |image: &Pixels| {
@@ -355,11 +343,6 @@ fn flips(subject: &Subject<'_>, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f6
     };
     let first = |(samples, blocks): (&u32, &Vec<Block>)| Some((*samples, flip(&blocks.first()?.image)));
     subject.blocks.iter().filter_map(first).collect()
-}
-
-/// The images that biases are measured with.
-fn images(subject: &Subject<'_>) -> Vec<Pixels> {
-    subject.blocks.get(&LEVEL).map_or(Vec::new(), |blocks| blocks.iter().map(|block| block.image.clone()).collect())
 }
 
 fn measured(
@@ -381,7 +364,7 @@ fn measured(
     let error = |level: u32| {
         let (own, apart) = (images(subject, level)?, rounds_between(level));
         let noise = noise(&own, weights, apart)?;
-        let bias = if denoises { squared_bias_apart(&own, &images(defaults, level)?, weights, apart) } else { None };
+        let bias = if denoises { squared_bias(&own, &images(defaults, level)?, weights, apart) } else { None };
         Some(bias.map_or(noise, |bias| Estimate {
             value: noise.value + bias.value.max(0.0),
             error: noise.error.hypot(bias.error),
@@ -410,7 +393,6 @@ fn measured(
         rounds: own_images.len(),
         seconds_compile: subject.seconds_compile,
         seconds_here,
-        seconds,
         seconds_half_width: seconds * pace.half_width.exp_m1(),
         seconds_doubt: 0.5 * pace.half_width,
         model: Model {
@@ -423,7 +405,7 @@ fn measured(
         flips: Vec::new(),
         noises: levels.iter().map(|(samples, noise)| (*samples, whole.noisier * noise.value)).collect(),
         signed: signed_bias(&own_images, &base_images, &weights.image)?,
-        squared: squared_bias(&own_images, &base_images, weights)?,
+        squared: squared_bias(&own_images, &base_images, weights, 1)?,
         biased: false,
         lacks_paths: false,
         against_reference: false,
@@ -452,7 +434,7 @@ pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured
     let unsure = |m: &Measured| m.seconds_doubt.hypot(m.model.doubt_to(TARGETS[target]));
     let near = |m: &&Measured| time(m) < doubt(unsure(m), unsure(best)) * time(best);
     let defaults = soonest(found, target, |m| m.setting.knob.is_none() && condition(m)).filter(near);
-    let faithful = soonest(found, target, |m| m.declared_unbiased() && condition(m)).filter(near);
+    let faithful = soonest(found, target, |m| m.setting.declared_unbiased() && condition(m)).filter(near);
     Some(defaults.or(faithful).unwrap_or(best))
 }
 

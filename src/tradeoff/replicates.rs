@@ -176,18 +176,8 @@ pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights, apart: usi
 }
 
 /// The squared bias of the pixels: the relative MSE that remains with infinitely many samples. Needs three pairs of
-/// replicates of the setting and of the baseline.
-pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) -> Option<Estimate> {
-    squared_bias_apart(setting, baseline, weights, 1)
-}
-
-/// The squared bias of the pixels from pairs that are `apart` rounds from each other.
-pub(super) fn squared_bias_apart(
-    setting: &[Pixels],
-    baseline: &[Pixels],
-    weights: &Weights,
-    apart: usize,
-) -> Option<Estimate> {
+/// replicates of the setting and of the baseline, which are `apart` rounds from each other.
+pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
     let differences: Vec<Pixels> = setting.iter().zip(baseline).map(|(a, b)| difference(a, b)).collect();
     squared_mean(&differences, weights, apart)
 }
@@ -261,7 +251,7 @@ pub(super) mod tests {
     fn biases_are_found_and_noise_is_none() {
         let pairs = |random: &mut Random, bias: f64| {
             let (a, b) = (random.images(8, 0.5 + bias, 0.1), random.images(8, 0.5, 0.1));
-            (signed_bias(&a, &b, &mean()).unwrap(), squared_bias(&a, &b, &reference()).unwrap())
+            (signed_bias(&a, &b, &mean()).unwrap(), squared_bias(&a, &b, &reference(), 1).unwrap())
         };
         for bias in [0.0, 0.02] {
             let share = coverage(|random| pairs(random, bias).0, bias / REFERENCE);
@@ -293,7 +283,7 @@ pub(super) mod tests {
         };
         let setting: Vec<Pixels> = baseline.iter().map(moved).collect();
         assert!(signed_bias(&setting, &baseline, &mean()).unwrap().value.abs() < 1e-6);
-        let squared = squared_bias(&setting, &baseline, &reference()).unwrap();
+        let squared = squared_bias(&setting, &baseline, &reference(), 1).unwrap();
         assert!((squared.value / (0.0004 / (REFERENCE * REFERENCE + FLOOR)) - 1.0).abs() < 1e-4, "{squared:?}");
         assert!(squared.p() < 1e-6);
     }
@@ -301,7 +291,7 @@ pub(super) mod tests {
     #[test]
     fn the_same_images_are_no_bias_without_doubt() {
         let images = Random(9).images(4, 0.5, 0.1);
-        let found = [signed_bias(&images, &images, &mean()), squared_bias(&images, &images, &reference())];
+        let found = [signed_bias(&images, &images, &mean()), squared_bias(&images, &images, &reference(), 1)];
         for estimate in found {
             assert_eq!(estimate, Some(Estimate { value: 0.0, error: 0.0, degrees: 3.0 }));
             assert_eq!(estimate.unwrap().p(), 1.0);
@@ -328,7 +318,7 @@ pub(super) mod tests {
             };
             let setting: Vec<Pixels> = (0..8).map(|_| rare()).collect();
             let alarm = |weights: &Weights| {
-                let found = squared_bias(&setting, &baseline, weights).unwrap();
+                let found = squared_bias(&setting, &baseline, weights, 1).unwrap();
                 found.value > 0.0 && found.p() < 0.05
             };
             apart += u32::from(alarm(&weights_of(&baseline)));

@@ -150,7 +150,7 @@ pub fn exponent_text(measured: &Measured) -> String {
 
 /// The seconds of a sample, with their interval.
 fn seconds_text(measured: &Measured) -> String {
-    let (value, half) = (measured.seconds, measured.seconds_half_width);
+    let (value, half) = (measured.model.seconds, measured.seconds_half_width);
     let digits = digits(half.max(1e-3 * value));
     format!("{value:.digits$} ± {half:.digits$}")
 }
@@ -327,7 +327,7 @@ impl Findings {
             )),
         }
         if let Some(defaults) = self.measured.first().filter(|defaults| !defaults.reliable) {
-            let known = self.measured.iter().any(|m| !m.declared_unbiased() && m.bias_known);
+            let known = self.measured.iter().any(|m| !m.setting.declared_unbiased() && m.bias_known);
             let so = if known { "" } else { "; so no bias is known, and no biased setting is recommended" };
             let noise = format!(
                 "the noise of the defaults is known to {:.0} % only, because paths are rare and bright, or rounds are too few",
@@ -480,7 +480,7 @@ impl Findings {
             let figures = json!({
                 "rounds": measured.rounds,
                 "seconds_compile": measured.seconds_compile,
-                "seconds_per_sample": measured.seconds,
+                "seconds_per_sample": model.seconds,
                 "seconds_doubt": measured.seconds_doubt,
                 "seconds_half_width": measured.seconds_half_width,
                 "variance_1spp": model.noise.noise,

@@ -67,6 +67,11 @@ impl Setting {
     pub fn class(&self) -> Class {
         self.knob.map_or(Class::Exact, |knob| knob.class)
     }
+
+    /// Whether its knob is declared to keep the expectation.
+    pub fn declared_unbiased(&self) -> bool {
+        matches!(self.class(), Class::Exact | Class::Noise)
+    }
 }
 
 /// An image and the seconds that it took.
@@ -98,6 +103,18 @@ pub struct Subject<'a> {
     pub blocks: BTreeMap<u32, Vec<Block>>,
     /// All samples of the blocks on one film, for what it says of its error.
     pub total: Film,
+}
+
+impl Subject<'_> {
+    /// The blocks of so many samples per pixel.
+    pub fn blocks_of(&self, samples: u32) -> &[Block] {
+        self.blocks.get(&samples).map_or(&[], Vec::as_slice)
+    }
+
+    /// The images of so many samples per pixel.
+    pub fn images(&self, samples: u32) -> Vec<Pixels> {
+        self.blocks_of(samples).iter().map(|block| block.image.clone()).collect()
+    }
 }
 
 /// A setting that is not measured, and the reason.
@@ -197,12 +214,9 @@ impl<'a> Sweep<'a> {
         let is_first = self.defaults.is_none();
         match self.compile(&setting) {
             Ok(Some(subject)) => self.subjects.push(subject),
-            Ok(None) => {
-                let why = "does nothing to this scene".to_string();
-                self.unmeasured.push(Unmeasured { setting, why });
-            }
+            Ok(None) => self.leave_out(setting, "does nothing to this scene"),
             Err(error) if is_first => return Err(error),
-            Err(error) => self.unmeasured.push(Unmeasured { setting, why: error.to_string() }),
+            Err(error) => self.leave_out(setting, &error.to_string()),
         }
         Ok(())
     }

@@ -5,7 +5,6 @@ use super::sweep::{Subject, Sweep};
 use crate::data::luminance;
 use crate::metrics::error::{mean_luminance, relative_variance};
 use crate::metrics::estimate::{Estimate, degrees_of_sum};
-use crate::options::Class;
 use crate::output::exr::ExrImage;
 
 /// An image and its own noise.
@@ -40,13 +39,12 @@ impl Truth {
     /// The mean of all images of unbiased settings, weighted by their samples. The images of the subject `without` are
     /// left out, because no image should be judged by itself.
     pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Truth> {
-        let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
-        Truth::joined(sweep, 0, |i, subject| Some(i) != without && unbiased(subject))
+        Truth::joined(sweep, 0, |i, subject| Some(i) != without && subject.setting.declared_unbiased())
     }
 
     /// The mean of all images of unbiased settings after the first round. It shares no random numbers with the images of that round.
     pub fn after_first_round(sweep: &Sweep<'_>) -> Option<Truth> {
-        Truth::joined(sweep, 1, |_, subject| matches!(subject.setting.class(), Class::Exact | Class::Noise))
+        Truth::joined(sweep, 1, |_, subject| subject.setting.declared_unbiased())
     }
 
     /// The mean of all images of one subject.

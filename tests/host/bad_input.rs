@@ -436,7 +436,7 @@ fn assert_places_hold(scene: &Scene, text: &str) {
         assert!(rest.starts_with(name), "no {name} at {at}:\n{text}");
     };
     for (index, object) in scene.objects.iter().enumerate() {
-        check(scene.object_location(index), object.name());
+        check(scene.location(&[Step::Field("objects"), Step::Index(index)]), object.name());
     }
     for (name, material) in &scene.materials {
         check(scene.material_location(name), material.name());
@@ -469,7 +469,7 @@ fn places_inside_objects_are_found() {
     assert_eq!(scene.location(&[]).line, 3);
     let camera = scene.location(&[Step::Field("camera")]);
     assert_eq!(scene.location(&[Step::Field("camera"), Step::Field("roll")]), camera);
-    assert_eq!(scene.object_location(99), scene.location(&[Step::Field("objects")]));
+    assert_eq!(scene.location(&[Step::Field("objects"), Step::Index(99)]), scene.location(&[Step::Field("objects")]));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use base64::Engine;
 use glam::{DVec3, Vec3};
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Mesh, OpenEdges, Scene};
+use gpu_rt::scene::{Assets, GltfOptions, Mesh, OpenEdges, Scene};
 use serde_json::json;
 
 /// A scene with one object.
@@ -77,7 +77,7 @@ fn every_format_gives_the_same_mesh() {
         assert_eq!(found, expected, "{file}");
         assert_eq!(found.open_edges(), None, "{file}");
         assert!(found.volume_is_positive(), "{file}");
-        assert_eq!(found.bounds(), (DVec3::NEG_ONE, DVec3::ONE));
+        assert_eq!((found.bounds().min, found.bounds().max), (DVec3::NEG_ONE, DVec3::ONE));
     }
 }
 
@@ -103,7 +103,7 @@ fn node_transforms_are_applied_and_mirrors_turn_the_winding() {
     let mirrored = r#", "matrix": [-2,0,0,0, 0,1,0,0, 0,0,1,0, 10,0,0,1]"#;
     for (node, low) in [(straight, DVec3::new(9.0, -1.0, -2.0)), (mirrored, DVec3::new(8.0, -1.0, -1.0))] {
         let mesh = mesh("cube.gltf", cube().gltf_with_base64(node).as_bytes());
-        assert!(mesh.bounds().0.abs_diff_eq(low, 1e-6), "{:?}", mesh.bounds());
+        assert!(mesh.bounds().min.abs_diff_eq(low, 1e-6), "{:?}", mesh.bounds());
         assert_eq!(mesh.open_edges(), None);
         assert!(mesh.volume_is_positive());
         for &[a, b, c] in &mesh.triangles {
@@ -468,10 +468,11 @@ fn a_file_named_often_is_read_once_and_tells_how_far_it_is() {
                   background: Solid((1, 1, 1)), materials: {\"grey\": Dielectric(ior: 1)}, objects: [";
     fs::write(&path, format!("{header}{object}])")).unwrap();
     let mut told = Vec::new();
-    let scene = Scene::load_with(&path, &mut |file, done, whole| {
+    let mut progress = |file: &Path, done, whole| {
         assert_eq!((file, whole), (folder.path().join("big.obj").as_path(), text.len() as u64));
         told.push(done);
-    });
+    };
+    let scene = Scene::load_as(&path, &GltfOptions::default(), &mut progress, &mut Assets::default());
     assert_eq!(scene.unwrap().meshes.len(), 1);
     assert_eq!(told.len(), 2, "at the start and after a MiB: {told:?}");
     assert!(told[0] == 0 && told[1] > 1 << 20);

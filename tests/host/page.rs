@@ -25,7 +25,6 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         rounds: 8,
         seconds_compile: 0.1,
         seconds_here: 0.1,
-        seconds: 0.1,
         seconds_half_width: 0.002,
         seconds_doubt: 0.01,
         model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise, seconds: 0.1, seconds_beside: 0.0 },

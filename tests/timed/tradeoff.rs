@@ -315,7 +315,7 @@ fn lost_detail_is_told_without_rendering_it() {
         sweep.subjects[subject].blocks[&16].iter().map(|block| block.image.clone()).collect()
     };
     let weights = Weights::of_rounds(images(0).iter().enumerate().map(|(i, image)| (i, 16, image))).expect("images");
-    let rendered = squared_bias(&images(1), &images(0), &weights).expect("eight rounds");
+    let rendered = squared_bias(&images(1), &images(0), &weights, 1).expect("eight rounds");
     let (_, told) = Whole::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
     let error = rendered.error.hypot(told.error);
     // Five standard errors: once in 700 times with 7 degrees of freedom, and the seed is pinned.
@@ -397,9 +397,9 @@ fn the_unit_of_light_does_not_matter() {
     let samples = |of: &Measured| of.times.map(|time| time.map_or(0.0, |seconds| seconds / of.model.seconds));
     // A sample's seconds in those of the defaults, as a logarithm, and half the width of its interval.
     let pace = |found: &[Measured], setting: usize| {
-        let half_width = |of: &Measured| of.seconds_half_width / of.seconds;
+        let half_width = |of: &Measured| of.seconds_half_width / of.model.seconds;
         let (of, defaults) = (&found[setting], &found[0]);
-        ((of.seconds / defaults.seconds).ln(), half_width(of) + half_width(defaults))
+        ((of.model.seconds / defaults.model.seconds).ln(), half_width(of) + half_width(defaults))
     };
     assert!(advised(&usual).iter().all(Option::is_some) && usual[1].times[2].is_none(), "{usual:?}");
     for other in [&dark, &bright] {

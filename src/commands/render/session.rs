@@ -7,7 +7,7 @@ use crate::commands::scene::{load_with, size_of};
 use crate::commands::signals::Signals;
 use crate::commands::target::{open_devices, tell_software};
 use crate::error::Result;
-use crate::flatten::{DeviceScene, Hierarchies, flatten, flatten_again};
+use crate::flatten::{DeviceScene, Hierarchies, flatten_with};
 use crate::gpu::device::Device;
 use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
@@ -52,10 +52,7 @@ impl Session {
             false => Ok(Vec::new()),
         };
         beside(opening, || {
-            let flat = match &mut self.hierarchies {
-                Some(hierarchies) => flatten_again(scene, size, &args.options, hierarchies),
-                None => flatten(scene, size, &args.options),
-            };
+            let flat = flatten_with(scene, size, &args.options, self.hierarchies.as_mut());
             clock.seconds.build = clock.lap();
             flat
         })

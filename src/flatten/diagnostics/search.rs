@@ -39,9 +39,9 @@ impl<'a> Search<'a> {
     }
 
     pub fn body(&self, number: usize) -> Body<'a> {
-        let Placed { shape, to_world, material } = &self.finder.placed[number];
+        let Placed { object, shape, to_world, material } = &self.finder.placed[number];
         let role = self.roles[*material as usize];
-        Body { material: *material, role, ..self.new_body(self.finder.objects[number], shape, to_world) }
+        Body { material: *material, role, ..self.new_body(object, shape, to_world) }
     }
 
     pub fn bodies(&self) -> impl Iterator<Item = Body<'a>> {

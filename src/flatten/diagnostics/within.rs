@@ -91,9 +91,7 @@ fn distance_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
-    use super::{distance_squared, solid_angle};
+    use super::*;
 
     #[test]
     fn a_tetrahedron_is_all_around_its_inside() {

@@ -94,7 +94,7 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
     if let Ok(Some(conversion)) = conversion {
         let of_colours = [&mut rgb, &mut albedo].into_iter().flatten().flatten();
         of_colours.for_each(|rgb| *rgb = conversion.convert(*rgb));
-        header.shared_attributes.chromaticities = Some(REC_709.into());
+        header.shared_attributes.chromaticities = Some(REC_709);
     }
     let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
     let size = (side(width)?, side(height)?);

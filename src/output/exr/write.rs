@@ -213,7 +213,7 @@ fn write_parts(
             .with_attributes(own)
             // A fixed line order makes the bytes independent of the threads that compress.
             .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
-        header.shared_attributes.chromaticities = Some(REC_709.into());
+        header.shared_attributes.chromaticities = Some(REC_709);
         // The pixels of a part of an image stand where they are in the whole, for programs that put parts together.
         header.shared_attributes.display_window = IntegerBounds::from_dimensions((whole.0 as usize, whole.1 as usize));
         header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);

@@ -147,24 +147,16 @@ fn decode(bytes: &[u8], by_name: Option<ImageFormat>, wanted: &Wanted) -> std::r
     let decoded = guarded(|| match bytes.starts_with(&exr::MAGIC) {
         true => exr::decode(bytes, wanted),
         false => {
-            let image = decode_other(bytes, by_name, wanted)?;
+            // The content identifies the format more reliably than the file's name, except for .tga, which has no magic number.
+            let format = image::guess_format(bytes).ok().or(by_name).ok_or("its format is not known")?;
+            let image = match format {
+                ImageFormat::Jpeg => jpeg::decode(bytes, wanted)?,
+                _ => decode_with_image(bytes, format, wanted)?,
+            };
             Ok(wanted.decodings.iter().map(|decoding| (*decoding, pack::bitmap(&image, *decoding))).collect())
         }
     });
     decoded.and_then(|decoded| decoded).map_err(|reason| format!("cannot decode the image: {reason}"))
-}
-
-fn decode_other(
-    bytes: &[u8],
-    by_name: Option<ImageFormat>,
-    wanted: &Wanted,
-) -> std::result::Result<DynamicImage, String> {
-    // The content identifies the format more reliably than the file's name, except for .tga, which has no magic number.
-    let format = image::guess_format(bytes).ok().or(by_name).ok_or("its format is not known")?;
-    match format {
-        ImageFormat::Jpeg => jpeg::decode(bytes, wanted),
-        _ => decode_with_image(bytes, format, wanted),
-    }
 }
 
 /// Decodes a file with the crate `image`.

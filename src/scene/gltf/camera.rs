@@ -7,6 +7,7 @@ use gltf::json::validation::Checked;
 use super::nodes::Placed;
 use super::{Broken, File, Result, decimal};
 use crate::scene::types::{Camera, ImageSize};
+use crate::shape::Aabb;
 
 /// A camera of the file.
 pub struct View {
@@ -52,9 +53,6 @@ impl File {
                 return Err(Broken::new(format!("{at}.type"), "expected perspective or orthographic"));
             }
         };
-        let field = |name: &str, found: f64| {
-            Broken::new(format!("{at}.perspective.{name}"), format!("expected a positive number, found {found}"))
-        };
         let yfov = decimal(perspective.yfov);
         if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
             let reason = format!("expected an angle between 0 and pi, found {yfov}");
@@ -62,7 +60,8 @@ impl File {
         }
         let aspect = perspective.aspect_ratio.map_or(ASPECT, decimal);
         if !(aspect > 0.0 && aspect.is_finite()) {
-            return Err(field("aspectRatio", aspect));
+            let reason = format!("expected a positive number, found {aspect}");
+            return Err(Broken::new(format!("{at}.perspective.aspectRatio"), reason));
         }
         let DAffine3 { matrix3, translation } = placed.to_scene;
         let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
@@ -84,7 +83,7 @@ impl File {
 }
 
 /// A camera that sees all of a box, from the front, the right and above.
-pub fn framing((low, high): (DVec3, DVec3)) -> (Camera, ImageSize) {
+pub fn framing(Aabb { min: low, max: high }: Aabb) -> (Camera, ImageSize) {
     const FOV: f64 = 40.0;
     let (middle, radius) = match low.cmple(high).all() {
         true => (0.5 * (low + high), 0.5 * (high - low).length()),

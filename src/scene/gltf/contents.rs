@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::camera::View;
 use super::generator::LightUnits;
@@ -19,40 +19,27 @@ use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
-/// Who says how a file is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asker {
-    /// The options of the command line.
-    Options,
-    /// The fields of a Gltf object in a scene file.
-    Object,
+/// How one says that a file is read in another way.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Asker {
+    /// Lights are not in watts.
+    watts_off: &'static str,
+    /// Glass without a thickness is thin.
+    thin_pane: &'static str,
 }
+
+/// By the options of the command line.
+pub const OPTIONS: Asker = Asker { watts_off: "--watts=off", thin_pane: "--thin pane" };
+/// By the fields of a Gltf object in a scene file.
+pub const OBJECT: Asker = Asker { watts_off: "watts: false", thin_pane: "thin: Pane" };
 
 /// How a file is read where glTF and Blender differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    pub asker: Asker,
+    pub asker: &'static Asker,
     /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
     pub watts: Option<bool>,
     pub thin: Thin,
-}
-
-impl Reading {
-    /// How the asker says that lights are not in watts.
-    fn watts_off(&self) -> &'static str {
-        match self.asker {
-            Asker::Options => "--watts=off",
-            Asker::Object => "watts: false",
-        }
-    }
-
-    /// How the asker says that glass without a thickness is thin.
-    fn thin_pane(&self) -> &'static str {
-        match self.asker {
-            Asker::Options => "--thin pane",
-            Asker::Object => "thin: Pane",
-        }
-    }
 }
 
 /// What the default scene of a file has.
@@ -114,17 +101,9 @@ fn is_read(extension: &str) -> bool {
 }
 
 /// The smallest box around meshes that are placed.
-pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> (DVec3, DVec3) {
-    let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (path, to_scene) in placed {
-        let Some(mesh) = meshes.get(path) else { continue };
-        let (min, max) = mesh.bounds();
-        for corner in (Aabb { min, max }).corners() {
-            let corner = to_scene.transform_point3(corner);
-            bounds = (bounds.0.min(corner), bounds.1.max(corner));
-        }
-    }
-    bounds
+pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> Aabb {
+    let known = placed.iter().filter_map(|(path, to_scene)| Some((meshes.get(path)?, to_scene)));
+    Aabb::around(known.flat_map(|(mesh, to_scene)| mesh.bounds().corners().map(|p| to_scene.transform_point3(p))))
 }
 
 impl File {
@@ -140,7 +119,7 @@ impl File {
                 if reading.watts == Some(true) { LightUnits::WattsTimesLumens } else { LightUnits::Photometric };
             return (units, None);
         };
-        let (units, off) = (blender.light_units(), reading.watts_off());
+        let (units, off) = (blender.light_units(), reading.asker.watts_off);
         let note = match (reading.watts, units) {
             (Some(false), _) => return (LightUnits::Photometric, None),
             (Some(true), _) | (None, LightUnits::Photometric) => None,
@@ -275,7 +254,7 @@ impl Materials<'_> {
         let became = match glass.is_solid {
             true => format!(
                 "solid glass where its mesh is closed, as Blender renders it: {} for the pane that it is by the file, which gives no thickness",
-                self.reading.thin_pane()
+                self.reading.asker.thin_pane
             ),
             false => "a pane where its mesh is open or wound both ways: for solid glass close it, or give a Thickness in the node group \
                       glTF Material Output"

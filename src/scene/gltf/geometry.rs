@@ -224,10 +224,11 @@ impl File {
             if let Some(normals) = normals {
                 let turned = |normal: DVec3| (cofactors * normal).normalize().as_vec3();
                 for (vertex, normal) in normals.map(DVec3::from_array).enumerate() {
-                    if !normal.is_finite() && draft.bad_normal.is_none() {
-                        let at = format!("meshes[{mesh}].primitives[{number}].attributes.NORMAL");
-                        draft.bad_normal =
-                            Some(format!("{at}: expected finite numbers, found {normal} at vertex {vertex}"));
+                    if !normal.is_finite() {
+                        draft.bad_normal.get_or_insert_with(|| {
+                            let reason = format!("expected finite numbers, found {normal} at vertex {vertex}");
+                            wrong(".attributes.NORMAL", reason).to_string()
+                        });
                     }
                     draft.normals.push(turned(normal));
                 }

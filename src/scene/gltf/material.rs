@@ -236,22 +236,6 @@ fn layer(specular: &Specular, ior: f64) -> (f64, f64, Colour) {
     (share, ior.min(MOST_IOR), color / most)
 }
 
-/// What is not as the file says.
-#[derive(Default)]
-struct Notes(Vec<String>);
-
-impl Notes {
-    fn add(&mut self, note: impl Into<String>) {
-        self.0.push(note.into());
-    }
-
-    fn add_if(&mut self, is_so: bool, note: impl Into<String>) {
-        if is_so {
-            self.add(note);
-        }
-    }
-}
-
 impl File {
     pub fn material_of(&self, mesh: usize, primitive: usize) -> Result<Option<&Given>> {
         let material = self.primitive(mesh, primitive)?.material;
@@ -281,7 +265,8 @@ impl File {
         let given = given.ok_or_else(|| Broken::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
         let pbr = &given.pbr_metallic_roughness;
-        let mut found = Notes::default();
+        // What is not as the file says.
+        let mut found: Vec<String> = Vec::new();
         let [r, g, b, _] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
         let placings = placings(given);
@@ -325,35 +310,20 @@ impl File {
         let specular = extensions.and_then(|found| found.specular.as_ref());
         let transmission = extensions.and_then(|found| found.transmission.as_ref());
         let share = transmission.map_or(0.0, |transmission| decimal(transmission.transmission_factor.0));
-        found.add_if(
-            share > 0.0 && share < 1.0,
-            format!("its transmissionFactor of {share} is taken for {}", share.round()),
-        );
+        if share > 0.0 && share < 1.0 {
+            found.push(format!("its transmissionFactor of {share} is taken for {}", share.round()));
+        }
         let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0);
         let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
-        found.add_if(!has_ior, format!("its ior of {ior} is taken for 1.5"));
+        found.extend((!has_ior).then(|| format!("its ior of {ior} is taken for 1.5")));
         let ior = if has_ior { ior } else { 1.5 };
+        let is_light = model == Model::Light;
         let material = match model {
-            // A DiffuseLight has no alpha.
-            Model::Light if !is_opaque => {
-                found.add_if(!given.double_sided, "it emits to both sides");
-                let (albedo, emission) = (color, Some(light));
-                Material::Lambertian {
-                    albedo,
-                    emission,
-                    alpha,
-                    alpha_cutoff,
-                    vertex_colors,
-                    vertex_alpha,
-                    normal,
-                    normal_scale,
-                }
-            }
-            Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
+            Model::Light if is_opaque => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
             Model::Glass => {
-                found.add_if(!is_opaque, "without its alpha");
-                found.add_if(vertex_colors, "without vertex colours");
+                found.extend((!is_opaque).then(|| "without its alpha".to_owned()));
+                found.extend(vertex_colors.then(|| "without vertex colours".to_owned()));
                 let volume = extensions.and_then(|found| found.volume.as_ref());
                 let color = if glass.colour_of_body { root_of(color, &mut found) } else { color };
                 let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
@@ -370,11 +340,13 @@ impl File {
                 let (albedo, multiscatter) = (Some(color), false);
                 Material::Conductor { albedo, eta: None, k: None, roughness, multiscatter, normal, normal_scale }
             }
-            Model::Surface if is_matt && is_no_metal => {
-                let albedo = color;
+            // A DiffuseLight has no alpha.
+            _ if is_light || is_matt && is_no_metal => {
+                let of_one_side = is_light && !given.double_sided;
+                found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
                 Material::Lambertian {
-                    albedo,
-                    emission,
+                    albedo: color,
+                    emission: if is_light { Some(light) } else { emission },
                     alpha,
                     alpha_cutoff,
                     vertex_colors,
@@ -383,7 +355,7 @@ impl File {
                     normal_scale,
                 }
             }
-            Model::Surface => {
+            _ => {
                 let (specular, ior, Colour { x, y, z }) = specular.map_or((1.0, ior, Colour::ONE), |it| layer(it, ior));
                 Material::Pbr {
                     base_color: color,
@@ -403,7 +375,6 @@ impl File {
                 }
             }
         };
-        let is_light = model == Model::Light;
         let emits = given.emissive_factor.0 != [0.0; 3];
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let unread = [
@@ -417,10 +388,10 @@ impl File {
         ];
         let others = extensions.into_iter().flat_map(|found| found.others.keys().map(|name| quote(name.as_bytes())));
         let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
-        found.add_if(!unread.is_empty(), format!("not read: {}", unread.join(", ")));
-        if !found.0.is_empty() {
+        found.extend((!unread.is_empty()).then(|| format!("not read: {}", unread.join(", "))));
+        if !found.is_empty() {
             let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
-            notes.push(format!("{at}{name} is approximated: {}", found.0.join("; ")));
+            notes.push(format!("{at}{name} is approximated: {}", found.join("; ")));
         }
         Ok(material)
     }
@@ -432,7 +403,7 @@ impl File {
         field: &str,
         info: &Info,
         path: &str,
-        notes: &mut Notes,
+        notes: &mut Vec<String>,
     ) -> Result<Option<String>> {
         let Some(source) = self.image_of(material, field, info, notes)? else { return Ok(None) };
         if let Some(sampler) = self.root().textures.get(info.index.value()).and_then(|texture| texture.sampler) {
@@ -443,9 +414,10 @@ impl File {
                 Broken::new(at, format!("there is no sampler {number}"))
             })?;
             let repeats = |wrap: &Checked<WrappingMode>| matches!(wrap, Checked::Valid(WrappingMode::Repeat));
-            notes.add_if(!repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t), format!("{field} repeats"));
+            let is_cut = !repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t);
+            notes.extend(is_cut.then(|| format!("{field} repeats")));
             let nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
-            notes.add_if(nearest, format!("{field} is smooth between texels"));
+            notes.extend(nearest.then(|| format!("{field} is smooth between texels")));
         }
         let image = self.root().images.get(source);
         match image.and_then(|image| image.uri.as_deref()).filter(|uri| !uri.starts_with("data:")) {
@@ -458,7 +430,7 @@ impl File {
     }
 
     /// The number of a texture's image. Nothing, with a note, where it is of a format that is not read.
-    fn image_of(&self, material: &str, field: &str, info: &Info, notes: &mut Notes) -> Result<Option<usize>> {
+    fn image_of(&self, material: &str, field: &str, info: &Info, notes: &mut Vec<String>) -> Result<Option<usize>> {
         let index = info.index.value();
         let texture =
             self.root().textures.get(index).ok_or_else(|| {
@@ -471,7 +443,7 @@ impl File {
             Some(source) => usize::try_from(source).unwrap_or(usize::MAX),
             // The crate's word for a source that is not given.
             None if texture.source.value() == u32::MAX as usize => {
-                notes.add(format!("without {field}, whose {at} has no source that is read"));
+                notes.push(format!("without {field}, whose {at} has no source that is read"));
                 return Ok(None);
             }
             None => texture.source.value(),
@@ -501,7 +473,7 @@ fn alpha(given: &Given) -> (f64, Option<f64>) {
 }
 
 /// What each of two surfaces lets pass, so that both together let this colour pass.
-fn root_of(colour: Texture, notes: &mut Notes) -> Texture {
+fn root_of(colour: Texture, notes: &mut Vec<String>) -> Texture {
     let root = |tint: Colour| tint.map(f64::sqrt);
     match colour {
         Texture::Rgb(r, g, b) => {
@@ -509,7 +481,7 @@ fn root_of(colour: Texture, notes: &mut Notes) -> Texture {
             Texture::Rgb(x, y, z)
         }
         Texture::Image { path, tint, channel, uv_set } => {
-            notes.add("both surfaces of the glass have the image of its colour, so that it counts twice");
+            notes.push("both surfaces of the glass have the image of its colour, so that it counts twice".to_owned());
             Texture::Image { path, tint: root(tint), channel, uv_set }
         }
         other => other,
@@ -517,9 +489,9 @@ fn root_of(colour: Texture, notes: &mut Notes) -> Texture {
 }
 
 /// A share of light, cut to its range.
-fn share(colour: Colour, name: &str, notes: &mut Notes) -> Colour {
+fn share(colour: Colour, name: &str, notes: &mut Vec<String>) -> Colour {
     let cut = colour.clamp(Colour::ZERO, Colour::ONE);
-    notes.add_if(cut != colour, format!("{name} is cut to 0 .. 1"));
+    notes.extend((cut != colour).then(|| format!("{name} is cut to 0 .. 1")));
     cut
 }
 

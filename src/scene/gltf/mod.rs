@@ -32,7 +32,7 @@ use crate::guard::guarded;
 
 pub use broken::{Broken, Result};
 pub use camera::framing;
-pub use contents::{Asker, Reading, bounds};
+pub use contents::{OBJECT, OPTIONS, Reading, bounds};
 pub use light::sun;
 use nodes::Placed;
 

@@ -244,21 +244,21 @@ impl<'a> Rows<'a> {
                 let row = self.row;
                 if self.has_normals {
                     let normal = Vec3::new(nx as f32, ny as f32, nz as f32);
-                    if !normal.is_finite() && self.draft.bad_normal.is_none() {
-                        let words = format!(
-                            "vertex {row} (counted from 0): expected a finite normal, found ({nx}, {ny}, {nz})"
-                        );
-                        self.draft.bad_normal = Some(words);
+                    if !normal.is_finite() {
+                        self.draft.bad_normal.get_or_insert_with(|| {
+                            format!("vertex {row} (counted from 0): expected a finite normal, found ({nx}, {ny}, {nz})")
+                        });
                     }
                     self.draft.normals.push(normal);
                 }
                 if self.has_uvs {
                     let uv = Vec2::new(u as f32, v as f32);
-                    if !uv.is_finite() && self.draft.bad_uv.is_none() {
-                        let words = format!(
-                            "vertex {row} (counted from 0): expected finite texture coordinates, found ({u}, {v})"
-                        );
-                        self.draft.bad_uv = Some(words);
+                    if !uv.is_finite() {
+                        self.draft.bad_uv.get_or_insert_with(|| {
+                            format!(
+                                "vertex {row} (counted from 0): expected finite texture coordinates, found ({u}, {v})"
+                            )
+                        });
                     }
                     self.draft.uvs.push(uv);
                 }
