@@ -24,7 +24,7 @@ use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 
-use choices::{Bounces, QUEUES, decide, entries};
+use choices::{Bounces, Decided, QUEUES, decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 use state::places;
 pub use state::{PathField, most_path_bytes};
@@ -175,11 +175,8 @@ impl Kernels {
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
-        let decided = decide(features, options, &materials, &materials, 0, bounces);
-        let path_fields = decided.path_fields.clone();
-        let (surface, medium) = (decided.surface.clone(), decided.medium.clone());
-        let (light, queue) = (decided.light.clone(), decided.queue.clone());
-        let choices = decided.choices(tables);
+        let decided = decide(features, options, tables, &materials, &materials, 0, bounces);
+        let Decided { choices, path_fields, surface, medium, light, queue } = decided;
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();
         let geometry = asked(PRIMITIVES, &features.primitives, "");
@@ -203,7 +200,7 @@ impl Kernels {
             // A scatter kernel for each material: the linked kernel's own file with a list of one.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
                 let served = [Entry { closes: true, ..material.clone() }];
-                let own = decide(features, options, &materials, &served, queue, bounces).choices(tables);
+                let own = decide(features, options, tables, &materials, &served, queue, bounces).choices;
                 let name = format!("scatter_{}", material.name);
                 kernel(&name, "scatter", &own, &material.why.to_string(), &material.why)
             };
@@ -381,7 +378,7 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
     let materials = entries(MATERIALS, &features.materials);
-    decide(features, options, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
+    decide(features, options, tables, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices
 }
 
 fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, asked_by: &Reason) -> Result<Kernel> {

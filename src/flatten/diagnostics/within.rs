@@ -93,7 +93,7 @@ fn distance_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 mod tests {
     use glam::DVec3;
 
-    use super::search::{distance_squared, solid_angle};
+    use super::{distance_squared, solid_angle};
 
     #[test]
     fn a_tetrahedron_is_all_around_its_inside() {
