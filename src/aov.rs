@@ -96,34 +96,31 @@ impl Sum {
     const ALL: [Sum; 8] =
         [Sum::Albedo, Sum::Normal, Sum::Hits, Sum::Depth, Sum::Position, Sum::Object, Sum::Material, Sum::Direct];
 
-    /// Its components, as names.
-    pub fn components(self) -> &'static [&'static str] {
+    /// Its name, the names of its components, its step, and the channels that are made of it.
+    fn declared(self) -> (&'static str, &'static [&'static str], Finder, &'static [Aov]) {
         match self {
-            Sum::Albedo | Sum::Direct => &CHANNELS,
-            Sum::Normal | Sum::Position => &["X", "Y", "Z"],
-            Sum::Hits | Sum::Depth | Sum::Object | Sum::Material => &["Y"],
-        }
-    }
-
-    pub fn finder(self) -> Finder {
-        match self {
-            Sum::Albedo | Sum::Normal => Finder::Surface,
-            Sum::Hits | Sum::Depth | Sum::Position | Sum::Object | Sum::Material => Finder::Hit,
-            Sum::Direct => Finder::Direct,
+            Sum::Albedo => ("albedo", &CHANNELS, Finder::Surface, &[Aov::Albedo]),
+            Sum::Normal => ("normal", &["X", "Y", "Z"], Finder::Surface, &[Aov::Normal]),
+            Sum::Hits => ("hits", &["Y"], Finder::Hit, &[Aov::Depth, Aov::Position]),
+            Sum::Depth => ("depth", &["Y"], Finder::Hit, &[Aov::Depth]),
+            Sum::Position => ("position", &["X", "Y", "Z"], Finder::Hit, &[Aov::Position]),
+            Sum::Object => ("object", &["Y"], Finder::Hit, &[Aov::Object]),
+            Sum::Material => ("material", &["Y"], Finder::Hit, &[Aov::Material]),
+            Sum::Direct => ("direct", &CHANNELS, Finder::Direct, &[Aov::Direct, Aov::Indirect]),
         }
     }
 
     pub fn name(self) -> &'static str {
-        match self {
-            Sum::Albedo => "albedo",
-            Sum::Normal => "normal",
-            Sum::Hits => "hits",
-            Sum::Depth => "depth",
-            Sum::Position => "position",
-            Sum::Object => "object",
-            Sum::Material => "material",
-            Sum::Direct => "direct",
-        }
+        self.declared().0
+    }
+
+    /// Its components, as names.
+    pub fn components(self) -> &'static [&'static str] {
+        self.declared().1
+    }
+
+    pub fn finder(self) -> Finder {
+        self.declared().2
     }
 }
 
@@ -182,16 +179,7 @@ impl Aovs {
 
     /// Whether the film sums this up.
     pub fn needs(&self, sum: Sum) -> bool {
-        match sum {
-            Sum::Albedo => self.has(Aov::Albedo),
-            Sum::Normal => self.has(Aov::Normal),
-            Sum::Hits => self.has(Aov::Depth) || self.has(Aov::Position),
-            Sum::Depth => self.has(Aov::Depth),
-            Sum::Position => self.has(Aov::Position),
-            Sum::Object => self.has(Aov::Object),
-            Sum::Material => self.has(Aov::Material),
-            Sum::Direct => self.has(Aov::Direct) || self.has(Aov::Indirect),
-        }
+        sum.declared().3.iter().any(|aov| self.has(*aov))
     }
 
     pub fn sums(&self) -> impl Iterator<Item = Sum> {

@@ -1,11 +1,10 @@
-//! Turns panics of third-party parsers and decoders into errors.
+//! Turns panics of third-party parsers, decoders and wgpu into errors.
 //!
 //! Random edits of files made the parsers panic: tobj 4.0.5 at a corner such as `1//6148914691236517206` (it multiplies the
 //! reference and indexes by the product), gltf 1.4.1 in its validation if a POSITION names a missing accessor, and its
 //! iterators at every invalid index. This does not help against failed allocations, which end the program. Therefore the sizes
 //! that a file claims are compared with its real size before a parser reads it or memory is reserved.
 
-use std::any::Any;
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
@@ -17,6 +16,11 @@ thread_local! {
 
 /// The result of the parser, or the message of its panic. Values that the parser changed before the panic stay changed.
 pub fn guarded<T>(parse: impl FnOnce() -> T) -> Result<T, String> {
+    caught(parse).map_err(|message| format!("the parser gave up: {message}"))
+}
+
+/// The result of a call, or the message of its panic.
+pub fn caught<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let before = panic::take_hook();
@@ -27,14 +31,12 @@ pub fn guarded<T>(parse: impl FnOnce() -> T) -> Result<T, String> {
         }));
     });
     let before = IS_GUARDED.replace(true);
-    let result = panic::catch_unwind(AssertUnwindSafe(parse));
+    let result = panic::catch_unwind(AssertUnwindSafe(call));
     IS_GUARDED.set(before);
-    result.map_err(|thrown| format!("the parser gave up: {}", message(&*thrown)))
-}
-
-fn message(thrown: &(dyn Any + Send)) -> &str {
-    let text = thrown.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| thrown.downcast_ref::<&str>().copied()).unwrap_or("it does not say why")
+    result.map_err(|thrown| {
+        let text = thrown.downcast_ref::<String>().map(String::as_str).or(thrown.downcast_ref::<&str>().copied());
+        text.unwrap_or("it does not say why").to_string()
+    })
 }
 
 #[cfg(test)]

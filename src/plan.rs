@@ -24,12 +24,12 @@ use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 
-use choices::{Bounces, QUEUES, decide, entries};
+use choices::{Bounces, Decided, QUEUES, decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 use state::places;
 pub use state::{PathField, most_path_bytes};
 pub use tables::UniformTables;
-use tables::tables;
+use tables::{Table, table, tables};
 pub use tuning::Tuning;
 
 /// The override constants that say how many steps walks may take.
@@ -175,11 +175,8 @@ impl Kernels {
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
-        let decided = decide(features, options, &materials, &materials, 0, bounces);
-        let path_fields = decided.path_fields.clone();
-        let (surface, medium) = (decided.surface.clone(), decided.medium.clone());
-        let (light, queue) = (decided.light.clone(), decided.queue.clone());
-        let choices = decided.choices(tables);
+        let decided = decide(features, options, tables, &materials, &materials, 0, bounces);
+        let Decided { choices, path_fields, surface, medium, light, queue } = decided;
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();
         let geometry = asked(PRIMITIVES, &features.primitives, "");
@@ -203,7 +200,7 @@ impl Kernels {
             // A scatter kernel for each material: the linked kernel's own file with a list of one.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
                 let served = [Entry { closes: true, ..material.clone() }];
-                let own = decide(features, options, &materials, &served, queue, bounces).choices(tables);
+                let own = decide(features, options, tables, &materials, &served, queue, bounces).choices;
                 let name = format!("scatter_{}", material.name);
                 kernel(&name, "scatter", &own, &material.why.to_string(), &material.why)
             };
@@ -271,7 +268,7 @@ impl Kernels {
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);
-        let array = |name, contents, stride: u64, why| {
+        let array = |(name, contents, stride, why): Table<'a>| {
             let spec = BufferSpec::scene(name, vec![contents], why);
             let size = format!("{} x {stride} bytes", spec.bytes / stride);
             spec.made_of(size)
@@ -292,57 +289,37 @@ impl Kernels {
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
             BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")
                 .made_of(format!("{slots} slots x {word_bytes} bytes")),
-            BufferSpec::scene("texels", flat.texel_words().map(bytes).collect(), "images")
-                .made_of(make_up_of_texels(flat))
-                .shrunk_by(largest_images(flat)),
-            array(
-                "sky",
-                bytes(&flat.sky),
-                element_bytes(&flat.sky),
-                "the background's image as a distribution of directions",
-            ),
-            array(
-                "extensions",
-                bytes(&flat.extensions),
-                element_bytes(&flat.extensions),
-                "what materials have beside their rows",
-            ),
-            array(
-                "kept_shares",
-                bytes(&flat.kept_shares),
-                element_bytes(&flat.kept_shares),
-                "what single scattering by microfacets keeps of light",
-            ),
-            array("meshes", bytes(&flat.meshes), element_bytes(&flat.meshes), "faces and vertices of meshes"),
-            array(
-                "face_pairs",
-                bytes(&flat.face_pairs),
-                element_bytes(&flat.face_pairs),
-                "faces of meshes as walks read them",
-            ),
+            BufferSpec::scene(
+                "texels",
+                flat.texel_words().map(|words| Cow::Borrowed(bytemuck::cast_slice(words))).collect(),
+                "images",
+            )
+            .made_of(make_up_of_texels(flat))
+            .shrunk_by(largest_images(flat)),
+            array(table("sky", &flat.sky, "the background's image as a distribution of directions")),
+            array(table("extensions", &flat.extensions, "what materials have beside their rows")),
+            array(table("kept_shares", &flat.kept_shares, "what single scattering by microfacets keeps of light")),
+            array(table("meshes", &flat.meshes, "faces and vertices of meshes")),
+            array(table("face_pairs", &flat.face_pairs, "faces of meshes as walks read them")),
             BufferSpec::working("queues", (header + queues * slots) * 4, "a queue for each material")
                 .made_of(format!("({queues} queues x {slots} slots + {header}) x 4 bytes")),
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches")
                 .made_of(format!("{queues} queues x 16 bytes")),
         ];
-        let tables =
-            tables(flat).into_iter().map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
-                Some(elements) => {
-                    let count = contents.len() as u64 / stride;
-                    let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
-                    BufferSpec::table(name, contents, elements * stride, why)
-                        .made_of(format!("{count} x {stride} bytes{room}"))
-                }
-                None => array(name, contents, stride, why),
-            });
+        let of_scene = |(name, contents, stride, why): Table<'a>| match self.tables.uniform.get(name) {
+            Some(elements) => {
+                let count = contents.len() as u64 / stride;
+                let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
+                BufferSpec::table(name, contents, elements * stride, why)
+                    .made_of(format!("{count} x {stride} bytes{room}"))
+            }
+            None => array((name, contents, stride, why)),
+        };
+        let tables = tables(flat).into_iter().map(of_scene);
         let kernels = self.all();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
         all.into_iter().chain(tables).filter(bound).collect()
     }
-}
-
-fn bytes<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
-    Cow::Borrowed(bytemuck::cast_slice(items))
 }
 
 /// The make-up of the texels: how many images there are of each format, and their bytes.
@@ -364,10 +341,6 @@ fn largest_images(flat: &DeviceScene) -> Option<String> {
     (!flat.images.is_empty()).then(|| format!("scale images down, the largest first: {}", bitmap::largest(images)))
 }
 
-fn element_bytes<T>(_: &[T]) -> u64 {
-    size_of::<T>() as u64
-}
-
 fn boundary_names() -> Vec<&'static str> {
     BOUNDARIES.iter().map(|(name, _)| *name).collect()
 }
@@ -381,7 +354,7 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
     let materials = entries(MATERIALS, &features.materials);
-    decide(features, options, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
+    decide(features, options, tables, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices
 }
 
 fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, asked_by: &Reason) -> Result<Kernel> {

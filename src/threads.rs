@@ -10,7 +10,7 @@ pub fn cores() -> usize {
 }
 
 /// Does the work on each item and returns the results in the items' order. `threads` of them, this one included, take the next item whenever
-/// they have finished one.
+/// they have finished one, so that fewer threads do the same.
 pub fn each<I: Send, T: Send>(
     threads: usize,
     items: impl IntoIterator<Item = I, IntoIter: Send>,
@@ -19,18 +19,12 @@ pub fn each<I: Send, T: Send>(
     let queue = Mutex::new(items.into_iter().enumerate());
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let take = || std::iter::from_fn(next).map(|(number, item)| (number, work(item))).collect::<Vec<_>>();
-    let mut done: Vec<_> = together(threads, take).into_iter().flatten().collect();
+    let mut done = scope(|scope| {
+        let others: Vec<_> = (1..threads).map_while(|_| Builder::new().spawn_scoped(scope, &take).ok()).collect();
+        std::iter::once(take()).chain(others.into_iter().map(joined)).flatten().collect::<Vec<_>>()
+    });
     done.sort_by_key(|(number, _)| *number);
     done.into_iter().map(|(_, result)| result).collect()
-}
-
-/// Does `work` on this thread and on as many others that together there are `threads`, and returns what all of them return. `work`
-/// takes its parts from a common queue, so that fewer threads do the same.
-fn together<T: Send>(threads: usize, work: impl Fn() -> T + Sync) -> Vec<T> {
-    scope(|scope| {
-        let others: Vec<_> = (1..threads).map_while(|_| Builder::new().spawn_scoped(scope, &work).ok()).collect();
-        std::iter::once(work()).chain(others.into_iter().map(joined)).collect()
-    })
 }
 
 /// Does `aside` on another thread while this one does `here`, and returns what both return.

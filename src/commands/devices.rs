@@ -110,8 +110,10 @@ fn words(found: &Numerics) -> Vec<String> {
             pick(found.edge_signs, "exact", "wrong"),
         ),
     ];
-    lines.extend(found.lacking().map(|property| {
-        format!("numerics: this driver {}; kernels that rely on this are refused", property.without())
-    }));
+    lines.extend(
+        found.lacking().map(|property| {
+            format!("numerics: this driver {}; kernels that rely on this are refused", property.without)
+        }),
+    );
     lines
 }

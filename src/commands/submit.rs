@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;
 use crate::jobs::scripts::{line, text_of};
 use crate::jobs::slurm::{Ids, Slurm, forget_tries};
-use crate::jobs::{Asked, Folder, MERGE, RENDER, split};
+use crate::jobs::{Asked, FORMAT, Folder, MERGE, RENDER, split};
 use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::render::LAST_LOOK;
@@ -229,6 +229,8 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         print_line(&format!("not copied, because the scene names it by its whole path: {}", fixed.display()))?;
     }
     let asked = Asked {
+        format: FORMAT,
+        version: env!("CARGO_PKG_VERSION").to_string(),
         scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
         output: format!("{stem}.exr").into(),
         samples: [0, parts.last().map_or(0, |part| part.end)],
@@ -240,7 +242,6 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         height,
         options: words_of(args, (width, height))?,
         sbatch: args.sbatch.clone(),
-        ..Asked::default()
     };
     Ok(Folder { path, asked })
 }

@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use super::kernels::Kernels;
 use super::numerics::Numerics;
-use super::panics::caught;
 use crate::error::{Error, Result};
+use crate::guard;
 
 /// The adapters of this machine, in the order of `--device INDEX`.
 pub struct Adapters {
@@ -354,6 +354,12 @@ impl Drop for Device {
         let queue = unsafe { ManuallyDrop::take(&mut self.queue) };
         let _ = caught(|| drop(queue));
     }
+}
+
+/// What a call of wgpu returns, or the message of its panic. Only for calls that panic where the device fails: wgpu has unlocked what it had
+/// locked, and a device that failed is used no more.
+fn caught<T>(call: impl FnOnce() -> T) -> std::result::Result<T, String> {
+    guard::caught(call).map_err(|message| format!("the driver failed: {message}"))
 }
 
 /// A message of wgpu in one line, without the full stop at its end.

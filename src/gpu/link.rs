@@ -24,7 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::LazyLock;
 
-use super::properties::PROPERTIES;
+use super::numerics::PROPERTIES;
 use super::reach;
 use crate::error::{Error, Result};
 
@@ -279,7 +279,7 @@ impl Linker<'_> {
                 self.join(used.trim(), module, *number, why)?;
             }
             if let Some(property) = text.trim().strip_prefix("//@ relies on ") {
-                if !PROPERTIES.iter().any(|known| known.name() == property) {
+                if !PROPERTIES.iter().any(|known| known.name == property) {
                     return Err(fault(module, *number, &format!("the probe knows no property `{property}`")));
                 }
                 self.linked.relies.push((property.to_string(), module.to_string()));

@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use super::properties::{PROPERTIES, Property};
-
 /// The iterations of the loop that tests whether loops have a limit.
 pub const LOOPS: u32 = 70_000;
 /// The steps that a walk may take if the driver does not limit loops.
@@ -84,18 +82,47 @@ impl Numerics {
         (self.loop_iterations >= LOOPS).then_some(MOST_STEPS)
     }
 
-    fn holds(&self, property: Property) -> bool {
-        match property {
-            Property::Loops => self.loop_iterations >= LOOPS_NEEDED.min(LOOPS),
-            Property::Uniforms => self.uniforms_exact,
-            Property::Bits => self.nan_by_bits,
-            Property::Logarithm => self.log_error <= 1.0 / 2_097_152.0,
-            Property::Signs => self.edge_signs,
-        }
-    }
-
     /// The properties that a driver with these findings lacks.
     pub fn lacking(&self) -> impl Iterator<Item = Property> {
-        PROPERTIES.into_iter().filter(|property| !self.holds(*property))
+        PROPERTIES.into_iter().filter(|property| !(property.holds)(self))
     }
 }
+
+/// A property that a shader may rely on: `//@ relies on NAME`.
+#[derive(Clone, Copy, Debug)]
+pub struct Property {
+    /// Its name in shaders.
+    pub name: &'static str,
+    /// What a driver without it does, in words.
+    pub without: &'static str,
+    holds: fn(&Numerics) -> bool,
+}
+
+/// All properties that a shader may rely on.
+pub const PROPERTIES: [Property; 5] = [
+    Property {
+        name: "loops",
+        without: "ends loops before 65,535 iterations",
+        holds: |found| found.loop_iterations >= LOOPS_NEEDED.min(LOOPS),
+    },
+    Property {
+        name: "uniforms",
+        without: "converts integers of 24 bits inexactly, so that random numbers could be 1",
+        holds: |found| found.uniforms_exact,
+    },
+    Property {
+        name: "bits",
+        without: "does not tell NaN and infinity from numbers by their bits",
+        holds: |found| found.nan_by_bits,
+    },
+    Property {
+        name: "logarithm",
+        without: "computes log between 0.5 and 1 with a larger error than the 2^-21 that WGSL allows",
+        holds: |found| found.log_error <= 1.0 / 2_097_152.0,
+    },
+    Property {
+        name: "signs",
+        without: "gets signs of differences of products wrong, which would leave gaps in meshes",
+        holds: |found| found.edge_signs,
+    },
+];

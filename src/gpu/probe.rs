@@ -23,11 +23,11 @@ impl Numerics {
     /// `Error::Device` with the driver, the shader and the property.
     pub fn allow(&self, device: &Device, kernel: &str, linked: &Linked) -> Result<()> {
         for property in self.lacking() {
-            if let Some((_, module)) = linked.relies.iter().find(|(name, _)| name == property.name()) {
+            if let Some((_, module)) = linked.relies.iter().find(|(name, _)| name == property.name) {
                 return Err(device.failed(&format!(
                     "this driver {}. The kernel {kernel} relies on it (`{}`, in shaders/{module}.wgsl), and its image would be \
                      wrong. Update the driver, or choose another device: `gpu-rt devices` shows what each can do",
-                    property.without(), property.name()
+                    property.without, property.name
                 )));
             }
         }

@@ -26,7 +26,7 @@ pub const MERGE: &str = "merge.sh";
 /// Where tasks write what they say, and how often they were tried.
 pub const LOG: &str = "log";
 /// The version of the format. A reader refuses others.
-const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 1;
 
 /// The folder, and what it says is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct Folder {
 }
 
 /// What is asked of all processes together: `job.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Asked {
     pub format: u32,
@@ -62,27 +62,6 @@ pub struct Asked {
     pub options: Vec<String>,
     /// Options of sbatch.
     pub sbatch: Vec<String>,
-}
-
-/// Of a render whose parts are not known yet.
-impl Default for Asked {
-    fn default() -> Asked {
-        Asked {
-            format: FORMAT,
-            version: env!("CARGO_PKG_VERSION").to_string(),
-            scene: PathBuf::new(),
-            output: PathBuf::new(),
-            samples: [0, 0],
-            noise: None,
-            most: None,
-            parts: Vec::new(),
-            round: None,
-            width: 0,
-            height: 0,
-            options: Vec::new(),
-            sbatch: Vec::new(),
-        }
-    }
 }
 
 impl Folder {
@@ -181,6 +160,7 @@ mod tests {
 
     fn folder(path: &Path) -> Folder {
         let asked = Asked {
+            format: FORMAT,
             scene: "scene/a b.ron".into(),
             output: "a b.exr".into(),
             samples: [0, 1000],

@@ -24,170 +24,6 @@ pub(super) struct Bounces {
     pub queues: bool,
 }
 
-/// A struct with a member for each name that directives of one kind have in the shaders, so that none can be left undecided.
-macro_rules! named {
-    ($(#[$doc:meta])* $name:ident: $type:ty { $($(#[$about:meta])* $member:ident,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone)]
-        pub struct $name { $($(#[$about])* pub $member: $type,)* }
-
-        impl $name {
-            /// As the shaders write them.
-            pub const NAMES: &[&str] = &[$(stringify!($member)),*];
-
-            fn named(self) -> BTreeMap<&'static str, $type> {
-                BTreeMap::from([$((stringify!($member), self.$member)),*])
-            }
-        }
-    };
-}
-
-named! {
-    /// What `//@ if` asks.
-    Conditions: Option<Reason> {
-        /// There is a mesh.
-        mesh,
-        /// A mesh bounds a medium.
-        mesh_boundary,
-        /// The camera has a lens.
-        lens,
-        /// Render space has the camera's axes.
-        camera_axes,
-        /// Contributions of indirect light are limited.
-        clamp,
-        /// Every ray tests all primitives.
-        brute_force,
-        gradient_background,
-        image_background,
-        several_backgrounds,
-        /// Faces of meshes are sampled as lights.
-        emitting_mesh,
-        /// Images have tables of texture coordinates of their own on meshes.
-        uv_tables,
-        /// Normal maps on smooth meshes have tangents in their tables.
-        vertex_tangents,
-        /// Some material of the scene has a number that may be that of an image.
-        number_images,
-        /// Lights without size are sampled.
-        delta_light,
-        /// The sky or directional lights are sampled, which the light tree has beside lights with a place.
-        light_without_place,
-        /// Something that emits is not sampled.
-        not_sampled,
-        /// Lights are sampled, and narrow lobes hide some of their light, which probes count.
-        probed,
-        /// The film has channels beside the radiance.
-        aov,
-    }
-}
-
-named! {
-    /// What `//@ each` goes through.
-    Lists: Vec<Entry> {
-        /// The kinds of primitive but for the faces of meshes, which `mesh` is about: those need more than the others.
-        primitive,
-        /// The kinds of primitive that are sampled as lights, but for faces of meshes.
-        emitter,
-        /// The kinds of boundary of media, but for meshes.
-        convex_boundary,
-        /// The materials that the kernel serves.
-        material,
-        /// The materials of the kernel that are not specular.
-        non_specular,
-        /// The materials of the kernel that have two elements of the table.
-        two_part,
-        /// The non-specular materials of the kernel that respond to light from both sides.
-        both_sided,
-        /// The materials of the kernel that are transmissive.
-        transmissive,
-        /// The extensions of a material that the kernel evaluates.
-        extension,
-        /// Channels of the first hit by their modules, their sums by components, and those of the surface that is seen and of direct light.
-        hit_channel,
-        hit_sum,
-        surface_sum,
-        direct_sum,
-        texture,
-        /// The formats of the images' texels.
-        texel_format,
-        background,
-        /// The last background, and those before it.
-        own_background,
-        other_background,
-        path_plane,
-        path_word,
-        other_path_word,
-    }
-}
-
-named! {
-    /// The modules behind `choice/…`.
-    Modules: Chosen {
-        axes,
-        camera,
-        filter,
-        filter_weight,
-        colour,
-        uv,
-        shading,
-        evaluation,
-        vertex_colours,
-        normal_map,
-        second_parts,
-        multiscatter,
-        /// The layer of glTF's material.
-        layer,
-        tint,
-        absorption,
-        coverage,
-        vertex_alpha,
-        media,
-        medium_albedo,
-        transmittance,
-        scatter,
-        roulette,
-        /// Light sampling: what sends shadow rays, and what traces them.
-        surface_light,
-        medium_light,
-        shadow,
-        both_sides,
-        probe,
-        /// Light that BSDF sampling finds, weighed against light sampling.
-        surface_emission,
-        found_light,
-        found_sky,
-        sampled_light,
-        /// Kinds of lights.
-        light_choice,
-        delta_lights,
-        sky_light,
-        light_surfaces,
-        surface_radiance,
-        light_coverage,
-        clamp,
-        fresnel,
-        sphere_chord,
-        walk,
-        sampler,
-        /// Channels beside the radiance.
-        aov_hit,
-        aov_surface,
-        seen,
-        aov_direct,
-        aov_record,
-        aov_film,
-        /// What only stages that are kernels of their own have.
-        aov_hit_slot,
-        aov_direct_slot,
-        walker_slot,
-        shadow_slot,
-        probe_slot,
-        queue_of_hits,
-        queue_of_events,
-        queue_turn,
-    }
-}
-
 /// The choices that `plan` lists: those between modules that do the same in different ways. The others say whether a feature is there.
 pub const ALTERNATIVES: [&str; 16] = [
     "axes",
@@ -208,26 +44,6 @@ pub const ALTERNATIVES: [&str; 16] = [
     "sampler",
 ];
 
-named! {
-    /// The numbers behind `${…}`.
-    Values: u32 {
-        stack_size,
-        boundary_stack_size,
-        media,
-        sky_light,
-        sky_columns,
-        sky_rows,
-        most_steps,
-        run_length,
-        queues,
-        /// The queue that the kernel serves.
-        queue,
-        /// The sums of a pixel of the film, and those that a path has beside the radiance's: one at least, since no array has no elements.
-        film_sums,
-        path_sums,
-    }
-}
-
 macro_rules! tables {
     ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
 }
@@ -235,45 +51,15 @@ macro_rules! tables {
 const OTHER_TABLES: [(&str, &str, &str); 8] =
     tables!["nodes", "media", "lights", "delta_lights", "light_nodes", "materials", "textures", "frames"];
 
-/// All tables by name, and the names of the values that say how each is bound.
-pub fn table_names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
-    let of_shapes = KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size));
-    OTHER_TABLES.into_iter().chain(of_shapes)
-}
-
 /// What a kernel is linked with.
 pub(super) struct Decided {
-    conditions: Conditions,
-    lists: Lists,
-    modules: Modules,
-    values: Values,
+    pub choices: Choices,
     pub path_fields: Vec<PathField>,
-    path_module: String,
     /// Why there are kernels that only some scenes have.
     pub surface: Option<Reason>,
     pub medium: Option<Reason>,
     pub light: Option<Reason>,
     pub queue: Option<Reason>,
-}
-
-impl Decided {
-    pub fn choices(self, tables: &UniformTables) -> Choices {
-        let table = |(name, space, size)| match tables.uniform.get(name) {
-            Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
-            None => [(space, "storage, read".to_string()), (size, String::new())],
-        };
-        let numbers = self.values.named().into_iter().map(|(name, number)| (name, number.to_string()));
-        Choices {
-            conditions: self.conditions.named(),
-            lists: self.lists.named(),
-            modules: self.modules.named(),
-            values: numbers.chain(table_names().flat_map(table)).collect(),
-            generated: BTreeMap::from([
-                ("generated/path", self.path_module),
-                ("generated/slots", slots_module(&self.path_fields)),
-            ]),
-        }
-    }
 }
 
 /// The first that asked.
@@ -326,6 +112,7 @@ fn split_meshes(kinds: Vec<Entry>) -> (Option<Reason>, Vec<Entry>) {
 pub(super) fn decide(
     features: &Features,
     options: &RenderOptions,
+    tables: &UniformTables,
     materials: &[Entry],
     served: &[Entry],
     queue: u32,
@@ -385,8 +172,8 @@ pub(super) fn decide(
     let of_kind = |kind: &Entry| Material::KINDS.get(kind.number as usize);
     let two_part: Vec<Entry> =
         served.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.has_second_part)).cloned().collect();
-    let both_sided: Vec<Entry> =
-        non_specular.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_transmissive)).cloned().collect();
+    let is_transmissive = |kind: &&Entry| of_kind(kind).is_some_and(|kind| kind.is_transmissive);
+    let both_sided: Vec<Entry> = non_specular.iter().filter(is_transmissive).cloned().collect();
     let shines = served.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
@@ -459,33 +246,47 @@ pub(super) fn decide(
     };
     let hit_channel = options.aov.sums().filter(|sum| sum.finder() == Finder::Hit);
     let hit_channel = closed((0..).zip(hit_channel).filter_map(|(i, sum)| Some((sum.name(), i, aov_hit.clone()?))));
-    let conditions = Conditions {
-        mesh_boundary,
-        lens: asked(&features.thin_lens),
-        camera_axes: asked(&features.turned),
-        clamp: if_so(
-            options.clamp.is_some() && (surface.is_some() || features.media > 0),
-            by_option(&options::CLAMP).why,
-        ),
-        gradient_background: asked(&features.backgrounds[1]),
-        image_background: asked(&features.backgrounds[2]),
-        several_backgrounds: if_so(!other_background.is_empty(), option(EVERY_FEATURE)),
-        not_sampled: match &features.not_sampled {
-            Some(left) => Some(option(&left.asked_by)),
-            None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
-        },
-        vertex_tangents: uv_tables.clone().and(asked(&features.vertex_tangents)),
-        uv_tables,
-        number_images,
-        light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
-        delta_light: delta_light.clone(),
-        probed: probed.clone(),
-        mesh,
-        brute_force,
-        emitting_mesh,
-        aov: any_aov.clone(),
+    let is_clamped = options.clamp.is_some() && (surface.is_some() || features.media > 0);
+    let not_sampled = match &features.not_sampled {
+        Some(left) => Some(option(&left.asked_by)),
+        None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
     };
-    let has_glass = materials.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.is_transmissive));
+    // What `//@ if` asks.
+    let conditions = [
+        // A mesh bounds a medium.
+        ("mesh_boundary", mesh_boundary),
+        ("lens", asked(&features.thin_lens)),
+        // Render space has the camera's axes.
+        ("camera_axes", asked(&features.turned)),
+        // Contributions of indirect light are limited.
+        ("clamp", if_so(is_clamped, by_option(&options::CLAMP).why)),
+        ("gradient_background", asked(&features.backgrounds[1])),
+        ("image_background", asked(&features.backgrounds[2])),
+        ("several_backgrounds", if_so(!other_background.is_empty(), option(EVERY_FEATURE))),
+        // Something that emits is not sampled.
+        ("not_sampled", not_sampled),
+        // Normal maps on smooth meshes have tangents in their tables.
+        ("vertex_tangents", uv_tables.clone().and(asked(&features.vertex_tangents))),
+        // Images have tables of texture coordinates of their own on meshes.
+        ("uv_tables", uv_tables),
+        // Some material of the scene has a number that may be that of an image.
+        ("number_images", number_images),
+        // The sky or directional lights are sampled, which the light tree has beside lights with a place.
+        ("light_without_place", emitting_sky.clone().or(asked(&features.directional_lights))),
+        // Lights without size are sampled.
+        ("delta_light", delta_light.clone()),
+        // Lights are sampled, and narrow lobes hide some of their light, which probes count.
+        ("probed", probed.clone()),
+        ("mesh", mesh),
+        // Every ray tests all primitives.
+        ("brute_force", brute_force),
+        // Faces of meshes are sampled as lights.
+        ("emitting_mesh", emitting_mesh),
+        // The film has channels beside the radiance.
+        ("aov", any_aov.clone()),
+    ];
+    let transmissive: Vec<Entry> = served.iter().filter(is_transmissive).cloned().collect();
+    let has_glass = materials.iter().any(|kind| is_transmissive(&kind));
     let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
     let places = places(&path_fields);
     let numbered = |all: Vec<(String, u32)>| {
@@ -493,118 +294,146 @@ pub(super) fn decide(
         all.into_iter().map(entry).collect::<Vec<_>>()
     };
     let image_texture = texture.iter().find(|kind| kind.name == "image").map(|kind| kind.why.clone());
-    let modules = Modules {
-        axes: either(&asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
-        camera: either(&asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
-        filter: by_option(&options::FILTER),
-        filter_weight: either(&negative_lobes, "step/filter_weight", "null/filter_weight"),
-        colour: either(&first(&features.textures), "scene/textured_colour", "scene/plain_colour"),
-        uv: either(&image_texture, "scene/uv", "null/uv"),
-        shading: either(&asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading"),
-        evaluation: either(&evaluated, "scene/evaluated_material", "scene/plain_material"),
-        vertex_colours: either(&vertex_colours, "scene/vertex_colours", "null/vertex_colours"),
-        normal_map: either(&normal_map, "scene/normal_map", "null/normal_map"),
-        second_parts: either(&two_part.first().map(|kind| kind.why.clone()), "scene/second_parts", "null/second_parts"),
-        multiscatter: either(&multiscatter, "scene/multiscatter", "null/multiscatter"),
-        layer: either(&own_layer, "material/pbr_own_layer", "material/pbr_plain_layer"),
-        tint: either(&tinted, "scene/tint", "null/tint"),
-        absorption: either(&absorbing, "scene/absorption", "null/absorption"),
-        coverage: either(&alpha, "scene/coverage", "null/coverage"),
-        vertex_alpha: either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha"),
-        media: either(&medium, "step/media", "null/media"),
-        medium_albedo: either(&asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium"),
-        transmittance: either(&medium, "scene/transmittance", "null/transmittance"),
-        scatter: either(&surface, "step/scatter", "null/scatter"),
-        roulette: by_option(&options::ROULETTE),
-        surface_light: match (&light, sends_shadow_ray) {
-            (None, _) => usual("null/surface_light"),
-            (Some(_), None) => usual("step/specular_event"),
-            (Some(_), Some(why)) => Chosen { module: "step/surface_light", why },
-        },
-        medium_light: either(&light, "step/medium_light", "null/medium_light"),
-        shadow: either(&light, "step/light", "null/shadow"),
-        both_sides: either(&both_sides, "scene/both_sides", "null/both_sides"),
-        probe: either(&probed, "step/narrow_lobe", "null/narrow_lobe"),
-        surface_emission: either(&own_emission, "step/surface_emission", "null/surface_emission"),
-        found_light: either(&found_light, "step/found_light", "null/found_light"),
-        found_sky: either(&emitting_sky, "step/found_sky", "null/found_sky"),
-        sampled_light: either(&sampled_light, "step/sampled_light", "null/sampled_light"),
-        light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
-        delta_lights: either(&delta_light, "scene/delta_lights", "null/delta_lights"),
-        sky_light: either(&emitting_sky, "scene/sky_light", "null/sky_light"),
-        light_surfaces: either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces"),
-        surface_radiance: either(&emission, "scene/emitted_beside", "scene/emitted"),
-        light_coverage: either(&light_coverage, "scene/light_coverage", "null/light_coverage"),
-        clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
-        fresnel: approximate(&options::FRESNEL, has_glass),
-        sphere_chord: approximate(&options::PRECISION, has_spheres),
-        walk,
-        sampler: by_option(&options::SAMPLER),
-        aov_hit: either(&aov_hit, "aov/hit", "null/aov_hit"),
-        aov_surface: either(&aov_surface, "aov/surface", "null/aov_surface"),
-        seen: either(&aov_rough, "aov/seen_rough", "aov/seen_first"),
-        aov_direct: either(&aov_direct, "aov/direct", "null/aov_direct"),
-        aov_record: either(&any_aov, "aov/record", "null/aov_record"),
-        aov_film: either(&any_aov, "aov/film", "null/aov_film"),
-        aov_hit_slot: either(&aov_hit, "slots/aov_hit", "null/aov_hit_slot"),
-        aov_direct_slot: either(&aov_direct, "slots/aov_direct", "null/aov_direct_slot"),
-        walker_slot: either(&alpha, "slots/walker", "null/walker_slot"),
-        shadow_slot: either(&staged(&light), "slots/shadow", "null/shadow_slot"),
-        probe_slot: either(&probed, "slots/probe", "null/probe_slot"),
-        queue_of_hits: either(&queue_why.clone().filter(|_| medium.is_none()), "slots/sort_by_material", "null/sort"),
-        queue_of_events: either(&queue_why, "slots/sort_by_material", "null/sort"),
-        queue_turn: either(&queue_why, "slots/queue_turn", "null/queue_turn"),
+    let second_parts = two_part.first().map(|kind| kind.why.clone());
+    let surface_light = match (&light, sends_shadow_ray) {
+        (None, _) => usual("null/surface_light"),
+        (Some(_), None) => usual("step/specular_event"),
+        (Some(_), Some(why)) => Chosen { module: "step/surface_light", why },
     };
-    Decided {
-        conditions,
-        lists: Lists {
-            primitive,
-            emitter,
-            convex_boundary,
-            material: served.to_vec(),
-            non_specular,
-            two_part,
-            both_sided,
-            extension,
-            hit_channel,
-            hit_sum: sums_of(Finder::Hit, &aov_hit),
-            surface_sum: sums_of(Finder::Surface, &aov_surface),
-            direct_sum: sums_of(Finder::Direct, &aov_direct),
-            transmissive: { served.iter() }
-                .filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_transmissive))
-                .cloned()
-                .collect(),
-            texture,
-            texel_format,
-            background,
-            own_background,
-            other_background,
-            path_plane: numbered(places.planes),
-            path_word: numbered(places.words),
-            other_path_word: numbered(places.others),
-        },
-        modules,
-        values: Values {
-            // No array has no elements.
-            stack_size: features.stack_size + 1,
-            boundary_stack_size: features.boundary_stack_size + 1,
-            media: features.media,
-            sky_light: features.sky_light,
-            sky_columns: features.sky_grid.0,
-            sky_rows: features.sky_grid.1,
-            // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
-            most_steps: if features.shadow_rays { 19_000 } else { 48_000 },
-            run_length: RUN_LENGTH,
-            film_sums: (FILM_SUMS + options.aov.count()) as u32,
-            path_sums: options.aov.count().max(1) as u32,
-            queues: materials.len() as u32,
-            queue,
-        },
-        path_module: path_module(&options.aov),
-        path_fields,
-        surface,
-        medium,
-        light,
-        queue: queue_why,
-    }
+    let queue_of_hits = queue_why.clone().filter(|_| medium.is_none());
+    // The modules behind `choice/…`.
+    let modules = [
+        ("axes", either(&asked(&features.turned), "scene/camera_axes", "scene/world_axes")),
+        ("camera", either(&asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole")),
+        ("filter", by_option(&options::FILTER)),
+        ("filter_weight", either(&negative_lobes, "step/filter_weight", "null/filter_weight")),
+        ("colour", either(&first(&features.textures), "scene/textured_colour", "scene/plain_colour")),
+        ("uv", either(&image_texture, "scene/uv", "null/uv")),
+        ("shading", either(&asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading")),
+        ("evaluation", either(&evaluated, "scene/evaluated_material", "scene/plain_material")),
+        ("vertex_colours", either(&vertex_colours, "scene/vertex_colours", "null/vertex_colours")),
+        ("normal_map", either(&normal_map, "scene/normal_map", "null/normal_map")),
+        ("second_parts", either(&second_parts, "scene/second_parts", "null/second_parts")),
+        ("multiscatter", either(&multiscatter, "scene/multiscatter", "null/multiscatter")),
+        // The layer of glTF's material.
+        ("layer", either(&own_layer, "material/pbr_own_layer", "material/pbr_plain_layer")),
+        ("tint", either(&tinted, "scene/tint", "null/tint")),
+        ("absorption", either(&absorbing, "scene/absorption", "null/absorption")),
+        ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
+        ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
+        ("media", either(&medium, "step/media", "null/media")),
+        ("medium_albedo", either(&asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium")),
+        ("transmittance", either(&medium, "scene/transmittance", "null/transmittance")),
+        ("scatter", either(&surface, "step/scatter", "null/scatter")),
+        ("roulette", by_option(&options::ROULETTE)),
+        // Light sampling: what sends shadow rays, and what traces them.
+        ("surface_light", surface_light),
+        ("medium_light", either(&light, "step/medium_light", "null/medium_light")),
+        ("shadow", either(&light, "step/light", "null/shadow")),
+        ("both_sides", either(&both_sides, "scene/both_sides", "null/both_sides")),
+        ("probe", either(&probed, "step/narrow_lobe", "null/narrow_lobe")),
+        // Light that BSDF sampling finds, weighed against light sampling.
+        ("surface_emission", either(&own_emission, "step/surface_emission", "null/surface_emission")),
+        ("found_light", either(&found_light, "step/found_light", "null/found_light")),
+        ("found_sky", either(&emitting_sky, "step/found_sky", "null/found_sky")),
+        ("sampled_light", either(&sampled_light, "step/sampled_light", "null/sampled_light")),
+        // Kinds of lights.
+        ("light_choice", usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" })),
+        ("delta_lights", either(&delta_light, "scene/delta_lights", "null/delta_lights")),
+        ("sky_light", either(&emitting_sky, "scene/sky_light", "null/sky_light")),
+        ("light_surfaces", either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces")),
+        ("surface_radiance", either(&emission, "scene/emitted_beside", "scene/emitted")),
+        ("light_coverage", either(&light_coverage, "scene/light_coverage", "null/light_coverage")),
+        ("clamp", approximate(&options::CLAMP, is_clamped)),
+        ("fresnel", approximate(&options::FRESNEL, has_glass)),
+        ("sphere_chord", approximate(&options::PRECISION, has_spheres)),
+        ("walk", walk),
+        ("sampler", by_option(&options::SAMPLER)),
+        // Channels beside the radiance.
+        ("aov_hit", either(&aov_hit, "aov/hit", "null/aov_hit")),
+        ("aov_surface", either(&aov_surface, "aov/surface", "null/aov_surface")),
+        ("seen", either(&aov_rough, "aov/seen_rough", "aov/seen_first")),
+        ("aov_direct", either(&aov_direct, "aov/direct", "null/aov_direct")),
+        ("aov_record", either(&any_aov, "aov/record", "null/aov_record")),
+        ("aov_film", either(&any_aov, "aov/film", "null/aov_film")),
+        // What only stages that are kernels of their own have.
+        ("aov_hit_slot", either(&aov_hit, "slots/aov_hit", "null/aov_hit_slot")),
+        ("aov_direct_slot", either(&aov_direct, "slots/aov_direct", "null/aov_direct_slot")),
+        ("walker_slot", either(&alpha, "slots/walker", "null/walker_slot")),
+        ("shadow_slot", either(&staged(&light), "slots/shadow", "null/shadow_slot")),
+        ("probe_slot", either(&probed, "slots/probe", "null/probe_slot")),
+        ("queue_of_hits", either(&queue_of_hits, "slots/sort_by_material", "null/sort")),
+        ("queue_of_events", either(&queue_why, "slots/sort_by_material", "null/sort")),
+        ("queue_turn", either(&queue_why, "slots/queue_turn", "null/queue_turn")),
+    ];
+    // What `//@ each` goes through.
+    let lists = [
+        // The kinds of primitive but for the faces of meshes, which `mesh` is about: those need more than the others.
+        ("primitive", primitive),
+        // The kinds of primitive that are sampled as lights, but for faces of meshes.
+        ("emitter", emitter),
+        // The kinds of boundary of media, but for meshes.
+        ("convex_boundary", convex_boundary),
+        // The materials that the kernel serves.
+        ("material", served.to_vec()),
+        ("non_specular", non_specular),
+        // The materials of the kernel that have two elements of the table.
+        ("two_part", two_part),
+        // The non-specular materials of the kernel that respond to light from both sides.
+        ("both_sided", both_sided),
+        // The extensions of a material that the kernel evaluates.
+        ("extension", extension),
+        // Channels of the first hit by their modules, their sums by components, and those of the surface that is seen and of direct light.
+        ("hit_channel", hit_channel),
+        ("hit_sum", sums_of(Finder::Hit, &aov_hit)),
+        ("surface_sum", sums_of(Finder::Surface, &aov_surface)),
+        ("direct_sum", sums_of(Finder::Direct, &aov_direct)),
+        ("transmissive", transmissive),
+        ("texture", texture),
+        // The formats of the images' texels.
+        ("texel_format", texel_format),
+        ("background", background),
+        // The last background, and those before it.
+        ("own_background", own_background),
+        ("other_background", other_background),
+        ("path_plane", numbered(places.planes)),
+        ("path_word", numbered(places.words)),
+        ("other_path_word", numbered(places.others)),
+    ];
+    // The numbers behind `${…}`.
+    let values = [
+        // No array has no elements.
+        ("stack_size", features.stack_size + 1),
+        ("boundary_stack_size", features.boundary_stack_size + 1),
+        ("media", features.media),
+        ("sky_light", features.sky_light),
+        ("sky_columns", features.sky_grid.0),
+        ("sky_rows", features.sky_grid.1),
+        // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
+        ("most_steps", if features.shadow_rays { 19_000 } else { 48_000 }),
+        ("run_length", RUN_LENGTH),
+        // The sums of a pixel of the film, and those that a path has beside the radiance's.
+        ("film_sums", (FILM_SUMS + options.aov.count()) as u32),
+        ("path_sums", options.aov.count().max(1) as u32),
+        ("queues", materials.len() as u32),
+        ("queue", queue),
+    ];
+    let table = |(name, space, size)| match tables.uniform.get(name) {
+        Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
+        None => [(space, "storage, read".to_string()), (size, String::new())],
+    };
+    let of_shapes = KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size));
+    let of_tables = OTHER_TABLES.into_iter().chain(of_shapes).flat_map(table);
+    let values = values.into_iter().map(|(name, number)| (name, number.to_string()));
+    let choices = Choices {
+        conditions: BTreeMap::from(conditions),
+        lists: BTreeMap::from(lists),
+        modules: BTreeMap::from(modules),
+        values: values.chain(of_tables).collect(),
+        generated: BTreeMap::from([
+            ("generated/path", path_module(&options.aov)),
+            ("generated/slots", slots_module(&path_fields)),
+        ]),
+    };
+    Decided { choices, path_fields, surface, medium, light, queue: queue_why }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::flatten::DeviceScene;
-use crate::shape::{KINDS, ShapeKind, Table};
+use crate::shape::{self, KINDS, ShapeKind};
 
 /// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
 /// a storage binding; real GPUs serialise lanes that read a uniform at different places.
@@ -31,17 +31,17 @@ impl UniformTables {
     }
 }
 
-/// The scene's tables: name, contents, bytes of an element, purpose.
-pub fn tables(flat: &DeviceScene) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static str)> {
-    fn table<'a, T: bytemuck::Pod>(
-        name: &'static str,
-        items: &'a [T],
-        why: &'static str,
-    ) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
-        (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
-    }
+/// A table: its name, its contents, the bytes of an element, and its purpose.
+pub type Table<'a> = (&'static str, Cow<'a, [u8]>, u64, &'static str);
+
+pub fn table<'a, T: bytemuck::Pod>(name: &'static str, items: &'a [T], why: &'static str) -> Table<'a> {
+    (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
+}
+
+/// The scene's tables.
+pub fn tables(flat: &DeviceScene) -> Vec<Table<'_>> {
     let shape = |kind: &'static ShapeKind| {
-        let Table { name, why, stride, bytes, .. } = kind.table;
+        let shape::Table { name, why, stride, bytes, .. } = kind.table;
         (name, Cow::Borrowed(bytes(&flat.shapes)), stride as u64, why)
     };
     let nodes = table("nodes", &flat.nodes, "the bounding volume hierarchy");

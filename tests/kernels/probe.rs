@@ -8,9 +8,8 @@ use gpu_rt::data::{Answer, Trial};
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::gpu::link::{Embedded, Library};
-use gpu_rt::gpu::numerics::{LOOPS, Numerics, Rounding};
+use gpu_rt::gpu::numerics::{LOOPS, Numerics, PROPERTIES, Rounding};
 use gpu_rt::gpu::probe::{ask, judge, numerics, trials};
-use gpu_rt::gpu::properties::PROPERTIES;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
@@ -140,7 +139,7 @@ fn the_software_drivers_are_as_known() {
     let start = std::time::Instant::now();
     let found = numerics(device).expect("the probe runs");
     println!("{}, in {:.1} ms: {found:#?}", device.name, start.elapsed().as_secs_f64() * 1e3);
-    assert_eq!(found.lacking().map(|property| property.name()).collect::<Vec<_>>(), [""; 0], "{found:?}");
+    assert_eq!(found.lacking().map(|property| property.name).collect::<Vec<_>>(), [""; 0], "{found:?}");
     assert_eq!(judge(&trials(), &ask(device, &trials()).expect("the probe runs")), *found, "the same when asked again");
     if device.name.name.contains("llvmpipe") {
         let limited = device.name.driver.contains("Mesa 22.3");
@@ -246,19 +245,19 @@ fn every_property_has_shaders_that_rely_on_it_and_stands_in_the_table() {
     for property in PROPERTIES {
         let relies = |name: &&String| {
             let text = Embedded.module(name).unwrap_or_default();
-            text.lines().any(|line| line == format!("//@ relies on {}", property.name()))
+            text.lines().any(|line| line == format!("//@ relies on {}", property.name))
         };
         let names = Embedded::names();
         let relying: Vec<&String> = names.iter().filter(relies).collect();
-        let begins = format!("| `{}` |", property.name());
+        let begins = format!("| `{}` |", property.name);
         let row = document.lines().find(|line| line.starts_with(&begins));
         let row = row.unwrap_or_else(|| panic!("docs/architecture.md has no row {begins}"));
-        assert!(!relying.is_empty(), "nobody relies on {}", property.name());
+        assert!(!relying.is_empty(), "nobody relies on {}", property.name);
         for name in relying {
             assert!(
                 row.contains(&format!("`{name}`")),
                 "{name} relies on {}, and the row does not say so",
-                property.name()
+                property.name
             );
         }
     }

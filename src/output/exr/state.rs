@@ -18,9 +18,11 @@ use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
 
-/// What a render needs to go on: which image a film is of, its samples, and the film's form.
-#[derive(Clone, Debug)]
+/// What a render needs to go on: which image a film is of, its samples, and the film's form. In files as JSON, but for the size.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct State {
+    format: u32,
     pub identity: Identity,
     /// The devices and drivers that have rendered it.
     pub devices: Vec<(String, String)>,
@@ -29,30 +31,15 @@ pub struct State {
     /// How often `--noise` has compared the error with the one asked.
     pub looks: u32,
     /// The size, the scale and the sampler of the film.
+    #[serde(skip)]
     pub size: (u32, u32),
     pub exponent: i32,
     pub sampler: Sampler,
     /// The space in which the kernels see the scene, if there are channels beside the radiance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<SceneSpace>,
     pub totals: Totals,
     /// The checksum of all words of all pixels.
-    checksum: u32,
-}
-
-/// A state as the file has it.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Stored {
-    format: u32,
-    identity: Identity,
-    devices: Vec<(String, String)>,
-    samples: Samples,
-    looks: u32,
-    exponent: i32,
-    sampler: Sampler,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    space: Option<SceneSpace>,
-    totals: Totals,
     checksum: u32,
 }
 
@@ -63,6 +50,7 @@ impl State {
     /// The state of a film.
     pub fn new(identity: Identity, devices: Vec<(String, String)>, film: &Film, samples: Samples, looks: u32) -> State {
         State {
+            format: FORMAT,
             identity,
             devices,
             samples,
@@ -92,21 +80,9 @@ impl State {
         difference.or((of_film(self) != of_film(other)).then(|| "their films differ".to_string()))
     }
 
-    /// The text of the state in the file, for this film.
-    pub(super) fn describe(&self, film: &Film, checksum: u32) -> String {
-        let stored = Stored {
-            format: FORMAT,
-            identity: self.identity.clone(),
-            devices: self.devices.clone(),
-            samples: self.samples.clone(),
-            looks: self.looks,
-            exponent: film.exponent(),
-            sampler: film.sampler(),
-            space: film.space(),
-            totals: film.totals(),
-            checksum,
-        };
-        serde_json::json!(stored).to_string()
+    /// The text of the state in the file, for pixels with this checksum.
+    pub(super) fn describe(&self, checksum: u32) -> String {
+        serde_json::json!(State { checksum, ..self.clone() }).to_string()
     }
 
     fn of_header(header: &Header) -> std::result::Result<State, String> {
@@ -121,21 +97,9 @@ impl State {
             Some(format) if format == u64::from(FORMAT) => {}
             _ => return Err(format!("its state has another format than this version of gpu-rt writes ({FORMAT})")),
         }
-        let stored: Stored = serde_json::from_value(format).map_err(|error| wrong(&error.to_string()))?;
+        let state: State = serde_json::from_value(format).map_err(|error| wrong(&error.to_string()))?;
         let size = |length: usize| u32::try_from(length).map_err(|_| wrong("its size is not supported"));
-        let size = (size(header.layer_size.0)?, size(header.layer_size.1)?);
-        Ok(State {
-            identity: stored.identity,
-            devices: stored.devices,
-            samples: stored.samples,
-            looks: stored.looks,
-            size,
-            exponent: stored.exponent,
-            sampler: stored.sampler,
-            space: stored.space,
-            totals: stored.totals,
-            checksum: stored.checksum,
-        })
+        Ok(State { size: (size(header.layer_size.0)?, size(header.layer_size.1)?), ..state })
     }
 }
 

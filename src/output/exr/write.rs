@@ -172,7 +172,7 @@ impl<'a> StatePart<'a> {
         words.sort_by(|a, b| names[*a].cmp(&names[*b]));
         let channel = |word: &usize| ChannelDescription::named(names[*word].as_str(), SampleType::F16);
         let channels = words.iter().map(channel).collect();
-        StatePart { film, channels, words, about: state.describe(film, checksum) }
+        StatePart { film, channels, words, about: state.describe(checksum) }
     }
 }
 
