@@ -190,7 +190,7 @@ fn kernels() -> Result<Vec<Compiled>> {
         // Tables are storage, as on every GPU.
         let tables = UniformTables::new(&flat, 0);
         for (way, scatter) in WAYS {
-            for kernel in Kernels::link(&flat.features.of(&options), &options, scatter, &tables)?.all() {
+            for kernel in Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables)?.all() {
                 all.push(compiled((name.clone(), way.to_string(), kernel.name.clone()), kernel.stage, &kernel.module)?);
             }
         }

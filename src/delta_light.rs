@@ -153,7 +153,7 @@ impl PlacedLight {
     }
 
     /// The radiance of a white diffuse surface that faces it at a distance.
-    pub fn shown(&self, distance: f64) -> f64 {
+    pub fn brightest_reflection(&self, distance: f64) -> f64 {
         let irradiance = match self.place {
             Some(_) => self.colour / distance / distance,
             None => self.colour,

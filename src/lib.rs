@@ -46,6 +46,8 @@ pub mod chromaticities;
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
+pub mod cluster;
+#[doc(hidden)]
 pub mod commands;
 #[doc(hidden)]
 pub mod data;
@@ -67,9 +69,7 @@ mod in_memory;
 #[doc(hidden)]
 pub mod job;
 #[doc(hidden)]
-pub mod jobs;
-#[doc(hidden)]
-pub mod lights;
+pub mod light_distribution;
 #[doc(hidden)]
 pub mod material;
 mod memory;

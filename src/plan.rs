@@ -84,7 +84,7 @@ pub struct Kernels {
 pub struct SettingsLayout(Vec<Member>);
 
 impl SettingsLayout {
-    pub fn of(module: &naga::Module) -> Result<SettingsLayout> {
+    pub fn from_module(module: &naga::Module) -> Result<SettingsLayout> {
         Ok(SettingsLayout(layout::members(module, "Settings")?.map_or_else(Vec::new, |(members, _)| members)))
     }
 
@@ -129,7 +129,7 @@ impl<'a> Plan<'a> {
     pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
         let tuning = Tuning::new(device, job, options);
         let tables = UniformTables::new(scene, device.table_bytes());
-        let features = scene.features.of(options);
+        let features = scene.features.with_options(options);
         let kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
         Ok(Plan { scene, options: options.clone(), kernels, tuning })
     }
@@ -217,7 +217,7 @@ impl Kernels {
             }))
         };
         let generate = always("generate", &every_render)?;
-        let settings = SettingsLayout::of(&generate.module)?;
+        let settings = SettingsLayout::from_module(&generate.module)?;
         let accumulate = always("accumulate", &every_render)?;
         Ok(Kernels {
             generate,

@@ -25,7 +25,7 @@ impl Samples {
     }
 
     /// The least range that holds all of them; empty if there are none.
-    pub fn hull(&self) -> Range<u32> {
+    pub fn range(&self) -> Range<u32> {
         match (self.0.first(), self.0.last()) {
             (Some(first), Some(last)) => first.start..last.end,
             _ => 0..0,
@@ -154,7 +154,7 @@ mod tests {
     fn words_and_damage() {
         let mut samples = Samples::from(0..64);
         samples.add(128..256);
-        assert_eq!((samples.to_string().as_str(), samples.hull()), ("0..64, 128..256", 0..256));
+        assert_eq!((samples.to_string().as_str(), samples.range()), ("0..64, 128..256", 0..256));
         for text in ["[[4,4]]", "[[5,4]]", "[[0,8],[8,16]]", "[[8,16],[0,4]]", "[[0,8],[4,16]]", "[[0]]", "[[-1,4]]"] {
             assert!(serde_json::from_str::<Samples>(text).is_err(), "{text}");
         }

@@ -33,7 +33,7 @@ fn columns(size: Option<(terminal_size::Width, terminal_size::Height)>) -> usize
 
 /// The text as a terminal of so many columns is to show it. Lines that are too long are broken between words; what follows is indented. A
 /// word stays whole, so that a path can be copied.
-pub fn shown(text: &str, columns: Option<usize>) -> String {
+pub fn fit_to_terminal(text: &str, columns: Option<usize>) -> String {
     let text = printable(text);
     let Some(columns) = columns else { return text.into_owned() };
     let lines = text.split('\n').map(|line| {
@@ -53,23 +53,23 @@ pub fn shown(text: &str, columns: Option<usize>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::shown;
+    use super::fit_to_terminal;
 
     #[test]
     fn long_lines_are_broken_at_words_and_paths_are_not() {
         let text = "warning: one two three\n  four five six seven\nshort\n";
-        assert_eq!(shown(text, None), text);
-        assert_eq!(shown(text, Some(16)), "warning: one two\n  three\n  four five six\n    seven\nshort\n");
+        assert_eq!(fit_to_terminal(text, None), text);
+        assert_eq!(fit_to_terminal(text, Some(16)), "warning: one two\n  three\n  four five six\n    seven\nshort\n");
         let path = "a/long/path/of/folders.exr: 16 samples";
-        assert_eq!(shown(path, Some(12)), "a/long/path/of/folders.exr:\n  16 samples");
-        assert_eq!(shown("é é é", Some(5)), "é é é");
-        assert_eq!(shown("\u{1b}[2J a", Some(80)), "\\u001b[2J a");
+        assert_eq!(fit_to_terminal(path, Some(12)), "a/long/path/of/folders.exr:\n  16 samples");
+        assert_eq!(fit_to_terminal("é é é", Some(5)), "é é é");
+        assert_eq!(fit_to_terminal("\u{1b}[2J a", Some(80)), "\\u001b[2J a");
     }
 
     /// The columns of a table stay where they are.
     #[test]
     fn spaces_within_a_line_stay() {
-        assert_eq!(shown("name      1.0   words behind", Some(18)), "name      1.0\n  words behind");
-        assert_eq!(shown("a  b", Some(80)), "a  b");
+        assert_eq!(fit_to_terminal("name      1.0   words behind", Some(18)), "name      1.0\n  words behind");
+        assert_eq!(fit_to_terminal("a  b", Some(80)), "a  b");
     }
 }

@@ -28,7 +28,7 @@ pub fn each<I: Send, T: Send>(
 }
 
 /// Does `aside` on another thread while this one does `here`, and returns what both return.
-pub fn beside<A: Send, B>(aside: impl Fn() -> A + Sync, here: impl FnOnce() -> B) -> (A, B) {
+pub fn join<A: Send, B>(aside: impl Fn() -> A + Sync, here: impl FnOnce() -> B) -> (A, B) {
     scope(|scope| {
         let other = Builder::new().spawn_scoped(scope, &aside);
         let here = here();

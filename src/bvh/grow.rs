@@ -50,12 +50,12 @@ struct Place {
 pub fn grow(all: Group<'_>, quality: Quality, threads: usize) -> Bvh {
     let most = (all.items.len() / PIECES).max(LEAST_PIECE);
     let all = Branch { group: all, depth: 0 };
-    let whole = |branch| Grown::of(&fork(branch, quality, 1).0);
+    let whole = |branch| Grown::from_twigs(&fork(branch, quality, 1).0);
     let grown = if all.group.items.len() <= most {
         whole(all)
     } else {
         let (twigs, pieces) = fork(all, quality, most);
-        let mut top = Grown::of(&twigs);
+        let mut top = Grown::from_twigs(&twigs);
         let mut places = std::mem::take(&mut top.pieces);
         places.sort_unstable_by_key(|place| place.piece);
         let subtrees = each(threads.min(pieces.len()), pieces, whole);
@@ -101,7 +101,7 @@ fn fork<'a>(all: Branch<'a>, quality: Quality, most: usize) -> (Vec<Twig>, Vec<B
 
 impl Grown {
     /// The nodes of a binary tree of two leaves or more, depth first.
-    fn of(twigs: &[Twig]) -> Grown {
+    fn from_twigs(twigs: &[Twig]) -> Grown {
         let collapse = Collapse::new(twigs);
         let mut grown = Grown { nodes: Vec::new(), deepest: 0, pieces: Vec::new() };
         let mut open: Vec<(usize, u32, Above)> = vec![(0, 0, None)];

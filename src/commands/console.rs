@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
+use crate::cluster::scripts::line;
 use crate::error::{Error, Result};
-use crate::jobs::scripts::line;
 use crate::output::exr::ExrImage;
 use crate::printable::printable;
-use crate::terminal::{columns_of_stderr, columns_of_stdout, shown};
+use crate::terminal::{columns_of_stderr, columns_of_stdout, fit_to_terminal};
 
 /// The command line as it was typed, as the shell reads it. The folder of the program is left out.
 pub fn command_line() -> String {
@@ -49,7 +49,7 @@ pub fn print_line(text: &str) -> Result<()> {
 
 /// Prints text on stdout as a terminal shows it, without an additional line end.
 pub fn print_text(text: &str) -> Result<()> {
-    write_stdout(&shown(text, columns_of_stdout()))
+    write_stdout(&fit_to_terminal(text, columns_of_stdout()))
 }
 
 /// Writes on stdout. A closed pipe is not an error, because the reader chose to close it.
@@ -67,7 +67,7 @@ pub fn write_stdout(text: &str) -> Result<()> {
 /// Prints a line on stderr as a terminal shows it. A closed stderr is not an error.
 pub fn tell(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{}", shown(text, columns_of_stderr()));
+    let _ = writeln!(std::io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
 }
 
 /// The entries of a JSON object.

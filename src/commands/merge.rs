@@ -92,7 +92,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
 
     let ends =
         parts[..*count].iter().flat_map(|part| part.state.samples.ranges()).flat_map(|range| [range.start, range.end]);
-    let hull = samples.hull();
+    let hull = samples.range();
     let off_runs = ends.into_iter().any(|at| !at.is_multiple_of(RUN_LENGTH) && at != hull.start && at != hull.end);
     if !args.quiet {
         if off_runs {
@@ -155,7 +155,7 @@ impl Joined {
     /// `Error::Usage` where the part goes on beyond such a number of samples.
     fn look(&mut self, parts: &[Part<'_>], part: &Part<'_>, film: &Film, error: f64) -> Result<bool> {
         let looks = self.noise.map_or(0, |noise| noise.looks);
-        let samples = self.samples.hull().end - self.samples.hull().start;
+        let samples = self.samples.range().end - self.samples.range().start;
         let aim = look_after(looks);
         let last = self.count == parts.len();
         if samples > aim || self.samples.ranges().len() > 1 {
@@ -214,7 +214,7 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
         }
         parts.push(Part { path, state });
     }
-    parts.sort_by_key(|part| part.state.samples.hull().start);
+    parts.sort_by_key(|part| part.state.samples.range().start);
     let mut samples = Samples::default();
     for (number, part) in parts.iter().enumerate() {
         if let Some(range) = samples.overlap(&part.state.samples) {
@@ -222,7 +222,7 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
         }
         samples.join(&part.state.samples);
     }
-    let wanted = args.samples.clone().unwrap_or(samples.hull());
+    let wanted = args.samples.clone().unwrap_or(samples.range());
     let gaps = samples.missing(wanted.clone());
     if !gaps.is_empty() && !args.allow_gaps {
         let end = |at: u32| parts.iter().find(|part| part.state.samples.ranges().iter().any(|range| range.end == at));
@@ -235,7 +235,7 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
         return Err(Error::Usage(format!("gap: no part has the samples {gaps}{after}{remedy}")));
     }
     let beyond = parts.iter().find(|part| {
-        let hull = part.state.samples.hull();
+        let hull = part.state.samples.range();
         hull.start < wanted.start || hull.end > wanted.end
     });
     match beyond {

@@ -10,10 +10,10 @@ use super::console::{object, path_text, print_json, print_line, tell};
 use super::outputs::{PNG, check_name, check_outputs};
 use super::render::{Finish, doubts, error_words, excluded};
 use crate::cli::{CHECKPOINT, ViewArgs, duration};
+use crate::cluster::parts::{Part, Parts, Progress};
+use crate::cluster::{ASKED, Folder};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::jobs::parts::{Came, Part, Parts};
-use crate::jobs::{ASKED, Folder};
 use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
@@ -121,8 +121,8 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
             continue;
         }
         if let Some(file) = StateFile::open(&part.path)? {
-            let is_recent = part.came != Came::Stopped;
-            parts.note(&mut part, &file.state, is_recent, folder);
+            let is_recent = part.progress != Progress::Stopped;
+            parts.add_state(&mut part, &file.state, is_recent, folder);
             if part.is_usable() {
                 file.add_to(&mut film)?;
                 samples.join(&part.samples);
@@ -228,28 +228,28 @@ impl Report<'_> {
         }
     }
 
-    fn count(&self, is: impl Fn(&Came) -> bool) -> usize {
-        self.parts.all.iter().filter(|part| is(&part.came)).count()
+    fn count(&self, is: impl Fn(&Progress) -> bool) -> usize {
+        self.parts.all.iter().filter(|part| is(&part.progress)).count()
     }
 
     fn under_way(&self) -> usize {
-        self.count(|came| *came == Came::UnderWay)
+        self.count(|progress| *progress == Progress::UnderWay)
     }
 
     /// The parts by their states.
     fn counts(&self) -> [(&'static str, usize); 5] {
         [
-            ("done", self.count(|came| *came == Came::Done)),
+            ("done", self.count(|progress| *progress == Progress::Done)),
             ("under way", self.under_way()),
-            ("stopped", self.count(|came| *came == Came::Stopped)),
-            ("not begun", self.count(|came| *came == Came::NotBegun)),
+            ("stopped", self.count(|progress| *progress == Progress::Stopped)),
+            ("not begun", self.count(|progress| *progress == Progress::NotBegun)),
             ("not usable", self.not_usable().count()),
         ]
     }
 
     fn not_usable(&self) -> impl Iterator<Item = (&Path, &str)> {
-        self.parts.all.iter().filter_map(|part| match &part.came {
-            Came::NotUsable(why) => Some((part.path.as_path(), why.as_str())),
+        self.parts.all.iter().filter_map(|part| match &part.progress {
+            Progress::NotUsable(why) => Some((part.path.as_path(), why.as_str())),
             _ => None,
         })
     }
@@ -261,7 +261,7 @@ impl Report<'_> {
             return Some(0.0);
         }
         let pace = self.seconds_per_sample?;
-        let under_way = self.parts.all.iter().filter(|part| part.came == Came::UnderWay);
+        let under_way = self.parts.all.iter().filter(|part| part.progress == Progress::UnderWay);
         let longest = under_way.map(Part::missing).max().unwrap_or(0);
         let shared = (self.asked - self.done) as f64 / self.under_way().max(1) as f64;
         Some(pace * shared.max(longest as f64))

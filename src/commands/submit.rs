@@ -10,11 +10,11 @@ use super::console::print_line;
 use super::outputs::{check_name, make_folder};
 use super::scene::{load, size_of};
 use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error};
+use crate::cluster::scripts::{line, text_of};
+use crate::cluster::slurm::{Ids, Slurm, forget_tries};
+use crate::cluster::{FORMAT, Folder, MERGE, RENDER, Request, split};
 use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;
-use crate::jobs::scripts::{line, text_of};
-use crate::jobs::slurm::{Ids, Slurm, forget_tries};
-use crate::jobs::{Asked, FORMAT, Folder, MERGE, RENDER, split};
 use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::render::LAST_LOOK;
@@ -228,7 +228,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     for fixed in &files.fixed {
         print_line(&format!("not copied, because the scene names it by its whole path: {}", fixed.display()))?;
     }
-    let asked = Asked {
+    let asked = Request {
         format: FORMAT,
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
@@ -313,7 +313,7 @@ fn next_round(mut folder: Folder) -> Result<Option<Folder>> {
     let attributes = read_attributes(&output)?;
     let reached = attribute(&attributes, "gpu-rt:noise_reached") == Some(&Attribute::Int(1));
     let unbounded = attribute(&attributes, "gpu-rt:relative_error_bound").is_none();
-    let (done, asked) = (state.samples.hull().end, folder.asked.samples[1]);
+    let (done, asked) = (state.samples.range().end, folder.asked.samples[1]);
     let samples = state.samples.count();
     if reached {
         print_line(&format!("{name}: --noise {noise} is reached with {samples} samples"))?;

@@ -18,11 +18,11 @@ pub struct Target {
 
 impl Target {
     /// The device of this index or name, or the default device. If the machine has none, the limits that WebGPU guarantees.
-    pub fn find(wish: Option<&str>) -> Result<Target> {
-        match Adapters::find().choose(wish) {
+    pub fn find(spec: Option<&str>) -> Result<Target> {
+        match Adapters::find().choose(spec) {
             Ok(adapter) => Ok(Target {
-                name: AdapterName::of(adapter).to_string(),
-                class: DeviceClass::of(adapter),
+                name: AdapterName::from_adapter(adapter).to_string(),
+                class: DeviceClass::from_adapter(adapter),
                 limits: adapter.limits(),
             }),
             Err(Error::Device(_)) => Ok(Target {
@@ -49,13 +49,13 @@ pub fn planned<'a>(
 }
 
 /// Opens the device of this index or name, or the default device.
-pub fn open_device(wish: Option<&str>) -> Result<Device> {
-    Device::open(Adapters::find().choose(wish)?)
+pub fn open_device(spec: Option<&str>) -> Result<Device> {
+    Device::open(Adapters::find().choose(spec)?)
 }
 
 /// Opens the devices of these indices or names, or the default device.
-pub fn open_devices(wish: Option<&str>) -> Result<Vec<Device>> {
-    Adapters::find().choose_several(wish)?.into_iter().map(Device::open).collect()
+pub fn open_devices(spec: Option<&str>) -> Result<Vec<Device>> {
+    Adapters::find().choose_several(spec)?.into_iter().map(Device::open).collect()
 }
 
 /// Prints a warning about a software driver, unless `quiet`.

@@ -47,9 +47,9 @@ impl Functions {
     ///
     /// # Safety
     /// If the library has functions of these names, they must be those of Open Image Denoise 2.
-    unsafe fn of(library: &Loaded) -> Result<Functions, String> {
-        // SAFETY: that the types fit is what the caller promises. `of` copies the pointers, which are valid as long as the library is loaded.
-        unsafe fn of<T: Copy>(library: &Loaded, name: &CStr) -> Result<T, String> {
+    unsafe fn load(library: &Loaded) -> Result<Functions, String> {
+        // SAFETY: that the types fit is what the caller promises. `symbol` copies the pointers, which are valid as long as the library is loaded.
+        unsafe fn symbol<T: Copy>(library: &Loaded, name: &CStr) -> Result<T, String> {
             let found = unsafe { library.get::<T>(name.to_bytes_with_nul()) };
             let name = name.to_string_lossy();
             found.map(|function| *function).map_err(|_| format!("it has no function {name}"))
@@ -57,17 +57,17 @@ impl Functions {
         // SAFETY: as above.
         unsafe {
             Ok(Functions {
-                new_device: of(library, c"oidnNewDevice")?,
-                commit_device: of(library, c"oidnCommitDevice")?,
-                release_device: of(library, c"oidnReleaseDevice")?,
-                device_int: of(library, c"oidnGetDeviceInt")?,
-                device_error: of(library, c"oidnGetDeviceError")?,
-                new_filter: of(library, c"oidnNewFilter")?,
-                release_filter: of(library, c"oidnReleaseFilter")?,
-                set_image: of(library, c"oidnSetSharedFilterImage")?,
-                set_bool: of(library, c"oidnSetFilterBool")?,
-                commit_filter: of(library, c"oidnCommitFilter")?,
-                execute_filter: of(library, c"oidnExecuteFilter")?,
+                new_device: symbol(library, c"oidnNewDevice")?,
+                commit_device: symbol(library, c"oidnCommitDevice")?,
+                release_device: symbol(library, c"oidnReleaseDevice")?,
+                device_int: symbol(library, c"oidnGetDeviceInt")?,
+                device_error: symbol(library, c"oidnGetDeviceError")?,
+                new_filter: symbol(library, c"oidnNewFilter")?,
+                release_filter: symbol(library, c"oidnReleaseFilter")?,
+                set_image: symbol(library, c"oidnSetSharedFilterImage")?,
+                set_bool: symbol(library, c"oidnSetFilterBool")?,
+                commit_filter: symbol(library, c"oidnCommitFilter")?,
+                execute_filter: symbol(library, c"oidnExecuteFilter")?,
             })
         }
     }
@@ -97,7 +97,7 @@ impl Library {
         // The library is never unloaded: its threads outlive its devices, and its functions stay valid.
         let library = ManuallyDrop::new(library);
         // SAFETY: a library with all of these functions is Open Image Denoise. Those of version 1 lack some of them.
-        let functions = unsafe { Functions::of(&library) }.map_err(Failure::NotUsable)?;
+        let functions = unsafe { Functions::load(&library) }.map_err(Failure::NotUsable)?;
         // SAFETY: the number is one of OIDNDeviceType. The device may be null.
         let device = unsafe { (functions.new_device)(CPU) };
         if device.is_null() {

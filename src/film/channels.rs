@@ -64,7 +64,7 @@ impl Channels {
     }
 
     /// The sums of a pixel; empty if the pixel is not in the image.
-    pub fn of(&self, index: usize) -> &[i128] {
+    pub fn sums_of_pixel(&self, index: usize) -> &[i128] {
         let count = self.aovs.count();
         self.sums.get(index * count..(index + 1) * count).unwrap_or_default()
     }
@@ -77,7 +77,7 @@ impl Channels {
     /// A component of a sum; 0 where there is none, and nothing where it has left its range.
     pub fn sum(&self, index: usize, sum: Sum, component: usize) -> Option<f64> {
         let place = self.aovs.place(sum).map_or(usize::MAX, |place| place + component);
-        match self.of(index).get(place).copied().unwrap_or(0) {
+        match self.sums_of_pixel(index).get(place).copied().unwrap_or(0) {
             i128::MAX => None,
             sum => Some(sum as f64 * exp2(-(SUM_FRACTION as i32))),
         }

@@ -88,7 +88,7 @@ impl Film {
     pub fn put_words(&self, index: usize, words: &mut [u16]) {
         let (of_pixel, of_channels) = words.split_at_mut(OF_PIXEL);
         self.pixels.get(index).copied().unwrap_or_default().put(of_pixel);
-        put_sums(self.channels.of(index).iter(), of_channels);
+        put_sums(self.channels.sums_of_pixel(index).iter(), of_channels);
     }
 
     /// The words of a pixel, as a list.

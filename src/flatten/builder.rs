@@ -14,7 +14,7 @@ use crate::data::{self, NO_TEXTURE, f32s};
 use crate::material::{Extension, ExtensionKind, Slot};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Element, KINDS, Laid, LargeSphere, Placement, RenderSpace, Shape};
+use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, Placement, RenderSpace, Shape};
 
 /// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
 /// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
@@ -32,7 +32,7 @@ pub struct Builder<'a> {
     /// The hierarchies of an earlier flattening, if there was one.
     pub hierarchies: Option<&'a mut Hierarchies>,
     /// The meshes that have been laid out.
-    pub laid: Vec<Option<Laid>>,
+    pub laid: Vec<Option<MeshLayout>>,
     /// The tables of each mesh beside its vertices.
     pub tables: Vec<Vec<Table>>,
     /// The index in the table of each of the scene's materials that an object uses.
@@ -98,7 +98,7 @@ impl Builder<'_> {
     }
 
     /// The place of a mesh in the tables; the default for other shapes.
-    pub fn laid_of(&mut self, shape: &Shape) -> Laid {
+    pub fn laid_of(&mut self, shape: &Shape) -> MeshLayout {
         shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
     }
 

@@ -93,7 +93,7 @@ pub struct Features {
 
 impl Features {
     /// The features that a render with these options requires; with `--features all`, everything that a scene can have.
-    pub fn of(&self, options: &RenderOptions) -> Features {
+    pub fn with_options(&self, options: &RenderOptions) -> Features {
         let mut features = self.clone();
         if options.features == FeatureSet::All {
             features.add_all(options.integrator == Integrator::Mis);

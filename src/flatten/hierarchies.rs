@@ -63,7 +63,7 @@ impl Hierarchies {
     }
 
     /// The hierarchy of a mesh of the scene. Builds it if it is not there.
-    pub fn of(
+    pub fn get_or_build(
         &mut self,
         scene: &Scene,
         mesh: &Mesh,

@@ -15,7 +15,7 @@ impl Builder<'_> {
         let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
         let center = match boundary.large_sphere() {
             Some(large_sphere) => large_sphere.nearest(to_world, self.space.eye),
-            None => boundary.hull(&Placement { to_world, space: world }).place(),
+            None => boundary.bounding_shape(&Placement { to_world, space: world }).place(),
         };
         // From render space, relative to this point, to the medium's own space.
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));

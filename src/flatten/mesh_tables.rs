@@ -13,7 +13,7 @@ impl Table {
     pub const FIRST: Table = Table { uv_set: 0, has_tangents: false };
 
     /// The table that a texture has on a mesh. A normal map on a smooth mesh needs tangents.
-    pub fn of(texture: &Texture, mesh: &Mesh) -> Table {
+    pub fn for_texture(texture: &Texture, mesh: &Mesh) -> Table {
         let has_tangents = texture.is_normal_map() && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
         Table { uv_set: texture.uv_set(), has_tangents }
     }

@@ -18,7 +18,7 @@ use super::tangents::Split;
 use crate::bvh::Quality;
 use crate::data::{NO_NORMAL, NO_UVS};
 use crate::scene::{Mesh, Texture};
-use crate::shape::Laid;
+use crate::shape::MeshLayout;
 use crate::shape::mesh::MeshShape;
 
 impl Builder<'_> {
@@ -31,7 +31,7 @@ impl Builder<'_> {
                 continue;
             }
             for texture in &self.textures[primitive.material as usize] {
-                let table = Table::of(texture, shape.mesh);
+                let table = Table::for_texture(texture, shape.mesh);
                 let tables = &mut self.tables[shape.number];
                 if tables.contains(&table) {
                     continue;
@@ -49,12 +49,12 @@ impl Builder<'_> {
 
     /// The number of the table that a texture has on a mesh.
     pub fn table_of(&self, texture: &Texture, mesh: &MeshShape) -> usize {
-        let table = Table::of(texture, mesh.mesh);
+        let table = Table::for_texture(texture, mesh.mesh);
         self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0)
     }
 
     /// The place of a mesh in the tables. Lays it out on the first call.
-    pub fn laid(&mut self, mesh: &MeshShape) -> Laid {
+    pub fn laid(&mut self, mesh: &MeshShape) -> MeshLayout {
         if let Some(laid) = self.laid[mesh.number] {
             return laid;
         }
@@ -63,7 +63,7 @@ impl Builder<'_> {
         laid
     }
 
-    fn lay_out(&mut self, shape: &MeshShape) -> Laid {
+    fn lay_out(&mut self, shape: &MeshShape) -> MeshLayout {
         let (center, unit, mesh) = (shape.around.center(), shape.unit(), shape.mesh);
         let tables = &self.tables[shape.number];
         let positions: Vec<Vec3> = mesh.positions.iter().map(|p| ((*p - center) / unit).as_vec3()).collect();
@@ -114,7 +114,7 @@ impl Builder<'_> {
         };
         let build = || Hierarchy::over(mesh, &positions, quality);
         let hierarchy = match &mut self.hierarchies {
-            Some(hierarchies) => hierarchies.of(self.scene, mesh, quality, build),
+            Some(hierarchies) => hierarchies.get_or_build(self.scene, mesh, quality, build),
             None => Arc::new(build()),
         };
         let bvh = &hierarchy.bvh;
@@ -122,7 +122,7 @@ impl Builder<'_> {
         let laid_out = |pair: &Pair| pair.laid_out(&mesh.triangles, &positions, first_face);
         self.flat.face_pairs.extend(hierarchy.pairs.iter().map(laid_out));
         let to_uvs = if has_more { count as u32 } else { NO_UVS };
-        Laid { root, first_face, to_uvs, stack_size: bvh.stack_size }
+        MeshLayout { root, first_face, to_uvs, stack_size: bvh.stack_size }
     }
 }
 

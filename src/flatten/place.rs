@@ -8,7 +8,7 @@ use crate::delta_light::PlacedLight;
 use crate::scene::{Object, Scene, Texture, Transform};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
-use crate::shape::{Hull, Placement, RenderSpace, Shape};
+use crate::shape::{BoundingShape, Placement, RenderSpace, Shape};
 
 /// A primitive, with the transform that its texture needs.
 pub struct Placed<'a> {
@@ -119,10 +119,12 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     if let Some(large_sphere) = shape.large_sphere() {
         return large_sphere.reach(to_world);
     }
-    let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
+    let hull = shape.bounding_shape(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
     match hull {
-        Hull::Ball { center, radius } => center.abs().max_element() + radius,
-        Hull::Cuboid { center, half, .. } if shape.is_hull() => center.abs().max_element() + half.length(),
+        BoundingShape::Ball { center, radius } => center.abs().max_element() + radius,
+        BoundingShape::Cuboid { center, half, .. } if shape.fills_bounding_shape() => {
+            center.abs().max_element() + half.length()
+        }
         _ => hull.corners().into_iter().fold(0.0, |far, p| p.abs().max_element().max(far)),
     }
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use super::kernels::Kernels;
+use super::kernel_cache::KernelCache;
 use super::numerics::Numerics;
 use crate::error::{Error, Result};
 use crate::guard;
@@ -43,7 +43,7 @@ impl fmt::Display for AdapterName {
 
 impl AdapterName {
     /// The name of an adapter.
-    pub fn of(adapter: &wgpu::Adapter) -> AdapterName {
+    pub fn from_adapter(adapter: &wgpu::Adapter) -> AdapterName {
         let info = adapter.get_info();
         let kind = match info.device_type {
             wgpu::DeviceType::DiscreteGpu => "discrete GPU",
@@ -73,27 +73,27 @@ impl Adapters {
 
     /// The names of all adapters, with their limits.
     pub fn names(&self) -> Vec<(AdapterName, wgpu::Limits)> {
-        self.list.iter().map(|adapter| (AdapterName::of(adapter), adapter.limits())).collect()
+        self.list.iter().map(|adapter| (AdapterName::from_adapter(adapter), adapter.limits())).collect()
     }
 
     /// The adapter that [`Adapters::index_of_choice`] selects.
-    pub fn choose(&self, wish: Option<&str>) -> Result<&wgpu::Adapter> {
-        let index = self.index_of_choice(wish)?;
+    pub fn choose(&self, spec: Option<&str>) -> Result<&wgpu::Adapter> {
+        let index = self.index_of_choice(spec)?;
         self.list.get(index).ok_or_else(|| Error::Device("no device".to_string()))
     }
 
     /// The adapters that render one film: those of a list `A,B,…` of wishes, all of a machine, or the one that
     /// [`Adapters::index_of_choice`] selects.
-    pub fn choose_several(&self, wish: Option<&str>) -> Result<Vec<&wgpu::Adapter>> {
+    pub fn choose_several(&self, spec: Option<&str>) -> Result<Vec<&wgpu::Adapter>> {
         let first = self.index_of_choice(None)?;
-        let names: Vec<_> = self.list.iter().map(AdapterName::of).collect();
-        let indices = wish.map_or(Ok(Vec::from([first])), |wish| indices_by_wish(&names, first, wish))?;
+        let names: Vec<_> = self.list.iter().map(AdapterName::from_adapter).collect();
+        let indices = spec.map_or(Ok(Vec::from([first])), |spec| indices_by_spec(&names, first, spec))?;
         Ok(indices.into_iter().filter_map(|index| self.list.get(index)).collect())
     }
 
-    /// The index of an adapter. A wish is an index, or a part of the adapter's name, driver or address. Without a wish it is the
+    /// The index of an adapter. A spec is an index, or a part of the adapter's name, driver or address. Without a spec it is the
     /// adapter of the most capable kind.
-    pub fn index_of_choice(&self, wish: Option<&str>) -> Result<usize> {
+    pub fn index_of_choice(&self, spec: Option<&str>) -> Result<usize> {
         if self.list.is_empty() {
             return Err(Error::Device(
                 "no device: no Vulkan, Metal or DirectX 12 driver was found. On Debian or Ubuntu `apt-get install \
@@ -101,9 +101,9 @@ impl Adapters {
                     .to_string(),
             ));
         }
-        let names: Vec<_> = self.list.iter().map(AdapterName::of).collect();
-        match wish {
-            Some(wish) => index_by_wish(&names, wish),
+        let names: Vec<_> = self.list.iter().map(AdapterName::from_adapter).collect();
+        match spec {
+            Some(spec) => index_by_spec(&names, spec),
             None => {
                 let rank = |index: &usize| match self.list[*index].get_info().device_type {
                     wgpu::DeviceType::DiscreteGpu => 0,
@@ -118,36 +118,36 @@ impl Adapters {
     }
 }
 
-fn refused_wish<T>(names: &[AdapterName], wish: &str, why: &str) -> Result<T> {
+fn refused_spec<T>(names: &[AdapterName], spec: &str, why: &str) -> Result<T> {
     let listed: String = names.iter().enumerate().map(|(i, name)| format!("\n  {i}: {name}")).collect();
-    Err(Error::Usage(format!("--device {wish}: {why}:{listed}")))
+    Err(Error::Usage(format!("--device {spec}: {why}:{listed}")))
 }
 
-/// The indices of the adapters that a wish names: one of them, a list of such names, or `all` that are no software drivers. Another
+/// The indices of the adapters that a spec names: one of them, a list of such names, or `all` that are no software drivers. Another
 /// backend may list the same adapters again, so that `all` has those of the backend of the most capable one.
-fn indices_by_wish(names: &[AdapterName], most_capable: usize, wish: &str) -> Result<Vec<usize>> {
-    if wish == "all" {
+fn indices_by_spec(names: &[AdapterName], most_capable: usize, spec: &str) -> Result<Vec<usize>> {
+    if spec == "all" {
         let backend = names.get(most_capable).map(|name| &name.backend);
         let is_meant = |name: &AdapterName| !name.software && Some(&name.backend) == backend;
         let all: Vec<usize> = (0..).zip(names).filter(|(_, name)| is_meant(name)).map(|(index, _)| index).collect();
         return match all.is_empty() {
-            true => refused_wish(names, wish, "there is no GPU, and software drivers are used by name or index only"),
+            true => refused_spec(names, spec, "there is no GPU, and software drivers are used by name or index only"),
             false => Ok(all),
         };
     }
-    match index_by_wish(names, wish) {
-        Err(_) if wish.contains(',') => wish.split(',').map(|part| index_by_wish(names, part.trim())).collect(),
+    match index_by_spec(names, spec) {
+        Err(_) if spec.contains(',') => spec.split(',').map(|part| index_by_spec(names, part.trim())).collect(),
         index => index.map(|index| Vec::from([index])),
     }
 }
 
-/// The index of the adapter that a wish names.
-fn index_by_wish(names: &[AdapterName], wish: &str) -> Result<usize> {
-    let refused = |expected: &str| refused_wish(names, wish, expected);
-    if let Ok(index) = wish.parse::<usize>() {
+/// The index of the adapter that a spec names.
+fn index_by_spec(names: &[AdapterName], spec: &str) -> Result<usize> {
+    let refused = |expected: &str| refused_spec(names, spec, expected);
+    if let Ok(index) = spec.parse::<usize>() {
         return if index < names.len() { Ok(index) } else { refused("expected an index of") };
     }
-    let fits = |name: &AdapterName| !wish.is_empty() && name.to_string().to_lowercase().contains(&wish.to_lowercase());
+    let fits = |name: &AdapterName| !spec.is_empty() && name.to_string().to_lowercase().contains(&spec.to_lowercase());
     let mut fitting = (0..).zip(names).filter(|(_, name)| fits(name));
     let Some((index, first)) = fitting.next() else { return refused("expected part of the name of one of") };
     // A backend lists each adapter once. Of another backend, the same name may be the same adapter.
@@ -182,8 +182,8 @@ impl DeviceClass {
     }
 
     /// The class of an adapter that is not open.
-    pub fn of(adapter: &wgpu::Adapter) -> DeviceClass {
-        DeviceClass::new(AdapterName::of(adapter).software, &adapter.limits())
+    pub fn from_adapter(adapter: &wgpu::Adapter) -> DeviceClass {
+        DeviceClass::new(AdapterName::from_adapter(adapter).software, &adapter.limits())
     }
 
     /// The largest size of a table that is bound as a uniform, in bytes; 0 if uniforms are no faster.
@@ -207,7 +207,7 @@ pub struct Device {
     /// The findings of [`super::probe::numerics`].
     pub numerics: OnceLock<Numerics>,
     /// The kernels that were compiled for it.
-    pub kernels: Kernels,
+    pub kernels: KernelCache,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
 }
@@ -231,7 +231,7 @@ impl Device {
     /// # Errors
     /// `Error::Device` if the driver refuses.
     pub fn open(adapter: &wgpu::Adapter) -> Result<Device> {
-        let name = AdapterName::of(adapter);
+        let name = AdapterName::from_adapter(adapter);
         let limits = adapter.limits();
         let timestamps = adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let descriptor = wgpu::DeviceDescriptor {
@@ -261,7 +261,7 @@ impl Device {
                 let _ = lost.set(format!("the device was lost: {message}"));
             }
         });
-        let (numerics, kernels) = (OnceLock::new(), Kernels::default());
+        let (numerics, kernels) = (OnceLock::new(), KernelCache::default());
         Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, fault })
     }
 
@@ -385,14 +385,14 @@ mod tests {
             adapter("Large", "vulkan", "0000:02:00.0"),
             adapter("Large", "dx12", "02:00.0"),
         ];
-        let chosen = |wish| indices_by_wish(&names, 2, wish).map_err(|error| error.to_string());
+        let chosen = |spec| indices_by_spec(&names, 2, spec).map_err(|error| error.to_string());
         assert_eq!(chosen("all"), Ok(vec![1, 2]));
         assert_eq!(chosen("0, 2,0"), Ok(vec![0, 2, 0]));
         assert_eq!(chosen("small, by a"), Ok(vec![1]));
         assert_eq!(chosen("processor,0000:02:00.0"), Ok(vec![0, 2]));
         assert!(chosen("0,9").unwrap_err().contains("--device 9: expected an index of"));
         assert!(chosen("0,").is_err());
-        let error = indices_by_wish(&names[..1], 0, "all").unwrap_err().to_string();
+        let error = indices_by_spec(&names[..1], 0, "all").unwrap_err().to_string();
         assert!(error.contains("there is no GPU") && error.contains("0: Processor"), "{error}");
     }
 
@@ -404,7 +404,7 @@ mod tests {
             adapter("Large", "vulkan", "0000:03:00.0"),
             adapter("Small", "dx12", "01:00.0"),
         ];
-        let chosen = |wish| index_by_wish(&names, wish).map_err(|error| error.to_string());
+        let chosen = |spec| index_by_spec(&names, spec).map_err(|error| error.to_string());
         assert_eq!(chosen("2"), Ok(2));
         assert_eq!(chosen("0000:03:00.0"), Ok(2));
         // Of another backend it is the same adapter.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::buffers::Buffers;
 use super::device::Device;
-use super::kernels::{Compiled, CompiledFrom};
+use super::kernel_cache::{Compiled, CompiledFrom};
 use super::layout::{Binding, BindingKind, has_override};
 use crate::error::Result;
 use crate::threads::{cores, each};

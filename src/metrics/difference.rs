@@ -102,7 +102,7 @@ impl Sums {
         self.variance2 += other.variance2;
     }
 
-    fn of(parts: &[Sums]) -> Sums {
+    fn total(parts: &[Sums]) -> Sums {
         parts.iter().fold(Sums::default(), |mut sums, part| {
             sums.add(part);
             sums
@@ -220,8 +220,8 @@ impl Scales {
     /// The sums of a quantity without the pixels in `out`.
     fn new(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Scales {
         let cells = sums_of_cells(grid, images, quantity, out);
-        let tiles: Vec<Sums> = cells.iter().map(|cells| Sums::of(cells)).collect();
-        let whole = Sums::of(&tiles);
+        let tiles: Vec<Sums> = cells.iter().map(|cells| Sums::total(cells)).collect();
+        let whole = Sums::total(&tiles);
         Scales { cells, tiles, whole }
     }
 
@@ -269,7 +269,7 @@ impl Scales {
         while taken < TAKEN.len() - 1 && cells.pop_if(|cell| doubtful(cell)).is_some() {
             taken += 1;
         }
-        (Sums::of(&cells), cells, TAKEN[taken])
+        (Sums::total(&cells), cells, TAKEN[taken])
     }
 }
 

@@ -20,7 +20,7 @@ pub enum Quantity {
 pub const QUANTITIES: [Quantity; 4] = [Quantity::Luminance, Quantity::Red, Quantity::Green, Quantity::Blue];
 
 impl Quantity {
-    pub(super) fn of(self, rgb: [f64; 3]) -> f64 {
+    pub(super) fn value(self, rgb: [f64; 3]) -> f64 {
         match self {
             Quantity::Luminance => luminance(rgb),
             Quantity::Red => rgb[0],
@@ -69,7 +69,7 @@ impl Images<'_> {
 
     /// A quantity of a pixel in a and in b.
     pub(super) fn values(&self, quantity: Quantity, pixel: usize) -> [f64; 2] {
-        [self.a, self.b].map(|image| quantity.of(image[pixel].map(f64::from)))
+        [self.a, self.b].map(|image| quantity.value(image[pixel].map(f64::from)))
     }
 
     /// Whether the pixel is finite in both images, and therefore counts.
@@ -81,7 +81,7 @@ impl Images<'_> {
     /// assumed to be fully correlated, which is the upper bound (Cauchy-Schwarz: Var Σ w c ≤ (Σ w σ)²), and nearly true
     /// because paths carry all three.
     fn variances(&self, quantity: Quantity, pixel: usize) -> Option<[f64; 2]> {
-        let of = |variance: &[[f32; 3]]| quantity.of(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
+        let of = |variance: &[[f32; 3]]| quantity.value(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
         self.variances.map(|images| images.map(of))
     }
 

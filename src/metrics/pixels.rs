@@ -173,7 +173,7 @@ impl<'a> Noise<'a> {
     fn stands_out(&self, image: &[[f32; 3]], pixel: usize, least: f64) -> bool {
         let (width, height) = (self.images.width, self.images.height);
         let (x, y) = (pixel % width, pixel / width);
-        let of = |x: usize, y: usize| Quantity::Luminance.of(image[y * width + x].map(f64::from));
+        let of = |x: usize, y: usize| Quantity::Luminance.value(image[y * width + x].map(f64::from));
         let near = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
         let mut near = near.into_iter().filter(|(x, y)| *x < width && *y < height).peekable();
         near.peek().is_some() && near.all(|(u, v)| (of(u, v) - of(x, y)).abs() > least)
@@ -229,7 +229,7 @@ fn is_known(spread: &SampleSpread) -> bool {
 
 /// The variance of a sample. Channels are assumed to be fully correlated, as in `Images::variances`.
 fn variance(quantity: Quantity, spread: &SampleSpread) -> f64 {
-    quantity.of(spread.variance.map(|v| f64::from(v).sqrt())).powi(2)
+    quantity.value(spread.variance.map(|v| f64::from(v).sqrt())).powi(2)
 }
 
 /// The radiance that single samples of an image bring, in each tile and those around it.
@@ -243,7 +243,7 @@ fn brought(
     let mut tiles = vec![(0.0, 0.0); grid.tiles()];
     for pixel in images.counted().filter(|&pixel| is_known(&spread[pixel])) {
         let (means, variances) = &mut tiles[grid.tile_of(pixel)];
-        *means += quantity.of(image[pixel].map(f64::from)).abs();
+        *means += quantity.value(image[pixel].map(f64::from)).abs();
         *variances += variance(quantity, &spread[pixel]);
     }
     let around = |tile: usize| {

@@ -26,7 +26,7 @@ pub fn replace_if(
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
-    match Place::of(path).map_err(|error| failed(error.to_string()))? {
+    match Place::find(path).map_err(|error| failed(error.to_string()))? {
         Place::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
         Place::File(target) => replace_file(&target, write, may).map_err(failed),
     }

@@ -25,7 +25,7 @@ pub enum Place {
 
 impl Place {
     /// Follows links one by one, because the last one may point to a file that does not exist yet.
-    pub fn of(path: &Path) -> io::Result<Place> {
+    pub fn find(path: &Path) -> io::Result<Place> {
         if is_standard(path) {
             return Ok(Place::Stream);
         }
@@ -69,7 +69,7 @@ impl Place {
 
 /// Whether a later file can replace what is there. A pipe gets one file, at the end.
 pub fn can_be_replaced(path: &Path) -> bool {
-    !matches!(Place::of(path), Ok(Place::Stream))
+    !matches!(Place::find(path), Ok(Place::Stream))
 }
 
 /// The folder of a file.
@@ -103,7 +103,7 @@ enum Identity {
 fn identity(path: &Path) -> Option<Identity> {
     match fs::metadata(path) {
         Ok(metadata) => identity_of_existing(path, &metadata),
-        Err(_) => match Place::of(path) {
+        Err(_) => match Place::find(path) {
             Ok(Place::File(target)) => {
                 let folder = folder_of(&target).canonicalize().ok()?;
                 Some(Identity::Path(folder.join(target.file_name()?)))
@@ -182,10 +182,10 @@ mod tests {
             ("loop", "links"),
             (&"n".repeat(256), "long"),
         ] {
-            let error = Place::of(&at(name)).map_err(|error| error.to_string().to_lowercase());
+            let error = Place::find(&at(name)).map_err(|error| error.to_string().to_lowercase());
             assert!(error.as_ref().is_err_and(|error| error.contains(words)), "{name}: {error:?}");
         }
         let longest = at(&"n".repeat(255));
-        assert_eq!(Place::of(&longest).unwrap(), Place::File(longest));
+        assert_eq!(Place::find(&longest).unwrap(), Place::File(longest));
     }
 }

@@ -10,7 +10,7 @@ use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFini
 
 use crate::job::{Goal, Job};
 use crate::printable::one_line;
-use crate::terminal::{columns_of_stderr, shown};
+use crate::terminal::{columns_of_stderr, fit_to_terminal};
 
 /// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -203,7 +203,7 @@ fn describe_file(file: &Path, done: u64, whole: u64) -> String {
 
 /// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
 fn print(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", shown(text, columns_of_stderr()));
+    let _ = writeln!(std::io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
 }
 
 impl Progress {

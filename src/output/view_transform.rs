@@ -21,7 +21,7 @@ pub enum Tonemap {
 
 impl Tonemap {
     /// Linear Rec. 709 for the screen, of linear Rec. 709 of 0 and more. What is not from 0 to 1 is clipped later.
-    fn shown(self, colour: Rgb<f64>) -> Rgb<f64> {
+    fn compress(self, colour: Rgb<f64>) -> Rgb<f64> {
         match self {
             Tonemap::Soft => neutral(colour, 0.0),
             Tonemap::Srgb => colour,
@@ -47,7 +47,7 @@ impl ViewTransform {
         let exposed = exposed.map(|v| if v > 0.0 { v.min(BRIGHTEST) } else { 0.0 });
         let threshold = threshold(x, y);
         // `as` cuts off the fraction.
-        self.tonemap.shown(exposed).map(|v| (255.0 * srgb(v) + threshold) as u8)
+        self.tonemap.compress(exposed).map(|v| (255.0 * srgb(v) + threshold) as u8)
     }
 }
 
@@ -103,7 +103,7 @@ mod tests {
 
     /// The codes that are shown without a dither.
     fn codes(tonemap: Tonemap, colour: Rgb<f64>) -> Rgb<f64> {
-        tonemap.shown(colour).map(|v| 255.0 * srgb(v.clamp(0.0, 1.0)))
+        tonemap.compress(colour).map(|v| 255.0 * srgb(v.clamp(0.0, 1.0)))
     }
 
     #[test]
@@ -152,10 +152,10 @@ mod tests {
     #[test]
     fn soft_is_srgb_below_its_shoulder() {
         for colour in [[0.0; 3], [1e-6, 1e-3, 0.01], [0.02, 0.01, 0.03], [0.8, 0.5, 0.1]] {
-            assert_eq!(Tonemap::Soft.shown(colour), colour);
+            assert_eq!(Tonemap::Soft.compress(colour), colour);
         }
         // 1 - 0.2² / (1 + 0.2 - 0.8)
-        assert!((Tonemap::Soft.shown([1.0; 3])[1] - 0.9).abs() < 1e-14);
+        assert!((Tonemap::Soft.compress([1.0; 3])[1] - 0.9).abs() < 1e-14);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::temporary;
 ///
 /// A stream is not opened. Temporary files that dead writers of the file have left are removed.
 pub fn check(path: &Path) -> Result<Place, String> {
-    let place = Place::of(path).map_err(|error| error.to_string())?;
+    let place = Place::find(path).map_err(|error| error.to_string())?;
     if let Place::File(target) = &place {
         // Even where files can be made in the folder, this one may not be replaceable.
         if let Some(obstacle) = by_attributes(target) {

@@ -84,8 +84,8 @@ impl Assets {
         self.bitmaps.len() + self.meshes.len()
     }
 
-    /// Notes that the scene names a file, or a part of one. The result is the file and those that it names, as they are.
-    pub(super) fn note(&mut self, path: &Path) -> Vec<(PathBuf, Stamp)> {
+    /// Records that the scene names a file, or a part of one. The result is the file and those that it names, as they are.
+    pub(super) fn stamp_files(&mut self, path: &Path) -> Vec<(PathBuf, Stamp)> {
         self.named.insert(path.to_owned());
         let path = split(path).0.into_owned();
         if let Some(files) = self.noted.get(&path) {

@@ -5,7 +5,7 @@
 
 use ron::error::{Error as Ron, SpannedError};
 
-use super::forms::{SCENE, groups};
+use super::format::{SCENE, groups};
 use super::nearest::nearest;
 use super::types::{Object, Transform};
 use super::validate::boundaries;

@@ -15,7 +15,7 @@ pub struct Findings {
 
 impl Findings {
     /// Takes the error, if there is one; the result is the value, if there is one.
-    pub fn note<T>(&mut self, result: Result<T>) -> Option<T> {
+    pub fn record<T>(&mut self, result: Result<T>) -> Option<T> {
         match result {
             Ok(value) => Some(value),
             Err(error) => {
@@ -27,8 +27,8 @@ impl Findings {
         }
     }
 
-    pub fn note_all(&mut self, errors: Vec<Error>) {
-        errors.into_iter().for_each(|error| _ = self.note::<()>(Err(error)));
+    pub fn record_all(&mut self, errors: Vec<Error>) {
+        errors.into_iter().for_each(|error| _ = self.record::<()>(Err(error)));
     }
 
     pub fn is_empty(&self) -> bool {

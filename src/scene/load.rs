@@ -19,7 +19,7 @@ use super::recover::{Parts, recover};
 use super::syntax::{in_file_order, options};
 use super::types::*;
 use super::write::relative;
-use super::{bitmap, gltf, mesh, validate};
+use super::{gltf, image_files, mesh_files, validate};
 use crate::error::{Error, Result};
 use crate::material::ExtensionKind;
 use crate::printable::one_line;
@@ -169,11 +169,11 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
         let reading = gltf::Reading { asker: &gltf::OBJECT, watts: *watts, thin: *thin };
         if let Some(before) = known.insert(path.clone(), reading) {
             let alike = "another Gltf(..) reads this file in another way: expected the same fields in both, or a copy of the file";
-            findings.note(if before == reading { Ok(()) } else { Err(at.field("path").error(alike)) });
+            findings.record(if before == reading { Ok(()) } else { Err(at.field("path").error(alike)) });
             return;
         }
         let file = scene.source.resolve(path);
-        assets.note(&file);
+        assets.stamp_files(&file);
         let read = match is_gltf(&file) {
             true => {
                 let open = assets.gltf.open(&file, progress);
@@ -181,8 +181,8 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
             }
             false => Err("expected a path that ends in .gltf or .glb".to_owned().into()),
         };
-        let read = read.map_err(|gltf::Broken { at: part, reason }| at.field("path").error_in(&file, &part, &reason));
-        paths.extend(findings.note(read).map(|contents| (path.clone(), contents)));
+        let read = read.map_err(|gltf::GltfError { at: part, reason }| at.field("path").error_in(&file, &part, &reason));
+        paths.extend(findings.record(read).map(|contents| (path.clone(), contents)));
     });
     for (path, contents) in paths {
         let file = scene.source.resolve(&path);
@@ -213,12 +213,12 @@ fn of_gltf(
     assets: &mut Assets,
 ) -> Result<Scene> {
     let source = Source::without_text(path);
-    let broken = |gltf::Broken { at, reason }: gltf::Broken| Error::Scene {
+    let broken = |gltf::GltfError { at, reason }: gltf::GltfError| Error::Scene {
         location: source.location(0),
         field: if at.is_empty() { "glTF".to_owned() } else { at },
         message: reason,
     };
-    assets.note(path);
+    assets.stamp_files(path);
     let seen = |file: &Path| match path == to {
         true => file.file_name().map_or(file.to_owned(), Into::into),
         false => relative(to.parent().unwrap_or(Path::new("")), file),
@@ -306,8 +306,8 @@ fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, 
     validate::validate(scene, &mut findings);
     // Large files are not read for a scene that is refused, but all that are missing are named.
     let reading = if findings.is_empty() { Reading::Whole } else { Reading::IfThere };
-    scene.bitmaps = bitmap::load_all(scene, reading, &mut findings, assets);
-    scene.meshes = mesh::load_all(scene, reading, &mut findings, progress, assets);
+    scene.bitmaps = image_files::load_all(scene, reading, &mut findings, assets);
+    scene.meshes = mesh_files::load_all(scene, reading, &mut findings, progress, assets);
     assets.close();
     if findings.is_empty() && !scene.meshes.is_empty() {
         // Again, now that the meshes are known.

@@ -58,7 +58,7 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
         let id = source.spans.at(offset as u32).filter(|_| about_value);
         // Where an entry has been taken out, nothing is missing.
         if !(is_missing && id.is_some_and(|id| blanks.parents.contains(&id))) {
-            findings.note::<()>(Err(error));
+            findings.record::<()>(Err(error));
             listed += 1;
         }
         tries -= 1;
@@ -80,7 +80,7 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
         blanks.sections.iter().any(|name| !["materials", "render"].contains(name) && !names.contains(name));
     for (name, _) in absent.into_iter().filter(|(name, is_absent)| *is_absent && !blanks.sections.contains(name)) {
         if !has_unknown {
-            findings.note::<()>(Err(missing_section(source, name)));
+            findings.record::<()>(Err(missing_section(source, name)));
         }
     }
     parts

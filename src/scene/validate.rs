@@ -20,12 +20,12 @@ pub fn validate(scene: &Scene, findings: &mut Findings) {
     let top = scene.top();
     image(&top.field("image"), &scene.image, findings);
     camera(&top.field("camera"), &scene.camera, findings);
-    findings.note(background(&top.field("background"), &scene.background));
+    findings.record(background(&top.field("background"), &scene.background));
     for (name, value) in &scene.materials {
-        findings.note(value.check(&top.field("materials").key(name)));
+        findings.record(value.check(&top.field("materials").key(name)));
     }
     objects(scene, findings);
-    findings.note_all(scene.render.check_fields(&top.field("render")));
+    findings.record_all(scene.render.check_fields(&top.field("render")));
 }
 
 /// Checks the objects, and their meshes if these are known.
@@ -48,16 +48,16 @@ fn image(at: &Place, image: &ImageSize, findings: &mut Findings) {
     let area = u64::from(image.width) * u64::from(image.height);
     if sides.is_empty() && area > LARGEST_AREA {
         let most = format!("width times height of at most {LARGEST_AREA} pixels");
-        findings.note::<()>(Err(at.error(format!("expected {most}, found {area}"))));
+        findings.record::<()>(Err(at.error(format!("expected {most}, found {area}"))));
     }
-    findings.note_all(sides);
+    findings.record_all(sides);
 }
 
 fn camera(at: &Place, camera: &Camera, findings: &mut Findings) {
     if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| vector(at, v).is_ok()) {
-        findings.note(directions(at, camera));
+        findings.record(directions(at, camera));
     }
-    findings.note_all(camera.check_fields(at));
+    findings.record_all(camera.check_fields(at));
 }
 
 fn directions(at: &Place, camera: &Camera) -> Result<()> {
@@ -141,7 +141,7 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
         }
         Object::Medium { boundary, albedo, .. } => {
             self::boundary(known, &at.field("boundary"), boundary, reach, findings);
-            findings.note(match albedo.image() {
+            findings.record(match albedo.image() {
                 Some(_) => {
                     let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
                                    Noise(..) or Marble(..)";
@@ -149,17 +149,17 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
                 }
                 None => albedo.check(&at.field("albedo"), Use::Albedo),
             });
-            findings.note_all(object.check_fields(at));
+            findings.record_all(object.check_fields(at));
         }
         Object::PointLight { .. } | Object::SpotLight { .. } | Object::DirectionalLight { .. } => {
             let Some(light) = object.delta_light() else { return };
             let is_in_reach = reach.holds(1.0, light.distance());
             let in_reach = || if is_in_reach { Ok(()) } else { Err(at.error(OUT_OF_REACH)) };
-            findings.note(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_reach()));
+            findings.record(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_reach()));
         }
         _ => {
-            findings.note(shape(known, at, object, reach));
-            findings.note(known.check_material(at, object));
+            findings.record(shape(known, at, object, reach));
+            findings.record(known.check_material(at, object));
         }
     }
 }
@@ -184,17 +184,17 @@ fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach, findi
         return boundary(known, &inside.field("object"), object, reach, findings);
     }
     if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
-        findings.note::<()>(Err(at.unexpected(boundaries("", ", Transformed or not"))));
+        findings.record::<()>(Err(at.unexpected(boundaries("", ", Transformed or not"))));
         return;
     }
-    findings.note(shape(known, inside, object, reach));
+    findings.record(shape(known, inside, object, reach));
     if object.material().is_some() {
         let message = "a medium's boundary has no surface, and so no material: remove the material, or list the object \
                        outside the medium, too";
-        findings.note::<()>(Err(inside.field("material").error(message)));
+        findings.record::<()>(Err(inside.field("material").error(message)));
     }
     if let Some(mesh) = object.shape(known.meshes).and_then(|shape| shape.mesh()) {
-        findings.note(mesh.check_closed(inside));
+        findings.record(mesh.check_closed(inside));
     }
 }
 
@@ -209,13 +209,13 @@ pub fn boundaries(after_each: &str, transformed: &str) -> String {
 fn transforms(at: &Place, by: &[Transform], mut reach: Reach, findings: &mut Findings) -> Reach {
     for (index, transform) in by.iter().enumerate().rev() {
         let at = at.index(index);
-        if findings.note(self::transform(&at, transform)).is_none() {
+        if findings.record(self::transform(&at, transform)).is_none() {
             continue;
         }
         let wider = reach.after(transform);
         match (SMALLEST..=LARGEST).contains(&wider.scale) && wider.shift <= LARGEST {
             true => reach = wider,
-            false => _ = findings.note::<()>(Err(at.error(OUT_OF_REACH))),
+            false => _ = findings.record::<()>(Err(at.error(OUT_OF_REACH))),
         }
     }
     reach

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::space::{Aabb, Placement, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
@@ -72,7 +72,7 @@ impl Geometry for Cuboid {
         padded(center - reach, center + reach, error)
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Cuboid { min, max } = *self;
         let d = (max - min) * at.scale();
         vec![Emitter {
@@ -84,12 +84,12 @@ impl Geometry for Cuboid {
         }]
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
         tables.cuboids[index].light = light;
     }
 
-    fn hull(&self, at: &Placement) -> Hull {
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
         let half = 0.5 * at.scale() * (self.max - self.min);
-        Hull::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }
+        BoundingShape::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }
     }
 }

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::geometry::{Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
+use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::quad::Quad;
 use super::space::{Aabb, Placement, padded};
 use crate::data;
@@ -71,7 +71,7 @@ impl Geometry for Disk {
         padded(bounds.min.as_vec3(), bounds.max.as_vec3(), square.error)
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![Emitter {
             code,
             instance: data::NO_INSTANCE,
@@ -81,11 +81,11 @@ impl Geometry for Disk {
         }]
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
         tables.disks[index].light = light;
     }
 
-    fn hull(&self, at: &Placement) -> Hull {
-        self.square().hull(at)
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+        self.square().bounding_shape(at)
     }
 }

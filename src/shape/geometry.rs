@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
 use super::space::{Aabb, Placement};
 use crate::data;
 use crate::error::Result;
@@ -88,7 +88,7 @@ pub struct Tables {
 
 /// The place of a mesh in the device's tables.
 #[derive(Clone, Copy, Default)]
-pub struct Laid {
+pub struct MeshLayout {
     /// The code of its hierarchy's root.
     pub root: u32,
     /// The index of its first face.
@@ -105,7 +105,7 @@ pub struct Element {
     pub material: u32,
     pub frame: u32,
     /// Of a mesh, its place in the device's tables.
-    pub laid: Laid,
+    pub laid: MeshLayout,
 }
 
 /// A surface that can be sampled as a light.
@@ -134,11 +134,11 @@ pub trait Geometry {
     fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3);
 
     /// The lights that it consists of; `index` is its place in its table, and `code` its code.
-    fn emitters(&self, at: &Placement, index: u32, code: u32, laid: Laid) -> Vec<Emitter>;
+    fn emitters(&self, at: &Placement, index: u32, code: u32, laid: MeshLayout) -> Vec<Emitter>;
 
     /// Writes into its element the index of its first light among all lights, or `NOT_SAMPLED`.
-    fn set_light(&self, tables: &mut Tables, index: usize, laid: Laid, light: u32);
+    fn set_light(&self, tables: &mut Tables, index: usize, laid: MeshLayout, light: u32);
 
     /// A simple bounding volume, for the warnings about sizes and distances.
-    fn hull(&self, at: &Placement) -> Hull;
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape;
 }

@@ -6,8 +6,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::similarity::Similarity;
 use super::space::{Placement, error_bound, padded};
 use super::sphere::{self, Sphere};
@@ -123,16 +123,16 @@ impl Geometry for LargeSphere {
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![self.sphere.emitter(at, code)]
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
         tables.large_spheres[index].light = light;
     }
 
-    fn hull(&self, at: &Placement) -> Hull {
-        self.sphere.hull(at)
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+        self.sphere.bounding_shape(at)
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
-use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::space::{Aabb, Placement, binary_exponent, error_bound, exp2, padded};
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
@@ -181,7 +181,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
     }
 
     /// Each triangle is a light.
-    fn emitters(&self, at: &Placement, index: u32, _: u32, laid: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, index: u32, _: u32, laid: MeshLayout) -> Vec<Emitter> {
         let face = |(face, corners): (u32, &[u32; 3])| {
             let [a, b, c] = corners.map(|corner| self.mesh.positions[corner as usize]);
             let across = (b - a).cross(c - a);
@@ -196,15 +196,15 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         (laid.first_face..).zip(&self.mesh.triangles).map(face).collect()
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, laid: Laid, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, laid: MeshLayout, light: u32) {
         tables.instances[index].to_light = match light {
             NOT_SAMPLED => NOT_SAMPLED,
             _ => light.wrapping_sub(laid.first_face),
         };
     }
 
-    fn hull(&self, at: &Placement) -> Hull {
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
         let half = 0.5 * at.scale() * (self.around.max - self.around.min);
-        Hull::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }
+        BoundingShape::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::geometry::{Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
+use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::space::{Aabb, Placement, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
@@ -77,7 +77,7 @@ impl Geometry for Quad {
         padded(around.min.as_vec3(), around.max.as_vec3(), quad.error)
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Quad { corner, u, v } = *self;
         let corners = [corner, corner + u, corner + v, corner + u + v];
         vec![Emitter {
@@ -89,12 +89,12 @@ impl Geometry for Quad {
         }]
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
         tables.quads[index].light = light;
     }
 
-    fn hull(&self, at: &Placement) -> Hull {
-        Hull::Parallelogram { corner: at.point(self.corner), u: at.vector(self.u), v: at.vector(self.v) }
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+        BoundingShape::Parallelogram { corner: at.point(self.corner), u: at.vector(self.u), v: at.vector(self.v) }
     }
 }
 

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::geometry::{Boundary, Element, Emitter, Geometry, Laid, ShapeKind, Tables, table};
-use super::hull::Hull;
+use super::bounding_shape::BoundingShape;
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::space::{Aabb, Placement, error_bound, padded};
 use crate::data;
 use crate::error::Result;
@@ -59,15 +59,15 @@ impl Geometry for Sphere {
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: Laid) -> Vec<Emitter> {
+    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![self.emitter(at, code)]
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
         tables.spheres[index].light = light;
     }
 
-    fn hull(&self, at: &Placement) -> Hull {
-        Hull::Ball { center: at.point(self.center), radius: at.scale() * self.radius }
+    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+        BoundingShape::Ball { center: at.point(self.center), radius: at.scale() * self.radius }
     }
 }

@@ -1,7 +1,7 @@
-//! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and its standing among the others.
+//! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and its ranking among the others.
 
 use super::extent::Whole;
-use super::model::{Falling, Model, Standing, Times, doubt, falling, falling_denoised, samples_to, standings};
+use super::model::{Falling, Model, Ranking, Times, doubt, falling, falling_denoised, samples_to, standings};
 use super::pace::{Pace, Timed, paces};
 use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
@@ -71,7 +71,7 @@ pub struct Measured {
     pub noise_doubt: f64,
     /// Seconds to the targets.
     pub times: [Option<f64>; TARGETS.len()],
-    pub standing: Standing,
+    pub ranking: Ranking,
 }
 
 impl Measured {
@@ -117,27 +117,27 @@ impl Measured {
 
     /// Its verdict in two words at most, for the terminal.
     pub fn short_verdict(&self) -> &'static str {
-        match (self.standing, self.biased) {
-            (Standing::NeverReaches, _) => "cannot reach",
+        match (self.ranking, self.biased) {
+            (Ranking::NeverReaches, _) => "cannot reach",
             (_, true) if self.setting.declared_unbiased() => "differs",
             _ if !self.reliable => "unreliable",
-            (Standing::Dominated, _) => "dominated",
-            (Standing::AsDefaults, true) => "biased",
-            (Standing::AsDefaults, false) => "as the defaults",
-            (Standing::Front, true) => "front, biased",
-            (Standing::Front, false) => "front",
+            (Ranking::Dominated, _) => "dominated",
+            (Ranking::AsDefaults, true) => "biased",
+            (Ranking::AsDefaults, false) => "as the defaults",
+            (Ranking::Front, true) => "front, biased",
+            (Ranking::Front, false) => "front",
         }
     }
 
-    /// Its standing and bias in words.
+    /// Its ranking and bias in words.
     pub fn verdict(&self) -> String {
-        let standing = match self.standing {
-            Standing::AsDefaults => "as the defaults",
-            Standing::Front => "on the front",
-            Standing::Dominated => "dominated",
-            Standing::NeverReaches => "cannot reach",
+        let ranking = match self.ranking {
+            Ranking::AsDefaults => "as the defaults",
+            Ranking::Front => "on the front",
+            Ranking::Dominated => "dominated",
+            Ranking::NeverReaches => "cannot reach",
         };
-        let mut words = vec![standing];
+        let mut words = vec![ranking];
         match (self.biased, self.setting.class()) {
             (true, Class::Noise | Class::Exact) if self.against_reference => words.push("differs from the reference"),
             (true, Class::Noise | Class::Exact) if !self.reliable => words.push("differs from the defaults"),
@@ -263,21 +263,21 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
     let times = |m: &Measured| Times { seconds: m.times.to_vec(), doubt: m.seconds_doubt, reliable: m.reliable };
     let all: Vec<Times> = found.iter().map(times).collect();
-    for (measured, standing) in found.iter_mut().zip(standings(&all)) {
-        measured.standing = standing;
+    for (measured, ranking) in found.iter_mut().zip(standings(&all)) {
+        measured.ranking = ranking;
     }
     // Timings that differ by less than their error are no verdict. So what is as fast as the defaults is one group.
     if let Some((defaults, others)) = found.split_first_mut() {
-        let reaches = defaults.standing != Standing::NeverReaches;
+        let reaches = defaults.ranking != Ranking::NeverReaches;
         others
             .iter_mut()
             .filter(|m| reaches && m.is_as_fast_as(defaults))
-            .for_each(|m| m.standing = Standing::AsDefaults);
+            .for_each(|m| m.ranking = Ranking::AsDefaults);
     }
     // The advised setting reaches its target as soon as the fastest one without bias, within the error of the timings.
     let advised: Vec<String> = recommended(&found).into_iter().flatten().map(|m| m.setting.name()).collect();
     for measured in found.iter_mut().filter(|m| advised.contains(&m.setting.name())) {
-        measured.standing = Standing::Front;
+        measured.ranking = Ranking::Front;
     }
     Judged { measured: found, against_reference, weights: Some(weights) }
 }
@@ -415,7 +415,7 @@ fn measured(
         bias_known: true,
         noise_doubt,
         times: [None; TARGETS.len()],
-        standing: Standing::NeverReaches,
+        ranking: Ranking::NeverReaches,
     })
 }
 

@@ -145,9 +145,9 @@ pub fn samples_to(figures: &[(u32, f64)], target: f64) -> Option<f64> {
 /// How far figures are extrapolated.
 const FARTHEST: f64 = 64.0;
 
-/// The standing of a setting among the others.
+/// The ranking of a setting among the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum Ranking {
     /// No other setting reaches all targets as soon.
     Front,
     /// Another setting reaches all targets as soon, and one of them sooner by more than the error of the measurement.
@@ -179,8 +179,8 @@ pub struct Times {
     pub reliable: bool,
 }
 
-/// The standing of each setting.
-pub fn standings(all: &[Times]) -> Vec<Standing> {
+/// The ranking of each setting.
+pub fn standings(all: &[Times]) -> Vec<Ranking> {
     let time = |t: &Option<f64>| t.unwrap_or(f64::INFINITY);
     let beats = |a: &Times, b: &Times| {
         let pairs = || a.seconds.iter().map(time).zip(b.seconds.iter().map(time));
@@ -191,9 +191,9 @@ pub fn standings(all: &[Times]) -> Vec<Standing> {
     };
     all.iter()
         .map(|own| match own.seconds.iter().all(Option::is_none) {
-            true => Standing::NeverReaches,
-            false if all.iter().any(|other| beats(other, own)) => Standing::Dominated,
-            false => Standing::Front,
+            true => Ranking::NeverReaches,
+            false if all.iter().any(|other| beats(other, own)) => Ranking::Dominated,
+            false => Ranking::Front,
         })
         .collect()
 }
@@ -291,7 +291,7 @@ mod tests {
         ];
         let times = |doubt: f64| all.clone().map(|seconds| Times { seconds, doubt, reliable: true });
         let found = |doubt: f64| standings(&times(doubt));
-        use Standing::*;
+        use Ranking::*;
         assert_eq!(found(0.001), [Front, Front, Dominated, Front, NeverReaches]);
         // If timings are off by 30 %, a factor of two is no difference in time, but to reach a target or not is one.
         assert_eq!(found(0.3), [Front, Dominated, Front, Front, NeverReaches]);

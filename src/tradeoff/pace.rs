@@ -150,7 +150,7 @@ mod tests {
         (blocks, clock)
     }
 
-    fn of(blocks: &[Vec<Timed>], clock: &[Timed]) -> Vec<Pace> {
+    fn paces_of_blocks(blocks: &[Vec<Timed>], clock: &[Timed]) -> Vec<Pace> {
         paces(&blocks.iter().map(Vec::as_slice).collect::<Vec<_>>(), clock)
     }
 
@@ -171,11 +171,11 @@ mod tests {
             let (mut wrong, mut planted) = (0, 0);
             for seed in 0..SEEDS {
                 let (blocks, clock) = sweep(&mut Machine::new(1000 + seed), &[1.0; SETTINGS], stays);
-                wrong += differing(&of(&blocks, &clock));
+                wrong += differing(&paces_of_blocks(&blocks, &clock));
                 let mut machine = Machine::new(1000 + seed);
                 let in_turn: Vec<Vec<Timed>> =
                     (0..SETTINGS).map(|_| (0..ROUNDS).map(|_| machine.block(1.0, stays)).collect()).collect();
-                planted += differing(&of(&in_turn, &[in_turn[0][0]]));
+                planted += differing(&paces_of_blocks(&in_turn, &[in_turn[0][0]]));
             }
             println!("load for {stays} s: {wrong} of {count} are told to differ, and without a clock {planted}");
             // 5 %, and three standard errors of that share of 660.
@@ -193,7 +193,7 @@ mod tests {
                 let mut own = [1.0; SETTINGS];
                 own[5] = 0.7;
                 let (blocks, clock) = sweep(&mut Machine::new(2000 + seed), &own, stays);
-                let paces = of(&blocks, &clock);
+                let paces = paces_of_blocks(&blocks, &clock);
                 let ratio = (paces[5].seconds / paces[0].seconds).ln();
                 found += usize::from(ratio < -paces[5].half_width.hypot(paces[0].half_width));
                 assert!((ratio - 0.7f64.ln()).abs() < 0.25, "{stays}: {ratio}");
@@ -208,7 +208,7 @@ mod tests {
     fn an_idle_machine_has_narrow_intervals() {
         let mut machine = Machine { until: f64::INFINITY, ..Machine::new(7) };
         let (blocks, clock) = sweep(&mut machine, &[1.0, 1.1, 0.5, 2.0], 1.0);
-        let found = of(&blocks, &clock);
+        let found = paces_of_blocks(&blocks, &clock);
         for (own, pace) in [1.0, 1.1, 0.5, 2.0].into_iter().zip(&found) {
             assert!((pace.seconds / own).ln().abs() < pace.half_width && pace.half_width < 0.04, "{pace:?}");
         }

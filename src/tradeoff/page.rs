@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::judge::Measured;
-use super::model::Standing;
+use super::model::Ranking;
 use super::report::{CAPTION, Findings, HEADINGS, MOST_CURVES, class_name, error_text, exponent_text, time_text};
 use super::sweep::LEVEL;
 use crate::error::Result;
@@ -191,7 +191,7 @@ fn table(report: &Findings) -> String {
     let mut text =
         format!("<table>\n<thead><tr>{}</thead>\n<tbody>\n", HEADINGS.map(|heading| format!("<th>{heading}")).concat());
     for measured in report.sorted() {
-        let class = if measured.standing == Standing::Front { " class=\"front\"" } else { "" };
+        let class = if measured.ranking == Ranking::Front { " class=\"front\"" } else { "" };
         let cells = report.cells(measured);
         let cells = HEADINGS
             .iter()

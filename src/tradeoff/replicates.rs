@@ -125,7 +125,7 @@ pub(super) fn difference(a: &Pixels, b: &Pixels) -> Pixels {
 struct Pairs(Vec<Vec<f64>>);
 
 impl Pairs {
-    fn of(count: usize, figure: impl Fn(usize, usize) -> f64) -> Pairs {
+    fn new(count: usize, figure: impl Fn(usize, usize) -> f64) -> Pairs {
         Pairs((0..count).map(|a| (0..a).map(|b| figure(a, b)).collect()).collect())
     }
 
@@ -162,7 +162,7 @@ pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estim
         let off = difference(&images[a], &images[b]);
         0.5 * product(off.as_flattened(), off.as_flattened(), weights.between(a * apart, b * apart))
     };
-    Pairs::of(images.len(), of_pair).jackknife()
+    Pairs::new(images.len(), of_pair).jackknife()
 }
 
 /// The mean over pixels and channels of the squared expectation of differences, divided by r² + f. Needs the
@@ -172,7 +172,7 @@ pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights, apart: usi
         let weights = weights.between(a * apart, b * apart);
         product(differences[a].as_flattened(), differences[b].as_flattened(), weights)
     };
-    Pairs::of(differences.len(), of_pair).jackknife()
+    Pairs::new(differences.len(), of_pair).jackknife()
 }
 
 /// The squared bias of the pixels: the relative MSE that remains with infinitely many samples. Needs three pairs of

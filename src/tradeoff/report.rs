@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::judge::{FLIP_TARGET, Measured, TARGETS, preferred, recommended, sooner_with_bias};
-use super::model::Standing;
+use super::model::Ranking;
 use super::sweep::{LEVEL, Setting, Unmeasured};
 use super::truth::Distance;
 use crate::metrics::estimate::Estimate;
@@ -222,7 +222,7 @@ impl Findings {
         let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
         let as_defaults = |measured: &&Measured| measured.setting.knob.is_some() && measured.is_as_fast_as(defaults);
         let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = self.sorted().into_iter().partition(as_defaults);
-        others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.standing != Standing::Front));
+        others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.ranking != Ranking::Front));
         (others, same)
     }
 

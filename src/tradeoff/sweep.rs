@@ -154,7 +154,7 @@ struct Effect {
 }
 
 impl Effect {
-    fn of(plan: &Plan<'_>, max_depth: u32) -> Effect {
+    fn new(plan: &Plan<'_>, max_depth: u32) -> Effect {
         let shaders = plan.kernels().into_iter().map(|kernel| kernel.linked.text.clone()).collect();
         let indirect_limit = plan.indirect_limit();
         // Without a walk, nobody reads the hierarchy.
@@ -247,7 +247,7 @@ impl<'a> Sweep<'a> {
         let flat = flatten(self.scene, size, &setting.options)?;
         let job = self.job(size, setting.max_depth, LEVEL, 0);
         let plan = Plan::new(&flat, &setting.options, self.device.class(), &job)?;
-        let effect = Effect::of(&plan, setting.max_depth);
+        let effect = Effect::new(&plan, setting.max_depth);
         if size == self.size && self.defaults.as_ref() == Some(&effect) {
             return Ok(None);
         }
@@ -284,7 +284,7 @@ impl<'a> Sweep<'a> {
         }
         let at = begin + 0.5 * outcome.seconds;
         let image = match self.denoiser.filter(|_| setting.denoise) {
-            Some(denoiser) => Layers::of(film).denoised(denoiser, *size)?,
+            Some(denoiser) => Layers::from_film(film).denoised(denoiser, *size)?,
             None => film.develop().rgb,
         };
         Ok(Some(Block { image: enlarged(&image, *size, whole), seconds: outcome.seconds, at }))
@@ -295,7 +295,7 @@ impl<'a> Sweep<'a> {
     pub fn seconds_to_denoise(&self, size: (u32, u32), until: Instant) -> Result<Option<f64>> {
         let Some(subject) = self.subjects.iter().find(|subject| subject.setting.denoise) else { return Ok(None) };
         let Some(denoiser) = self.denoiser else { return Ok(None) };
-        let Layers { rgb, albedo, normal } = Layers::of(&subject.film);
+        let Layers { rgb, albedo, normal } = Layers::from_film(&subject.film);
         let [rgb, albedo, normal] = [rgb, albedo, normal].map(|layer| enlarged(&layer, subject.size, size));
         let layers = Layers { rgb, albedo, normal };
         let mut least = f64::INFINITY;
@@ -403,7 +403,7 @@ struct Layers {
 }
 
 impl Layers {
-    fn of(film: &Film) -> Layers {
+    fn from_film(film: &Film) -> Layers {
         let channels = film.aovs().channels();
         let layer = |aov: Aov| -> Pixels {
             let component = |index: usize, c: usize| {

@@ -145,7 +145,7 @@ impl Kernel {
 
     /// The settings as this kernel has them.
     pub fn settings(&self, settings: &Settings) -> BufferSpec<'static> {
-        let contents = SettingsLayout::of(&self.module).expect("the settings have a layout").bytes(settings);
+        let contents = SettingsLayout::from_module(&self.module).expect("the settings have a layout").bytes(settings);
         let spec = BufferSpec::uniform("settings", contents.len() as u64, "the test");
         BufferSpec { contents: vec![contents.into()], ..spec }
     }

@@ -53,13 +53,13 @@ pub fn send(child: &Child, signal: i32) {
 
 /// Runs the program in a folder to its end, however long that takes.
 pub fn run(folder: &Path, arguments: &[&str]) -> Ran {
-    Ran::of(command(folder, arguments).spawn().expect("the program starts"))
+    Ran::wait_for(command(folder, arguments).spawn().expect("the program starts"))
 }
 
 /// Waits for the program, and takes what it has printed. (Less than a pipe holds: no thread has to read meanwhile.)
 pub fn finish(mut child: Child) -> Ran {
     until(&mut child, |child| child.try_wait().expect("the program can be asked").is_some());
-    Ran::of(child)
+    Ran::wait_for(child)
 }
 
 /// Waits until something is so.
@@ -84,7 +84,7 @@ pub fn meanwhile(child: &mut Child, is_so: impl Fn() -> bool) {
 }
 
 impl Ran {
-    fn of(child: Child) -> Ran {
+    fn wait_for(child: Child) -> Ran {
         let output = child.wait_with_output().expect("its output can be read");
         let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
         Ran { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }

@@ -374,7 +374,7 @@ impl Shot {
 
     /// Runs of each pixel.
     pub fn runs(&self) -> u32 {
-        blocks(self.outcome.samples.hull()).len() as u32
+        blocks(self.outcome.samples.range()).len() as u32
     }
 
     /// The variance between the runs of a pixel: the variance of the mean of one run. (The film keeps the variance of the mean of

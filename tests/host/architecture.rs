@@ -26,7 +26,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ("error", &["gpu", "shape", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("options", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("job", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
-    ("jobs", &["gpu", "scene", "flatten", "plan", "tradeoff", "cli"]),
+    ("cluster", &["gpu", "scene", "flatten", "plan", "tradeoff", "cli"]),
     ("material", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
     (
         "bitmap",
@@ -270,7 +270,7 @@ impl<'a> Imports<'a> {
     }
 
     /// The files that a file imports.
-    fn of(&self, at: usize) -> BTreeSet<usize> {
+    fn imports_of(&self, at: usize) -> BTreeSet<usize> {
         let file = &self.files[at];
         // What a file hands on is an import where it uses the name itself.
         let counts =
@@ -281,7 +281,7 @@ impl<'a> Imports<'a> {
 
     /// The circles: the largest sets of files each of which imports, directly or over others, all others of its set.
     fn circles(&self) -> Vec<BTreeSet<String>> {
-        let direct: Vec<BTreeSet<usize>> = (0..self.files.len()).map(|at| self.of(at)).collect();
+        let direct: Vec<BTreeSet<usize>> = (0..self.files.len()).map(|at| self.imports_of(at)).collect();
         let reached_from = |at: usize| {
             let (mut reached, mut rest) = (BTreeSet::new(), Vec::from_iter(&direct[at]));
             while let Some(next) = rest.pop() {
@@ -358,7 +358,7 @@ impl File {
 fn no_module_imports_itself_over_others() {
     let files = files(sources());
     let imports = Imports::new(&files);
-    let count: usize = (0..files.len()).map(|at| imports.of(at).len()).sum();
+    let count: usize = (0..files.len()).map(|at| imports.imports_of(at).len()).sum();
     assert!(count > 500, "{count} imports");
     let circles = imports.circles();
     let listed: Vec<String> = circles.iter().map(|circle| Vec::from_iter(circle.clone()).join(", ")).collect();

@@ -44,7 +44,7 @@ struct Part {
 }
 
 impl Part {
-    fn of(positions: Vec<[f32; 3]>, faces: &[[u32; 3]]) -> Part {
+    fn new(positions: Vec<[f32; 3]>, faces: &[[u32; 3]]) -> Part {
         Part { positions, indices: Some(faces.as_flattened().to_vec()), mode: 4, material: 0 }
     }
 
@@ -61,7 +61,7 @@ impl Part {
 }
 
 fn cube() -> Part {
-    Part::of(corners(), &FACES)
+    Part::new(corners(), &FACES)
 }
 
 /// Clear glass, with these properties beside.
@@ -156,17 +156,17 @@ fn of_file(file: &(Value, Vec<u8>), what: &str) -> bool {
 #[test]
 fn closed_meshes_of_files_by_blender_are_solid_glass() {
     let paint = |part: Part| part.of_material(1);
-    let [upper, lower] = [&FACES[..5], &FACES[5..]].map(|faces| Part::of(corners(), faces));
+    let [upper, lower] = [&FACES[..5], &FACES[5..]].map(|faces| Part::new(corners(), faces));
     assert!(is_solid(&[cube()], "a cube"));
     assert!(is_solid(&[cube().split()], "split vertices"));
     assert!(is_solid(&[upper.clone(), lower.clone()], "two primitives"));
     assert!(is_solid(&[upper.clone().split(), paint(lower.clone())], "a painted part"));
     assert!(!is_solid(std::slice::from_ref(&upper), "a part"));
-    assert!(!is_solid(&[Part::of(corners(), &FACES[..11])], "a face is missing"));
+    assert!(!is_solid(&[Part::new(corners(), &FACES[..11])], "a face is missing"));
 
     // An edge with both zeros.
     let shifted = |[x, y, z]: [f32; 3]| [x + 0.5, y, z];
-    let mut zeros = Part::of(corners().into_iter().map(shifted).collect(), &FACES).split();
+    let mut zeros = Part::new(corners().into_iter().map(shifted).collect(), &FACES).split();
     for (at, position) in zeros.positions.iter_mut().enumerate().filter(|(_, position)| position[0] == 0.0) {
         position[0] = if at % 2 == 0 { -0.0 } else { 0.0 };
     }
@@ -177,23 +177,23 @@ fn closed_meshes_of_files_by_blender_are_solid_glass() {
 
     let mut turned = FACES;
     turned[3].swap(0, 1);
-    assert!(!is_solid(&[Part::of(corners(), &turned)], "a face is turned"));
+    assert!(!is_solid(&[Part::new(corners(), &turned)], "a face is turned"));
     turned = FACES;
     turned.iter_mut().for_each(|face| face.swap(0, 1));
-    assert!(is_solid(&[Part::of(corners(), &turned)], "inside out"));
+    assert!(is_solid(&[Part::new(corners(), &turned)], "inside out"));
     let with_flat = [FACES.as_slice(), &[[0, 0, 1], [3, 7, 3]]].concat();
-    assert!(is_solid(&[Part::of(corners(), &with_flat)], "faces without area"));
+    assert!(is_solid(&[Part::new(corners(), &with_flat)], "faces without area"));
     // A bubble in the glass, and a body beside it.
     let inner = |scale: f32, by: f32| corners().into_iter().map(|corner| corner.map(|x| scale * x + by)).collect();
-    assert!(is_solid(&[cube(), Part::of(inner(0.5, 0.0), &turned)], "a bubble"));
-    assert!(is_solid(&[cube(), Part::of(inner(1.0, 3.0), &FACES)], "two bodies"));
+    assert!(is_solid(&[cube(), Part::new(inner(0.5, 0.0), &turned)], "a bubble"));
+    assert!(is_solid(&[cube(), Part::new(inner(1.0, 3.0), &FACES)], "two bodies"));
 
     // Two sheets in one place have no volume; a thin body has one.
     let sheet = |x: f32| corners().into_iter().map(|[_, y, z]| [x, y, z]).collect::<Vec<_>>();
     let sheets = [[0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]];
-    assert!(!is_solid(&[Part::of(sheet(0.3), &sheets)], "two sheets"));
+    assert!(!is_solid(&[Part::new(sheet(0.3), &sheets)], "two sheets"));
     let flat: Vec<_> = corners().into_iter().map(|[x, y, z]| [1e-6 * x, y, z]).collect();
-    assert!(is_solid(&[Part::of(flat, &FACES)], "a thin body"));
+    assert!(is_solid(&[Part::new(flat, &FACES)], "a thin body"));
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn all_forms_of_meshes_are_looked_at() {
     let square = [[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]];
     let positions = [&[[0., 0., 1.]], square.as_slice(), &square[..1]].concat();
     let fan = Part { positions, indices: None, mode: 6, material: 0 };
-    let base = Part::of(square.to_vec(), &[[0, 2, 1], [0, 3, 2]]);
+    let base = Part::new(square.to_vec(), &[[0, 2, 1], [0, 3, 2]]);
     assert!(is_solid(&[fan.clone(), base.clone()], "a fan and its base"));
     assert!(!is_solid(&[fan], "a fan"));
     // Edges without faces are no part of it.
@@ -257,7 +257,7 @@ fn all_forms_of_meshes_are_looked_at() {
 #[test]
 fn glass_of_a_file_is_what_it_says_and_else_what_its_shape_says() {
     let volume = |thickness: f64| json!({"extensions": {"KHR_materials_volume": {"thicknessFactor": thickness}}});
-    let [closed, open] = [FACES.as_slice(), &FACES[..11]].map(|faces| [Part::of(corners(), faces)]);
+    let [closed, open] = [FACES.as_slice(), &FACES[..11]].map(|faces| [Part::new(corners(), faces)]);
     let read = |parts: &[Part], more: Value, generator: &str, thin| {
         let mut file = file(&[parts], &[glass("Glass", more)]);
         file.0["asset"]["generator"] = generator.into();
@@ -315,7 +315,7 @@ fn a_material_of_closed_and_open_meshes_becomes_two() {
         scene.visit_objects(&mut |_, object| of_objects.extend(object.material().map(str::to_owned)));
         (all.collect::<Vec<_>>(), of_objects)
     };
-    let open = Part::of(corners(), &FACES[..11]);
+    let open = Part::new(corners(), &FACES[..11]);
     let [closed, open] = [[cube()], [open]];
     let parts: [&[Part]; 4] = [&closed, &open, &closed, &open];
     let both = file(&parts, &[glass("Glass", json!({"occlusionTexture": {"index": 0}}))]);

@@ -3,7 +3,7 @@
 use gpu_rt::metrics::estimate::Estimate;
 use gpu_rt::options::{RenderOptions, TRADE_OFFS};
 use gpu_rt::tradeoff::judge::Measured;
-use gpu_rt::tradeoff::model::{Falling, Model, Standing};
+use gpu_rt::tradeoff::model::{Falling, Model, Ranking};
 use gpu_rt::tradeoff::page::html;
 use gpu_rt::tradeoff::report::{Findings, Shown};
 use gpu_rt::tradeoff::sweep::{Setting, Unmeasured};
@@ -41,7 +41,7 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         bias_known: true,
         noise_doubt: 0.01,
         times: [1e-1, 1e-2, 1e-3].map(seconds_to),
-        standing: Standing::Front,
+        ranking: Ranking::Front,
     }
 }
 

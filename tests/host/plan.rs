@@ -70,7 +70,7 @@ fn planned_with<'a>(
     options: RenderOptions,
 ) -> (Plan<'a>, Report) {
     let tables = UniformTables::new(flat, class.device.table_bytes());
-    let kernels = Kernels::link(&flat.features.of(&options), &options, scatter, &tables);
+    let kernels = Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables);
     let kernels = kernels.unwrap_or_else(|error| panic!("{error}"));
     let plan = Plan { scene: flat, options, kernels, tuning: Tuning { scatter, ..class.tuning } };
     let report = Report::new(&plan, &class.limits);

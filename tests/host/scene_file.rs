@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gpu_rt::scene::forms::groups;
+use gpu_rt::scene::format::groups;
 use gpu_rt::scene::{Background, Camera, ImageSize, Material, Object, RenderDefaults, Scene, Texture, Transform};
 use gpu_rt::source::form::{Field, Form, Takes};
 use gpu_rt::source::{LARGEST, SMALLEST};

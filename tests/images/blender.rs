@@ -66,7 +66,7 @@ struct Distance {
 }
 
 impl Distance {
-    fn of(scene: &Scene, spp: u32, name: &str) -> Distance {
+    fn measure(scene: &Scene, spp: u32, name: &str) -> Distance {
         let (expected, whole_size) = reference(name);
         let (all_columns, all_rows) = whole_size;
         let ask = Ask::spp(spp).mis().sobol().roulette().size(all_columns as u32, all_rows as u32);
@@ -98,7 +98,7 @@ impl Distance {
 #[test]
 fn files_by_blender_look_as_cycles_renders_them() {
     for (name, spp) in SCENES {
-        let found = Distance::of(&scene(name), spp, name);
+        let found = Distance::measure(&scene(name), spp, name);
         println!("{name}: {found:?}");
         assert!(found.is_near(), "{name}: {found:?}");
     }
@@ -157,7 +157,7 @@ fn a_wrong_roughness_and_a_wrong_light_are_found() {
     for (name, plant) in [("metals", rougher), ("lights", wider), ("room", dimmer)] {
         let mut planted = scene(name);
         plant(&mut planted);
-        let found = Distance::of(&planted, 64, name);
+        let found = Distance::measure(&planted, 64, name);
         println!("{name}: {found:?}");
         assert!(!found.is_near(), "{name}: {found:?}");
     }
@@ -192,7 +192,7 @@ impl User {
 
     /// A difference that is not told is more than five standard deviations of noise, and half a digit.
     fn is_as_told(&self, scene: &Scene) -> Result<Distance, Distance> {
-        let found = Distance::of(scene, 128, self.name);
+        let found = Distance::measure(scene, 128, self.name);
         let is_near = (found.mean - self.told.0).abs() <= 5.0 * self.noise.0 + 0.0005;
         let has_blocks = found.block.abs() <= self.told.1.abs() + 5.0 * self.noise.1 + 0.0005;
         if is_near && has_blocks { Ok(found) } else { Err(found) }

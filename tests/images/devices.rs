@@ -108,7 +108,7 @@ fn devices_that_are_stopped_leave_whole_samples() {
         assert!(film.develop().samples.iter().all(|n| *n == samples));
         let ends = outcome.samples.ranges().iter().flat_map(|range| [range.start, range.end]);
         assert!(ends.into_iter().all(|end| end.is_multiple_of(RUN_LENGTH)), "{:?}", outcome.samples);
-        let end = outcome.samples.hull().end;
+        let end = outcome.samples.range().end;
         for gap in outcome.samples.missing(0..end).ranges() {
             render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
         }
@@ -126,7 +126,7 @@ fn devices_reach_goals() {
     ] {
         let mut film = empty();
         let outcome = render(2, 0, goal, None, &mut film, &mut |_, _| Next::GoOn);
-        assert_eq!(outcome.samples, Samples::from(outcome.samples.hull()), "{goal:?}");
-        assert!(film == by_one(outcome.samples.hull().end), "{goal:?}: {:?}", outcome.samples);
+        assert_eq!(outcome.samples, Samples::from(outcome.samples.range()), "{goal:?}");
+        assert!(film == by_one(outcome.samples.range().end), "{goal:?}: {:?}", outcome.samples);
     }
 }

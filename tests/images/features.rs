@@ -119,7 +119,7 @@ fn everything_is_on() {
         };
         let all = flatten(spheres, (12, 9), &every).expect("the scene flattens");
         let all = modules(
-            &Kernels::link(&all.features.of(&every), &every, scatter, &UniformTables::default())
+            &Kernels::link(&all.features.with_options(&every), &every, scatter, &UniformTables::default())
                 .expect("the kernels link"),
         );
         // What stands for the absence of another thing, or is chosen by the numbers of primitives and lights.

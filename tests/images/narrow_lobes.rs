@@ -227,7 +227,7 @@ struct Run {
 }
 
 impl Run {
-    fn of(text: &str) -> Run {
+    fn new(text: &str) -> Run {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("scene.ron"), text).expect("the scene is written");
         Run { folder }
@@ -255,7 +255,7 @@ impl Run {
 }
 
 fn report(text: &str, more: &[&str]) -> (Value, String) {
-    let run = Run::of(text);
+    let run = Run::new(text);
     run.report(&run.scene(), more)
 }
 
@@ -318,7 +318,7 @@ fn lights_without_size_are_probed_where_paths_can_find_them() {
 #[test]
 fn reports_do_not_depend_on_how_stages_are_linked() {
     let ships = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
-    let run = Run::of(&under_a_sky(0.4));
+    let run = Run::new(&under_a_sky(0.4));
     for (scene, counts) in [(run.scene(), true), (ships("cornell-smoke.ron"), false)] {
         let of = |scatter: &str, seed: &str| {
             let more = ["--scatter", scatter, "--seed", seed, "--size", "32x18", "--spp", "16", "--quiet"];
@@ -349,7 +349,7 @@ fn reports_do_not_depend_on_how_stages_are_linked() {
 #[test]
 fn checkpoints_hold_the_verdict() {
     for (text, reliable) in [(under_a_mirror(0.001), "0"), (under_a_mirror(0.8), "1")] {
-        let run = Run::of(&text);
+        let run = Run::new(&text);
         let mut command = run.command(&run.scene(), &["--spp", "10000000", "--checkpoint", "50ms", "--quiet"]);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
         let begin = Instant::now();

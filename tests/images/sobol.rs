@@ -86,7 +86,7 @@ fn a_render_until_an_error_is_that_of_its_samples() {
             until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, looks: 0 }, sampler);
         let noise = outcome.noise.expect("it was asked");
         let samples = outcome.samples.count() as u32;
-        assert!(noise.reached && !outcome.interrupted && outcome.samples.hull().start == 0);
+        assert!(noise.reached && !outcome.interrupted && outcome.samples.range().start == 0);
         assert_eq!(samples, look_after(noise.looks - 1));
         assert_eq!(samples == 16, error == 0.9, "{samples}");
         // The k-th look has 5 % / (k (k + 1)).

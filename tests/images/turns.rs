@@ -99,7 +99,7 @@ fn pilots_and_goals_do_not_show() {
         ] {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
-            let whole = render(&options, SIZE, outcome.samples.hull(), None, &mut |_, _| Next::GoOn).0;
+            let whole = render(&options, SIZE, outcome.samples.range(), None, &mut |_, _| Next::GoOn).0;
             assert!(film.develop().samples == whole.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
             assert!(film == whole, "{goal:?}: {:?}", outcome.samples);
@@ -142,8 +142,8 @@ fn what_is_stopped_is_whole() {
                     calls += 1;
                     if calls < at { Next::GoOn } else { Next::Stop }
                 });
-                let end = outcome.samples.hull().end;
-                assert!(outcome.interrupted && outcome.samples.hull().start == start && end < 4096, "{outcome:?}");
+                let end = outcome.samples.range().end;
+                assert!(outcome.interrupted && outcome.samples.range().start == start && end < 4096, "{outcome:?}");
                 assert!(end > start && end.is_multiple_of(RUN_LENGTH), "{outcome:?}");
                 assert!(
                     film == render(&options, SIZE, start..end, None, &mut |_, _| Next::GoOn).0,
@@ -169,7 +169,7 @@ fn a_whole_film_has_whole_samples() {
         let (mut calls, mut seen) = (0, Vec::new());
         let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
             if let Some(look) = look.filter(|look| look.is_whole) {
-                let end = outcome.samples.hull().end;
+                let end = outcome.samples.range().end;
                 seen.push(end);
                 assert!(end.is_multiple_of(RUN_LENGTH) && *look.film == each[(end / RUN_LENGTH) as usize - 1], "{end}");
             }
@@ -201,7 +201,7 @@ fn goals_go_on_with_a_film() {
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");
-            let whole = render(&options, SIZE, samples.hull(), None, &mut |_, _| Next::GoOn).0;
+            let whole = render(&options, SIZE, samples.range(), None, &mut |_, _| Next::GoOn).0;
             assert!(film == whole, "{tile:?}, {goal:?}: {:?}", outcome.samples);
         }
     }
@@ -223,8 +223,8 @@ fn what_goes_on_has_the_looks_of_one_render() {
         let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, looks) };
         let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut |_, _| Next::GoOn);
         assert_eq!(
-            (outcome.noise, outcome.samples.hull().end),
-            (Some(found), uninterrupted.samples.hull().end),
+            (outcome.noise, outcome.samples.range().end),
+            (Some(found), uninterrupted.samples.range().end),
             "{stop}"
         );
         assert!(film == whole, "{stop}");

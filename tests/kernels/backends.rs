@@ -50,7 +50,7 @@ fn check(name: &str, scene: &Scene, features: FeatureSet) {
     for uniform_bytes in [0, 1 << 16] {
         let tables = UniformTables::new(&flat, uniform_bytes);
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-            let kernels = Kernels::link(&flat.features.of(&options), &options, scatter, &tables);
+            let kernels = Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables);
             for kernel in kernels.unwrap_or_else(|error| panic!("{name}: {error}")).all() {
                 let at = format!("{name}, {features}, {scatter:?}, {}", kernel.name);
                 for (language, write) in [("MSL", as_msl as Write), ("HLSL", as_hlsl)] {

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::bitmap::Bitmap;
 use gpu_rt::data::{Cuboid, Quad, Sphere};
-use gpu_rt::lights as host;
+use gpu_rt::light_distribution as host;
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::light_kernel::{

@@ -167,7 +167,7 @@ struct Floor {
 }
 
 impl Floor {
-    fn of(pixels: &[[f64; 3]]) -> Floor {
+    fn new(pixels: &[[f64; 3]]) -> Floor {
         let column = |of: &dyn Fn(&[f64; 3]) -> f64| {
             let (mean, variance) = mean_and_variance(&pixels.iter().map(of).collect::<Vec<_>>());
             (mean, (variance / pixels.len() as f64).sqrt())
@@ -264,7 +264,7 @@ fn errors_fall_as_they_should_and_to_no_floor() {
             let floor = |planted: &dyn Fn(usize) -> f64| {
                 let last = films.iter().map(|of_seed| of_seed.last().expect("one at least"));
                 let pixels = last.flat_map(|film| Against { film, expected: &expected, planted }.pixels());
-                Floor::of(&pixels.collect::<Vec<_>>())
+                Floor::new(&pixels.collect::<Vec<_>>())
             };
             let found = floor(&|_| 1.0);
             println!(

@@ -91,7 +91,7 @@ impl Place {
 
     /// What a file holds.
     fn holds(&self, name: &str) -> Held {
-        Held::of(&self.path(name))
+        Held::read(&self.path(name))
     }
 }
 
@@ -124,7 +124,7 @@ impl Held {
         fields.chain(only(self, other)).chain(only(other, self)).collect()
     }
 
-    pub fn of(path: &Path) -> Held {
+    pub fn read(path: &Path) -> Held {
         let image = read_exr(path).unwrap_or_else(|error| panic!("{error}"));
         let state = read_state(path).expect("the state is read").expect("there is a state");
         let mut film = state.film().expect("it fits");
@@ -384,7 +384,7 @@ fn several_devices_have_the_bytes_of_one() {
     assert!(kill.expect("kill is there").success());
     finish(child).exits(143);
     let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples;
-    place.is_one_render(u64::from(held.hull().end) + 8);
+    place.is_one_render(u64::from(held.range().end) + 8);
     // Also a render until an error goes on with gaps.
     let gaps = "merge --quiet --allow-gaps a.exr b.exr -o gaps.exr";
     place.render("--quiet --samples 0..8 -o a.exr").exits(0);

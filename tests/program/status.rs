@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 
-use gpu_rt::jobs::Folder;
+use gpu_rt::cluster::Folder;
 use gpu_rt::output::exr::{StateFile, add_film, write_render};
 use serde_json::{Value, json};
 use tempfile::TempDir;

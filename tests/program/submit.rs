@@ -160,7 +160,7 @@ impl Cluster {
         ];
         words.extend(more.split_whitespace());
         finish(command(self.folder.path(), &words).spawn().expect("the program starts")).exits(0);
-        Held::of(&self.path("whole.exr"))
+        Held::read(&self.path("whole.exr"))
     }
 
     fn requeued(&self) -> String {
@@ -219,7 +219,7 @@ fn a_submitted_render_has_the_bytes_of_one() {
     );
     cluster.task(2).exits(0);
     cluster.merge().exits(0);
-    assert_eq!(Held::of(&cluster.job("a $scene.exr")).difference(&whole), [""; 0]);
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&whole), [""; 0]);
 
     // With nothing missing, the join alone is submitted.
     cluster.again("--missing").exits(0);
@@ -239,7 +239,7 @@ fn two_that_write_one_part_do_no_harm() {
     let both = [0, 0].map(|task| cluster.start("render.sh", Some(task), &|_| {}));
     both.into_iter().for_each(|task| _ = finish(task).exits(0));
     cluster.merge().exits(0);
-    assert_eq!(Held::of(&cluster.job("a $scene.exr")).difference(&cluster.whole("--spp 64")), [""; 0]);
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.whole("--spp 64")), [""; 0]);
 }
 
 /// SIGTERM to the script, as Slurm sends it before the time is over: the part is kept, the task asks to be started again, and goes on.
@@ -264,7 +264,7 @@ fn a_task_that_is_told_to_end_starts_again_and_goes_on() {
         assert_eq!(cluster.requeued(), "41_0\n".repeat(tries));
     }
     let one = cluster.whole(&format!("--spp {before}"));
-    assert!(Held::of(&part).film == one.film, "it went on with what was there");
+    assert!(Held::read(&part).film == one.film, "it went on with what was there");
 }
 
 /// Which endings start a task again, and how often.
@@ -332,7 +332,7 @@ fn rounds_end_where_one_render_would() {
         }
         assert!(count >= rounds && last.contains(said), "{asked}: {count} rounds; {last}");
         let whole = cluster.whole(asked);
-        assert_eq!(Held::of(&cluster.job("a $scene.exr")).difference(&whole), [""; 0], "{asked}");
+        assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&whole), [""; 0], "{asked}");
 
         // Without Slurm the join says what comes next; here nothing does. Asked again, it is the same.
         let again = cluster.again("--next").exits(0);
@@ -346,7 +346,7 @@ fn rounds_end_where_one_render_would() {
                 .expect("it starts"),
         )
         .exits(0);
-        assert_eq!(Held::of(Path::new(out)).difference(&cluster.whole("--noise 0.2")), [""; 0]);
+        assert_eq!(Held::read(Path::new(out)).difference(&cluster.whole("--noise 0.2")), [""; 0]);
         fs::remove_dir_all(cluster.job("")).expect("it was there");
     }
     // The next round waits for the join of this one.
@@ -373,7 +373,7 @@ fn the_largest_array_of_the_cluster_is_kept() {
     assert!(said.contains("no part has the samples 8..16, 32..40, 56..64"), "{said}");
     cluster.task(1).exits(0);
     cluster.merge().exits(0);
-    assert_eq!(Held::of(&cluster.job("a $scene.exr")).difference(&cluster.whole("--spp 64")), [""; 0]);
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.whole("--spp 64")), [""; 0]);
 }
 
 /// What cannot be submitted leaves nothing behind, and says why.
@@ -439,7 +439,7 @@ fn a_refused_submission_leaves_nothing_behind() {
         cluster.here(&mut command);
         finish(command.spawn().expect("the script starts")).exits(0);
     }
-    assert_eq!(Held::of(&cluster.job("a $scene.exr")).samples, "0..64");
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).samples, "0..64");
 }
 
 /// A GPU for each task: Vulkan knows it by its address alone.
@@ -507,5 +507,5 @@ fn a_join_has_what_is_asked() {
     assert!(said.contains("00-24.exr: --noise looks at 16 samples"), "{said}");
     assert!(!Path::new(out).exists());
     merge(&["--samples", "0..48"]).exits(0);
-    assert_eq!(Held::of(Path::new(out)).difference(&cluster.whole("--spp 48")), [""; 0]);
+    assert_eq!(Held::read(Path::new(out)).difference(&cluster.whole("--spp 48")), [""; 0]);
 }

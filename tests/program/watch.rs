@@ -30,10 +30,10 @@ enum Save {
 
 impl Watch {
     fn new(place: Place, more: &[&str]) -> Watch {
-        Watch::of("../scenes/sphere.ron", place, more)
+        Watch::start("../scenes/sphere.ron", place, more)
     }
 
-    fn of(scene: &'static str, place: Place, more: &[&str]) -> Watch {
+    fn start(scene: &'static str, place: Place, more: &[&str]) -> Watch {
         let said = place.folder.path().join("said");
         let arguments = [&["render", scene, "--device", software(), "--watch", "--verbose"], more].concat();
         let mut command = place.command(&arguments);
@@ -235,7 +235,7 @@ fn a_gltf_file_is_watched_as_a_scene_file_is() {
     let place = Place::new();
     let (json, binary) = room();
     fs::write(place.folder.path().join("scenes/sphere.glb"), glb(&json, &binary)).unwrap();
-    let mut watch = Watch::of("../scenes/sphere.glb", place, &SMALL);
+    let mut watch = Watch::start("../scenes/sphere.glb", place, &SMALL);
     watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
     let first = fs::read(watch.place.work().join("sphere.exr")).unwrap();
@@ -273,7 +273,7 @@ fn the_buffer_of_a_gltf_file_is_watched() {
     let buffer = place.folder.path().join("scenes/room.bin");
     fs::write(place.folder.path().join("scenes/sphere.gltf"), json.to_string()).unwrap();
     fs::write(&buffer, &binary).unwrap();
-    let mut watch = Watch::of("../scenes/sphere.gltf", place, &SMALL);
+    let mut watch = Watch::start("../scenes/sphere.gltf", place, &SMALL);
     watch.until_rendered();
     let first = fs::read(watch.place.work().join("sphere.exr")).unwrap();
     // The first corner's y.

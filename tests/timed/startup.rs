@@ -12,7 +12,7 @@ use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::Buffers;
 use gpu_rt::gpu::device::Device;
-use gpu_rt::gpu::kernels::KEPT_KERNELS;
+use gpu_rt::gpu::kernel_cache::KEPT_KERNELS;
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
@@ -53,7 +53,7 @@ fn in_vain(device: &Device, ran: &[String]) -> Vec<String> {
 const SPHERE: &str = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
 
 /// Such objects before a sky.
-fn of(objects: &str) -> Scene {
+fn scene_of(objects: &str) -> Scene {
     render::scene(&format!(
         "Scene(
             image: (width: 16, height: 9),
@@ -105,7 +105,8 @@ fn submissions_are_short() {
 #[test]
 fn what_is_compiled_runs() {
     let files = Everything::new();
-    let scenes = [("nothing", of("")), ("sphere", of(SPHERE)), ("everything", files.scene(World::default()))];
+    let scenes =
+        [("nothing", scene_of("")), ("sphere", scene_of(SPHERE)), ("everything", files.scene(World::default()))];
     for (name, scene) in &scenes {
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
             let device = device::open();
@@ -122,7 +123,7 @@ fn what_is_compiled_runs() {
 #[test]
 fn what_is_compiled_in_vain_is_found() {
     let device = device::open();
-    let scene = of(SPHERE);
+    let scene = scene_of(SPHERE);
     let _ = start(&device, &scene, Scatter::Linked, false);
     let ran = start(&device, &scene, Scatter::Fused, true);
     let mut found = in_vain(&device, &ran);

@@ -56,7 +56,7 @@ impl Request<'_> {
         if let Some(difference) = self.identity().difference("this render", &state.identity, &name.to_string()) {
             return Err(Error::Usage(format!("{name} cannot be resumed: {difference}")));
         }
-        let held = state.samples.hull();
+        let held = state.samples.range();
         let wanted = self.job.first_sample..self.job.goal.end();
         let missing = state.samples.missing(wanted.clone());
         let refused = |why: &str| {
@@ -168,7 +168,7 @@ impl Accumulation {
             None => self.samples.missing(job.first_sample..job.goal.end()),
         };
         // Several devices that were stopped leave gaps. They are filled before a goal is aimed at.
-        let is_gap = |range: &Range<u32>| range.start < self.samples.hull().end;
+        let is_gap = |range: &Range<u32>| range.start < self.samples.range().end;
         let part = |range: &Range<u32>| {
             let goal = match job.goal {
                 Goal::Until { deadline, .. } | Goal::Noise { deadline: Some(deadline), .. } if is_gap(range) => {

@@ -19,7 +19,7 @@ pub fn open(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
     }
     let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
     let denoiser = Denoiser::open(args.oidn.as_deref()).map_err(undone)?;
-    let (exr, png) = (beside(image), args.png.as_deref().and_then(picture_beside));
+    let (exr, png) = (denoised_image(image), args.png.as_deref().and_then(denoised_picture));
     Ok(Some(Denoising { denoiser, exr, png, view: args.view.transform() }))
 }
 
@@ -33,12 +33,12 @@ pub fn write(denoising: &Denoising, exr: &Path, quiet: bool) -> Result<Denoised>
 }
 
 /// The name of the denoised image: NAME.denoised.exr of NAME.exr.
-pub fn beside(image: &Path) -> PathBuf {
+pub fn denoised_image(image: &Path) -> PathBuf {
     let ending = image.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default();
     image.with_extension(format!("denoised.{ending}"))
 }
 
 /// The name of the denoised picture. A pipe gets one picture, that of the render.
-pub fn picture_beside(png: &Path) -> Option<PathBuf> {
-    can_be_replaced(png).then(|| beside(png))
+pub fn denoised_picture(png: &Path) -> Option<PathBuf> {
+    can_be_replaced(png).then(|| denoised_image(png))
 }

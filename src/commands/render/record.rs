@@ -56,8 +56,8 @@ impl Finish {
         object(json!({
             "device": names(|(device, _)| device),
             "driver": names(|(_, driver)| driver),
-            "first_sample": self.samples.hull().start,
-            "end_sample": self.samples.hull().end,
+            "first_sample": self.samples.range().start,
+            "end_sample": self.samples.range().end,
             "samples": self.samples.to_string(),
             "complete": self.complete,
             "paths": paths,
@@ -82,7 +82,7 @@ impl Finish {
 
 /// Samples of each pixel in the output.
 #[derive(Clone, Copy, Default)]
-pub struct Held {
+pub struct FileSamples {
     /// The earlier render's, if this one goes on with it.
     pub before: Option<u64>,
     /// The samples of the file if it stays as it was, because they are more than this render has.

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::accumulation::Accumulation;
 use super::observers::Observers;
-use super::record::{Finish, Held, Seconds, attributes_of, drop_absent, overrun, record};
+use super::record::{FileSamples, Finish, Seconds, attributes_of, drop_absent, overrun, record};
 use super::request::Request;
 use crate::commands::console::{object, path_text};
 use crate::commands::denoise::Denoised;
@@ -19,7 +19,7 @@ use crate::gpu::probe::numerics;
 use crate::output::exr::{State, read_state};
 use crate::plan::Plan;
 use crate::render::{Outcome, Renderer};
-use crate::threads::beside;
+use crate::threads::join;
 
 /// Under `--watch`: the time that a submission should take, since the one that is under way is waited for.
 const SOON: Duration = Duration::from_millis(30);
@@ -29,7 +29,7 @@ pub struct Rendering<'a> {
     pub request: &'a Request<'a>,
     pub devices: &'a mut Vec<Device>,
     pub film: Accumulation,
-    pub held: Held,
+    pub held: FileSamples,
     pub observers: Observers<'a>,
     pub outcome: Outcome,
     pub clock: Clock,
@@ -89,7 +89,7 @@ impl Rendering<'_> {
         // The device keeps what its probe finds; an error comes again where the findings are asked for.
         let probe = || devices.iter().all(|device| numerics(device).is_ok());
         let plan = |device: &Device| Plan::new(&request.flat, &request.args.options, device.class(), first);
-        let (_, plans) = beside(probe, || devices.iter().map(plan).collect::<Result<Vec<_>>>());
+        let (_, plans) = join(probe, || devices.iter().map(plan).collect::<Result<Vec<_>>>());
         let plans = plans?;
         let pairs: Vec<_> = devices.iter().zip(&plans).collect();
         let mut renderer = Renderer::of_devices(&pairs, first, request.args.profile)?;

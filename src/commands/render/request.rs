@@ -56,7 +56,7 @@ impl<'a> Request<'a> {
     }
 
     pub fn identity(&self) -> &Identity {
-        self.identity.get_or_init(|| Identity::of(self.scene, &self.frame, &self.job, &self.args.options))
+        self.identity.get_or_init(|| Identity::new(self.scene, &self.frame, &self.job, &self.args.options))
     }
 
     /// The options that bias the result or are less exact, as they were given.
@@ -149,8 +149,8 @@ pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Forma
     let png = args.png.as_deref();
     // A name that says no format is refused below.
     let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
-    let denoised = args.denoise().then(|| denoising::beside(&image));
-    let denoised_png = png.filter(|_| args.denoise()).and_then(denoising::picture_beside);
+    let denoised = args.denoise().then(|| denoising::denoised_image(&image));
+    let denoised_png = png.filter(|_| args.denoise()).and_then(denoising::denoised_picture);
     if args.denoise() && (format == Format::Png || !can_be_replaced(&image)) {
         return Err(Error::Usage(format!(
             "{}: --denoise reads the EXR that the render writes: give -o {}; nothing has been rendered",

@@ -11,7 +11,7 @@ use crate::flatten::{DeviceScene, Hierarchies, flatten_with};
 use crate::gpu::device::Device;
 use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
-use crate::threads::beside;
+use crate::threads::join;
 
 /// What stays between renders. The devices keep the kernels that they have compiled.
 #[derive(Default)]
@@ -51,7 +51,7 @@ impl Session {
             true => open_devices(args.paths.device.as_deref()),
             false => Ok(Vec::new()),
         };
-        beside(opening, || {
+        join(opening, || {
             let flat = flatten_with(scene, size, &args.options, self.hierarchies.as_mut());
             clock.seconds.build = clock.lap();
             flat

@@ -1,6 +1,6 @@
 //! What a render says at its end.
 
-use super::record::{Finish, Held, overrun};
+use super::record::{FileSamples, Finish, overrun};
 use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
@@ -11,7 +11,7 @@ use crate::render::{Noise, Outcome};
 const LEAST_OF_TIME: f64 = 0.9;
 
 /// The last line, and before it what the user should know. `total` is the seconds of the whole render.
-pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held: &Held, total: f64) {
+pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held: &FileSamples, total: f64) {
     let Request { args, job, .. } = request;
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
@@ -56,8 +56,8 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
         }
     }
     doubts(finish).for_each(|doubt| tell(&doubt));
-    if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
-        tell(&noise_words(wish, &noise, &finish.verdict));
+    if let (Some(spec), Some(noise)) = (args.noise, finish.noise) {
+        tell(&noise_words(spec, &noise, &finish.verdict));
     }
     if args.verbose && finish.verdict.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", request.excluded()));
@@ -98,18 +98,18 @@ pub fn doubts(finish: &Finish) -> impl Iterator<Item = String> {
 }
 
 /// What came of a render until an error.
-pub fn noise_words(wish: f64, noise: &Noise, verdict: &Verdict) -> String {
+pub fn noise_words(spec: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
     match verdict.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
-        Some(bound) if !noise.reached && bound < wish => format!(
-            "--noise {wish} {words}: the noise is at most {} %, with 95 % confidence, but light is missing that paths have not found",
+        Some(bound) if !noise.reached && bound < spec => format!(
+            "--noise {spec} {words}: the noise is at most {} %, with 95 % confidence, but light is missing that paths have not found",
             percent(bound)
         ),
         Some(bound) => {
-            format!("--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence", percent(bound))
+            format!("--noise {spec} {words}: the relative error is at most {} %, with 95 % confidence", percent(bound))
         }
         None => format!(
-            "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
+            "--noise {spec} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
         ),
     }
 }

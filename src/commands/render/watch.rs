@@ -91,7 +91,7 @@ fn pass(session: &mut Session, args: &RenderArgs, start: Instant, render: Render
     }
     let scene = scene?;
     let (frame, job) = frame_and_job(args, &scene, start)?;
-    let identity = || Identity::of(&scene, &frame, &job, &args.options);
+    let identity = || Identity::new(&scene, &frame, &job, &args.options);
     let is_held = !args.force && more_there(&args.image(), identity, 0).is_some();
     let most = args.spp.0.unwrap_or(scene.render.samples);
     let mut begun = start;

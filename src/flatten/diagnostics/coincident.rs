@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{DVec2, DVec3};
 
 use super::search::{Body, Search, U, Worst, coincidence};
-use crate::shape::{Hull, Shape, normal, reach_of};
+use crate::shape::{BoundingShape, Shape, normal, reach_of};
 
 /// Each surface in a plane is compared with this number of others, those next to it along an edge.
 const TESTS_EACH: usize = 64;
@@ -64,12 +64,12 @@ impl Side {
 
 /// The flat surfaces of a shape.
 fn sides(owner: usize, body: &Body) -> Vec<Side> {
-    if !body.shape.is_hull() {
+    if !body.shape.fills_bounding_shape() {
         return Vec::new();
     }
-    match body.hull {
-        Hull::Ball { .. } => Vec::new(),
-        Hull::Parallelogram { corner, u, v } => {
+    match body.bounds {
+        BoundingShape::Ball { .. } => Vec::new(),
+        BoundingShape::Parallelogram { corner, u, v } => {
             // Of a disk, the square within it: all of it is surface.
             let margin = if matches!(body.shape, Shape::Disk(_)) { 0.5 * (1.0 - FRAC_1_SQRT_2) } else { 0.0 };
             let [low, high] = [margin, 1.0 - margin];
@@ -77,7 +77,7 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
             let corners = [at(low, low), at(high, low), at(high, high), at(low, high)];
             Side::new(owner, body, normal(u, v), corners, 0.0, 12.0 * (u.abs() + v.abs())).into_iter().collect()
         }
-        Hull::Cuboid { center, half, axes } => {
+        BoundingShape::Cuboid { center, half, axes } => {
             let is_inside = ((axes.transpose() * center).abs() - half).max_element() < 0.0;
             let side = |axis: usize, sign: f64| {
                 let normal = sign * axes.col(axis);

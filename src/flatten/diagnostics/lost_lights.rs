@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::search::{Diagnostic, OTHER, Role, Search, U, Worst};
 use super::within::{Within, is_outside_in_front};
 use crate::scene::Object;
-use crate::shape::{Hull, normal};
+use crate::shape::{BoundingShape, normal};
 
 /// The number of lights that the search looks at.
 const MOST_LIGHTS: usize = 4096;
@@ -30,15 +30,15 @@ fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
     let lens = DVec3::splat(search.view.lens_radius());
     let (mut low, mut high, mut rounded) = (-lens, lens, lens);
     for body in search.bodies().chain(search.boundaries()) {
-        let (l, h) = body.hull.bounds();
+        let (l, h) = body.bounds.bounds();
         (low, high) = (low.min(l), high.max(h));
         // The rounding of a large sphere is not that of its far side.
         if body.shape.large_sphere().is_none() {
             rounded = rounded.max(l.abs().max(h.abs()));
         }
     }
-    for body in search.bodies().filter(|body| is_one_sided(&body.role) && body.shape.is_hull()) {
-        let Hull::Parallelogram { corner, u, v } = body.hull else { continue };
+    for body in search.bodies().filter(|body| is_one_sided(&body.role) && body.shape.fills_bounding_shape()) {
+        let BoundingShape::Parallelogram { corner, u, v } = body.bounds else { continue };
         let n = normal(u, v);
         let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
         if n.dot(farthest - corner) <= 8.0 * U * n.abs().dot(rounded) {
@@ -61,7 +61,7 @@ struct Light<'a> {
 fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
     let [mut outwards, mut hidden, mut rooms] = [(); 3].map(|()| Worst::default());
     let surfaces = search.bodies().filter(|body| body.role.light).map(|body| {
-        let (center, radius) = body.hull.ball();
+        let (center, radius) = body.bounds.ball();
         Light { object: body.object, center, radius }
     });
     let without_size = search
@@ -96,7 +96,7 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
         if !is_around && !is_beside {
             continue;
         }
-        let (center, reach) = wall.hull.ball();
+        let (center, reach) = wall.bounds.ball();
         for light in lights.iter().filter(|light| !std::ptr::eq(light.object, wall.object)) {
             let Some(left) = tests.checked_sub(1) else { return [outwards, hidden, rooms] };
             tests = left;

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::search::{Body, Search, U, Worst, coincidence};
-use crate::shape::Hull;
+use crate::shape::BoundingShape;
 
 /// Each object is compared with this number of others, those next in the order.
 const TESTS_EACH: usize = 16;
@@ -21,9 +21,9 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
     // The number made of position and radius, and the index of the object.
     let mut order: Vec<(f64, usize)> = Vec::new();
     for (index, body) in search.bodies().enumerate() {
-        let is_sphere = body.shape.is_hull() && matches!(body.hull, Hull::Ball { .. });
+        let is_sphere = body.shape.fills_bounding_shape() && matches!(body.bounds, BoundingShape::Ball { .. });
         if is_sphere || body.shape.mesh().is_some() {
-            let (center, radius) = body.hull.ball();
+            let (center, radius) = body.bounds.ball();
             order.push((DIRECTION.dot(center) + RADIUS * radius, index));
         }
     }
@@ -31,7 +31,7 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
     let mut worst = Worst::default();
     for (at, &(along, index)) in order.iter().enumerate() {
         let body = search.body(index);
-        let (center, radius) = body.hull.ball();
+        let (center, radius) = body.bounds.ball();
         let reach = SLACK * (center.abs().max_element() + radius);
         let near = order[at + 1..].iter().take_while(|(other, _)| other - along <= reach).take(TESTS_EACH);
         let mut near = near.map(|(_, other)| (*other, search.body(*other)));
@@ -52,7 +52,7 @@ fn distance(a: &Body, b: &Body) -> Option<(f64, f64)> {
     if a.material == b.material && !a.role.clear {
         return None;
     }
-    let ((center, r), (other, s)) = (a.hull.ball(), b.hull.ball());
+    let ((center, r), (other, s)) = (a.bounds.ball(), b.bounds.ball());
     let apart = (r - s).abs() + center.distance(other);
     let of_ball = U * (4.0 * (center.abs().max_element() + r) + 2.0 * (center.length() + r) + 4.0 * r);
     let (gap, bound) = match (a.shape.mesh(), b.shape.mesh()) {
@@ -61,7 +61,7 @@ fn distance(a: &Body, b: &Body) -> Option<(f64, f64)> {
             None => (apart, of_ball),
         },
         (Some(one), Some(twin)) if one.number == twin.number => {
-            let corners = a.hull.corners().into_iter().zip(b.hull.corners());
+            let corners = a.bounds.corners().into_iter().zip(b.bounds.corners());
             (corners.map(|(p, q)| p.distance(q)).fold(0.0, f64::max), of_ball)
         }
         _ => return None,

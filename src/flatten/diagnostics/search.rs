@@ -6,7 +6,7 @@ use crate::flatten::place::{Finder, Placed};
 use crate::flatten::view::View;
 use crate::scene::{Material, Object, Scene};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Hull, Placement, RenderSpace, Shape};
+use crate::shape::{BoundingShape, Placement, RenderSpace, Shape};
 
 /// Half a unit in the last place of 1 in f32: the largest relative error of a rounding.
 pub const U: f64 = 1.0 / (1u64 << 24) as f64;
@@ -55,9 +55,10 @@ impl<'a> Search<'a> {
     }
 
     pub fn new_body(&self, object: &'a Object, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
-        let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
+        let bounds =
+            shape.bounding_shape(&Placement { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
         let role = Role { clear: true, light: false, one_sided: false };
-        Body { object, shape, to_world, material: 0, role, hull, position: hull.place() }
+        Body { object, shape, to_world, material: 0, role, bounds, position: bounds.place() }
     }
 }
 
@@ -69,7 +70,7 @@ pub struct Body<'a> {
     pub to_world: &'a Similarity,
     pub material: u32,
     pub role: Role,
-    pub hull: Hull,
+    pub bounds: BoundingShape,
     /// The centre of a sphere, box or mesh; the corner of a quad.
     pub position: DVec3,
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::search::{Body, Diagnostic, Search, U, Worst, short};
 use crate::flatten::place::reach;
 use crate::scene::Object;
-use crate::shape::Hull;
+use crate::shape::BoundingShape;
 
 /// The least length, as a share of its distance: eight roundings of its position. At this size a shape is off by an eighth.
 const LEAST_SHARE: f64 = 8.0 * U;
@@ -66,13 +66,15 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
 
 /// The sizes of a shape, each with its direction if it has one. Of a mesh only the longest side of its box counts, because a mesh may be flat.
 fn sizes(body: &Body) -> Vec<(f64, Option<DVec3>)> {
-    match body.hull {
-        Hull::Ball { radius, .. } => vec![(radius, None)],
-        Hull::Parallelogram { u, v, .. } => [u, v].map(|edge| (edge.length(), Some(edge.normalize_or_zero()))).into(),
-        Hull::Cuboid { half, axes, .. } if body.shape.is_hull() => {
+    match body.bounds {
+        BoundingShape::Ball { radius, .. } => vec![(radius, None)],
+        BoundingShape::Parallelogram { u, v, .. } => {
+            [u, v].map(|edge| (edge.length(), Some(edge.normalize_or_zero()))).into()
+        }
+        BoundingShape::Cuboid { half, axes, .. } if body.shape.fills_bounding_shape() => {
             (0..3).map(|axis| (2.0 * half[axis], Some(axes.col(axis)))).collect()
         }
-        Hull::Cuboid { half, .. } => vec![(2.0 * half.max_element(), None)],
+        BoundingShape::Cuboid { half, .. } => vec![(2.0 * half.max_element(), None)],
     }
 }
 
@@ -82,7 +84,7 @@ fn least_size(search: &Search, body: &Body, direction: Option<DVec3>) -> f64 {
     let depth = if search.view.turned && !body.role.clear { 0.0 } else { 1.0 };
     let position = body.position.abs() * DVec3::new(1.0, 1.0, depth);
     let coordinate = direction.map_or(position.length(), |direction| position.dot(direction.abs()));
-    let share = if matches!(body.hull, Hull::Ball { .. }) { LEAST_RADIUS } else { LEAST_SHARE };
+    let share = if matches!(body.bounds, BoundingShape::Ball { .. }) { LEAST_RADIUS } else { LEAST_SHARE };
     (share * coordinate).max(LEAST_OF_EXTENT * search.extent)
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::search::Body;
-use crate::shape::Hull;
+use crate::shape::BoundingShape;
 use crate::shape::mesh::MeshShape;
 
 /// The limit on triangles that are looked at, over all queries.
@@ -28,10 +28,12 @@ impl Within {
     /// the distance in magnitude. None for shapes that are not closed, and for a mesh once the limit on triangles is
     /// reached.
     pub fn depth(&mut self, wall: &Body, p: DVec3) -> Option<f64> {
-        let by_hull = match wall.hull {
-            Hull::Ball { center, radius } => radius - p.distance(center),
-            Hull::Cuboid { center, half, axes } => (half - (axes.transpose() * (p - center)).abs()).min_element(),
-            Hull::Parallelogram { .. } => return None,
+        let by_hull = match wall.bounds {
+            BoundingShape::Ball { center, radius } => radius - p.distance(center),
+            BoundingShape::Cuboid { center, half, axes } => {
+                (half - (axes.transpose() * (p - center)).abs()).min_element()
+            }
+            BoundingShape::Parallelogram { .. } => return None,
         };
         match wall.shape.mesh() {
             Some(mesh) if by_hull > 0.0 => self.depth_in_mesh(mesh, wall, p),

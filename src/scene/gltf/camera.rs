@@ -5,7 +5,7 @@ use gltf::json::camera::Type;
 use gltf::json::validation::Checked;
 
 use super::nodes::Placed;
-use super::{Broken, File, Result, decimal};
+use super::{File, GltfError, Result, decimal};
 use crate::scene::types::{Camera, ImageSize};
 use crate::shape::Aabb;
 
@@ -38,36 +38,36 @@ impl File {
         let at = format!("cameras[{index}]");
         let camera = self.root().cameras.get(index);
         let camera = camera.ok_or_else(|| {
-            Broken::new(format!("nodes[{}].camera", placed.index), format!("there is no camera {index}"))
+            GltfError::new(format!("nodes[{}].camera", placed.index), format!("there is no camera {index}"))
         })?;
         let perspective = match (camera.type_, &camera.perspective) {
             (Checked::Valid(Type::Perspective), Some(perspective)) => perspective,
             (Checked::Valid(Type::Perspective), None) => {
-                return Err(Broken::new(at, "expected the properties perspective"));
+                return Err(GltfError::new(at, "expected the properties perspective"));
             }
             (Checked::Valid(Type::Orthographic), _) => {
                 notes.push(format!("{at}: orthographic cameras are not supported, and it is left out"));
                 return Ok(None);
             }
             (Checked::Invalid, _) => {
-                return Err(Broken::new(format!("{at}.type"), "expected perspective or orthographic"));
+                return Err(GltfError::new(format!("{at}.type"), "expected perspective or orthographic"));
             }
         };
         let yfov = decimal(perspective.yfov);
         if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
             let reason = format!("expected an angle between 0 and pi, found {yfov}");
-            return Err(Broken::new(format!("{at}.perspective.yfov"), reason));
+            return Err(GltfError::new(format!("{at}.perspective.yfov"), reason));
         }
         let aspect = perspective.aspect_ratio.map_or(ASPECT, decimal);
         if !(aspect > 0.0 && aspect.is_finite()) {
             let reason = format!("expected a positive number, found {aspect}");
-            return Err(Broken::new(format!("{at}.perspective.aspectRatio"), reason));
+            return Err(GltfError::new(format!("{at}.perspective.aspectRatio"), reason));
         }
         let DAffine3 { matrix3, translation } = placed.to_scene;
         let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
         let turn = forward.cross(up).length();
         if turn.is_nan() || turn < 1e-6 {
-            return Err(Broken::new(format!("nodes[{}]", placed.index), "its camera has no direction"));
+            return Err(GltfError::new(format!("nodes[{}]", placed.index), "its camera has no direction"));
         }
         let names = [placed.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();
         let camera = Camera {

@@ -10,10 +10,10 @@ use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
 use super::nodes::similarity;
-use super::{Broken, File, Result};
+use super::{File, GltfError, Result};
 use crate::guard::guarded;
 use crate::scene::gltf_path::Part;
-use crate::scene::mesh::quote;
+use crate::scene::mesh_files::quote;
 use crate::scene::nearest::nearest;
 use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
@@ -285,7 +285,7 @@ impl Materials<'_> {
         let (own, material) = match index {
             Some(index) if index >= self.file.root().materials.len() => {
                 let at = format!("meshes[{mesh}].primitives[{primitive}].material");
-                return Err(Broken::new(at, format!("there is no material {index}")));
+                return Err(GltfError::new(at, format!("there is no material {index}")));
             }
             Some(index) => {
                 let mut notes = Vec::new();

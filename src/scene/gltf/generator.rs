@@ -41,7 +41,7 @@ pub struct Blender {
 
 impl Blender {
     /// "Khronos glTF Blender I/O v4.2.57", and before 2019 "Khronos Blender glTF 2.0 exporter".
-    fn of(generator: &str) -> Option<Blender> {
+    fn parse(generator: &str) -> Option<Blender> {
         let is_it = ["Khronos", "Blender"].iter().all(|word| generator.contains(word));
         let version = || {
             let mut numbers = generator.rsplit_once(" v")?.1.split('.').map(str::parse);
@@ -63,7 +63,7 @@ impl File {
     /// The version of Blender's exporter that wrote it.
     pub fn blender(&self) -> Option<Blender> {
         let Root { asset, .. } = self.root();
-        Blender::of(asset.generator.as_deref()?)
+        Blender::parse(asset.generator.as_deref()?)
     }
 }
 
@@ -85,7 +85,7 @@ mod tests {
             ("babylon.js glTF exporter for Blender", None),
             ("", None),
         ] {
-            assert_eq!(Blender::of(generator), expected, "{generator}");
+            assert_eq!(Blender::parse(generator), expected, "{generator}");
         }
         let units = |version| Blender { version }.light_units();
         assert_eq!(units(Some((3, 3))), LightUnits::Watts);

@@ -9,9 +9,9 @@ use gltf::json::validation::Checked;
 
 use super::accessors::Elements;
 use super::material::{UvPlacing, is_opaque};
-use super::{Broken, File, Result};
+use super::{File, GltfError, Result};
 use crate::scene::gltf_path::Part;
-use crate::scene::mesh::{Draft, MOST_BYTES};
+use crate::scene::mesh_files::{Draft, MOST_BYTES};
 
 /// Whether a primitive consists of triangles, and not of points or lines.
 pub fn has_triangles(primitive: &Primitive) -> bool {
@@ -47,7 +47,7 @@ impl File {
             Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),
             Part::OfNode { node, primitive } => {
                 let placed = self.nodes().find(|placed| placed.index == node);
-                let wrong = |reason: &str| Broken::new(format!("nodes[{node}]"), reason);
+                let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
                 let placed = placed.ok_or_else(|| wrong("expected a node of the default scene"))?;
                 let mesh = placed.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
                 (mesh.value(), primitive, placed.to_scene)
@@ -101,7 +101,7 @@ impl File {
             return Ok(None);
         };
         let at = || format!("meshes[{mesh}].primitives[{primitive}].attributes.TEXCOORD_{set}");
-        let uvs = self.elements::<2>(index).map_err(|reason| Broken::new(at(), reason))?;
+        let uvs = self.elements::<2>(index).map_err(|reason| GltfError::new(at(), reason))?;
         Ok(Some(uvs.map(|uv| placing.in_mesh(uv))))
     }
 
@@ -112,9 +112,12 @@ impl File {
         let at = format!("meshes[{mesh}].primitives[{primitive}].attributes.TANGENT");
         let (found, expected) = (self.accessor(index).map_or(0, |accessor| accessor.count.0), draft.positions.len());
         if found != expected as u64 {
-            return Err(Broken::new(at, format!("expected a tangent for each of {expected} vertices, found {found}")));
+            return Err(GltfError::new(
+                at,
+                format!("expected a tangent for each of {expected} vertices, found {found}"),
+            ));
         }
-        let tangents = self.elements::<4>(index).map_err(|reason| Broken::new(&at, reason))?;
+        let tangents = self.elements::<4>(index).map_err(|reason| GltfError::new(&at, reason))?;
         let sign = to_scene.matrix3.determinant().signum();
         let placed = tangents.map(|[x, y, z, w]| {
             let along = (to_scene.matrix3 * DVec3::new(x, y, z)).normalize();
@@ -126,12 +129,12 @@ impl File {
     /// The primitives of a node's mesh.
     pub fn primitives(&self, mesh: usize, node: usize) -> Result<&[Primitive]> {
         let found = self.root().meshes.get(mesh).map(|mesh| mesh.primitives.as_slice());
-        found.ok_or_else(|| Broken::new(format!("nodes[{node}].mesh"), format!("there is no mesh {mesh}")))
+        found.ok_or_else(|| GltfError::new(format!("nodes[{node}].mesh"), format!("there is no mesh {mesh}")))
     }
 
     /// A primitive of a mesh.
     pub fn primitive(&self, mesh: usize, primitive: usize) -> Result<&Primitive> {
-        let wrong = |at: String, what: &str, number: usize| Broken::new(at, format!("there is no {what} {number}"));
+        let wrong = |at: String, what: &str, number: usize| GltfError::new(at, format!("there is no {what} {number}"));
         let found = self.root().meshes.get(mesh).ok_or_else(|| wrong("meshes".to_owned(), "mesh", mesh))?;
         let primitives = format!("meshes[{mesh}].primitives");
         found.primitives.get(primitive).ok_or_else(|| wrong(primitives, "primitive", primitive))
@@ -185,7 +188,7 @@ impl File {
         draft: &mut Draft,
     ) -> Result<()> {
         let wrong =
-            |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
+            |field: &str, reason: String| GltfError::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
         let primitive = self.primitive(mesh, number)?;
         if !has_triangles(primitive) {
             return Ok(());
@@ -254,7 +257,7 @@ impl File {
     /// Adds a primitive's triangles with the positions of its vertices; points and lines have none.
     fn add_faces(&self, mesh: usize, number: usize, to_scene: &DAffine3, draft: &mut Draft) -> Result<()> {
         let wrong =
-            |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
+            |field: &str, reason: String| GltfError::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
         let primitive = self.primitive(mesh, number)?;
         let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
             return Ok(());

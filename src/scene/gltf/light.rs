@@ -7,7 +7,7 @@ use gltf::json::validation::Checked;
 use super::generator::LightUnits;
 use super::material::{colour, radiance};
 use super::nodes::Placed;
-use super::{Broken, File, Result, decimal};
+use super::{File, GltfError, Result, decimal};
 use crate::scene::types::Object;
 
 /// A light of the file.
@@ -26,10 +26,10 @@ impl File {
         let all = self.root().extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
         let Some(light) = all.and_then(|all| all.lights.get(index)) else {
             let at = format!("{node}.extensions.KHR_lights_punctual.light");
-            return Err(Broken::new(at, format!("there is no light {index}")));
+            return Err(GltfError::new(at, format!("there is no light {index}")));
         };
         let wrong = |field: &str, reason: String| {
-            Broken::new(format!("extensions.KHR_lights_punctual.lights[{index}].{field}"), reason)
+            GltfError::new(format!("extensions.KHR_lights_punctual.lights[{index}].{field}"), reason)
         };
         let strength = decimal(light.intensity);
         if strength < 0.0 || light.color.iter().any(|channel| *channel < 0.0) {
@@ -42,7 +42,7 @@ impl File {
         let at = placed.to_scene.translation;
         let direction = -placed.to_scene.matrix3.z_axis.normalize_or_zero();
         if direction == DVec3::ZERO && kind != Type::Point {
-            return Err(Broken::new(node, "its light has no direction"));
+            return Err(GltfError::new(node, "its light has no direction"));
         }
         let object = match kind {
             Type::Point => Object::PointLight { at, intensity: strength },

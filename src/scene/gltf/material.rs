@@ -10,11 +10,11 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::{Broken, File, Result, beside, decimal};
+use super::{File, GltfError, Result, decimal, path_of_uri};
 use crate::bitmap::Channel;
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
-use crate::scene::mesh::quote;
+use crate::scene::mesh_files::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
 
@@ -35,7 +35,7 @@ impl Default for UvPlacing {
 }
 
 impl UvPlacing {
-    fn of(info: &Info) -> UvPlacing {
+    fn from_info(info: &Info) -> UvPlacing {
         let mut placing = UvPlacing { set: info.tex_coord, ..UvPlacing::default() };
         if let Some(transform) = info.extensions.as_ref().and_then(|found| found.texture_transform.as_ref()) {
             placing.set = transform.tex_coord.unwrap_or(info.tex_coord);
@@ -202,7 +202,7 @@ fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
 fn placings(given: &Given) -> Vec<UvPlacing> {
     let mut found = Vec::new();
     for (_, info) in textures(given) {
-        let placing = UvPlacing::of(&info);
+        let placing = UvPlacing::from_info(&info);
         if !found.contains(&placing) {
             found.push(placing);
         }
@@ -262,7 +262,7 @@ impl File {
         notes: &mut Vec<String>,
     ) -> Result<Material> {
         let given = self.root().materials.get(index);
-        let given = given.ok_or_else(|| Broken::new("materials", format!("there is no material {index}")))?;
+        let given = given.ok_or_else(|| GltfError::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
         let pbr = &given.pbr_metallic_roughness;
         // What is not as the file says.
@@ -273,7 +273,7 @@ impl File {
         // The path of an image, and which of the sets of texture coordinates it has.
         let mut image = |named: Option<Named>| -> Result<Option<(String, u32)>> {
             let Some((field, info)) = named else { return Ok(None) };
-            let placing = UvPlacing::of(&info);
+            let placing = UvPlacing::from_info(&info);
             let uv_set = placings.iter().position(|known| *known == placing).unwrap_or_default() as u32;
             Ok(self.image_path(&at, field, &info, path, &mut found)?.map(|path| (path, uv_set)))
         };
@@ -411,7 +411,7 @@ impl File {
             let sampler = self.root().samplers.get(number);
             let sampler = sampler.ok_or_else(|| {
                 let at = format!("textures[{}].sampler", info.index.value());
-                Broken::new(at, format!("there is no sampler {number}"))
+                GltfError::new(at, format!("there is no sampler {number}"))
             })?;
             let repeats = |wrap: &Checked<WrappingMode>| matches!(wrap, Checked::Valid(WrappingMode::Repeat));
             let is_cut = !repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t);
@@ -422,7 +422,7 @@ impl File {
         let image = self.root().images.get(source);
         match image.and_then(|image| image.uri.as_deref()).filter(|uri| !uri.starts_with("data:")) {
             Some(uri) => {
-                let uri = beside(uri).map_err(|reason| Broken::new(format!("images[{source}].uri"), reason))?;
+                let uri = path_of_uri(uri).map_err(|reason| GltfError::new(format!("images[{source}].uri"), reason))?;
                 Ok(Some(Path::new(path).with_file_name(uri).to_string_lossy().into_owned()))
             }
             None => Ok(Some(format!("{path}#{}", Part::Image(source)))),
@@ -432,10 +432,9 @@ impl File {
     /// The number of a texture's image. Nothing, with a note, where it is of a format that is not read.
     fn image_of(&self, material: &str, field: &str, info: &Info, notes: &mut Vec<String>) -> Result<Option<usize>> {
         let index = info.index.value();
-        let texture =
-            self.root().textures.get(index).ok_or_else(|| {
-                Broken::new(format!("{material}.{field}.index"), format!("there is no texture {index}"))
-            })?;
+        let texture = self.root().textures.get(index).ok_or_else(|| {
+            GltfError::new(format!("{material}.{field}.index"), format!("there is no texture {index}"))
+        })?;
         let at = format!("textures[{index}]");
         let webp = texture.extensions.as_ref().and_then(|found| found.others.get("EXT_texture_webp"));
         let webp = webp.and_then(|webp| webp.get("source")?.as_u64());
@@ -450,7 +449,7 @@ impl File {
         };
         match source < self.root().images.len() {
             true => Ok(Some(source)),
-            false => Err(Broken::new(format!("{at}.source"), format!("there is no image {source}"))),
+            false => Err(GltfError::new(format!("{at}.source"), format!("there is no image {source}"))),
         }
     }
 }

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json::Root;
 use gltf::json::scene::Node;
 
-use super::broken::{Broken, Result};
+use super::error::{GltfError, Result};
 use crate::scene::types::Transform;
 use crate::source::{LARGEST, SMALLEST};
 
@@ -21,7 +21,7 @@ pub struct Placed<'a> {
 pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
     let scene = root.scene.map_or(0, |scene| scene.value());
     let at = if root.scene.is_some() { "scene" } else { "scenes" };
-    let top = root.scenes.get(scene).ok_or_else(|| Broken::new(at, format!("expected a scene {scene} in it")))?;
+    let top = root.scenes.get(scene).ok_or_else(|| GltfError::new(at, format!("expected a scene {scene} in it")))?;
     // Visits every node once: in a malicious file, nodes can be each other's children.
     let mut seen = HashSet::new();
     let mut placed = Vec::new();
@@ -29,13 +29,13 @@ pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
     let mut nodes: Vec<(usize, Option<usize>, DAffine3)> =
         top.nodes.iter().rev().map(|node| (node.value(), None, DAffine3::IDENTITY)).collect();
     while let Some((index, above, parent)) = nodes.pop() {
-        let wrong = |reason: &str| Broken::new(format!("nodes[{index}]"), reason);
+        let wrong = |reason: &str| GltfError::new(format!("nodes[{index}]"), reason);
         if !seen.insert(index) {
             return Err(wrong("it occurs twice: expected a tree of nodes"));
         }
         let Some(node) = root.nodes.get(index) else {
             let at = above.map_or(format!("scenes[{scene}].nodes"), |above| format!("nodes[{above}].children"));
-            return Err(Broken::new(at, format!("there is no node {index}")));
+            return Err(GltfError::new(at, format!("there is no node {index}")));
         };
         let to_scene = parent * to_parent(node);
         if !to_scene.is_finite() {

@@ -10,7 +10,7 @@ use super::light_tree::{Bounded, Extent, LightTree};
 use super::place::Placed;
 use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
 use crate::delta_light::PlacedLight;
-use crate::lights::SkyDistribution;
+use crate::light_distribution::SkyDistribution;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap, Object};
 use crate::shape::{Aabb, Emitter, Placement};

@@ -4,9 +4,9 @@
 //! an accessor against its buffer before the crate's iterators see it, because they trust offsets and counts.
 
 mod accessors;
-mod broken;
 mod camera;
 mod contents;
+mod error;
 mod generator;
 mod geometry;
 mod light;
@@ -27,12 +27,12 @@ use serde_json::{Value, json};
 
 use super::file::{self, OnProgress};
 use super::gltf_path::unescape;
-use super::mesh::quote;
+use super::mesh_files::quote;
 use crate::guard::guarded;
 
-pub use broken::{Broken, Result};
 pub use camera::framing;
 pub use contents::{OBJECT, OPTIONS, Reading, bounds};
+pub use error::{GltfError, Result};
 pub use light::sun;
 use nodes::Placed;
 
@@ -118,9 +118,12 @@ impl File {
     /// The bytes of an image that lies in the file.
     pub fn image(&self, index: usize) -> Result<Cow<'_, [u8]>> {
         let at = format!("images[{index}]");
-        let wrong = |reason: String| Broken::new(&at, reason);
-        let image =
-            self.root().images.get(index).ok_or_else(|| Broken::new("images", format!("there is no image {index}")))?;
+        let wrong = |reason: String| GltfError::new(&at, reason);
+        let image = self
+            .root()
+            .images
+            .get(index)
+            .ok_or_else(|| GltfError::new("images", format!("there is no image {index}")))?;
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => read_uri(uri, &self.path, "image", file::LONGEST).map(Cow::Owned).map_err(wrong),
             (None, Some(view)) => self.bytes_of(view).map(Cow::Borrowed).map_err(wrong),
@@ -203,7 +206,7 @@ fn parse_strictly(json: &[u8]) -> Result<Root> {
     let mut deserializer = serde_json::Deserializer::from_slice(json);
     let root = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let at = error.path().to_string();
-        Broken::new(if at == "." { String::new() } else { at }, wrong(error.into_inner()))
+        GltfError::new(if at == "." { String::new() } else { at }, wrong(error.into_inner()))
     })?;
     deserializer.end().map_err(wrong)?;
     Ok(root)
@@ -214,7 +217,7 @@ fn check_version(version: &str) -> Result<()> {
         true => Ok(()),
         false => {
             let found = quote(version.as_bytes());
-            Err(Broken::new("asset.version", format!("expected glTF of version 2.0, found {found}")))
+            Err(GltfError::new("asset.version", format!("expected glTF of version 2.0, found {found}")))
         }
     }
 }
@@ -226,7 +229,7 @@ fn check(root: &Root) -> Result<()> {
     check_version(&root.asset.version)?;
     let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
     match root.extensions_required.iter().enumerate().find(|(_, name)| !is_harmless(name)) {
-        Some((at, name)) => Err(Broken::new(
+        Some((at, name)) => Err(GltfError::new(
             format!("extensionsRequired[{at}]"),
             format!("it requires the extension {}, which is not supported: export it without", quote(name.as_bytes())),
         )),
@@ -240,7 +243,7 @@ fn buffers(root: &Root, mut binary: Option<Vec<u8>>, path: &Path, mut room: u64)
     let mut read: HashMap<Option<&str>, Bytes> = HashMap::new();
     let mut all = Vec::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
-        let wrong = |reason: String| Broken::new(format!("buffers[{index}]"), reason);
+        let wrong = |reason: String| GltfError::new(format!("buffers[{index}]"), reason);
         let uri = buffer.uri.as_deref();
         let bytes = match (read.get(&uri), uri) {
             (Some(bytes), _) => Arc::clone(bytes),
@@ -268,12 +271,12 @@ fn read_uri(uri: &str, path: &Path, what: &str, room: u64) -> std::result::Resul
         let (_, text) = data.split_once(";base64,").ok_or("expected ;base64, in its data")?;
         return BASE64.decode(text).map_err(|error| format!("expected base64: {error}"));
     }
-    let beside = path.parent().unwrap_or(Path::new("")).join(beside(uri)?);
+    let beside = path.parent().unwrap_or(Path::new("")).join(path_of_uri(uri)?);
     file::read(&beside, what, room).map_err(|reason| format!("{}: {reason}", beside.display()))
 }
 
 /// The path of the file that a uri names, relative to the glTF file.
-fn beside(uri: &str) -> std::result::Result<String, String> {
+fn path_of_uri(uri: &str) -> std::result::Result<String, String> {
     match uri.contains(':') {
         true => Err(format!("expected the path of a file, relative to this one, found {}", quote(uri.as_bytes()))),
         false => Ok(unescape(uri)),

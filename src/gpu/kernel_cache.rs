@@ -19,14 +19,14 @@ pub type CompiledFrom = (String, String, u32, Vec<(String, u64)>);
 
 /// The names of all kernels that a device has compiled, and the last of them.
 #[derive(Default)]
-pub struct Kernels {
+pub struct KernelCache {
     /// In the order of their compilation.
     names: Mutex<Vec<String>>,
     /// The [`KEPT_KERNELS`] kernels that were used last, for renders that come later. The latest is at the end.
     kept: Mutex<Vec<(CompiledFrom, Compiled)>>,
 }
 
-impl Kernels {
+impl KernelCache {
     /// The names of all kernels that were compiled, one entry for each compilation. The order is not defined,
     /// because kernels are compiled in parallel.
     pub fn compiled_names(&self) -> Vec<String> {

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use super::assets::Assets;
 use super::file::{self, OnProgress, Reading};
 use super::findings::Findings;
-use super::gltf::{self, Broken};
+use super::gltf::{self, GltfError};
 use super::gltf_path::{is_gltf, split};
 use super::model::Scene;
 use super::types::Object;
@@ -44,7 +44,7 @@ pub fn load_all(
             return;
         }
         let file = scene.source.resolve(path);
-        let files = assets.note(&file);
+        let files = assets.stamp_files(&file);
         let loaded = match reading {
             Reading::Whole => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
                 Some((mesh, taken)) => Ok(Some((mesh, room - taken))),
@@ -55,11 +55,11 @@ pub fn load_all(
                     Some((mesh, left))
                 }),
             },
-            Reading::IfThere => find(&file).map(|()| None).map_err(Broken::from),
+            Reading::IfThere => find(&file).map(|()| None).map_err(GltfError::from),
         };
         let loaded =
-            loaded.map_err(|Broken { at: part, reason }| at.field("path").error_in(&split(&file).0, &part, &reason));
-        if let Some((mesh, left)) = findings.note(loaded).flatten() {
+            loaded.map_err(|GltfError { at: part, reason }| at.field("path").error_in(&split(&file).0, &part, &reason));
+        if let Some((mesh, left)) = findings.record(loaded).flatten() {
             room = left;
             meshes.insert(path.clone(), mesh);
         }

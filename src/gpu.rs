@@ -2,7 +2,7 @@
 
 pub mod buffers;
 pub mod device;
-pub mod kernels;
+pub mod kernel_cache;
 pub mod layout;
 pub mod link;
 pub mod numerics;

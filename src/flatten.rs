@@ -11,13 +11,13 @@ mod diagnostics;
 mod features;
 mod hierarchies;
 mod light_tree;
-mod lights;
 mod media;
 mod mesh_tables;
 mod meshes;
 mod octahedral;
 mod pairs;
 mod place;
+mod sampled_lights;
 mod tangents;
 mod view;
 
@@ -32,8 +32,8 @@ use crate::error::{Error, Result};
 use crate::material::{ExtensionKind, Lobe, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
-use crate::shape::{Hull, Placement, RenderSpace, binary_exponent, exp2, mesh};
-use crate::threads::beside;
+use crate::shape::{BoundingShape, Placement, RenderSpace, binary_exponent, exp2, mesh};
+use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
 use mesh_tables::Table;
@@ -45,7 +45,7 @@ pub use crate::texture::TEXTURES;
 pub use device_scene::DeviceScene;
 pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, NotSampled, PRIMITIVES};
 pub use hierarchies::Hierarchies;
-pub use lights::MOST_LIGHTS;
+pub use sampled_lights::MOST_LIGHTS;
 
 /// A walk keeps six bits beside the index of a node whose children wait (shaders/scene/traverse). So many nodes take 4 GiB.
 const MAX_NODES: usize = 1 << 26;
@@ -165,7 +165,7 @@ pub fn flatten_with(
     }
     let sample_lights = options.integrator == Integrator::Mis;
     // The warnings are searched for while the hierarchies are built.
-    let (warnings, ()) = beside(
+    let (warnings, ()) = join(
         || diagnostics::warnings(&search),
         || {
             builder.add_primitives(&finder.placed);
@@ -291,17 +291,22 @@ fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
     let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).collect();
     lights.sort_by(|a, b| b.colour.max_element().total_cmp(&a.colour.max_element()));
-    let placed = finder.placed.iter().map(|placed| placed.shape.hull(&Placement { to_world: &placed.to_world, space }));
-    let media =
-        finder.media.iter().map(|medium| medium.boundary.hull(&Placement { to_world: &medium.to_world, space }));
-    let hulls: Vec<Hull> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
+    let placed = finder
+        .placed
+        .iter()
+        .map(|placed| placed.shape.bounding_shape(&Placement { to_world: &placed.to_world, space }));
+    let media = finder
+        .media
+        .iter()
+        .map(|medium| medium.boundary.bounding_shape(&Placement { to_world: &medium.to_world, space }));
+    let hulls: Vec<BoundingShape> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
     let shown = |light: &PlacedLight| {
         let distance = light.place.map_or(1.0, |place| {
             let nearest = hulls.iter().map(|hull| hull.distance(place - eye)).fold(f64::INFINITY, f64::min);
             let nearest = if nearest.is_finite() { nearest } else { extent };
             nearest.max(LEAST_SHOWN * extent)
         });
-        light.shown(distance)
+        light.brightest_reflection(distance)
     };
     lights.into_iter().take(MOST_SHOWN).map(shown).fold(0.0, f64::max)
 }

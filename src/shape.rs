@@ -2,11 +2,11 @@
 //!
 //! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
 
+mod bounding_shape;
 mod closed;
 pub mod cuboid;
 pub mod disk;
 mod geometry;
-mod hull;
 pub mod large_sphere;
 pub mod mesh;
 pub mod quad;
@@ -20,10 +20,10 @@ use glam::DVec3;
 
 use crate::data::{KIND_DELTA_LIGHT, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::source::form::kinds;
+pub use bounding_shape::{BoundingShape, normal, reach_of};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
-pub use geometry::{Element, Emitter, Geometry, Laid, ShapeKind, Table, Tables};
-pub use hull::{Hull, normal, reach_of};
+pub use geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Table, Tables};
 pub use large_sphere::LargeSphere;
 use mesh::MeshShape;
 pub use quad::Quad;
@@ -101,7 +101,7 @@ impl<'a> Shape<'a> {
     }
 
     /// Whether it is exactly the surface of its hull.
-    pub fn is_hull(&self) -> bool {
+    pub fn fills_bounding_shape(&self) -> bool {
         self.mesh().is_none()
     }
 

@@ -4,27 +4,27 @@ use std::fmt;
 
 /// What is wrong with a file, and where in its JSON: `materials[2].pbrMetallicRoughness.baseColorTexture.index`.
 #[derive(Debug, PartialEq)]
-pub struct Broken {
+pub struct GltfError {
     /// Empty if the file as a whole is wrong.
     pub at: String,
     pub reason: String,
 }
 
-pub type Result<T> = std::result::Result<T, Broken>;
+pub type Result<T> = std::result::Result<T, GltfError>;
 
-impl Broken {
-    pub fn new(at: impl Into<String>, reason: impl Into<String>) -> Broken {
-        Broken { at: at.into(), reason: reason.into() }
+impl GltfError {
+    pub fn new(at: impl Into<String>, reason: impl Into<String>) -> GltfError {
+        GltfError { at: at.into(), reason: reason.into() }
     }
 }
 
-impl From<String> for Broken {
-    fn from(reason: String) -> Broken {
-        Broken { at: String::new(), reason }
+impl From<String> for GltfError {
+    fn from(reason: String) -> GltfError {
+        GltfError { at: String::new(), reason }
     }
 }
 
-impl fmt::Display for Broken {
+impl fmt::Display for GltfError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self.at.is_empty() {
             true => f.write_str(&self.reason),

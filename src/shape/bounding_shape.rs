@@ -4,43 +4,43 @@ use glam::{DMat3, DVec3};
 
 /// A simple bounding volume of a placed shape.
 #[derive(Clone, Copy)]
-pub enum Hull {
+pub enum BoundingShape {
     Ball { center: DVec3, radius: f64 },
     Parallelogram { corner: DVec3, u: DVec3, v: DVec3 },
     Cuboid { center: DVec3, half: DVec3, axes: DMat3 },
 }
 
-impl Hull {
+impl BoundingShape {
     /// The centre of a ball or box; the corner of a parallelogram.
     pub fn place(&self) -> DVec3 {
         match *self {
-            Hull::Ball { center, .. } | Hull::Cuboid { center, .. } => center,
-            Hull::Parallelogram { corner, .. } => corner,
+            BoundingShape::Ball { center, .. } | BoundingShape::Cuboid { center, .. } => center,
+            BoundingShape::Parallelogram { corner, .. } => corner,
         }
     }
 
     /// The centre and the radius of a ball around it.
     pub fn ball(&self) -> (DVec3, f64) {
         match *self {
-            Hull::Ball { center, radius } => (center, radius),
-            Hull::Parallelogram { corner, u, v } => {
+            BoundingShape::Ball { center, radius } => (center, radius),
+            BoundingShape::Parallelogram { corner, u, v } => {
                 (corner + 0.5 * (u + v), 0.5 * (u + v).length().max((u - v).length()))
             }
-            Hull::Cuboid { center, half, .. } => (center, half.length()),
+            BoundingShape::Cuboid { center, half, .. } => (center, half.length()),
         }
     }
 
     /// The distance of a point from its surface, or less.
     pub fn distance(&self, p: DVec3) -> f64 {
         match *self {
-            Hull::Ball { center, radius } => ((p - center).length() - radius).abs(),
-            Hull::Parallelogram { corner, u, v } => {
+            BoundingShape::Ball { center, radius } => ((p - center).length() - radius).abs(),
+            BoundingShape::Parallelogram { corner, u, v } => {
                 let (n, q) = (normal(u, v), p - corner);
                 // Beside it, the ball around it is nearer than it is.
                 let (middle, radius) = self.ball();
                 n.dot(q).abs().max((p - middle).length() - radius)
             }
-            Hull::Cuboid { center, half, axes } => {
+            BoundingShape::Cuboid { center, half, axes } => {
                 let beyond = (axes.transpose() * (p - center)).abs() - half;
                 match beyond.max_element() <= 0.0 {
                     true => -beyond.max_element(),
@@ -53,9 +53,9 @@ impl Hull {
     /// The corners; a ball has none.
     pub fn corners(&self) -> Vec<DVec3> {
         match *self {
-            Hull::Ball { .. } => Vec::new(),
-            Hull::Parallelogram { corner, u, v } => vec![corner, corner + u, corner + u + v, corner + v],
-            Hull::Cuboid { center, half, axes } => {
+            BoundingShape::Ball { .. } => Vec::new(),
+            BoundingShape::Parallelogram { corner, u, v } => vec![corner, corner + u, corner + u + v, corner + v],
+            BoundingShape::Cuboid { center, half, axes } => {
                 let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
                 let corner = |i| center + axes * (half * DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
                 (0..8).map(corner).collect()
@@ -66,9 +66,9 @@ impl Hull {
     /// The corners of the box around it along the axes: lowest and highest coordinates.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let (center, reach) = match *self {
-            Hull::Ball { center, radius } => (center, DVec3::splat(radius)),
-            Hull::Parallelogram { corner, u, v } => (corner + 0.5 * (u + v), 0.5 * (u.abs() + v.abs())),
-            Hull::Cuboid { center, half, axes } => (center, reach_of(half, &axes)),
+            BoundingShape::Ball { center, radius } => (center, DVec3::splat(radius)),
+            BoundingShape::Parallelogram { corner, u, v } => (corner + 0.5 * (u + v), 0.5 * (u.abs() + v.abs())),
+            BoundingShape::Cuboid { center, half, axes } => (center, reach_of(half, &axes)),
         };
         (center - reach, center + reach)
     }

@@ -14,7 +14,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use super::assets::{Assets, Decoded, Stamp};
 use super::file::{self, Reading};
 use super::findings::Findings;
-use super::gltf::{self, Broken};
+use super::gltf::{self, GltfError};
 use super::gltf_path::{Part, split};
 use super::model::Scene;
 use super::types::*;
@@ -47,7 +47,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
-        findings.note(loader.load(&at.field("path"), path, Decoding::Colour, Colour::ONE, Use::Radiance));
+        findings.record(loader.load(&at.field("path"), path, Decoding::Colour, Colour::ONE, Use::Radiance));
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
@@ -58,7 +58,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
             let at = at.variant(material.name());
             let at = at.field(slot.field.name);
             let at = at.variant(slot.texture.name());
-            findings.note(loader.load(&at.field("path"), path, decoding, *tint, slot.usage));
+            findings.record(loader.load(&at.field("path"), path, decoding, *tint, slot.usage));
         }
     }
     loader.bitmaps
@@ -90,13 +90,13 @@ impl Loader<'_> {
     fn load(&mut self, at: &Place, path: &str, decoding: Decoding, tint: Colour, usage: Use) -> Result<()> {
         let file = self.scene.source.resolve(path);
         let (name, part) = split(&file);
-        let broken = |Broken { at: part, reason }| at.error_in(&name, &part, &reason);
+        let broken = |GltfError { at: part, reason }| at.error_in(&name, &part, &reason);
         let wrong = |reason: String| {
             let part = part.map_or(String::new(), |part| part.to_json());
-            broken(Broken::new(part, reason))
+            broken(GltfError::new(part, reason))
         };
         if self.found.insert(path.to_owned()) {
-            let files = self.assets.note(&file);
+            let files = self.assets.stamp_files(&file);
             match self.reading {
                 Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,
                 Reading::Whole => {
@@ -128,7 +128,7 @@ impl Loader<'_> {
             (name, Some(part @ Part::Image(index))) => {
                 let file = self.assets.gltf.open(&name, &mut |_, _, _| {})?;
                 let bytes = file.image(index)?;
-                decode(&bytes, None, &wanted).map_err(|reason| Broken::new(part.to_json(), reason))?
+                decode(&bytes, None, &wanted).map_err(|reason| GltfError::new(part.to_json(), reason))?
             }
             (_, Some(_)) => return Err("expected an image, such as #images/0".to_owned().into()),
             (_, None) => {

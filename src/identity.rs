@@ -28,7 +28,7 @@ pub struct Identity {
 }
 
 impl Identity {
-    pub fn of(scene: &Scene, frame: &Frame, job: &Job, options: &RenderOptions) -> Identity {
+    pub fn new(scene: &Scene, frame: &Frame, job: &Job, options: &RenderOptions) -> Identity {
         let of_job = [
             ("size", format!("{}x{}", frame.whole.0, frame.whole.1)),
             ("max-depth", job.max_depth.to_string()),

@@ -19,14 +19,14 @@ pub struct Part {
     pub asked: Range<u32>,
     /// Those that its file has.
     pub samples: Samples,
-    pub came: Came,
+    pub progress: Progress,
     /// Seconds that a process has taken for one sample of every pixel, where the file tells.
     pub seconds_per_sample: Option<f64>,
 }
 
 /// What has come of a part.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Came {
+pub enum Progress {
     /// All its samples are there.
     Done,
     /// Samples are missing, and its file has been written of late.
@@ -46,7 +46,7 @@ impl Part {
     }
 
     pub fn is_usable(&self) -> bool {
-        matches!(self.came, Came::Done | Came::UnderWay | Came::Stopped)
+        matches!(self.progress, Progress::Done | Progress::UnderWay | Progress::Stopped)
     }
 }
 
@@ -61,7 +61,7 @@ pub struct Parts {
 }
 
 /// What a header tells.
-struct Told {
+struct PartHeader {
     state: State,
     seconds_per_sample: Option<f64>,
     /// When the file was written.
@@ -72,30 +72,35 @@ impl Parts {
     /// Reads the headers of the parts. A file is called under way if it was written in the `recent` time. `watch` is called with the number
     /// of each part.
     pub fn read(folder: &Folder, recent: Duration, watch: &mut dyn FnMut(usize)) -> Parts {
-        let mut told = Vec::new();
+        let mut headers = Vec::new();
         for (number, asked) in folder.parts().enumerate() {
             watch(number);
             let path = folder.part_path(&asked);
-            told.push((read_header(&path), path, asked));
+            headers.push((read_header(&path), path, asked));
         }
-        let states: Vec<(&Path, &State)> = told
+        let states: Vec<(&Path, &State)> = headers
             .iter()
-            .filter_map(|(told, path, _)| Some((path.as_path(), &told.as_ref().ok()?.as_ref()?.state)))
+            .filter_map(|(header, path, _)| Some((path.as_path(), &header.as_ref().ok()?.as_ref()?.state)))
             .collect();
         let reference = most_common(&states).map(|(path, state)| (path.to_owned(), state.clone()));
 
         let mut parts = Parts { all: Vec::new(), reference, devices: Vec::new() };
-        for (told, path, asked) in told {
-            let mut part =
-                Part { path, asked, samples: Samples::default(), came: Came::NotBegun, seconds_per_sample: None };
-            match told {
+        for (header, path, asked) in headers {
+            let mut part = Part {
+                path,
+                asked,
+                samples: Samples::default(),
+                progress: Progress::NotBegun,
+                seconds_per_sample: None,
+            };
+            match header {
                 Ok(None) => {}
-                Err(why) => part.came = Came::NotUsable(why),
-                Ok(Some(told)) => {
+                Err(why) => part.progress = Progress::NotUsable(why),
+                Ok(Some(header)) => {
                     // A clock that is ahead of this one makes the file look as if it were of the future.
-                    let is_recent = told.written.elapsed().unwrap_or(Duration::ZERO) <= recent;
-                    part.seconds_per_sample = told.seconds_per_sample;
-                    parts.note(&mut part, &told.state, is_recent, folder);
+                    let is_recent = header.written.elapsed().unwrap_or(Duration::ZERO) <= recent;
+                    part.seconds_per_sample = header.seconds_per_sample;
+                    parts.add_state(&mut part, &header.state, is_recent, folder);
                 }
             }
             parts.all.push(part);
@@ -104,17 +109,17 @@ impl Parts {
     }
 
     /// Notes in a part what its state says.
-    pub fn note(&mut self, part: &mut Part, state: &State, is_recent: bool, folder: &Folder) {
+    pub fn add_state(&mut self, part: &mut Part, state: &State, is_recent: bool, folder: &Folder) {
         if let Err(why) = self.fits(part, state, folder) {
-            part.came = Came::NotUsable(why);
+            part.progress = Progress::NotUsable(why);
             part.samples = Samples::default();
             return;
         }
         part.samples = state.samples.clone();
-        part.came = match part.missing() {
-            0 => Came::Done,
-            _ if is_recent => Came::UnderWay,
-            _ => Came::Stopped,
+        part.progress = match part.missing() {
+            0 => Progress::Done,
+            _ if is_recent => Progress::UnderWay,
+            _ => Progress::Stopped,
         };
         for device in &state.devices {
             if !self.devices.contains(device) {
@@ -134,7 +139,7 @@ impl Parts {
         {
             return Err(format!("it is of another render than most parts: {difference}"));
         }
-        let hull = state.samples.hull();
+        let hull = state.samples.range();
         if hull.start < part.asked.start || hull.end > part.asked.end {
             let Range { start, end } = part.asked;
             return Err(format!("it holds the samples {}, and those of this part are {start}..{end}", state.samples));
@@ -144,8 +149,8 @@ impl Parts {
 }
 
 /// Reads the header of a part; nothing where there is no file. The error is why it cannot be used.
-fn read_header(path: &Path) -> Result<Option<Told>, String> {
-    let read = || -> Result<Option<Told>, String> {
+fn read_header(path: &Path) -> Result<Option<PartHeader>, String> {
+    let read = || -> Result<Option<PartHeader>, String> {
         let metadata = match std::fs::metadata(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             metadata => metadata.map_err(|error| error.to_string())?,
@@ -157,7 +162,7 @@ fn read_header(path: &Path) -> Result<Option<Told>, String> {
             _ => None,
         };
         let written = metadata.modified().map_err(|error| error.to_string())?;
-        Ok(Some(Told { state: file.state, seconds_per_sample, written }))
+        Ok(Some(PartHeader { state: file.state, seconds_per_sample, written }))
     };
     // Over a network, a file that is replaced while it is read may become an error.
     read().or_else(|_| read())

@@ -23,11 +23,11 @@ use super::signals::Signals;
 use crate::error::{Error, Result};
 use crate::render::Outcome;
 use crate::scene::Scene;
-use crate::threads::beside;
+use crate::threads::join;
 use accumulation::Accumulation;
 pub use args::RenderArgs;
 use observers::Observers;
-use record::Held;
+use record::FileSamples;
 pub use record::{Finish, attributes_of};
 use rendering::{Clock, Rendering};
 pub use request::excluded;
@@ -76,7 +76,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
 
     let Session { devices, signals, changes, compile, .. } = session;
     let film = Accumulation::begin(&request, earlier.as_ref(), devices)?;
-    let held = Held { before: earlier.map(|state| state.samples.count()), at_end: None };
+    let held = FileSamples { before: earlier.map(|state| state.samples.count()), at_end: None };
     let signals = signals.get_or_insert_with(|| {
         Signals::listen(&match held.before {
             Some(_) => format!("{} holds what it held before", request.image.display()),
@@ -87,7 +87,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let outcome = Outcome::default();
     let mut rendering = Rendering { request: &request, devices, film, held, observers, outcome, clock, loaded: None };
     // The hashes are needed when something is written.
-    let ((), rendered) = beside(|| _ = request.identity(), || rendering.run());
+    let ((), rendered) = join(|| _ = request.identity(), || rendering.run());
     rendering.observers.progress.finish();
     *compile = rendering.clock.seconds.compile;
 

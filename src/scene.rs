@@ -5,18 +5,18 @@
 //! behind an error, so that all are listed.
 
 mod assets;
-mod bitmap;
 mod declared;
 mod explain;
 mod file;
 mod findings;
-pub mod forms;
+pub mod format;
 mod gltf;
 mod gltf_options;
 mod gltf_path;
+mod image_files;
 mod inputs;
 mod load;
-mod mesh;
+mod mesh_files;
 mod model;
 mod nearest;
 mod recover;
