@@ -1,4 +1,4 @@
-//! What of meshes lies in tables beside their vertices.
+//! The tables of a mesh beside its vertices: further texture coordinates, and tangents.
 
 use crate::scene::{Mesh, Texture};
 
