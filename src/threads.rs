@@ -20,7 +20,7 @@ pub fn each<I: Send, T: Send>(
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let take = || std::iter::from_fn(next).map(|(number, item)| (number, work(item))).collect::<Vec<_>>();
     let mut done = scope(|scope| {
-        let others: Vec<_> = (1..threads).map_while(|_| Builder::new().spawn_scoped(scope, &take).ok()).collect();
+        let others: Vec<_> = (1..threads).map_while(|_| Builder::new().spawn_scoped(scope, take).ok()).collect();
         std::iter::once(take()).chain(others.into_iter().map(joined)).flatten().collect::<Vec<_>>()
     });
     done.sort_by_key(|(number, _)| *number);
