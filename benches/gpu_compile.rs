@@ -14,6 +14,7 @@ use std::process::Command;
 
 use ash::vk;
 use gpu_rt::flatten::flatten;
+use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::layout::{self, BindingKind};
 use gpu_rt::gpu::numerics::MOST_STEPS;
 use gpu_rt::gpu::spirv;
@@ -188,7 +189,7 @@ fn kernels() -> Result<Vec<Compiled>> {
         let scene = Scene::load(&root().join(format!("scenes/{name}.ron")))?;
         let flat = flatten(&scene, (scene.image.width, scene.image.height), &options)?;
         // Tables are storage, as on every GPU.
-        let tables = UniformTables::new(&flat, 0);
+        let tables = UniformTables::new(&flat, DeviceClass::default());
         for (way, scatter) in WAYS {
             for kernel in Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables)?.all() {
                 all.push(compiled((name.clone(), way.to_string(), kernel.name.clone()), kernel.stage, &kernel.module)?);

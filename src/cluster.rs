@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn a_request_is_read_as_it_was_written() {
         let place = tempfile::tempdir().unwrap();
         let written = folder(place.path());
         written.write().unwrap();
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_is_refused_by_name() {
+    fn a_damaged_request_is_refused_by_name() {
         let place = tempfile::tempdir().unwrap();
         let file = place.path().join(ASKED);
         let refused = |word: &str| {

@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_expected_names_the_kinds() {
+    fn the_words_for_a_material_name_the_kinds() {
         let expected = a_material();
         assert!(expected.starts_with("a material: Lambertian(..), Metal(..), "), "{expected}");
         assert_eq!(expected.matches(" or ").count(), 1, "{expected}");

@@ -128,7 +128,7 @@ impl<'a> Plan<'a> {
     /// As of [`Kernels::link`].
     pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
         let tuning = Tuning::new(device, job, options);
-        let tables = UniformTables::new(scene, device.table_bytes());
+        let tables = UniformTables::new(scene, device);
         let features = scene.features.with_options(options);
         let kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
         Ok(Plan { scene, options: options.clone(), kernels, tuning })

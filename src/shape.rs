@@ -100,7 +100,7 @@ impl<'a> Shape<'a> {
         }
     }
 
-    /// Whether it is exactly the surface of its hull.
+    /// Whether it is its bounding shape; of a disk, that is the square around it.
     pub fn fills_bounding_shape(&self) -> bool {
         self.mesh().is_none()
     }

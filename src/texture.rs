@@ -426,7 +426,7 @@ mod tests {
     use crate::source::form::{TEXTURE, any_of};
 
     #[test]
-    fn what_is_expected_names_all_kinds() {
+    fn the_words_for_a_texture_name_all_kinds() {
         assert_eq!(TEXTURE, format!("a texture: {}", any_of(Texture::FORMS.iter())));
     }
 }

@@ -163,6 +163,8 @@ pub struct DeviceClass {
     pub software: bool,
     pub max_binding_bytes: u64,
     pub max_uniform_bytes: u64,
+    /// Uniform bindings of a kernel at most.
+    pub max_uniforms: u32,
 }
 
 impl Default for DeviceClass {
@@ -178,6 +180,7 @@ impl DeviceClass {
             software,
             max_binding_bytes: limits.max_storage_buffer_binding_size,
             max_uniform_bytes: limits.max_uniform_buffer_binding_size,
+            max_uniforms: limits.max_uniform_buffers_per_shader_stage,
         }
     }
 

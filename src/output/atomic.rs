@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_not_be_replaced_stays() {
+    fn a_file_that_may_not_be_replaced_stays() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         write_text(&path, "better").unwrap();

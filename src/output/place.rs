@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_no_file_is_an_error() {
+    fn a_path_that_names_no_file_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("file"), "").unwrap();

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_dead_writers_left_is_removed_and_nothing_else() {
+    fn only_temporary_files_of_dead_writers_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("a.exr");
         let name = |file: &NamedTempFile| file.path().file_name().unwrap().to_string_lossy().into_owned();

@@ -91,7 +91,7 @@ mod tests {
     use std::process::Command;
 
     #[test]
-    fn what_can_be_written_passes_and_leaves_nothing() {
+    fn a_writable_path_passes_and_stays_empty() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("old"), "old").unwrap();

@@ -4,7 +4,11 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::flatten::DeviceScene;
+use crate::gpu::device::DeviceClass;
 use crate::shape::{self, KINDS, ShapeKind};
+
+/// The uniforms of a kernel that are no tables: `settings` and `window`.
+const OTHER_UNIFORMS: u32 = 2;
 
 /// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
 /// a storage binding; real GPUs serialise lanes that read a uniform at different places.
@@ -15,19 +19,21 @@ pub struct UniformTables {
 }
 
 impl UniformTables {
-    /// Puts each table that fits into so many bytes into a uniform binding; 0 puts none there.
-    pub fn new(flat: &DeviceScene, uniform_bytes: u64) -> UniformTables {
+    /// Puts each table that fits into the uniform bindings of a device of this class. If there are more tables than bindings, empty ones go
+    /// without first.
+    pub fn new(flat: &DeviceScene, device: DeviceClass) -> UniformTables {
+        let uniform_bytes = device.table_bytes();
         let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
             let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
             (elements * stride >= bytes.max(1)).then_some((name, elements))
         };
-        UniformTables {
-            uniform: tables(flat)
-                .into_iter()
-                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
-                .filter_map(fits)
-                .collect(),
-        }
+        let tables = tables(flat);
+        let (empty, filled): (Vec<_>, Vec<_>) = tables
+            .iter()
+            .map(|(name, bytes, stride, _)| (*name, bytes.len() as u64, *stride))
+            .partition(|table| table.1 == 0);
+        let most = device.max_uniforms.saturating_sub(OTHER_UNIFORMS) as usize;
+        UniformTables { uniform: filled.into_iter().chain(empty).filter_map(fits).take(most).collect() }
     }
 }
 

@@ -233,7 +233,7 @@ mod tests {
 
     /// An error of denoised images may fall as slowly as N^-0.5.
     #[test]
-    fn what_is_denoised_may_fall_slowly() {
+    fn errors_of_denoised_images_may_fall_slowly() {
         let levels = [4, 16, 64].map(|n: u32| level(n, 0.3 * f64::from(n).powf(-0.5)));
         assert!((falling_denoised(&levels).unwrap().exponent - 0.5).abs() < 0.01);
         assert!((falling(&levels, Sampler::Sobol).unwrap().exponent - 0.8).abs() < 1e-9);

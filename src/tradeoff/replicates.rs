@@ -274,7 +274,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn what_is_lost_here_and_won_there_is_a_bias_too() {
+    fn opposite_differences_in_two_places_are_a_bias() {
         let mut random = Random(5);
         let baseline = random.images(8, 0.5, 0.01);
         let moved = |image: &Pixels| {

@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_over_its_limit_is_a_fault() {
+    fn a_cell_over_its_limit_is_a_fault() {
         let over = |achieved| {
             let mut cells = full();
             cells[3].achieved = achieved;
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_check_warns_of_may_be_over_its_limit_and_must_be_a_number() {
+    fn a_cell_that_check_warns_of_may_exceed_its_limit_and_must_be_a_number() {
         let told = |achieved, warnings: &[&str]| {
             let mut cells = full();
             cells[3].achieved = achieved;

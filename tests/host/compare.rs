@@ -481,7 +481,7 @@ fn a_pixel_beyond_its_noise_is_found() {
 /// Where nearly all noisy pixels are equal to the bit, the others differ by more than noise: in luminance and in one colour, with variances
 /// and without, in floats of 32 bits and of 16.
 #[test]
-fn what_differs_beside_equal_pixels_is_found() {
+fn differing_pixels_beside_equal_ones_are_found() {
     let mut random = Random(40);
     let (width, height) = SIZE;
     let (b, spiky) = (noisy(&mut random, SIZE, Kind::Even), noisy(&mut random, SIZE, Kind::Lamps(300, 0.5)));

@@ -319,7 +319,7 @@ fn a_file_without_camera_and_light_gets_both_and_is_told() {
 }
 
 #[test]
-fn what_is_not_read_is_named_once_with_its_material() {
+fn ignored_properties_are_named_once_with_their_material() {
     assert_eq!(
         notes(&room().0),
         [
@@ -367,7 +367,7 @@ fn what_is_not_read_is_named_once_with_its_material() {
 
 /// Blender writes scenes without nodes, and animations of other things than nodes.
 #[test]
-fn what_the_standard_leaves_open_is_no_error() {
+fn properties_that_the_standard_leaves_open_are_no_errors() {
     let plain = load(&room().0).unwrap();
     for (pointer, value) in [
         ("/scenes/0/extras", json!(7)),
@@ -392,7 +392,7 @@ fn what_the_standard_leaves_open_is_no_error() {
 }
 
 #[test]
-fn what_is_broken_is_refused_with_its_place_in_the_json() {
+fn broken_gltf_is_refused_with_its_place_in_the_json() {
     for (pointer, value, at, reason) in [
         ("/asset", json!({}), "asset", "missing field `version`"),
         ("/nodes/0/mesh", json!("x"), "nodes[0].mesh", "invalid type: string \"x\""),

@@ -309,7 +309,7 @@ fn numbers_that_are_not_finite_are_named_with_their_place() {
 }
 
 #[test]
-fn what_cannot_be_read_is_refused_with_its_reason() {
+fn unreadable_meshes_are_refused_with_the_reason() {
     const CORNER: &str = "expected a corner such as 5";
     let ply = |header: &str, rows: &str| format!("ply\nformat ascii 1.0\n{header}end_header\n{rows}");
     let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";

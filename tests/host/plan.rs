@@ -31,6 +31,7 @@ fn classes() -> [Class; 2] {
             software,
             max_binding_bytes: limits.max_storage_buffer_binding_size,
             max_uniform_bytes: limits.max_uniform_buffer_binding_size,
+            max_uniforms: limits.max_uniform_buffers_per_shader_stage,
         },
         limits,
         tuning: Tuning { slots, workgroup: 64, scatter, bounces: None, records_per_slot, tile: 230_400 },
@@ -69,7 +70,7 @@ fn planned_with<'a>(
     scatter: Scatter,
     options: RenderOptions,
 ) -> (Plan<'a>, Report) {
-    let tables = UniformTables::new(flat, class.device.table_bytes());
+    let tables = UniformTables::new(flat, class.device);
     let kernels = Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables);
     let kernels = kernels.unwrap_or_else(|error| panic!("{error}"));
     let plan = Plan { scene: flat, options, kernels, tuning: Tuning { scatter, ..class.tuning } };

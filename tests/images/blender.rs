@@ -106,7 +106,7 @@ fn files_by_blender_look_as_cycles_renders_them() {
 
 /// `gpu-rt convert` writes the scene of a file as a scene file, which renders to the same bytes.
 #[test]
-fn what_convert_writes_of_them_renders_to_the_same_bytes() {
+fn converted_scenes_render_to_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let load = |path: &Path| Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
     let bits = |scene: &Scene| {

@@ -513,7 +513,7 @@ fn both_samplers_expect_the_same_with_rays_to_lights() {
 /// More faces emit than lights are sampled: a mesh of them is left to chance whole, and the small mesh beside it is sampled. Planted is a
 /// density of what is not sampled.
 #[test]
-fn what_there_is_no_room_for_is_left_to_chance() {
+fn lights_beyond_the_limit_are_found_by_bsdf_sampling() {
     const SIDE: u32 = 725;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut ply = format!(

@@ -120,7 +120,7 @@ fn ten_thousand_instances_take_the_memory_of_one() {
 }
 
 #[test]
-fn what_does_not_fit_is_said_in_bytes() {
+fn buffers_that_do_not_fit_are_reported_in_bytes() {
     let limits = wgpu::Limits::default();
     assert_eq!(limits.max_storage_buffer_binding_size, 128 << 20);
     let fits = BufferSpec::working("fits", 128 << 20, "a test");

@@ -592,7 +592,7 @@ fn the_textbooks_spheres_fail_far_away() {
 
 /// With all of them, too, the image does not depend on how the kernels are linked and the work is cut.
 #[test]
-fn what_approximates_is_the_same_to_the_byte_however_it_is_linked() {
+fn approximations_give_the_same_bytes_however_they_are_linked() {
     let place = Place::new();
     let (_files, scene) = dim_everything();
     let all = ["--fresnel", "schlick", "--clamp", "0.3", "--precision", "fast", "--spp", "16"];

@@ -19,7 +19,7 @@ fn everything() -> (Everything, Scene) {
 
 /// Seeds, depth and samples change the image: else its sameness elsewhere would mean nothing.
 #[test]
-fn what_is_asked_changes_the_image() {
+fn seeds_and_sizes_change_the_image() {
     let (_files, scene) = everything();
     let ask = Ask::spp(16);
     let usual = render(&scene, &ask);

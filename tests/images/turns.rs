@@ -132,7 +132,7 @@ fn looks_do_not_show() {
 /// A render that is stopped ends the block of samples that it has begun: the film is that of a render of the samples that it says it has.
 /// Submissions that are under way when it is stopped count too. What goes on from there gives the image of a render that was not stopped.
 #[test]
-fn what_is_stopped_is_whole() {
+fn a_stopped_render_has_a_whole_film() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         for (tile, at) in [(None, 1), (None, 9), (None, 40), (Some(300), 1), (Some(300), 30)] {
             let options = options(scatter);
@@ -209,7 +209,7 @@ fn goals_go_on_with_a_film() {
 
 /// A render until an error that was interrupted looks again where it would have looked, with the probability that it had left.
 #[test]
-fn what_goes_on_has_the_looks_of_one_render() {
+fn a_resumed_render_has_the_looks_of_one_render() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
     let noise = |begun, looks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, looks };
     let (whole, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);

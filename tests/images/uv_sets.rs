@@ -212,7 +212,7 @@ fn a_number_has_its_own_texture_coordinates() {
 }
 
 #[test]
-fn what_convert_writes_has_the_same_bytes() {
+fn a_converted_scene_renders_to_the_same_bytes() {
     let folder = folder();
     let [from, to] = ["square.glb", "converted.ron"].map(|name| folder.path().join(name));
     let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));

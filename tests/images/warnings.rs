@@ -115,7 +115,7 @@ fn spheres_with_the_camera_near_their_surface() {
 }
 
 #[test]
-fn what_is_huge_does_not_hide_what_lies_near() {
+fn huge_objects_do_not_hide_warnings_about_near_ones() {
     let ground = "Sphere(center: (0, -1e9, 0), radius: 1e9, material: \"grey\"),";
     let above = "(look_from: (0, 1, 0), look_at: (0, 0, 1), vertical_fov: 40)";
     // Neither the ground nor its fog set the scene's extent: 2^-40 of 1e9 is 1e-3.

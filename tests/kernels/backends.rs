@@ -1,6 +1,7 @@
 //! naga writes every kernel for Metal and DirectX 12 too. No compiler of theirs reads the text here; what naga cannot write is found.
 
 use gpu_rt::flatten::flatten;
+use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::spirv;
 use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, UniformTables};
@@ -47,8 +48,10 @@ fn check(name: &str, scene: &Scene, features: FeatureSet) {
     let options = RenderOptions { features, ..RenderOptions::default() };
     let flat = flatten(scene, (scene.image.width, scene.image.height), &options);
     let flat = flat.unwrap_or_else(|error| panic!("{name}: {error}"));
-    for uniform_bytes in [0, 1 << 16] {
-        let tables = UniformTables::new(&flat, uniform_bytes);
+    let in_storage = DeviceClass::default();
+    let in_uniforms = DeviceClass { software: true, max_uniform_bytes: 1 << 16, max_uniforms: 32, ..in_storage };
+    for class in [in_storage, in_uniforms] {
+        let tables = UniformTables::new(&flat, class);
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
             let kernels = Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables);
             for kernel in kernels.unwrap_or_else(|error| panic!("{name}: {error}")).all() {
@@ -83,7 +86,7 @@ fn metal_and_directx_get_every_kernel_with_everything_on() {
 
 /// An entry point that is missing, and a workgroup of no invocations.
 #[test]
-fn what_cannot_be_written_is_found() {
+fn a_kernel_that_no_backend_can_write_is_found() {
     let text = "override N: u32 = 32u;\n@group(0) @binding(0) var<storage, read_write> x: array<u32>;\n\
                 @compute @workgroup_size(N) fn f() {\n    x[0] = N;\n}\n";
     let module = naga::front::wgsl::parse_str(text).expect("it is WGSL");

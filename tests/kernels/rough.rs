@@ -276,7 +276,7 @@ fn the_table_of_what_single_scattering_keeps_is_right() {
 
 /// The response with 1 + F0 (1 - E) / E, for an albedo and for an index, and of each lobe of glTF's material.
 #[test]
-fn what_is_scattered_more_than_once_is_a_factor() {
+fn multiple_scattering_is_a_factor() {
     let mut random = Random(181);
     let colour = [0.9f32, 0.5, 0.1];
     let lost_over_kept = 0.75f32;

@@ -103,7 +103,7 @@ fn submissions_are_short() {
 }
 
 #[test]
-fn what_is_compiled_runs() {
+fn every_compiled_kernel_runs() {
     let files = Everything::new();
     let scenes =
         [("nothing", scene_of("")), ("sphere", scene_of(SPHERE)), ("everything", files.scene(World::default()))];
@@ -121,7 +121,7 @@ fn what_is_compiled_runs() {
 /// Kernels that are compiled and not run are found, and so is one that is compiled twice: `generate`, which differs in the two. `accumulate` is
 /// the same in both, and the device has kept it.
 #[test]
-fn what_is_compiled_in_vain_is_found() {
+fn a_kernel_that_is_compiled_in_vain_is_found() {
     let device = device::open();
     let scene = scene_of(SPHERE);
     let _ = start(&device, &scene, Scatter::Linked, false);
