@@ -158,7 +158,7 @@ pub fn flatten_with(
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
-        builder.add_details(&used, radiance_scale);
+        builder.add_extensions(&used, radiance_scale);
     }
     if builder.flat.features.has_extension(ExtensionKind::Multiscatter) || options.features == FeatureSet::All {
         builder.flat.kept_shares = microfacets::kept_shares();
@@ -286,7 +286,7 @@ const MOST_SHOWN: usize = 64;
 /// The least distance of a light from what it lights, as a share of the scene's extent.
 const LEAST_SHOWN: f64 = 1.0 / (1u64 << 14) as f64;
 
-/// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest hull of an object.
+/// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest bounding shape of an object.
 fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
     let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).collect();
@@ -299,10 +299,10 @@ fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
         .media
         .iter()
         .map(|medium| medium.boundary.bounding_shape(&Placement { to_world: &medium.to_world, space }));
-    let hulls: Vec<BoundingShape> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
+    let shapes: Vec<BoundingShape> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
     let shown = |light: &PlacedLight| {
         let distance = light.place.map_or(1.0, |place| {
-            let nearest = hulls.iter().map(|hull| hull.distance(place - eye)).fold(f64::INFINITY, f64::min);
+            let nearest = shapes.iter().map(|shape| shape.distance(place - eye)).fold(f64::INFINITY, f64::min);
             let nearest = if nearest.is_finite() { nearest } else { extent };
             nearest.max(LEAST_SHOWN * extent)
         });

@@ -253,6 +253,8 @@ pub struct OptionSpec {
     own: Option<fn(Arg) -> Arg>,
     /// The module that a value links, for an option that chooses between modules.
     links: Option<fn(&RenderOptions) -> &'static str>,
+    /// Whether `--help` leaves it out.
+    is_hidden: bool,
 }
 
 /// How a value is read, and told.
@@ -338,8 +340,7 @@ impl OptionSpec {
     /// The option for the command line.
     fn arg(&'static self) -> Arg {
         let arg = Arg::new(self.name).long(self.name).help(self.help()).help_heading(self.class.heading());
-        // Tests and `plan` compare kernels with all features; nobody renders better or faster by them.
-        let arg = arg.hide(self.name == "features");
+        let arg = arg.hide(self.is_hidden);
         if let Some(own) = self.own {
             return own(arg);
         }
@@ -673,6 +674,8 @@ const TUNING: &[&OptionSpec] = &[
         about: "What kernels contain: only what the scene requires, or everything that any scene can require.",
         default: Some("scene"),
         reading: word!(features: FeatureSet),
+        // Tests and `plan` compare kernels with all features; nobody renders better or faster by them.
+        is_hidden: true,
         ..PLAIN
     },
 ];
@@ -688,6 +691,7 @@ const PLAIN: OptionSpec = OptionSpec {
     reading: None,
     own: None,
     links: None,
+    is_hidden: false,
 };
 
 /// Every option.

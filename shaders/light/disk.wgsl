@@ -3,8 +3,8 @@
 //@ use light/sample
 //@ use lib/sampling
 //@ use geometry/quad_plane
-// A disk as a light: points are uniform in its area. Directions that are uniform in the solid angle of the square around it, of which those
-// that miss the disk bring nothing, have 1.3 to 14 times the error from one radius away on, and 0.8 times closer by.
+// A disk as a light: points are uniform in its area. Directions that are uniform in the solid angle of the square around it were tried, as
+// samples of 0 where they miss the disk. From a distance of one radius on, their error is 1.3 to 14 times as large; closer by, 0.8 times.
 
 fn disk_light_sample(from_point: vec3<f32>, square: Quad, u: vec2<f32>) -> DirectionSample {
     let at = 0.5 + 0.5 * sqrt(u.x) * sample_circle(u.y);

@@ -1,5 +1,6 @@
 //@ use data/ray
 //@ use data/primitive
+//@ use geometry/quad_plane
 //@ use light/sample
 //@ use light/spherical
 // A parallelogram as a light: directions are uniform in its solid angle, at any distance and size. A diagonal divides it into
@@ -64,5 +65,5 @@ fn quad_light_front(ray: Ray, normal: vec3<f32>, quad: Quad) -> bool {
 
 // Distance to the plane of the quad along a ray that narrowly misses the quad.
 fn quad_light_distance(ray: Ray, quad: Quad) -> f32 {
-    return dot(quad.corner - ray.origin, quad.normal) / dot(ray.direction, quad.normal);
+    return quad_plane_distance(ray, quad);
 }

@@ -58,8 +58,8 @@ impl Extent {
 }
 
 impl From<Extent> for Bounds {
-    fn from(hull: Extent) -> Bounds {
-        Bounds { min: hull.min.into(), max: hull.max.into() }
+    fn from(extent: Extent) -> Bounds {
+        Bounds { min: extent.min.into(), max: extent.max.into() }
     }
 }
 
@@ -124,19 +124,19 @@ impl<'a> Group<'a> {
         for axis in 0..3 {
             // The costs above each cut, from the top down; then the costs below, from the bottom up.
             let mut above = [0.0; BINS];
-            let (mut hull, mut items) = (Extent::EMPTY, 0);
+            let (mut extent, mut items) = (Extent::EMPTY, 0);
             for bin in (1..BINS).rev() {
                 let (bounds, count) = bins[axis][bin];
-                hull.add(bounds.min, bounds.max);
+                extent.add(bounds.min, bounds.max);
                 items += count;
-                above[bin] = cost(&hull, items);
+                above[bin] = cost(&extent, items);
             }
-            let (mut hull, mut items) = (Extent::EMPTY, 0);
+            let (mut extent, mut items) = (Extent::EMPTY, 0);
             for bin in 1..BINS {
                 let (bounds, count) = bins[axis][bin - 1];
-                hull.add(bounds.min, bounds.max);
+                extent.add(bounds.min, bounds.max);
                 items += count;
-                let cost = cost(&hull, items) + above[bin];
+                let cost = cost(&extent, items) + above[bin];
                 if cost < best.as_ref().map_or(f32::INFINITY, |(least, _)| *least) {
                     let cut = Cut { axis, low: self.middles.min[axis], scale: scale[axis], bin: bin as f32 };
                     best = Some((cost, cut));
@@ -152,8 +152,8 @@ impl<'a> Group<'a> {
         for item in self.items.iter() {
             let place = ((item.middle() - self.middles.min) * scale).to_array();
             for axis in 0..3 {
-                let (hull, count) = &mut bins[axis][(place[axis] as i32 as usize).min(BINS - 1)];
-                hull.add(item.min.into(), item.max.into());
+                let (extent, count) = &mut bins[axis][(place[axis] as i32 as usize).min(BINS - 1)];
+                extent.add(item.min.into(), item.max.into());
                 *count += 1;
             }
         }
@@ -187,9 +187,9 @@ impl<'a> Group<'a> {
 
 /// The cost of a group under the surface area heuristic, up to a constant factor: half its surface times its number of
 /// primitives; infinite if the group is empty.
-fn cost(hull: &Extent, items: u32) -> f32 {
+fn cost(extent: &Extent, items: u32) -> f32 {
     match items {
         0 => f32::INFINITY,
-        _ => hull.half_area() * items as f32,
+        _ => extent.half_area() * items as f32,
     }
 }

@@ -139,8 +139,8 @@ impl Parts {
         {
             return Err(format!("it is of another render than most parts: {difference}"));
         }
-        let hull = state.samples.range();
-        if hull.start < part.asked.start || hull.end > part.asked.end {
+        let range = state.samples.range();
+        if range.start < part.asked.start || range.end > part.asked.end {
             let Range { start, end } = part.asked;
             return Err(format!("it holds the samples {}, and those of this part are {start}..{end}", state.samples));
         }

@@ -92,8 +92,8 @@ pub fn run(args: &MergeArgs) -> Result<()> {
 
     let ends =
         parts[..*count].iter().flat_map(|part| part.state.samples.ranges()).flat_map(|range| [range.start, range.end]);
-    let hull = samples.range();
-    let off_runs = ends.into_iter().any(|at| !at.is_multiple_of(RUN_LENGTH) && at != hull.start && at != hull.end);
+    let range = samples.range();
+    let off_runs = ends.into_iter().any(|at| !at.is_multiple_of(RUN_LENGTH) && at != range.start && at != range.end);
     if !args.quiet {
         if off_runs {
             tell(&format!(
@@ -235,8 +235,8 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
         return Err(Error::Usage(format!("gap: no part has the samples {gaps}{after}{remedy}")));
     }
     let beyond = parts.iter().find(|part| {
-        let hull = part.state.samples.range();
-        hull.start < wanted.start || hull.end > wanted.end
+        let range = part.state.samples.range();
+        range.start < wanted.start || range.end > wanted.end
     });
     match beyond {
         Some(part) => Err(Error::Usage(format!(

@@ -61,16 +61,19 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
             warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
         }
     };
-    tell_warnings(&scene.warnings());
+    let warnings = scene.warnings();
+    tell_warnings(&warnings);
     tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet);
     let image = checked_image(args, scene)?;
     let denoising = denoising::open(args, &image.0)?;
     clock.seconds.load = clock.lap();
 
     let (opened, flat) = session.flatten(args, scene, &mut clock);
-    let request = Request::new(args, scene, flat?, image, start)?;
+    let mut request = Request::new(args, scene, flat?, image, start)?;
     let earlier = request.earlier()?;
     tell_warnings(&request.flat.warnings);
+    // Every checkpoint has all of them in its header.
+    request.flat.warnings.splice(0..0, warnings);
     session.add_devices(opened?, args.quiet);
     clock.seconds.device = clock.lap();
 

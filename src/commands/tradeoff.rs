@@ -258,10 +258,10 @@ fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
 
 /// A seed with which no image of the sweep shares its random numbers with a reference of this program: shared noise
 /// would look like no error.
-fn seed_beside(spec: u32, reference: Option<&ExrImage>) -> u32 {
+fn seed_beside(seed: u32, reference: Option<&ExrImage>) -> u32 {
     match reference.and_then(ExrImage::seed) {
-        Some(taken) if Sweep::uses(spec, taken) => taken.wrapping_add(Sweep::SEEDS_BEFORE + 1),
-        _ => spec,
+        Some(taken) if Sweep::uses(seed, taken) => taken.wrapping_add(Sweep::SEEDS_BEFORE + 1),
+        _ => seed,
     }
 }
 

@@ -189,7 +189,7 @@ impl Builder<'_> {
 
     /// Adds what materials have beside their rows: rows behind those of all materials. The emission of a light has one too, since a
     /// kernel asks all emitters alike.
-    pub fn add_details(&mut self, used: &[bool], radiance_scale: f64) {
+    pub fn add_extensions(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
         let mut extensions = vec![data::Extension::NONE; self.flat.materials.len()];
         for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {

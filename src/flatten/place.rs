@@ -119,13 +119,13 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     if let Some(large_sphere) = shape.large_sphere() {
         return large_sphere.reach(to_world);
     }
-    let hull = shape.bounding_shape(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
-    match hull {
+    let bounds = shape.bounding_shape(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
+    match bounds {
         BoundingShape::Ball { center, radius } => center.abs().max_element() + radius,
         BoundingShape::Cuboid { center, half, .. } if shape.fills_bounding_shape() => {
             center.abs().max_element() + half.length()
         }
-        _ => hull.corners().into_iter().fold(0.0, |far, p| p.abs().max_element().max(far)),
+        _ => bounds.corners().into_iter().fold(0.0, |far, p| p.abs().max_element().max(far)),
     }
 }
 

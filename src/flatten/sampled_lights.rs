@@ -183,15 +183,13 @@ impl Builder<'_> {
     fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> LightGroup<'a> {
         let laid = self.laid_of(&primitive.shape);
         let at = Placement { to_world: &primitive.to_world, space: self.space };
-        let emitters =
-            primitive.shape.emitters(&at, index, primitive.shape.code(index as usize), laid).into_iter().map(
-                |emitter| {
-                    let normal = emitter.normal.and_then(DVec3::try_normalize);
-                    // The mean projected area of a convex body is a quarter of its surface (Cauchy).
-                    let shown = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
-                    (Emitter { normal, ..emitter }, radiance * shown)
-                },
-            );
+        let code = primitive.shape.code(index as usize);
+        let emitters = primitive.shape.emitters(&at, index, code, laid).into_iter().map(|emitter| {
+            let normal = emitter.normal.and_then(DVec3::try_normalize);
+            // The mean projected area of a convex body is a quarter of its surface (Cauchy).
+            let shown = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
+            (Emitter { normal, ..emitter }, radiance * shown)
+        });
         let emitters: Vec<(Emitter, f64)> = emitters.collect();
         let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
         LightGroup { primitive, index, emitters, two_sided, intensity }

@@ -19,8 +19,8 @@ pub struct UniformTables {
 }
 
 impl UniformTables {
-    /// Puts each table that fits into the uniform bindings of a device of this class. If there are more tables than bindings, empty ones go
-    /// without first.
+    /// Puts each table that fits into the uniform bindings of a device of this class. If there are more tables than bindings, the
+    /// empty ones are the first to stay in storage.
     pub fn new(flat: &DeviceScene, device: DeviceClass) -> UniformTables {
         let uniform_bytes = device.table_bytes();
         let fits = |(name, bytes, stride): (&'static str, u64, u64)| {

@@ -355,7 +355,7 @@ impl File {
 }
 
 #[test]
-fn no_module_imports_itself_over_others() {
+fn no_module_imports_itself_through_others() {
     let files = files(sources());
     let imports = Imports::new(&files);
     let count: usize = (0..files.len()).map(|at| imports.imports_of(at).len()).sum();

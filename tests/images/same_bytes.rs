@@ -67,9 +67,9 @@ fn slots_workgroups_and_submissions_do_not_show() {
     ];
     let by_rays = Ask { samples: Some(0..16), ..Ask::default() };
     let by_defaults = Ask { samples: Some(3..21), ..Ask::default().mis().sobol().roulette() };
-    for (usual, wishes) in [(by_rays, whole.as_slice()), (by_defaults, cut.as_slice())] {
+    for (usual, cuts) in [(by_rays, whole.as_slice()), (by_defaults, cut.as_slice())] {
         let expected = render(&scene, &usual);
-        for &(scatter, slots, workgroup, bounces) in wishes {
+        for &(scatter, slots, workgroup, bounces) in cuts {
             let ask = usual.clone().scatter(scatter).with(|options| {
                 (options.slots, options.workgroup, options.bounces) = (Some(slots), Some(workgroup), Some(bounces));
             });

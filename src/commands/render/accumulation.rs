@@ -15,7 +15,7 @@ use crate::output::exr::{State, add_film, read_state};
 use crate::render::{Noise, empty_film, look_after, look_at};
 use crate::samples::Samples;
 
-/// A film, and what it is of: what a file with a state holds.
+/// A film with its samples and devices, as a file with a state holds them.
 pub struct Accumulation {
     pub film: Film,
     pub samples: Samples,
@@ -26,10 +26,10 @@ pub struct Accumulation {
 }
 
 impl Request<'_> {
-    /// The state of the output that the render goes on with; nothing where it starts afresh.
+    /// The state of the output that the render resumes; `None` if the render starts afresh.
     ///
     /// # Errors
-    /// `Error::Usage` where there is nothing to resume, or what there is is not of this render, or is more than is asked and would be lost.
+    /// `Error::Usage` if there is nothing to resume, if the output is of another render, or if it has more samples than requested.
     pub fn earlier(&self) -> Result<Option<State>> {
         let Some(exr) = self.exr() else { return Ok(None) };
         let Some(resume) = self.args.resume else { return self.refuse_to_lose().map(|()| None) };
@@ -122,7 +122,7 @@ impl Accumulation {
     /// Adds the devices that render from now on to those that have rendered it.
     ///
     /// # Errors
-    /// `Error::Usage` where they have other drivers than each other, or than those that have rendered what is there, unless drivers may be mixed.
+    /// `Error::Usage` if the drivers differ, among these devices or from those that rendered the film, unless drivers may be mixed.
     fn add_devices<'a>(
         &mut self,
         devices: impl IntoIterator<Item = &'a AdapterName>,

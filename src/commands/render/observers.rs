@@ -256,7 +256,7 @@ mod tests {
         count
     }
 
-    /// A picture that cannot be written is told as a checkpoint that failed is. The EXR is there all the same, and can be gone on with.
+    /// A picture that cannot be written is reported like a failed checkpoint. The EXR is kept, and can be resumed.
     #[test]
     fn a_checkpoint_is_kept_without_its_picture() {
         let signals = Signals::default();

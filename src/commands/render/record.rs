@@ -119,7 +119,6 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
     let Request { args, scene, flat, job, .. } = request;
     let options = &args.options;
     let materials = Some(&flat.material_names).filter(|names| options.aov.has(Aov::Material) && !names.is_empty());
-    let warnings = [scene.warnings(), flat.warnings.clone()].concat();
     let mut record = object(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": command_line(),
@@ -134,7 +133,7 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
         "aov": options.aov.words(),
         "materials": materials,
         "biases": request.biases(),
-        "warnings": warnings,
+        "warnings": flat.warnings,
         "seconds": seconds,
     }));
     record.extend(finish.record(&request.excluded()));

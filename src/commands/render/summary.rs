@@ -56,8 +56,8 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
         }
     }
     doubts(finish).for_each(|doubt| tell(&doubt));
-    if let (Some(spec), Some(noise)) = (args.noise, finish.noise) {
-        tell(&noise_words(spec, &noise, &finish.verdict));
+    if let (Some(wanted), Some(noise)) = (args.noise, finish.noise) {
+        tell(&noise_words(wanted, &noise, &finish.verdict));
     }
     if args.verbose && finish.verdict.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", request.excluded()));
@@ -98,18 +98,21 @@ pub fn doubts(finish: &Finish) -> impl Iterator<Item = String> {
 }
 
 /// What came of a render until an error.
-pub fn noise_words(spec: f64, noise: &Noise, verdict: &Verdict) -> String {
+pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
     match verdict.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
-        Some(bound) if !noise.reached && bound < spec => format!(
-            "--noise {spec} {words}: the noise is at most {} %, with 95 % confidence, but light is missing that paths have not found",
+        Some(bound) if !noise.reached && bound < wanted => format!(
+            "--noise {wanted} {words}: the noise is at most {} %, with 95 % confidence, but light is missing that paths have not found",
             percent(bound)
         ),
         Some(bound) => {
-            format!("--noise {spec} {words}: the relative error is at most {} %, with 95 % confidence", percent(bound))
+            format!(
+                "--noise {wanted} {words}: the relative error is at most {} %, with 95 % confidence",
+                percent(bound)
+            )
         }
         None => format!(
-            "--noise {spec} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
+            "--noise {wanted} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
         ),
     }
 }
