@@ -1,13 +1,28 @@
 //! The device of the tests: a software driver, chosen explicitly. A test without one fails; it is never skipped.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use gpu_rt::gpu::device::{Adapters, Device};
 
-/// The software device, opened once for a test program.
+/// The software device of this test. Tests that run at the same time have devices of their own: a software device compiles in the one
+/// thread of its queue, and the renders of all others would wait. A later test takes the device of one that has ended, with its kernels.
 pub fn software() -> &'static Device {
-    static DEVICE: OnceLock<Device> = OnceLock::new();
-    DEVICE.get_or_init(open)
+    thread_local! {
+        static LENT: Lent = Lent(FREE.lock().expect("no test fails here").pop().unwrap_or_else(|| Box::leak(Box::new(open()))));
+    }
+    LENT.with(|lent| lent.0)
+}
+
+/// Devices that no test has.
+static FREE: Mutex<Vec<&'static Device>> = Mutex::new(Vec::new());
+
+/// A device for as long as a thread lives.
+struct Lent(&'static Device);
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        FREE.lock().expect("no test fails here").push(self.0);
+    }
 }
 
 /// The software driver, opened anew: with nothing compiled for it yet.
