@@ -230,7 +230,7 @@ impl Film {
         let count = usize::try_from(count).map_err(|_| cannot(()))?;
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
-        let frame = Frame::whole((width, height));
+        let frame = Frame::full((width, height));
         let (channels, totals) = (Channels::default(), Totals::default());
         Ok(Film { exponent, sampler, samples_lights: true, frame, pixels, channels, totals })
     }

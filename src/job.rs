@@ -26,19 +26,19 @@ impl std::fmt::Display for Crop {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     pub part: Crop,
-    /// Width and height of the image.
-    pub whole: (u32, u32),
+    /// Width and height of the full image.
+    pub full: (u32, u32),
 }
 
 impl Frame {
     /// All of an image.
-    pub fn whole(size: (u32, u32)) -> Frame {
-        Frame { part: Crop::whole(size), whole: size }
+    pub fn full(size: (u32, u32)) -> Frame {
+        Frame { part: Crop::full(size), full: size }
     }
 
     /// The part, if it is not all of the image.
     pub fn crop(&self) -> Option<Crop> {
-        (self.part != Crop::whole(self.whole)).then_some(self.part)
+        (self.part != Crop::full(self.full)).then_some(self.part)
     }
 }
 
@@ -56,7 +56,7 @@ impl FromStr for Crop {
 
 impl Crop {
     /// The part of an image of this size that is all of it.
-    pub fn whole((width, height): (u32, u32)) -> Crop {
+    pub fn full((width, height): (u32, u32)) -> Crop {
         Crop { left: 0, top: 0, width, height }
     }
 

@@ -102,7 +102,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
     if !args.quiet
         && state.is_some_and(|state| {
-            !Identity::new(&scene, &Frame::whole(size), &job, &args.options).is_of_scene(&state.identity)
+            !Identity::new(&scene, &Frame::full(size), &job, &args.options).is_of_scene(&state.identity)
         })
     {
         tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));

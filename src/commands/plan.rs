@@ -74,8 +74,8 @@ fn steps_of(device: Option<&str>) -> Option<u32> {
 
 /// The whole report. With `why`, only that kernel.
 fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Value {
-    let asked = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
-    let kernels: Vec<_> = report.kernels.iter().filter(asked).map(|kernel| kernel_json(report, kernel)).collect();
+    let is_listed = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
+    let kernels: Vec<_> = report.kernels.iter().filter(is_listed).map(|kernel| kernel_json(report, kernel)).collect();
     let choices: Map<String, Value> =
         report.choices.iter().map(|choice| (choice.name.to_string(), json!(choice.module))).collect();
     let features: Vec<_> =

@@ -226,7 +226,7 @@ mod tests {
             let code = 255.0 * srgb(f64::from(value));
             let (left, top) = (usize::from(i) * 31, usize::from(i) * 97);
             let patch = (0..256).map(|i| (left + i % 16, top + i / 16));
-            let mean = patch.map(|place| f64::from(view.bytes([value; 3], place)[1])).sum::<f64>() / 256.0;
+            let mean = patch.map(|position| f64::from(view.bytes([value; 3], position)[1])).sum::<f64>() / 256.0;
             assert!((mean - code).abs() < 0.03, "{value}: {mean}, expected {code}");
         }
     }

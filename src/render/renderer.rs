@@ -63,7 +63,7 @@ impl<'a> Renderer<'a> {
         self.devices.iter_mut().for_each(|device| device.begin(job));
         let first = job.first_sample;
         let mut caller =
-            Caller { film: &mut *film, watch, start, outcome: &mut outcome, wants_whole: false, probe: None };
+            Caller { film: &mut *film, watch, start, outcome: &mut outcome, wants_complete: false, probe: None };
         match job.goal {
             Goal::Samples(end) => self.render_samples(first..end, &mut caller)?,
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut caller)?,

@@ -73,7 +73,7 @@ fn a_whole_film_of_devices_has_whole_samples() {
     for (lanes, tile) in [(2, None), (3, Some(97))] {
         let (mut film, mut looks, mut calls) = (empty(), Vec::new(), 0);
         render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.is_whole) {
+            if let Some(look) = look.filter(|look| look.is_complete) {
                 let samples = outcome.samples.count() as u32;
                 assert!(look.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
                 assert_eq!(look.film.totals(), outcome.totals);
@@ -81,7 +81,7 @@ fn a_whole_film_of_devices_has_whole_samples() {
                 return Next::GoOn;
             }
             calls += 1;
-            if calls % 7 == 0 { Next::WholeSnapshot } else { Next::GoOn }
+            if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
         });
         assert!(film == by_one(200) && looks.len() > 2, "{} looks", looks.len());
         // What is missing of each is what the render had left.

@@ -168,14 +168,14 @@ fn a_whole_film_has_whole_samples() {
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
         let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.is_whole) {
+            if let Some(look) = look.filter(|look| look.is_complete) {
                 let end = outcome.samples.range().end;
                 seen.push(end);
                 assert!(end.is_multiple_of(RUN_LENGTH) && *look.film == each[(end / RUN_LENGTH) as usize - 1], "{end}");
             }
             // A look at what is under way in between must not matter.
             calls += 1;
-            if calls % 3 == 0 { Next::Snapshot } else { Next::WholeSnapshot }
+            if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
         });
         assert!(looked.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
     }
@@ -197,7 +197,7 @@ fn goals_go_on_with_a_film() {
             let mut film = render(&options, SIZE, 0..24, None, &mut |_, _| Next::GoOn).0;
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
             let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
-            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::WholeSnapshot);
+            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::CompleteSnapshot);
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");

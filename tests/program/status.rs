@@ -60,7 +60,7 @@ impl Place {
     }
 
     fn part(&self, number: u32) -> PathBuf {
-        let [start, end] = self.folder.asked.parts[number as usize];
+        let [start, end] = self.folder.request.parts[number as usize];
         self.folder.part_path(&(start..end))
     }
 
@@ -70,7 +70,7 @@ impl Place {
 
     /// Renders so many samples from the start of a part on.
     fn render(&self, number: u32, samples: u32, more: &str) -> Ran {
-        let start = self.folder.asked.parts[number as usize][0];
+        let start = self.folder.request.parts[number as usize][0];
         let (end, part) = (start + samples, self.part(number));
         let line = format!("render job/scene/scene.ron --quiet --device {} --samples {start}..{end}", software());
         self.says(&format!("{line} -o {} {more}", part.display())).exits(0)
@@ -139,7 +139,7 @@ fn parts_are_counted_by_their_states() {
     assert_eq!(place.counts(), [1, 0, 2, 1, 0]);
     let mut folder = place.folder.clone();
     for options in [&["--checkpoint", "2m"][..], &["--checkpoint=2m"]] {
-        folder.asked.options = options.iter().map(ToString::to_string).collect();
+        folder.request.options = options.iter().map(ToString::to_string).collect();
         folder.write().expect("job.json is written");
         assert_eq!(place.counts(), [1, 1, 1, 1, 0]);
     }
@@ -164,7 +164,7 @@ fn parts_are_counted_by_their_states() {
 #[test]
 fn a_render_in_rounds_is_complete_when_its_error_is_reached() {
     let mut place = Place::new(4, 16);
-    (place.folder.asked.noise, place.folder.asked.most) = (Some(0.3), Some(1024));
+    (place.folder.request.noise, place.folder.request.most) = (Some(0.3), Some(1024));
     place.folder.write().expect("job.json is written");
     (0..4).for_each(|part| _ = place.render(part, 16, ""));
     let join = |noise: &str| {
@@ -395,9 +395,9 @@ fn status_refuses_a_folder_without_a_job() {
 fn a_thousand_parts_take_seconds() {
     const PARTS: u32 = 1000;
     let mut place = Place::new(PARTS, 8);
-    (place.folder.asked.width, place.folder.asked.height) = (320, 180);
-    place.folder.asked.samples = [10_000_000, 10_000_000 + 8 * PARTS];
-    place.folder.asked.parts.iter_mut().flatten().for_each(|at| *at += 10_000_000);
+    (place.folder.request.width, place.folder.request.height) = (320, 180);
+    place.folder.request.samples = [10_000_000, 10_000_000 + 8 * PARTS];
+    place.folder.request.parts.iter_mut().flatten().for_each(|at| *at += 10_000_000);
     place.folder.write().expect("job.json is written");
     place.render(0, 8, "--size 320x180");
     let bytes = fs::read(place.part(0)).expect("it is read");

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
-use crate::output::place::folder_of;
+use crate::output::destination::folder_of;
 use crate::scene::{Stamp, stamp};
 
 /// How long files must have stayed as they are, so that a save is over.

@@ -67,7 +67,7 @@ impl State {
     /// An empty film for it.
     pub fn film(&self) -> Result<Film> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
-        let film = film.of_part(self.identity.frame(self.size).unwrap_or(Frame::whole(self.size)));
+        let film = film.of_part(self.identity.frame(self.size).unwrap_or(Frame::full(self.size)));
         let film = film.sampling_lights(self.identity.samples_lights());
         film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())
     }
