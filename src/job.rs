@@ -139,8 +139,8 @@ pub enum Goal {
     /// As many samples as fit before the deadline: at least one, and at most those below `end`.
     Until { deadline: Instant, end: u32 },
     /// Until the relative error is below `error`, the deadline is reached, or `end` is reached. A render that goes on with another says with
-    /// which sample that one began, and how often the error has been looked at.
-    Noise { error: f64, deadline: Option<Instant>, end: u32, begun: u32, looks: u32 },
+    /// which sample that one began, and how often the error has been checked.
+    Noise { error: f64, deadline: Option<Instant>, end: u32, begun: u32, checks: u32 },
 }
 
 impl Goal {

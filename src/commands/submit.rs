@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;
 use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
-use crate::render::LAST_LOOK;
+use crate::render::LAST_CHECK;
 use crate::scene::{Scene, Thin};
 
 /// Who runs the processes.
@@ -317,7 +317,7 @@ fn next_round(mut folder: Folder) -> Result<Option<Folder>> {
     let samples = state.samples.count();
     if reached {
         print_line(&format!("{name}: --noise {noise} is reached with {samples} samples"))?;
-    } else if unbounded && samples >= u64::from(LAST_LOOK) {
+    } else if unbounded && samples >= u64::from(LAST_CHECK) {
         print_line(&format!("{name}: nothing bounds the error after {samples} samples, so that it cannot be reached"))?;
     } else if done < requested {
         return Err(Error::Usage(format!(

@@ -337,7 +337,7 @@ mod tests {
     /// A render until an error goes on while its bound is above that, or light is missing: never without a word of why.
     #[test]
     fn a_render_until_an_error_says_why_it_goes_on() {
-        let goal = Goal::Noise { error: 0.05, deadline: None, end: 1 << 20, begun: 100, looks: 0 };
+        let goal = Goal::Noise { error: 0.05, deadline: None, end: 1 << 20, begun: 100, checks: 0 };
         let line = |until: Option<Until>| progress(goal).describe(&Status { until, ..STATUS }, MINUTE, 200);
         assert_eq!(line(None), "125 spp  1.42 Mpaths/s  until the error is below 5.0 %  time 00:01:00");
         let until = Until { bound: 0.0532, samples: Some(250), lacks_light: false };

@@ -218,7 +218,7 @@ pub fn render_with(
         let job = job(seed, &samples);
         let mut film = empty_film(&flat, size, &ask.options).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
-        let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.look(outcome)).expect("the device renders");
+        let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.observe(outcome)).expect("the device renders");
         take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });
     }
 }
@@ -311,7 +311,7 @@ impl Watchdog {
         Watchdog { patience: u64::from(RUN_LENGTH) * (u64::from(max_depth) + 1) + 16, idle: 0, paths: 0 }
     }
 
-    fn look(&mut self, outcome: &Outcome) -> Next {
+    fn observe(&mut self, outcome: &Outcome) -> Next {
         let paths = outcome.totals.paths;
         self.idle = if paths > self.paths { 0 } else { self.idle + 1 };
         self.paths = paths;

@@ -197,7 +197,7 @@ fn closed_meshes_of_files_by_blender_are_solid_glass() {
 }
 
 #[test]
-fn all_forms_of_meshes_are_looked_at() {
+fn all_forms_of_meshes_are_examined() {
     // A tetrahedron as a strip, and a pyramid of a fan and a square.
     let tetrahedron = vec![[0., 0., 0.], [0., 1., 0.], [1., 0., 0.], [0., 0., 1.]];
     let strip = Part { positions: tetrahedron, indices: Some(vec![0, 1, 2, 3, 0, 1]), mode: 5, material: 0 };

@@ -71,21 +71,21 @@ fn devices_share_a_film() {
 #[test]
 fn a_whole_film_of_devices_has_whole_samples() {
     for (lanes, tile) in [(2, None), (3, Some(97))] {
-        let (mut film, mut looks, mut calls) = (empty(), Vec::new(), 0);
-        render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.is_complete) {
+        let (mut film, mut snapshots, mut calls) = (empty(), Vec::new(), 0);
+        render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, snapshot| {
+            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
                 let samples = outcome.samples.count() as u32;
-                assert!(look.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
-                assert_eq!(look.film.totals(), outcome.totals);
-                looks.push((outcome.samples.clone(), look.film.clone()));
+                assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
+                assert_eq!(snapshot.film.totals(), outcome.totals);
+                snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
                 return Next::GoOn;
             }
             calls += 1;
             if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
         });
-        assert!(film == by_one(200) && looks.len() > 2, "{} looks", looks.len());
+        assert!(film == by_one(200) && snapshots.len() > 2, "{} snapshots", snapshots.len());
         // What is missing of each is what the render had left.
-        for (samples, mut film) in looks.into_iter().step_by(3) {
+        for (samples, mut film) in snapshots.into_iter().step_by(3) {
             for gap in samples.missing(0..200).ranges() {
                 render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
             }
@@ -121,8 +121,8 @@ fn devices_reach_goals() {
     let deadline = Instant::now() + Duration::from_millis(1500);
     for goal in [
         Goal::Until { deadline, end: 100 },
-        Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, looks: 0 },
-        Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, looks: 0 },
+        Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
+        Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
     ] {
         let mut film = empty();
         let outcome = render(2, 0, goal, None, &mut film, &mut |_, _| Next::GoOn);

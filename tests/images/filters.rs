@@ -6,7 +6,7 @@ use gpu_rt::film::Film;
 use gpu_rt::options::{Filter, Scatter};
 use gpu_rt::scene::Scene;
 
-use crate::common::held::Looks;
+use crate::common::held::Replicates;
 use crate::common::render::{Ask, Change, Shot, render, scene};
 use crate::common::stats::{sidak, student_two_sided};
 
@@ -122,13 +122,13 @@ fn the_bound_of_the_error_holds_for_samples_of_either_sign() {
     let cornell = Scene::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell.ron"))).expect("it ships");
     let ask =
         |filter: Filter| Ask::default().mis().sobol().roulette().size(32, 24).with(|options| options.filter = filter);
-    let looks = Looks::new(&cornell, &ask(Filter::Mitchell), &Change::default(), 30, &[24, 64, 150]);
-    for held in looks.held() {
+    let replicates = Replicates::new(&cornell, &ask(Filter::Mitchell), &Change::default(), 30, &[24, 64, 150]);
+    for held in replicates.held() {
         println!("mitchell: {held}");
         // Of 30 images at 95 %, less than 24 hold with a probability of 1e-4.
         assert!(held.share >= 0.8, "{held}");
     }
-    assert!(looks.errors().all(|error| error.bound >= error.value));
+    assert!(replicates.errors().all(|error| error.bound >= error.value));
     // The planted error: the estimate for the bound.
-    assert!(looks.held_by(|error| error.value).iter().any(|share| *share < 0.7));
+    assert!(replicates.held_by(|error| error.value).iter().any(|share| *share < 0.7));
 }

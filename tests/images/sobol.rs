@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::held::{BULB, Held, Looks};
+use crate::common::held::{BULB, Held, Replicates};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Ask, Change, Shot, render, render_job, scene};
 use crate::common::rooms::{THINGS, room};
@@ -11,7 +11,7 @@ use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, level_after, look_after};
+use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, level_after, samples_at_check};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
@@ -83,31 +83,31 @@ fn a_render_until_an_error_is_that_of_its_samples() {
     let scene = room(THINGS[0].1);
     for (sampler, error) in [(Sobol, 0.05), (Independent, 0.06), (Sobol, 0.9)] {
         let (film, outcome) =
-            until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, looks: 0 }, sampler);
+            until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, checks: 0 }, sampler);
         let noise = outcome.noise.expect("it was asked");
         let samples = outcome.samples.count() as u32;
         assert!(noise.reached && !outcome.interrupted && outcome.samples.range().start == 0);
-        assert_eq!(samples, look_after(noise.looks - 1));
+        assert_eq!(samples, samples_at_check(noise.checks - 1));
         assert_eq!(samples == 16, error == 0.9, "{samples}");
-        // The k-th look has 5 % / (k (k + 1)).
-        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(noise.looks * (noise.looks + 1)));
+        // The k-th check has 5 % / (k (k + 1)).
+        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(noise.checks * (noise.checks + 1)));
         assert!(film.error_estimate(noise.level()).expect("there is light").bound < error);
         let of_samples = render(&scene, &Ask::spp(samples).seed(4).depth(10).with(|options| options.sampler = sampler));
         assert!(film == of_samples.film);
         // It did not end too late.
-        if let Some(last) = noise.looks.checked_sub(2) {
-            let ask = Ask::spp(look_after(last)).seed(4).depth(10).with(|options| options.sampler = sampler);
+        if let Some(last) = noise.checks.checked_sub(2) {
+            let ask = Ask::spp(samples_at_check(last)).seed(4).depth(10).with(|options| options.sampler = sampler);
             let before = render(&scene, &ask);
             assert!(before.film.error_estimate(level_after(last)).expect("there is light").bound >= error);
         }
     }
     // The most samples, and the time, come first where they do.
     let (film, outcome) =
-        until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, looks: 0 }, Sobol);
+        until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, checks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..41));
     assert!(film == render(&scene, &Ask::spp(41).sobol().seed(4).depth(10)).film);
     let deadline = Some(std::time::Instant::now());
-    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, looks: 0 }, Sobol);
+    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, checks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..1));
     assert!(film == render(&scene, &Ask::spp(1).sobol().seed(4).depth(10)).film);
 }
@@ -121,8 +121,8 @@ fn bounds_hold_where_few_pixels_hold_the_noise() {
     let ask = |(width, height)| Ask::default().mis().sobol().size(width, height).roulette();
     let by_halves = Overlay::new(&[("lib/squared_deviation", "test/control/no_squared_deviation")]);
     for (name, scene, size) in [("bulb", scene(BULB), (16, 16)), ("marble", marble, (32, 18))] {
-        let looks = |change: &Change<'_>| Looks::new(&scene, &ask(size), change, 80, &[16, 64]);
-        let found = looks(&Change::default());
+        let replicates = |change: &Change<'_>| Replicates::new(&scene, &ask(size), change, 80, &[16, 64]);
+        let found = replicates(&Change::default());
         let held = found.held();
         held.iter().for_each(|held| println!("{name}: {held}"));
         assert!(held.iter().all(Held::holds), "{name}: {held:?}");
@@ -130,7 +130,7 @@ fn bounds_hold_where_few_pixels_hold_the_noise() {
         println!("{name}: --noise 0.3 ends for {ended} of seeds, and is wrong for {wrong}");
         assert!(wrong <= 0.1 && ended > 0.1, "{name}: {wrong} of {ended}");
         // The planted error: runs that do not say how their samples are spread.
-        let planted = looks(&Change { library: Some(&by_halves), ..Change::default() }).held();
+        let planted = replicates(&Change { library: Some(&by_halves), ..Change::default() }).held();
         planted.iter().for_each(|held| println!("{name}, by halves alone: {held}"));
         assert!(!planted.iter().all(Held::holds), "{name}: {planted:?}");
     }
@@ -166,16 +166,16 @@ fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {
     }
 }
 
-/// A render until an error looks often, so that it takes at most half as many samples again as the first number at which its bound is low enough,
-/// and a quarter from 64 on; all looks together have 5 %; and both halves of a pixel have the same samples at each.
+/// A render until an error checks often, so that it takes at most half as many samples again as the first number at which its bound is low enough,
+/// and a quarter from 64 on; all checks together have 5 %; and both halves of a pixel have the same samples at each.
 #[test]
-fn looks_come_often_and_share_their_probability() {
-    let looks: Vec<u32> = (0..40).map(look_after).collect();
-    assert_eq!(looks[..12], [16, 32, 48, 64, 80, 96, 112, 128, 160, 192, 224, 256]);
-    assert!(looks.windows(2).all(|pair| pair[0] < pair[1] && (pair[0] < 64 || 4 * pair[1] <= 5 * pair[0])));
-    assert!(looks.iter().all(|samples| samples.is_multiple_of(16)));
+fn checks_come_often_and_share_their_probability() {
+    let checks: Vec<u32> = (0..40).map(samples_at_check).collect();
+    assert_eq!(checks[..12], [16, 32, 48, 64, 80, 96, 112, 128, 160, 192, 224, 256]);
+    assert!(checks.windows(2).all(|pair| pair[0] < pair[1] && (pair[0] < 64 || 4 * pair[1] <= 5 * pair[0])));
+    assert!(checks.iter().all(|samples| samples.is_multiple_of(16)));
     let all: f64 = (0..1_000_000).map(level_after).sum();
     assert!(all < NOISE_LEVEL && all > 0.999 * NOISE_LEVEL, "{all}");
     // They never end, and no number of them is too large.
-    assert!(look_after(1000) == u32::MAX && look_after(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0);
+    assert!(samples_at_check(1000) == u32::MAX && samples_at_check(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0);
 }

@@ -1,4 +1,4 @@
-//! What a render does with its film does not show: the tiles that it is cut into, the looks at it, and where it is stopped.
+//! What a render does with its film does not show: the tiles that it is cut into, the snapshots of it, and where it is stopped.
 
 use std::ops::Range;
 use std::path::Path;
@@ -86,7 +86,7 @@ fn a_film_beyond_a_binding_is_whole() {
     assert!(film == render(&options, size, 0..1, Some(500_000), &mut |_, _| Next::GoOn).0);
 }
 
-/// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has looked at.
+/// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has checked.
 #[test]
 fn pilots_and_goals_do_not_show() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
@@ -94,8 +94,8 @@ fn pilots_and_goals_do_not_show() {
         let deadline = Instant::now() + Duration::from_millis(1500);
         for goal in [
             Goal::Until { deadline, end: 100 },
-            Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, looks: 0 },
-            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, looks: 0 },
+            Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
         ] {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
@@ -107,25 +107,25 @@ fn pilots_and_goals_do_not_show() {
     }
 }
 
-/// A look shows the finished runs, and changes nothing.
+/// A snapshot shows the finished runs, and changes nothing.
 #[test]
-fn looks_do_not_show() {
+fn snapshots_do_not_show() {
     for tile in [None, Some(97)] {
         let options = options(Scatter::Fused);
         let whole = render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0;
-        let (mut looks, mut paths) = (0, 0);
-        let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
-            if let Some(look) = look {
-                let picture = look.film.develop();
+        let (mut snapshots, mut paths) = (0, 0);
+        let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
+            if let Some(snapshot) = snapshot {
+                let picture = snapshot.film.develop();
                 let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
-                assert_eq!((look.film.totals(), seen), (outcome.totals, outcome.totals.paths));
-                looks += 1;
+                assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
+                snapshots += 1;
                 paths = paths.max(seen);
             }
             Next::Snapshot
         });
-        assert!(looked.0 == whole, "{tile:?}");
-        assert!(looks > 10 && paths > 0, "{looks} looks, {paths} paths");
+        assert!(observed.0 == whole, "{tile:?}");
+        assert!(snapshots > 10 && paths > 0, "{snapshots} snapshots, {paths} paths");
     }
 }
 
@@ -167,17 +167,17 @@ fn a_whole_film_has_whole_samples() {
     let each: Vec<Film> = (1..=5).map(|runs| whole(RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
-        let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.is_complete) {
+        let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
+            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
                 let end = outcome.samples.range().end;
                 seen.push(end);
-                assert!(end.is_multiple_of(RUN_LENGTH) && *look.film == each[(end / RUN_LENGTH) as usize - 1], "{end}");
+                assert!(end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1], "{end}");
             }
-            // A look at what is under way in between must not matter.
+            // A snapshot of runs under way in between must not matter.
             calls += 1;
             if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
         });
-        assert!(looked.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
+        assert!(observed.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
     }
 }
 
@@ -191,8 +191,8 @@ fn goals_go_on_with_a_film() {
         for goal in [
             Goal::Until { deadline: deadline(1000), end: 100 },
             Goal::Until { deadline: deadline(0), end: 100 },
-            Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, looks: 1 },
-            Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, looks: 1 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, checks: 1 },
+            Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, checks: 1 },
         ] {
             let mut film = render(&options, SIZE, 0..24, None, &mut |_, _| Next::GoOn).0;
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
@@ -207,20 +207,20 @@ fn goals_go_on_with_a_film() {
     }
 }
 
-/// A render until an error that was interrupted looks again where it would have looked, with the probability that it had left.
+/// A resumed render until an error checks it where the interrupted one would have, with the probability that was left.
 #[test]
-fn a_resumed_render_has_the_looks_of_one_render() {
+fn a_resumed_render_has_the_checks_of_one_render() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
-    let noise = |begun, looks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, looks };
+    let noise = |begun, checks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, checks };
     let (whole, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
-    let found = uninterrupted.noise.expect("it looked");
-    assert!(found.reached && found.looks > 2 && found.looks < 8, "{found:?}");
+    let found = uninterrupted.noise.expect("the error was checked");
+    assert!(found.reached && found.checks > 2 && found.checks < 8, "{found:?}");
     for stop in [8, 16, 24, 40, 64] {
-        let goal = Goal::Noise { error: 0.06, deadline: None, end: stop, begun: 0, looks: 0 };
+        let goal = Goal::Noise { error: 0.06, deadline: None, end: stop, begun: 0, checks: 0 };
         let (mut film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut |_, _| Next::GoOn);
-        // The render that had only so many samples has looked at its end, which one that is interrupted there has not.
-        let looks = outcome.noise.expect("it looked").looks - 1;
-        let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, looks) };
+        // The render with so few samples has checked its end, which an interrupted one has not.
+        let checks = outcome.noise.expect("the error was checked").checks - 1;
+        let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, checks) };
         let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut |_, _| Next::GoOn);
         assert_eq!(
             (outcome.noise, outcome.samples.range().end),

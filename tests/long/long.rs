@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::common::expect::Expectations;
-use crate::common::held::{BULB, Looks};
+use crate::common::held::{BULB, Replicates};
 use crate::common::render::{Ask, Change, render_all, scene, scene_folder};
 use crate::common::rooms::{THINGS, room};
 use crate::common::scenes::files;
@@ -18,7 +18,7 @@ const SAMPLERS: [Sampler; 2] = [Sampler::Sobol, Sampler::Independent];
 
 /// How many renders there are of each scene and sampler: a share of 95 % of them has a standard error of 0.7 %.
 const RENDERS: u32 = 1000;
-/// Few, where the error's own bias is largest and `--noise` looks first, and many.
+/// Few, where the error's own bias is largest and `--noise` checks first, and many.
 const SAMPLES: [u32; 3] = [16, 64, 256];
 
 /// A render: its image, the variances that it states, and the estimate of its error.
@@ -307,14 +307,14 @@ fn bounds_hold(
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for (name, scene) in scenes {
         let ask = Ask::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
-        let looks = Looks::new(scene, &ask, &Change::default(), seeds, samples);
-        for held in looks.held() {
+        let replicates = Replicates::new(scene, &ask, &Change::default(), seeds, samples);
+        for held in replicates.held() {
             println!("{name}: {held}");
             failed.extend((!held.holds()).then(|| format!("{name}: {held}")));
             cells.push(held);
         }
         for error in [0.1, 0.2, 0.4] {
-            let (wrong, ended) = looks.noise_is_wrong(error);
+            let (wrong, ended) = replicates.noise_is_wrong(error);
             println!("{name}: --noise {error} ends for {ended:.3} of seeds, and is wrong for {wrong:.3}");
             noise.push((wrong, ended));
         }

@@ -102,7 +102,7 @@ pub struct Held {
     variance: Option<Vec<[f32; 3]>>,
     pub film: Film,
     pub samples: String,
-    looks: u32,
+    checks: u32,
     attributes: Vec<(String, Attribute)>,
 }
 
@@ -114,7 +114,7 @@ impl Held {
             ("variance", self.variance != other.variance),
             ("film", self.film != other.film),
             ("samples", self.samples != other.samples),
-            ("looks", self.looks != other.looks),
+            ("checks", self.checks != other.checks),
         ];
         let fields = differs.into_iter().filter(|(_, differs)| *differs).map(|(name, _)| name.to_string());
         let only = |a: &Held, b: &Held| -> Vec<String> {
@@ -134,8 +134,8 @@ impl Held {
             !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene" && name != "gpu-rt:command"
         });
         attributes.sort_by(|a, b| a.0.cmp(&b.0));
-        let State { samples, looks, .. } = state;
-        Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), looks, attributes }
+        let State { samples, looks: checks, .. } = state;
+        Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), checks, attributes }
     }
 }
 
@@ -206,21 +206,21 @@ fn within_a_run_the_image_agrees_to_rounding() {
     }
 }
 
-/// A render until an error goes on to the same number of samples, with the same looks; one that has reached it is done.
+/// A render until an error goes on to the same number of samples, with the same checks; one that has reached it is done.
 #[test]
 fn a_render_until_an_error_goes_on() {
     let place = Place::new();
     place.render("--quiet --noise 0.04 -o whole.exr").exits(0);
     let whole = place.holds("whole.exr");
-    assert!(whole.looks > 3, "{} looks", whole.looks);
-    // As an interrupt leaves it: with the looks at 16, 32, … samples up to there.
-    for (end, looks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
+    assert!(whole.checks > 3, "{} checks", whole.checks);
+    // As an interrupt leaves it: with the checks at 16, 32, … samples up to there.
+    for (end, checks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
         place.render(&format!("--quiet --spp {end} -o out.exr --force")).exits(0);
         let path = place.path("out.exr");
         let mut state = read_state(&path).expect("it is read").expect("there is a state");
         let mut film = state.film().expect("it fits");
         add_film(&path, &state, &mut film).expect("it is read");
-        state.looks = looks;
+        state.looks = checks;
         write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
             .expect("it is written");
         place.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
@@ -395,8 +395,8 @@ fn several_devices_have_the_bytes_of_one() {
         place.render(&format!("--quiet {goal} -o {image}")).exits(0);
         let (mut resumed, whole) = (place.holds("gaps.exr"), place.holds(image));
         assert!(resumed.film.totals().paths > 40 * 24 * 16);
-        // The looks are those of the part that has been joined, and later ones.
-        resumed.looks = whole.looks;
+        // The checks are those of the part that has been joined, and later ones.
+        resumed.checks = whole.checks;
         resumed.attributes.clone_from(&whole.attributes);
         assert_eq!(resumed.difference(&whole), [""; 0], "{goal}");
     }

@@ -337,7 +337,7 @@ fn rounds_end_where_one_render_would() {
         // Without Slurm the join says what comes next; here nothing does. Asked again, it is the same.
         let again = cluster.again("--next").exits(0);
         assert!(again.stdout.contains(said) && cluster.jobs().is_empty(), "{}", again.stdout);
-        // A larger error ends the join at an earlier look, whatever parts there are.
+        // A larger error ends the join at an earlier check, whatever parts there are.
         let (parts, out) = (cluster.job("parts"), cluster.path("less.exr"));
         let [parts, out] = [&parts, &out].map(|path| path.to_str().expect("UTF-8"));
         finish(
@@ -483,7 +483,7 @@ fn whole_paths_stay() {
     cluster.task(0).exits(0);
 }
 
-/// `merge --samples` takes exactly these, and `merge --noise` parts that end where it looks.
+/// `merge --samples` takes exactly these, and `merge --noise` parts that end where it checks the error.
 #[test]
 fn a_join_has_what_is_asked() {
     let cluster = Cluster::new();
@@ -504,7 +504,7 @@ fn a_join_has_what_is_asked() {
         assert!(said.contains(words), "{asked}: {said}");
     }
     let said = merge(&["--noise", "0.001"]).exits(2).stderr;
-    assert!(said.contains("00-24.exr: --noise looks at 16 samples"), "{said}");
+    assert!(said.contains("00-24.exr: --noise checks the error at 16 samples"), "{said}");
     assert!(!Path::new(out).exists());
     merge(&["--samples", "0..48"]).exits(0);
     assert_eq!(Held::read(Path::new(out)).difference(&cluster.whole("--spp 48")), [""; 0]);

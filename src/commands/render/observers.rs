@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::job::{Goal, Job};
 use crate::output::destination::can_be_replaced;
 use crate::output::progress::{Progress, Status, Until};
-use crate::render::{Next, Outcome, Snapshot, level_after, look_after};
+use crate::render::{Next, Outcome, Snapshot, level_after, samples_at_check};
 
 /// Under `--watch`: the most between two checkpoints, unless they would take too long.
 const MOST_WATCHED: Duration = Duration::from_secs(2);
@@ -114,8 +114,8 @@ impl<'a> Observers<'a> {
     ) -> Next {
         let is_due = |next: Option<Instant>, now| next.is_some_and(|next| now >= next);
         let now = Instant::now();
-        let (keep, look) = (is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
-        let has_looked = snapshot.is_some();
+        let (keep, show) = (is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
+        let had_snapshot = snapshot.is_some();
         if let Some(Snapshot { film, begin, is_complete }) = snapshot {
             if keep && is_complete {
                 let kept = checkpoint(film, outcome);
@@ -136,9 +136,9 @@ impl<'a> Observers<'a> {
         match is_stopped {
             true => Next::Stop,
             false if self.changes.is_some_and(Changes::have_changed) => Next::Drop,
-            false if has_looked => Next::GoOn,
+            false if had_snapshot => Next::GoOn,
             false if keep => Next::CompleteSnapshot,
-            false if look => Next::Snapshot,
+            false if show => Next::Snapshot,
             false => Next::GoOn,
         }
     }
@@ -205,16 +205,16 @@ impl Pace {
             self.error = film.relative_error();
             return;
         };
-        let looks = outcome.noise.map_or(0, |noise| noise.looks);
-        let verdict = film.verdict(level_after(looks));
+        let checks = outcome.noise.map_or(0, |noise| noise.checks);
+        let verdict = film.verdict(level_after(checks));
         self.error = verdict.error.map(|error| error.value);
         let done = self.samples(outcome).saturating_sub(u64::from(begun));
         self.until = verdict.error.map(|error| {
             let lacks_light = error.bound < wanted && verdict.lacks_light();
             let needed = done as f64 * (error.bound / wanted).max(1.0).powi(2);
-            // No render has more looks: the last ones are at more samples than a pixel can have.
-            const MOST_LOOKS: u32 = 128;
-            let mut ends = (looks..looks + MOST_LOOKS).map(|look| u64::from(look_after(look)));
+            // No render has more checks: the last ones are at more samples than a pixel can have.
+            const MOST_CHECKS: u32 = 128;
+            let mut ends = (checks..checks + MOST_CHECKS).map(|check| u64::from(samples_at_check(check)));
             let ends = ends.find(|at| *at > done && *at as f64 >= needed).map(|at| at + u64::from(begun));
             Until { bound: error.bound, samples: ends.filter(|_| !lacks_light), lacks_light }
         });

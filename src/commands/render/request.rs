@@ -196,7 +196,7 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
     let goal = match (args.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },
-        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, looks: 0 },
+        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, checks: 0 },
     };
     let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: samples.start, goal };

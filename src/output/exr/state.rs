@@ -28,7 +28,7 @@ pub struct State {
     pub devices: Vec<(String, String)>,
     /// The samples that each pixel has.
     pub samples: Samples,
-    /// How often `--noise` has compared the error with the one asked.
+    /// How often `--noise` has compared the error with the requested one.
     pub looks: u32,
     /// The size, the scale and the sampler of the film.
     #[serde(skip)]

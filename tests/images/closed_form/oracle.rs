@@ -222,9 +222,9 @@ impl Things {
     /// Compares an image with what these things show, in the pixels that show one colour; the rest, on the edges, is left out.
     /// Fails also where too little can be compared: `colours` is how many colours must be found, in ten pixels each at least.
     pub fn check(&self, shot: &Shot, camera: &Camera, colours: usize) -> Result<(), String> {
-        /// Looks into a pixel along each axis: nothing in these scenes is finer.
-        const LOOKS: i32 = 8;
-        /// How far the looks go over the pixel's edge, so that nothing slips in between.
+        /// Rays into a pixel along each axis: nothing in these scenes is finer.
+        const PROBES: i32 = 8;
+        /// How far the rays go over the pixel's edge, so that nothing slips in between.
         const MARGIN: f64 = 0.25;
         /// Samples of one colour are added without noise: see ROUNDING in expect.rs.
         const TOLERANCE: f64 = 1e-6;
@@ -232,8 +232,8 @@ impl Things {
         let mut seen: Vec<([f64; 3], u32)> = Vec::new();
         for y in 0..self.size.1 {
             for x in 0..self.size.0 {
-                let look = |i: i32| -MARGIN + (1.0 + 2.0 * MARGIN) * f64::from(i) / f64::from(LOOKS);
-                let places = (0..=LOOKS).flat_map(|i| (0..=LOOKS).map(move |j| (look(i), look(j))));
+                let offset = |i: i32| -MARGIN + (1.0 + 2.0 * MARGIN) * f64::from(i) / f64::from(PROBES);
+                let places = (0..=PROBES).flat_map(|i| (0..=PROBES).map(move |j| (offset(i), offset(j))));
                 let mut colours = places
                     .map(|(u, v)| self.trace(camera.look_from, view.direction(f64::from(x) + u, f64::from(y) + v)));
                 let Some(expected) = colours.next().flatten() else { continue };
