@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::console::{command_line, object, path_text, print_json, tell};
 use super::outputs::{EXR, check_name, check_outputs};
-use super::render::{Finish, attributes_of, doubts, error_words, excluded, noise_words};
+use super::render::{Finish, attributes_of, reliability_warnings, error_words, excluded, noise_words};
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
@@ -103,7 +103,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         if let (Some(error), Some(noise)) = (args.noise, noise) {
             tell(&noise_words(error, noise, &finish.verdict));
         }
-        doubts(&finish).for_each(|doubt| tell(&doubt));
+        reliability_warnings(&finish).for_each(|warning| tell(&warning));
         let error = error_words(&finish);
         tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
     }

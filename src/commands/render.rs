@@ -33,7 +33,7 @@ use rendering::{Clock, Rendering};
 pub use request::excluded;
 use request::{Request, checked_image};
 use session::Session;
-pub use summary::{doubts, error_words, noise_words};
+pub use summary::{reliability_warnings, error_words, noise_words};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
 

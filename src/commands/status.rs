@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::console::{object, path_text, print_json, print_line, tell};
 use super::outputs::{PNG, check_name, check_outputs};
-use super::render::{Finish, doubts, error_words, excluded};
+use super::render::{Finish, reliability_warnings, error_words, excluded};
 use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::cluster::parts::{Part, Parts, Progress};
 use crate::cluster::{JOB_FILE, Folder};
@@ -73,7 +73,7 @@ pub fn run(args: &StatusArgs) -> Result<()> {
     }
     if !args.quiet {
         notes(&folder, &parts, &args.png, joined.is_some()).iter().for_each(|note| tell(note));
-        finish.iter().flat_map(doubts).for_each(|doubt| tell(&doubt));
+        finish.iter().flat_map(reliability_warnings).for_each(|warning| tell(&warning));
     }
     Ok(())
 }

@@ -64,7 +64,7 @@ fn marked(text: &str) -> String {
     parts.iter().enumerate().map(mark).collect()
 }
 
-/// The whole page: the advice, the plot and the pictures. The rest is folded.
+/// The page: the advice, the plot and the pictures. The rest is folded.
 ///
 /// # Errors
 /// If the plot cannot be drawn.
@@ -117,15 +117,15 @@ fn listed(lines: &[String]) -> String {
     format!("<ul>\n{items}</ul>\n")
 }
 
-/// A sentence for each knob.
+/// A sentence for each option that was swept.
 fn given_up(report: &Findings) -> Vec<String> {
-    let mut told: Vec<&str> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     let mut lines = Vec::new();
     let all = report.measured.iter().map(|m| &m.setting).chain(report.unmeasured.iter().map(|left| &left.setting));
-    for knob in all.filter_map(|setting| setting.knob) {
-        if !told.contains(&knob.name) {
-            told.push(knob.name);
-            lines.push(format!("`--{}` ({}): {} {}", knob.name, class_name(knob.class), knob.about, knob.trade_off));
+    for option in all.filter_map(|setting| setting.option) {
+        if !names.contains(&option.name) {
+            names.push(option.name);
+            lines.push(format!("`--{}` ({}): {} {}", option.name, class_name(option.class), option.about, option.trade_off));
         }
     }
     lines

@@ -18,7 +18,7 @@ use gpu_rt::options::{
 };
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
-use gpu_rt::tradeoff::extent::Whole;
+use gpu_rt::tradeoff::extent::FullSize;
 use gpu_rt::tradeoff::judge::{Judged, Measured, judge, recommended};
 use gpu_rt::tradeoff::replicates::{Pixels, Weights, squared_bias};
 use gpu_rt::tradeoff::sweep::{Block, Setting, Sweep};
@@ -111,8 +111,8 @@ fn scene(text: &str) -> Scene {
 
 /// The defaults, and three settings that are declared to change the noise alone.
 fn unbiased(scene: &Scene) -> Vec<Setting> {
-    let setting = |knob, value: &str, options| Setting {
-        knob,
+    let setting = |option, value: &str, options| Setting {
+        option,
         value: value.to_string(),
         options,
         max_depth: scene.render.max_depth,
@@ -153,8 +153,8 @@ fn plant(sweep: &mut Sweep<'_>, subject: usize, factor: f32) -> BTreeMap<u32, Ve
 }
 
 fn judged(sweep: &mut Sweep<'_>, reference: Option<&Truth>) -> Judged {
-    let whole = Whole::of_sweep(sweep);
-    judge(sweep, reference, &whole, "")
+    let full_size = FullSize::of_sweep(sweep);
+    judge(sweep, reference, &full_size, "")
 }
 
 /// Seconds are measured within a budget: each test has the machine for itself, as far as this program goes.
@@ -177,7 +177,7 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
         let [defaults, .., independent] = &unbiased(&scene)[..] else { panic!("there are several") };
         // A limit that does next to nothing here.
         let clamp = Setting {
-            knob: Some(&CLAMP),
+            option: Some(&CLAMP),
             value: "1e6".into(),
             options: RenderOptions { clamp: Some(1e6), ..RenderOptions::default() },
             ..defaults.clone()
@@ -262,9 +262,9 @@ fn a_lamp_that_nobody_meets_under_a_sky_is_missed() {
     let found = judged(&mut sweep, None).measured;
     let [defaults, bsdf] = &found[..] else { panic!("{found:?}") };
     assert!(defaults.reliable && !defaults.lacks_paths, "{defaults:?}");
-    assert!(bsdf.noise_doubt < 0.2 && bsdf.signed.value < -0.05 && !bsdf.biased, "{bsdf:?}");
+    assert!(bsdf.noise_error < 0.2 && bsdf.signed.value < -0.05 && !bsdf.biased, "{bsdf:?}");
     assert!(bsdf.lacks_paths && !bsdf.reliable && bsdf.verdict().contains("as if it had missed"), "{bsdf:?}");
-    assert!(recommended(&found).iter().all(|best| best.is_some_and(|best| best.setting.knob.is_none())));
+    assert!(recommended(&found).iter().all(|best| best.is_some_and(|best| best.setting.option.is_none())));
     // Without the lamp both have the same image, and either may be advised.
     let dark = text.replace("1e6", "1");
     let scene = crate::tradeoff::scene(&dark);
@@ -286,7 +286,7 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     for value in ["1", "10"] {
         let options = RenderOptions { clamp: value.parse().ok(), ..RenderOptions::default() };
         sweep
-            .add(Setting { knob: Some(&CLAMP), value: value.into(), options, ..defaults.clone() })
+            .add(Setting { option: Some(&CLAMP), value: value.into(), options, ..defaults.clone() })
             .expect("it compiles");
     }
     measure(&mut sweep, 1, 8);
@@ -294,7 +294,7 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     assert!(found.len() == 3 && !found[0].reliable, "{found:?}");
     for clamp in &found[1..] {
         // Its own noise is small, and known.
-        assert!(clamp.noise_doubt < 0.2 && !clamp.bias_known && !clamp.reliable, "{clamp:?}");
+        assert!(clamp.noise_error < 0.2 && !clamp.bias_known && !clamp.reliable, "{clamp:?}");
         assert!(clamp.verdict().contains("unreliable: the image that its bias refers to is not known well"));
     }
     assert!(recommended(&found).iter().all(Option::is_none));
@@ -302,13 +302,13 @@ fn a_bias_against_what_is_not_known_is_not_known() {
 
 /// The loss of detail that images of all pixels tell is that of images of fewer pixels.
 #[test]
-fn lost_detail_is_told_without_rendering_it() {
+fn lost_detail_is_computed_without_rendering_it() {
     let _machine = alone();
     let scene = scene(ROOM);
     let defaults = unbiased(&scene).remove(0);
     let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0);
     sweep.add(defaults.clone()).expect("it compiles");
-    let half = Setting { knob: Some(&SIZE), value: "50%".into(), scale: 0.5, ..defaults };
+    let half = Setting { option: Some(&SIZE), value: "50%".into(), scale: 0.5, ..defaults };
     sweep.add(half).expect("it compiles");
     measure(&mut sweep, 1, 8);
     let images = |subject: usize| -> Vec<Pixels> {
@@ -316,17 +316,17 @@ fn lost_detail_is_told_without_rendering_it() {
     };
     let weights = Weights::of_rounds(images(0).iter().enumerate().map(|(i, image)| (i, 16, image))).expect("images");
     let rendered = squared_bias(&images(1), &images(0), &weights, 1).expect("eight rounds");
-    let (_, told) = Whole::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
-    let error = rendered.error.hypot(told.error);
+    let (_, computed) = FullSize::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
+    let error = rendered.error.hypot(computed.error);
     // Five standard errors: once in 700 times with 7 degrees of freedom, and the seed is pinned.
-    assert!((told.value - rendered.value).abs() < 5.0 * error && told.value > 20.0 * error, "{told:?} {rendered:?}");
+    assert!((computed.value - rendered.value).abs() < 5.0 * error && computed.value > 20.0 * error, "{computed:?} {rendered:?}");
     // In the report it is what counts.
     let found = judged(&mut sweep, None).measured;
-    assert!(found[1].squared == told && found[1].verdict().contains("loses detail"), "{:?}", found[1]);
-    // Without images of the whole size nothing is said of it.
-    let unknown = Whole::unknown(&sweep, (96, 96));
+    assert!(found[1].squared == computed && found[1].verdict().contains("loses detail"), "{:?}", found[1]);
+    // Without images of the full size nothing is said of it.
+    let unknown = FullSize::unknown(&sweep, (96, 96));
     assert_eq!(judge(&mut sweep, None, &unknown, "").measured.len(), 1);
-    assert!(sweep.unmeasured.iter().any(|left| left.why.contains("not measured at the whole size")));
+    assert!(sweep.unmeasured.iter().any(|left| left.why.contains("not measured at full size")));
 }
 
 /// Of 100 sweeps at most 18 may have a false alarm: with a probability of 5 % each, more do once in 2e6 times. A rate of 25 % would be found in
@@ -384,7 +384,7 @@ fn the_unit_of_light_does_not_matter() {
     let mut sweeps = scenes.each_ref().map(|scene| {
         let mut sweep = Sweep::new(device::software(), scene, (24, 24), 0);
         let defaults = unbiased(scene).remove(0);
-        let short = Setting { knob: Some(&MAX_DEPTH), value: "2".into(), max_depth: 2, ..defaults.clone() };
+        let short = Setting { option: Some(&MAX_DEPTH), value: "2".into(), max_depth: 2, ..defaults.clone() };
         [defaults, short].into_iter().for_each(|setting| sweep.add(setting).expect("it compiles"));
         sweep
     });
@@ -489,7 +489,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     assert_eq!(csv.lines().count(), 1 + settings.len());
     let columns = csv.lines().next().map(|line| line.split(',').count());
     assert_eq!(columns, Some(29));
-    // Every value of every knob asked for is there, measured or not.
+    // Every value of every requested option is there, measured or not.
     let named: Vec<&str> = settings.iter().filter_map(|setting| setting["setting"].as_str()).collect();
     for name in ["defaults", "--roulette off", "--max-depth 1", "--max-depth 16", "--sampler independent"] {
         assert!(named.contains(&name), "{name} in {named:?}");
@@ -524,7 +524,7 @@ fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let truth = render(&["--spp", "4096", "--seed", "77"], "truth.exr");
     let samples = advice["samples"].as_f64().unwrap_or_else(|| panic!("it is not reached: {advice:#}"));
     assert!(samples <= 100.0, "{advice:#}");
-    // The whole number of samples that reaches it: of 5.5 it is 6, and with 5 the error is a quarter larger.
+    // The integer number of samples that reaches it: of 5.5 it is 6, and with 5 the error is a quarter larger.
     let samples = samples.ceil().to_string();
     let option = advice["setting"].as_str().filter(|name| *name != "defaults").unwrap_or("");
     let options: Vec<&str> = option.split_whitespace().chain(["--spp", &samples]).collect();
@@ -544,14 +544,14 @@ fn denoising_is_measured_as_a_setting() {
     let defaults = unbiased(&scene).remove(0);
     let mut options = RenderOptions::default();
     options.aov.include(&[Aov::Albedo, Aov::Normal]);
-    let denoise = Setting { knob: Some(&DENOISE), options, denoise: true, ..defaults.clone() };
+    let denoise = Setting { option: Some(&DENOISE), options, denoise: true, ..defaults.clone() };
     let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0).denoised_by(Some(&denoiser));
     sweep.add(defaults.clone()).expect("it compiles");
     sweep.add(denoise.clone()).expect("it compiles");
     measure(&mut sweep, 1, 9);
-    let mut whole = Whole::of_sweep(&sweep);
-    whole.seconds_to_denoise = 3.0;
-    let found = judge(&mut sweep, None, &whole, "").measured;
+    let mut full_size = FullSize::of_sweep(&sweep);
+    full_size.seconds_to_denoise = 3.0;
+    let found = judge(&mut sweep, None, &full_size, "").measured;
     let [raw, denoised] = &found[..] else { panic!("{found:?}") };
     assert_eq!((denoised.setting.name().as_str(), denoised.biased, raw.biased), ("--denoise", true, false));
     // In an image of 48 x 48 pixels detail is as small as noise, so that denoising gains little.
@@ -568,7 +568,7 @@ fn denoising_is_measured_as_a_setting() {
         assert!((error / mean - 1.0).abs() < 0.35, "{samples}: {error} is stated, {mean} is so");
     }
     assert!(denoised.bias_squared() > 1e-4 && denoised.model.squared_bias == 0.0, "{denoised:?}");
-    assert_eq!((raw.model.seconds_beside, denoised.model.seconds_beside), (0.0, 3.0));
+    assert_eq!((raw.model.fixed_seconds, denoised.model.fixed_seconds), (0.0, 3.0));
     assert!(denoised.times.iter().flatten().all(|seconds| *seconds > 3.0));
     let timed = sweep.seconds_to_denoise((96, 96), Instant::now()).expect("it denoises");
     assert!(timed.is_some_and(|seconds| seconds > 0.0));
@@ -589,7 +589,7 @@ fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     let _machine = alone();
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
-    // Twice one knob is one. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
+    // An option given twice counts once. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
     let sweep = ["tradeoff", "lamp.ron", "--budget", "30s", "--knobs", "integrator,integrator", "--json"];
     let json = run(place.path(), &sweep).exits(0).json();
     assert_eq!(json["settings"].as_array().map(Vec::len), Some(2), "{json:#}");
