@@ -19,10 +19,10 @@ pub struct NotSampled {
     pub lights: u64,
     pub wanted: u64,
     /// The first of these emitters.
-    pub asked_by: String,
+    pub reason: String,
 }
 
-/// The features of the renderer that a scene requires, each with the first object that asked for it.
+/// The features of the renderer that a scene requires, each with the first object that needs it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
     /// Kinds of primitive, by the indices of `PRIMITIVES`.

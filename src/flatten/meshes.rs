@@ -22,7 +22,7 @@ use crate::shape::MeshLayout;
 use crate::shape::mesh::MeshShape;
 
 impl Builder<'_> {
-    /// Finds the tables that textures need on meshes. All but the first are features, with the material that asked for them.
+    /// Finds the tables that textures need on meshes. All but the first are features, with the material that needs them.
     pub fn find_tables(&mut self, placed: &[Placed<'_>]) {
         let mut known = HashSet::new();
         for primitive in placed {

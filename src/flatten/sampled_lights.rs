@@ -65,8 +65,8 @@ impl Builder<'_> {
         for group in groups {
             let material = group.primitive.material;
             let (name, _) = &materials[material as usize];
-            let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
-            self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(asked);
+            let reason = || format!("\"{name}\" at {}", self.scene.material_location(name));
+            self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(reason);
             self.set_light(&group, lights.len() as u32);
             for (Emitter { code, instance, around, normal, .. }, intensity) in group.emitters {
                 let (axis, spread) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
@@ -103,12 +103,12 @@ impl Builder<'_> {
     /// Adds a light without size to its table.
     fn add_delta_light(&mut self, object: &Object, light: &PlacedLight, radiance_scale: f64) -> Bounded {
         let features = &mut self.flat.features;
-        let asked = || format!("{} at {}", object.name(), self.scene.location_of(object));
-        features.delta_lights.get_or_insert_with(asked);
+        let reason = || format!("{} at {}", object.name(), self.scene.location_of(object));
+        features.delta_lights.get_or_insert_with(reason);
         self.flat.delta_lights.push(light.on_device(self.space, radiance_scale));
         let intensity = light.brightness(self.space);
         if light.place.is_none() {
-            features.directional_lights.get_or_insert_with(asked);
+            features.directional_lights.get_or_insert_with(reason);
             return Bounded { extent: Extent::Directional, ..everywhere(intensity) };
         }
         let (axis, beam) = light.cone();
@@ -155,16 +155,16 @@ impl Builder<'_> {
         left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
         if let Some(first) = left.first() {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
-            let place = self.scene.material_location(name);
+            let location = self.scene.material_location(name);
             let count: usize = left.iter().map(|group| group.emitters.len()).sum();
             let not_sampled =
-                NotSampled { lights: count as u64, wanted: wanted as u64, asked_by: format!("\"{name}\" at {place}") };
+                NotSampled { lights: count as u64, wanted: wanted as u64, reason: format!("\"{name}\" at {location}") };
             let objects = match left.len() {
                 1 => "1 object".to_string(),
                 n => format!("{n} objects"),
             };
             self.flat.warnings.push(format!(
-                "{place}: materials[\"{name}\"]: {wanted} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
+                "{location}: materials[\"{name}\"]: {wanted} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
                  {count} of them, on {objects}, are left to chance, which takes many more samples: use emitters with fewer faces"
             ));
             self.flat.features.not_sampled = Some(not_sampled);

@@ -33,21 +33,21 @@ use crate::error::{Error, Result};
 pub enum Reason {
     /// Every render needs it.
     EveryRender,
-    /// An object of the scene (with its place in the file) or an option needs it.
-    Asked(String),
+    /// An object of the scene (with its location in the file) or an option needs it.
+    Requested(String),
 }
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Reason::EveryRender => f.write_str("every render"),
-            Reason::Asked(by) => f.write_str(by),
+            Reason::Requested(by) => f.write_str(by),
         }
     }
 }
 
 impl Reason {
-    /// This reason if it is `Asked`, else the other.
+    /// This reason if it is `Requested`, else the other.
     fn or(self, other: &Reason) -> Reason {
         if self == Reason::EveryRender { other.clone() } else { self }
     }

@@ -156,7 +156,7 @@ fn never_loaded(plan: &Kernels) -> Vec<String> {
         .flat_map(|kernel| kernel.linked.text.split("\nfn ").filter(|text| text.starts_with("load_")))
         .map(|text| text.split_once("\n}").map_or(text, |(function, _)| function))
         .collect();
-    let is_loaded = |field: &&PathField| match (field.words, field.behind) {
+    let is_loaded = |field: &&PathField| match (field.words, field.w_of) {
         (1, None) => loads.iter().any(|load| load.starts_with(&format!("load_{}(", field.name))),
         (_, behind) => {
             let plane = format!("PLANE_OF_{},", behind.unwrap_or(&field.name));

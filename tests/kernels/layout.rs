@@ -54,7 +54,7 @@ fn modules() -> Vec<naga::Module> {
         lights: 1000,
         shadow_rays: true,
         sky_light: 999,
-        not_sampled: Some(NotSampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
+        not_sampled: Some(NotSampled { lights: 1, wanted: 2, reason: "a test".to_string() }),
     };
     let features = Features {
         primitives: features.primitives.map(on),

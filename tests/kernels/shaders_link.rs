@@ -152,7 +152,7 @@ fn all<T>(names: &[T]) -> usize {
 }
 
 fn everything() -> Features {
-    let not_sampled = NotSampled { lights: 1, wanted: 2, asked_by: "a test".to_string() };
+    let not_sampled = NotSampled { lights: 1, wanted: 2, reason: "a test".to_string() };
     Features { not_sampled: Some(not_sampled), ..all_sampled() }
 }
 
@@ -636,7 +636,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("probe_slot", "slots"),
     ("queue_of_hits", "slots"),
     ("queue_of_events", "slots"),
-    ("queue_turn", "slots"),
+    ("queued_slot", "slots"),
     ("walk", "scene"),
 ];
 
