@@ -174,7 +174,7 @@ impl Pixel {
     }
 }
 
-/// The exact totals of a whole image.
+/// The exact totals of an image.
 ///
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added
 /// without any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 500 fit. Its squared deviations hold 2^-96 to 2^31: 2^29
@@ -389,7 +389,7 @@ impl Film {
     /// reference without error would tell, sqrt(mean((I - R)² / (R² + 0.01 R̄²))).
     ///
     /// With x the mean of v / (I² + 0.01 Ī²) over a pixel's channels, T = Σ x over n pixels tells the expectation of Y = Σ y, y the same
-    /// with (I - R)² in place of v. Both scatter about it. Pixels are independent, since random numbers are keyed by them, so that Var T =
+    /// with (I - R)² instead of v. Both scatter about it. Pixels are independent, since random numbers are keyed by them, so that Var T =
     /// Σ Var x and Var Y = Σ Var y, and as sums of scaled chi-squares T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y degrees of
     /// freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). What the halves of normal samples differ in is independent of what
     /// they have in common, so that Y/T has Fisher's distribution F(μ, ν).
@@ -400,7 +400,7 @@ impl Film {
     /// Of independent samples it is too large for Var T.
     ///
     /// - **Few pixels that hold the noise.** Where the halves of such a pixel agree by chance, it is missing in T and in Σ x² alike. So a
-    ///   pixel counts with the spread of its samples in place of its halves, w with σ²/N for v, where w is more than
+    ///   pixel counts with the spread of its samples instead of its halves, w with σ²/N for v, where w is more than
     ///   [`MOST_OF_HALVES`] of all. Sobol points take much of σ² from smooth pixels and edges, and nothing from what single samples make,
     ///   so that w is too large if anything; pixels are chosen by w alone, so that no chance of the halves has a say.
     /// - **What the error is relative to.** A pixel that a rare bright path met has a large v and a large I, and x is near 1 whatever it is. The
@@ -490,8 +490,8 @@ impl NoiseSum {
         self.total += x;
         self.variance += variance;
         if w > 0.0 && (self.largest.len() < MOST || self.largest.last().is_some_and(|[least, ..]| w > *least)) {
-            let place = self.largest.partition_point(|[larger, ..]| *larger >= w);
-            self.largest.insert(place, [w, x, variance]);
+            let index = self.largest.partition_point(|[larger, ..]| *larger >= w);
+            self.largest.insert(index, [w, x, variance]);
             self.largest.truncate(MOST);
         }
     }
@@ -521,7 +521,7 @@ impl NoiseSum {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     pub value: f64,
-    /// What the error of this image is below, but for the probability asked; infinite where nothing is known.
+    /// What the error of this image is below, but for the requested probability; infinite where nothing is known.
     pub bound: f64,
     /// The error relative to an image without the bright samples of this one, as far as its halves tell.
     pub against_better: f64,

@@ -73,9 +73,9 @@ fn large_sphere_distance(ray: Ray, large_sphere: LargeSphere) -> f32 {
 // - The point is rounded by |normal|.|x|, and twice more where `nearest` is added and subtracted again: |normal|.(|nearest| + 2 |x|).
 // - Before it is moved onto the large sphere by `way`, the point is `way` farther off: up to 16 |way|.
 fn large_sphere_error(large_sphere: LargeSphere, x: vec3<f32>, normal: vec3<f32>, way: f32) -> f32 {
-    let place = abs(large_sphere.nearest) + 3.0 * abs(x);
+    let sum = abs(large_sphere.nearest) + 3.0 * abs(x);
     let of_power = 6.0 * dot(abs(large_sphere.inward), abs(x)) + 4.0 * large_sphere.curvature * dot(x, x);
-    return UNIT_ROUNDOFF * (dot(abs(normal), place) + of_power + 16.0 * abs(way));
+    return UNIT_ROUNDOFF * (dot(abs(normal), sum) + of_power + 16.0 * abs(way));
 }
 
 // The point at t is moved onto the large sphere along the normal. If the ray comes from far away, the point at t is off by the rounding

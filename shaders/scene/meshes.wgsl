@@ -50,7 +50,7 @@ fn face_normal(corners: Corners) -> vec3<f32> {
 }
 
 // The positions of a face's corners in render space.
-fn placed_corners(instance: Instance, index: u32) -> Corners {
+fn corners_in_render_space(instance: Instance, index: u32) -> Corners {
     let corners = corners_of(index);
     return Corners(from_mesh(instance, corners.a), from_mesh(instance, corners.b), from_mesh(instance, corners.c));
 }

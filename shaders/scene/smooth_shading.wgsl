@@ -57,8 +57,8 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
         dot(corners.c - point, normals.c),
     );
     let by = side * weights * max(below, vec3<f32>(0.0));
-    let placed = instances[at_run_time(hit.instance)];
-    let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
+    let instance = instances[at_run_time(hit.instance)];
+    let lift = instance.scale * from_mesh_turned(instance, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }
 

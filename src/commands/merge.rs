@@ -8,14 +8,14 @@ use serde_json::{Value, json};
 
 use super::console::{command_line, object, path_text, print_json, tell};
 use super::outputs::{EXR, check_name, check_outputs};
-use super::render::{Finish, attributes_of, reliability_warnings, error_words, excluded, noise_words};
+use super::render::{Finish, attributes_of, error_words, excluded, noise_words, reliability_warnings};
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::exr::{State, add_film, attribute_text, read_attributes, read_state, write_render};
 use crate::output::progress::Loading;
-use crate::render::{Noise, samples_at_check, check_error};
+use crate::render::{Noise, check_error, samples_at_check};
 use crate::samples::Samples;
 
 #[derive(Debug, Args)]

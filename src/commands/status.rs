@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 
 use super::console::{object, path_text, print_json, print_line, tell};
 use super::outputs::{PNG, check_name, check_outputs};
-use super::render::{Finish, reliability_warnings, error_words, excluded};
+use super::render::{Finish, error_words, excluded, reliability_warnings};
 use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::cluster::parts::{Part, Parts, Progress};
-use crate::cluster::{JOB_FILE, Folder};
+use crate::cluster::{Folder, JOB_FILE};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};

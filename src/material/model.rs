@@ -3,7 +3,7 @@
 use super::declared::{conductor, dielectric, is_white, lambertian, pbr};
 use crate::bitmap::Bitmaps;
 use crate::data;
-use crate::source::Place;
+use crate::source::ValuePath;
 use crate::source::form::Field;
 use crate::texture::{Colour, Texture, Use};
 
@@ -241,7 +241,7 @@ impl<'a> Model<'a> {
 }
 
 impl Slot<'_> {
-    pub fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
+    pub fn warning(&self, at: &ValuePath, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
             Use::Share | Use::Normal => return None,
             // Light leaves a clear body, so that a transmittance of 1 traps no path.

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::state::{Needs, PathField, path_fields, path_module, path_layout, slots_module};
+use super::state::{Needs, PathField, path_fields, path_layout, path_module, slots_module};
 use super::tables::UniformTables;
 use crate::aov::{Finder, SeenSurface, Sum};
 use crate::bitmap::FORMATS;
@@ -257,7 +257,7 @@ pub(super) fn decide(
         ("mesh_boundary", mesh_boundary),
         ("lens", reason_of(&features.thin_lens)),
         // Render space has the camera's axes.
-        ("camera_axes", reason_of(&features.turned)),
+        ("camera_axes", reason_of(&features.camera_axes)),
         // Contributions of indirect light are limited.
         ("clamp", if_so(is_clamped, by_option(&options::CLAMP).why)),
         ("gradient_background", reason_of(&features.backgrounds[1])),
@@ -303,7 +303,7 @@ pub(super) fn decide(
     let queue_of_hits = queue_why.clone().filter(|_| medium.is_none());
     // The modules behind `choice/…`.
     let modules = [
-        ("axes", either(&reason_of(&features.turned), "scene/camera_axes", "scene/world_axes")),
+        ("axes", either(&reason_of(&features.camera_axes), "scene/camera_axes", "scene/world_axes")),
         ("camera", either(&reason_of(&features.thin_lens), "camera/thin_lens", "camera/pinhole")),
         ("filter", by_option(&options::FILTER)),
         ("filter_weight", either(&negative_lobes, "step/filter_weight", "null/filter_weight")),

@@ -253,7 +253,7 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("sky light", &features.emitting_sky, "light/sky"));
     all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));
     all.push(one("thin lens", &features.thin_lens, "camera/thin_lens"));
-    all.push(one("camera axes", &features.turned, "scene/camera_axes"));
+    all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));
     all
 }
 
@@ -376,8 +376,8 @@ fn about_constant(name: &str) -> String {
 
 fn integrator_words(features: &Features, integrator: Integrator) -> String {
     let left = features.not_sampled.as_ref().map_or(String::new(), |left| {
-        let NotSampled { lights, wanted, reason } = left;
-        format!("{lights} of {wanted} lights are left to chance, {reason}: {MOST_LIGHTS} at most are sampled")
+        let NotSampled { lights, total, reason } = left;
+        format!("{lights} of {total} lights are left to chance, {reason}: {MOST_LIGHTS} at most are sampled")
     });
     match features.lights {
         0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),

@@ -49,7 +49,7 @@ const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour:
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
     ///
-    /// Every error is an [`Error::Scene`], or several of them. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
+    /// Every error is an [`Error::Scene`], or several of them. Errors about all of the file (it is missing, it is a folder) point at 1:1.
     pub fn load(path: &Path) -> Result<Scene> {
         Scene::load_as(path, &GltfOptions::default(), &mut |_, _, _| {}, &mut Assets::default())
     }
@@ -269,7 +269,7 @@ fn of_gltf(
         let ticked =
             if is_of_blender { "; Blender's exporter writes them if Cameras is ticked under Include" } else { "" };
         scene.notes.push(note(&format!("it has no camera: one that sees all of it is used{ticked}")));
-        (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.placed, &scene.meshes));
+        (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.meshes, &scene.meshes));
     }
     Ok(scene)
 }

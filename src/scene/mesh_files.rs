@@ -116,8 +116,8 @@ fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result
     if bytes.is_empty() {
         return Err(format!("the file is empty: expected {format}"));
     }
-    let whole = bytes.len();
-    let mut tell = |done: usize| progress(path, done as u64, whole as u64);
+    let total = bytes.len();
+    let mut tell = |done: usize| progress(path, done as u64, total as u64);
     tell(0);
     let mut draft = Draft::new(room);
     parse(path, &mut Input::new(&bytes, &mut tell), &mut draft)?;

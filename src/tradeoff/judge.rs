@@ -1,7 +1,7 @@
 //! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and its ranking among the others.
 
 use super::extent::FullSize;
-use super::model::{Falling, Model, Ranking, Times, falling, falling_denoised, samples_to, rankings, tie_ratio};
+use super::model::{Falling, Model, Ranking, Times, falling, falling_denoised, rankings, samples_to, tie_ratio};
 use super::pace::{Pace, Timed, paces};
 use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
@@ -193,7 +193,8 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
     let mut missing = Vec::new();
     for (i, subject) in sweep.subjects.iter().enumerate() {
         let pace = if timed.contains(&i) { paces.next() } else { None };
-        let own = pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, (&weights, &fixed), full_size));
+        let own =
+            pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, (&weights, &fixed), full_size));
         match own {
             Some(measured) if measured.setting.scale < 1.0 => match full_size.lost_detail(measured.setting.scale) {
                 Some((signed, squared)) => found.push((i, Measured { signed, squared, ..measured })),

@@ -125,7 +125,13 @@ fn given_up(report: &Findings) -> Vec<String> {
     for option in all.filter_map(|setting| setting.option) {
         if !names.contains(&option.name) {
             names.push(option.name);
-            lines.push(format!("`--{}` ({}): {} {}", option.name, class_name(option.class), option.about, option.trade_off));
+            lines.push(format!(
+                "`--{}` ({}): {} {}",
+                option.name,
+                class_name(option.class),
+                option.about,
+                option.trade_off
+            ));
         }
     }
     lines

@@ -218,7 +218,8 @@ pub fn render_with(
         let job = job(seed, &samples);
         let mut film = empty_film(&flat, size, &ask.options).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
-        let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.observe(outcome)).expect("the device renders");
+        let outcome =
+            renderer.run(&job, &mut film, &mut |outcome, _| watch.observe(outcome)).expect("the device renders");
         take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });
     }
 }

@@ -22,7 +22,7 @@ fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
     );
     let flat = flat_around(DVec3::ZERO, &mesh, &[object]);
     let instance = flat.shapes.instances[0];
-    let (at, radius) = (exact(instance.place), f64::from(instance.scale));
+    let (at, radius) = (exact(instance.translation), f64::from(instance.scale));
     let rays: Vec<In> = (0..RAYS)
         .map(|i| {
             let target = at + 0.9 * radius * random.uniform() * unit(random);

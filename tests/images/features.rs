@@ -175,9 +175,9 @@ fn every_field_of_the_paths_is_loaded_by_some_kernel() {
             let mut plan = plan(&scene, scatter);
             assert_eq!(never_loaded(&plan), [""; 0], "{name}, {scatter:?}");
             tried += plan.path_fields.len();
-            // One too many is found: a word, a vector, and a word behind a vector.
-            for (field, words, behind) in [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))] {
-                let spare = PathField { name: field.to_string(), words, behind, ..plan.path_fields[0].clone() };
+            // One too many is found: a word, a vector, and a word that shares the vec4 of a vector.
+            for (field, words, w_of) in [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))] {
+                let spare = PathField { name: field.to_string(), words, w_of, ..plan.path_fields[0].clone() };
                 plan.path_fields.push(spare);
             }
             assert_eq!(never_loaded(&plan), ["spare", "SPARE", "spare_too"], "{name}, {scatter:?}");

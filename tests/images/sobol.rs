@@ -107,7 +107,8 @@ fn a_render_until_an_error_is_that_of_its_samples() {
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..41));
     assert!(film == render(&scene, &Ask::spp(41).sobol().seed(4).depth(10)).film);
     let deadline = Some(std::time::Instant::now());
-    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, checks: 0 }, Sobol);
+    let (film, outcome) =
+        until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, checks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..1));
     assert!(film == render(&scene, &Ask::spp(1).sobol().seed(4).depth(10)).film);
 }
@@ -177,5 +178,7 @@ fn checks_come_often_and_share_their_probability() {
     let all: f64 = (0..1_000_000).map(level_after).sum();
     assert!(all < NOISE_LEVEL && all > 0.999 * NOISE_LEVEL, "{all}");
     // They never end, and no number of them is too large.
-    assert!(samples_at_check(1000) == u32::MAX && samples_at_check(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0);
+    assert!(
+        samples_at_check(1000) == u32::MAX && samples_at_check(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0
+    );
 }

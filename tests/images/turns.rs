@@ -171,7 +171,10 @@ fn a_whole_film_has_whole_samples() {
             if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
                 let end = outcome.samples.range().end;
                 seen.push(end);
-                assert!(end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1], "{end}");
+                assert!(
+                    end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
+                    "{end}"
+                );
             }
             // A snapshot of runs under way in between must not matter.
             calls += 1;

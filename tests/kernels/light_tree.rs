@@ -106,8 +106,8 @@ fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
     let (kind, index) = (light.code >> PRIMITIVE_KIND_SHIFT & 15, light.code as usize % MAX_PRIMITIVES);
     if kind == KIND_DELTA_LIGHT {
         let spot = &flat.delta_lights[index];
-        let way = (from - exact(spot.place)).normalize();
-        return spot.has_place == 0.0
+        let way = (from - exact(spot.position)).normalize();
+        return spot.has_position == 0.0
             || 0.5 * (way - exact(spot.axis)).length_squared() < f64::from(spot.height) - 1e-6;
     }
     if kind != 1 {

@@ -31,7 +31,7 @@ fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
     (0..count)
         .map(|i| {
             let instance = flat.shapes.instances[random.below(flat.shapes.instances.len())];
-            let (target, near) = (exact(instance.place), f64::from(instance.scale));
+            let (target, near) = (exact(instance.translation), f64::from(instance.scale));
             let origin = match i % 3 {
                 0 => DVec3::ZERO,
                 1 => target + near * random.uniform() * unit(random),

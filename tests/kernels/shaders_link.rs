@@ -152,7 +152,7 @@ fn all<T>(names: &[T]) -> usize {
 }
 
 fn everything() -> Features {
-    let not_sampled = NotSampled { lights: 1, wanted: 2, reason: "a test".to_string() };
+    let not_sampled = NotSampled { lights: 1, total: 2, reason: "a test".to_string() };
     Features { not_sampled: Some(not_sampled), ..all_sampled() }
 }
 
@@ -168,7 +168,7 @@ fn all_sampled() -> Features {
 
 /// Turns render space to the camera's axes.
 fn turned(features: Features) -> Features {
-    Features { turned: Some("a test".to_string()), ..features }
+    Features { camera_axes: Some("a test".to_string()), ..features }
 }
 
 /// Has so few primitives that each ray tests all of them.

@@ -319,7 +319,10 @@ fn lost_detail_is_computed_without_rendering_it() {
     let (_, computed) = FullSize::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
     let error = rendered.error.hypot(computed.error);
     // Five standard errors: once in 700 times with 7 degrees of freedom, and the seed is pinned.
-    assert!((computed.value - rendered.value).abs() < 5.0 * error && computed.value > 20.0 * error, "{computed:?} {rendered:?}");
+    assert!(
+        (computed.value - rendered.value).abs() < 5.0 * error && computed.value > 20.0 * error,
+        "{computed:?} {rendered:?}"
+    );
     // In the report it is what counts.
     let found = judged(&mut sweep, None).measured;
     assert!(found[1].squared == computed && found[1].verdict().contains("loses detail"), "{:?}", found[1]);

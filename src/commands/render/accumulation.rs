@@ -12,7 +12,7 @@ use crate::film::Film;
 use crate::gpu::device::{AdapterName, Device};
 use crate::job::{Goal, Job};
 use crate::output::exr::{State, add_film, read_state};
-use crate::render::{Noise, empty_film, samples_at_check, check_error};
+use crate::render::{Noise, check_error, empty_film, samples_at_check};
 use crate::samples::Samples;
 
 /// A film with its samples and devices, as a file with a state holds them.

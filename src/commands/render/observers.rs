@@ -93,7 +93,16 @@ impl<'a> Observers<'a> {
         let checkpoints =
             Checkpoints { next: None, interval: Duration::ZERO, is_chosen: true, failed: None, kept: false };
         let pace = Pace::new(job, 0);
-        Observers { progress, viewers, signals, changes: None, checkpoints, next_snapshot: None, signal_reported: false, pace }
+        Observers {
+            progress,
+            viewers,
+            signals,
+            changes: None,
+            checkpoints,
+            next_snapshot: None,
+            signal_reported: false,
+            pace,
+        }
     }
 
     /// Gets ready for a job, on a film that has `earlier` samples of a pixel.

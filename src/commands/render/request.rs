@@ -14,9 +14,9 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
+use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::exr::{Attribute, State, read_state, write_render};
 use crate::output::format::{Format, format_of};
-use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::png::write_png;
 use crate::scene::Scene;
 

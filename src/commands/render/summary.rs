@@ -94,7 +94,11 @@ pub fn error_words(finish: &Finish) -> String {
 
 /// Warnings that say why the error is unreliable.
 pub fn reliability_warnings(finish: &Finish) -> impl Iterator<Item = String> {
-    finish.verdict.reasons_unreliable().into_iter().map(|reason| format!("warning: the relative error is unreliable: {reason}"))
+    finish
+        .verdict
+        .reasons_unreliable()
+        .into_iter()
+        .map(|reason| format!("warning: the relative error is unreliable: {reason}"))
 }
 
 /// What came of a render until an error.

@@ -1,5 +1,5 @@
 //! Finds flat surfaces that coincide: quads, disks, and sides of boxes, in one plane. Rounding decides which of two opaque ones is
-//! visible. If one of the two is clear, rays that leave one start behind the other and miss it.
+//! visible. If one of the two is transmissive, rays that leave one start behind the other and miss it.
 //!
 //! Opaque sides that face away from the camera do not count, because no camera ray hits them first: a box may rest on a
 //! floor. Nor do media, because their boundaries are not surfaces.
@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{DVec2, DVec3};
 
 use super::search::{Body, Search, U, Worst, coincidence};
-use crate::shape::{BoundingShape, Shape, normal, reach_of};
+use crate::shape::{BoundingShape, Shape, half_extent_of, normal};
 
 /// Each surface in a plane is compared with this number of others, those next to it along an edge.
 const TESTS_EACH: usize = 64;
@@ -85,7 +85,7 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
                 let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
                 let (b, c) = (half[b] * axes.col(b), half[c] * axes.col(c));
                 let corners = [middle - b - c, middle + b - c, middle + b + c, middle - b + c];
-                let side = Side::new(owner, body, normal, corners, half[axis], 14.0 * reach_of(half, &axes))?;
+                let side = Side::new(owner, body, normal, corners, half[axis], 14.0 * half_extent_of(half, &axes))?;
                 Some(Side { hidden: !is_inside && normal.dot(middle) >= 0.0, ..side })
             };
             (0..3).flat_map(|axis| [side(axis, 1.0), side(axis, -1.0)]).flatten().collect()
@@ -93,10 +93,11 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
     }
 }
 
-/// The warnings about opaque surfaces and about clear ones.
+/// The warnings about opaque surfaces and about transmissive ones.
 pub fn search<'a>(search: &Search<'a>) -> [Worst<'a>; 2] {
-    // Hidden sides are seen through clear objects alone.
-    let sees_all = search.finder.placed.iter().any(|placed| search.roles[placed.material as usize].clear);
+    // Hidden sides are seen through transmissive objects alone.
+    let sees_all =
+        search.finder.primitives.iter().any(|primitive| search.roles[primitive.material as usize].transmissive);
     let all = search.bodies().enumerate().flat_map(|(number, body)| sides(number, &body));
     let mut all: Vec<Side> = all.filter(|side| sees_all || !side.hidden).collect();
     all.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.distance.total_cmp(&b.distance)));
@@ -128,7 +129,7 @@ struct Pairs<'s, 'a> {
     search: &'s Search<'a>,
     /// The pairs of objects that are counted.
     known: HashSet<(usize, usize)>,
-    /// The worst pair of opaque surfaces, and the worst with a clear one.
+    /// The worst pair of opaque surfaces, and the worst with a transmissive one.
     worst: [Worst<'a>; 2],
 }
 
@@ -157,17 +158,17 @@ impl Pairs<'_, '_> {
             return;
         }
         let (a, b) = if one.side.owner < other.side.owner { (one.side, other.side) } else { (other.side, one.side) };
-        let placed = &self.search.finder.placed;
-        let materials = [a, b].map(|side| placed[side.owner].material);
-        let is_clear = materials.iter().any(|material| self.search.roles[*material as usize].clear);
+        let primitives = &self.search.finder.primitives;
+        let materials = [a, b].map(|side| primitives[side.owner].material);
+        let is_transmissive = materials.iter().any(|material| self.search.roles[*material as usize].transmissive);
         let gap = (a.distance - b.distance).abs();
-        // With a clear surface, rays that leave either one can start behind the other.
-        let bound = a.rounding + b.rounding + if is_clear { a.leaving.max(b.leaving) } else { 0.0 };
-        let shows = is_clear || materials[0] != materials[1] && !a.hidden && !b.hidden;
+        // With a transmissive surface, rays that leave either one can start behind the other.
+        let bound = a.rounding + b.rounding + if is_transmissive { a.leaving.max(b.leaving) } else { 0.0 };
+        let shows = is_transmissive || materials[0] != materials[1] && !a.hidden && !b.hidden;
         if a.owner == b.owner || gap > bound || !shows || !overlap(one, other) {
             return;
         }
-        let worst = &mut self.worst[usize::from(is_clear)];
+        let worst = &mut self.worst[usize::from(is_transmissive)];
         worst.count += usize::from(self.known.insert((a.owner, b.owner)));
         let bodies = [a, b].map(|side| self.search.body(side.owner));
         worst.offer(bound, || coincidence(&bodies[0], &bodies[1], gap, bound));

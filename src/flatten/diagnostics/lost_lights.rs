@@ -64,18 +64,17 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
         let (center, radius) = body.bounds.ball();
         Light { object: body.object, center, radius }
     });
-    let without_size = search
-        .finder
-        .lights
-        .iter()
-        .filter_map(|(object, light)| Some(Light { object, center: light.place? - search.view.eye, radius: 0.0 }));
+    let without_size =
+        search.finder.lights.iter().filter_map(|(object, light)| {
+            Some(Light { object, center: light.position? - search.view.eye, radius: 0.0 })
+        });
     let lights: Vec<Light> = surfaces.take(MOST_LIGHTS).chain(without_size.take(MOST_LIGHTS)).collect();
     if !search.is_lit {
         return [outwards, hidden, rooms];
     }
     let lens = search.view.lens_radius();
     let (mut within, mut tests) = (Within::default(), MOST_TESTS);
-    for wall in search.bodies().filter(|body| !body.role.clear) {
+    for wall in search.bodies().filter(|body| !body.role.transmissive) {
         let Some(depth) = within.depth(&wall, DVec3::ZERO) else { continue };
         let (is_around, is_beside) = (depth > lens, depth < -lens);
         let word = wall.word();

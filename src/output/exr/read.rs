@@ -331,7 +331,8 @@ fn rgb_in_part(number: usize, part: &Header, spellings: &[Rgb<&str>]) -> Vec<Rgb
     let rgb = |name: String| {
         let (prefix, red) = name.rsplit_once('.').map_or(("", name.as_str()), |(layer, last)| (layer, last));
         let names = spellings.iter().find(|names| names[0] == red)?;
-        let full_name = |channel: &str| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") };
+        let full_name =
+            |channel: &str| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") };
         let channels = names.map(full_name);
         let has = |name| part.channels.list.iter().any(|channel| channel.name.to_string() == full_name(name));
         if *names == LUMINANCE && CHROMA.into_iter().any(has) {
