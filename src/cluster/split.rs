@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_even_and_whole_runs() {
+    fn parts_are_even_and_complete_runs() {
         for (end, count) in [(256, 8), (100, 3), (8, 1), (7, 1), (1_000_000, 999), (1 << 31, 7), (104, 13), (97, 13)] {
             let parts = even(&(0..end), count);
             follow(&parts, 0..end);

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written_are_named() {
+    fn destinations_that_cannot_be_written_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("missing").join("a.exr");
         let message = write_text(&missing, "").unwrap_err().to_string();

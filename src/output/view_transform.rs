@@ -247,7 +247,7 @@ mod tests {
 
     /// Bytes that a picture had come back: an image of 8 bits as a texture is shown as it is.
     #[test]
-    fn whole_codes_stay() {
+    fn integer_codes_stay() {
         let view = ViewTransform { exposure: 0.0, tonemap: Tonemap::Srgb };
         let linear = |code: u8| {
             let v = f64::from(code) / 255.0;

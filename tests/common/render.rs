@@ -437,7 +437,7 @@ impl Shot {
 pub fn same_expectation(a: &Shot, b: &Shot, rounding: f64, alpha: f64) -> Result<(), String> {
     let worst = worst_difference(a, b, rounding);
     match worst.p < sidak(alpha, worst.compared) {
-        true => Err(worst.place),
+        true => Err(worst.tile),
         false => Ok(()),
     }
 }
@@ -450,7 +450,7 @@ pub struct Difference {
     pub z: f64,
     /// How many comparisons there were.
     pub compared: usize,
-    pub place: String,
+    pub tile: String,
 }
 
 /// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the whole image, each by Welch's test of the
@@ -464,7 +464,7 @@ pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
     let corners = (0..height / TILE).flat_map(|y| (0..width / TILE).map(move |x| (x, y)));
     let tiles = corners.map(|(x, y)| (x * TILE..(x + 1) * TILE, y * TILE..(y + 1) * TILE));
     let areas: Vec<_> = std::iter::once((0..width, 0..height)).chain(tiles).collect();
-    let mut worst = Difference { p: 1.0, z: 0.0, compared: 3 * areas.len(), place: "nowhere".to_string() };
+    let mut worst = Difference { p: 1.0, z: 0.0, compared: 3 * areas.len(), tile: "nowhere".to_string() };
     for (columns, rows) in areas {
         let (mean_a, mean_b) = (a.mean(columns.clone(), rows.clone()), b.mean(columns.clone(), rows.clone()));
         for channel in 0..3 {
@@ -479,10 +479,10 @@ pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
             // No number is worse than any.
             let (p, z) = if z.is_nan() { (0.0, f64::INFINITY) } else { (student_two_sided(z, degrees), z) };
             if p < worst.p {
-                let place = format!(
+                let tile = format!(
                     "columns {columns:?}, rows {rows:?}, channel {channel}: {va} and {vb}, z = {z:.2}, p = {p:.1e}"
                 );
-                worst = Difference { p, z, place, ..worst };
+                worst = Difference { p, z, tile, ..worst };
             }
         }
     }

@@ -15,7 +15,7 @@ struct Out {
     padding0: u32,
     bitangent: [f32; 3],
     padding1: u32,
-    place: [f32; 3],
+    point: [f32; 3],
     padding2: u32,
 }
 
@@ -23,7 +23,7 @@ struct Out {
 /// and the largest error of a place in the basis.
 fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
     let rows: Vec<[f32; 4]> = normals.iter().map(|n| rounded(*n)).map(|[x, y, z]| [x, y, z, 0.0]).collect();
-    let (mut angle, mut place) = (0.0f64, 0.0f64);
+    let (mut angle, mut point) = (0.0f64, 0.0f64);
     for ([x, y, z, _], out) in rows.iter().zip(kernel.run::<_, Out>(&rows)) {
         let (n, t, b) = (exact([*x, *y, *z]), exact(out.tangent), exact(out.bitangent));
         let off = [t.length() - 1.0, b.length() - 1.0, t.dot(b), t.dot(n), b.dot(n)];
@@ -31,9 +31,9 @@ fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
         if t.cross(b).dot(n) <= 0.0 {
             angle = f64::INFINITY;
         }
-        place = place.max((exact(out.place) - (t + 2.0 * b + 3.0 * n)).length());
+        point = point.max((exact(out.point) - (t + 2.0 * b + 3.0 * n)).length());
     }
-    (angle, place)
+    (angle, point)
 }
 
 /// Unit vectors so far beside the pole at z.

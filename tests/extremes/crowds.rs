@@ -57,12 +57,12 @@ fn coincident() -> Vec<Cell> {
         // A walk may take 48,000 steps where loops are limited, and through each of these it takes some ten.
         ("meshes", 2000, "Transformed(by: [Scale(1.1)], object: Mesh(path: \"ball.obj\", material: \"ITS\"))"),
     ];
-    let mut all: Vec<Cell> = bodies.map(|(name, count, body)| in_one_place(name, count, body)).into();
+    let mut all: Vec<Cell> = bodies.map(|(name, count, body)| coincident_cell(name, count, body)).into();
     all.push(too_many(10_000, bodies[3].2));
     all
 }
 
-fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
+fn coincident_cell(name: &str, count: usize, body: &str) -> Cell {
     let pixels = |count: usize, first: &str| {
         let shot = render(&scene(CAMERA, 1.0, &crowd(body, count, first)), &Ask::spp(8).size(8, 8));
         shot.picture.rgb.into_flattened()
@@ -94,7 +94,7 @@ fn too_many(count: usize, body: &str) -> Cell {
         "none, because a walk may take 48,000 steps if the driver limits loops, and 262,144 steps if not.",
     )
     .achieved(totals.rejected.cut as f64 / totals.paths as f64)
-    .told(diagnostics(&scene))
+    .warns(diagnostics(&scene))
 }
 
 /// A plate of 2^20 triangles with its vertices moved about within it, all of it a lamp: no ray passes between them.

@@ -94,10 +94,10 @@ fn mean_error(samples: &[f32], count: u64, exponent: i32) -> f64 {
         (Film::new(1, 1, exponent).expect("a pixel fits"), Film::new(1, 1, exponent).expect("a pixel fits"));
     let mut exact = 0.0f64;
     let of_all: f64 = samples.iter().map(|x| f64::from(*x)).sum();
-    let (whole, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
+    let (full, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
     // Films that are joined are as if one had got all runs (tests/host/film.rs).
     part.add_runs(&records);
-    for _ in 0..whole {
+    for _ in 0..full {
         film.merge(&part).expect("they are of one image");
         exact += of_all;
     }

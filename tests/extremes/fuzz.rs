@@ -71,12 +71,12 @@ fn direction_error(fuzz: f64, replaced: &[(&str, &str)]) -> f64 {
 }
 
 /// The error of directions if the device is told another fuzz.
-fn direction_error_of(fuzz: f64, told: f64, replaced: &[(&str, &str)]) -> f64 {
+fn direction_error_of(fuzz: f64, given: f64, replaced: &[(&str, &str)]) -> f64 {
     let mut random = Random(74);
     let rows: Vec<In> = (0..5000)
         .map(|i| {
             let cos = decades(&mut random, -4.0, 0.0);
-            let row = arriving(&mut random, cos, told);
+            let row = arriving(&mut random, cos, given);
             // Some numbers at the ends of their range.
             let u = |at: u32| match i >> (2 * at) & 3 {
                 0 => 0.0,

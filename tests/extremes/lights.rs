@@ -139,7 +139,7 @@ fn floors() -> Vec<Cell> {
     let ask = Ask::spp(64).mis();
     // Turned, so that no coordinate is exact by chance.
     let (up, across) = (DVec3::new(0.48, 0.64, 0.6), DVec3::new(0.8, -0.6, 0.0));
-    let (place, other) = (DVec3::new(0.3, -0.2, 0.1), up.cross(across));
+    let (middle, other) = (DVec3::new(0.3, -0.2, 0.1), up.cross(across));
     for share in [1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 0.9] {
         for two_sided in [true, false] {
             if two_sided && share > 1e-7 {
@@ -160,10 +160,10 @@ fn floors() -> Vec<Cell> {
         Quad(corner: {}, u: {}, v: {}, material: \"floor\"),
     ],
 )",
-                triple(place + 0.5 * up + 2.0 * other),
-                triple(place),
-                triple(place + up),
-                triple(place - 9.0 * across - 9.0 * other),
+                triple(middle + 0.5 * up + 2.0 * other),
+                triple(middle),
+                triple(middle + up),
+                triple(middle - 9.0 * across - 9.0 * other),
                 triple(18.0 * across),
                 triple(18.0 * other),
             ));

@@ -94,8 +94,8 @@ fn run(fillers: &[Filler]) -> Vec<Cell> {
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
-                while let Some((fill, place)) = take(fillers, &found, next.fetch_add(1, Ordering::Relaxed)) {
-                    *place.lock().expect("nobody panics with it") = fill();
+                while let Some((fill, cell)) = take(fillers, &found, next.fetch_add(1, Ordering::Relaxed)) {
+                    *cell.lock().expect("nobody panics with it") = fill();
                 }
             });
         }

@@ -263,7 +263,7 @@ fn bright_slabs() -> Vec<Cell> {
             );
         }
         // Wrong as the picture is then, a fifth too bright at s = 1.
-        let told = diagnostics(&scene(&slab(1e8, ALBEDO, distance, thickness)));
+        let warnings = diagnostics(&scene(&slab(1e8, ALBEDO, distance, thickness)));
         let mean = shot(1e8, distance, thickness);
         all.push(
             Cell::new(
@@ -277,7 +277,7 @@ fn bright_slabs() -> Vec<Cell> {
                 "4.9 standard errors, and a hundredth, as with a position that f32 resolves.",
             )
             .achieved((mean.value[0] / expected - 1.0).abs())
-            .told(told),
+            .warns(warnings),
         );
     }
     all
@@ -358,8 +358,8 @@ fn cosines() -> Vec<Cell> {
                 if g < 0.0 {
                     expected.reverse();
                 }
-                for (told, expected) in out.from_one.iter().zip(expected) {
-                    let error = (f64::from(*told) - expected).abs();
+                for (found, expected) in out.from_one.iter().zip(expected) {
+                    let error = (f64::from(*found) - expected).abs();
                     let relative = if error == 0.0 { 0.0 } else { error / expected };
                     worst[0] = if relative.is_nan() { f64::MAX } else { worst[0].max(relative) };
                 }

@@ -141,8 +141,8 @@ fn injected_samples_are_dropped_and_counted_by_reason_and_pixel() {
         let totals = film.totals();
         assert_eq!(totals.paths, u64::from(WIDTH * HEIGHT * SAMPLES));
         assert_eq!(misplaced(totals), 0.0, "{scatter:?}: {totals:?}");
-        let place = tempfile::tempdir().expect("a temporary folder");
-        let file = place.path().join("sky.exr");
+        let sandbox = tempfile::tempdir().expect("a temporary folder");
+        let file = sandbox.path().join("sky.exr");
         write_exr(&file, &film.develop(), &[]).expect("it is written");
         let image = read_exr(&file).expect("it is read");
         let by_pixel = |left: u32, right: u32| {

@@ -63,10 +63,10 @@ fn integrated((width, height): (u32, u32), vertical_fov: f64, f: impl Fn(DVec3) 
     let pixel = 2.0 * (0.5 * vertical_fov).to_radians().tan() / f64::from(height);
     let of_pixel = |column: u32, row: u32| {
         let mut sum = 0.0;
-        for place in 0..PLACES * PLACES {
+        for ray in 0..PLACES * PLACES {
             let at = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES);
-            let x = (f64::from(column) + at(place % PLACES) - 0.5 * f64::from(width)) * pixel;
-            let y = (0.5 * f64::from(height) - f64::from(row) - at(place / PLACES)) * pixel;
+            let x = (f64::from(column) + at(ray % PLACES) - 0.5 * f64::from(width)) * pixel;
+            let y = (0.5 * f64::from(height) - f64::from(row) - at(ray / PLACES)) * pixel;
             sum += f(DVec3::new(x, y, -1.0));
         }
         sum / f64::from(PLACES * PLACES)

@@ -88,10 +88,10 @@ fn compare((width, height): (usize, usize), a: &Noisy, b: &Noisy, layers: bool) 
 }
 
 impl Noisy {
-    /// Scaled where `place` holds.
-    fn scaled(mut self, width: usize, factor: f32, place: impl Fn(usize, usize) -> bool) -> Noisy {
+    /// Scaled where `contains` holds.
+    fn scaled(mut self, width: usize, factor: f32, contains: impl Fn(usize, usize) -> bool) -> Noisy {
         for (pixel, (rgb, variance)) in self.rgb.iter_mut().zip(&mut self.variance).enumerate() {
-            if place(pixel % width, pixel / width) {
+            if contains(pixel % width, pixel / width) {
                 *rgb = rgb.map(|v| v * factor);
                 *variance = variance.map(|v| v * factor * factor);
             }
@@ -189,7 +189,7 @@ fn noise_is_called_noise() {
 
 /// Half a percent, where the standard error of the mean is 0.13 %: 3.9 of these, at a level that takes 2.8.
 #[test]
-fn a_difference_on_the_whole_is_found() {
+fn a_difference_of_the_means_is_found() {
     for (factor, word) in [(0.995, "darker"), (1.005, "brighter")] {
         for layers in [true, false] {
             let mut random = Random(77);
@@ -209,7 +209,7 @@ fn a_difference_on_the_whole_is_found() {
 /// One pixel hides what the mean of the others shows, and so it is left out, and that is said. Where its two halves agree by chance, in
 /// one of 30, nothing is found.
 #[test]
-fn a_difference_beside_a_pixel_that_rules_the_noise_is_found() {
+fn a_difference_next_to_a_pixel_that_rules_the_noise_is_found() {
     let mut random = Random(78);
     let size = (16, 16);
     let mut found = 0;
@@ -377,10 +377,10 @@ impl Sampled {
             let squares: f64 =
                 samples.chunks(8).map(|run| run.iter().map(|s| (s - mean(run)).powi(2)).sum::<f64>()).sum();
             let half = samples.len() / 2;
-            let (whole, apart) = (mean(&samples), 0.5 * (mean(&samples[..half]) - mean(&samples[half..])));
+            let (centre, apart) = (mean(&samples), 0.5 * (mean(&samples[..half]) - mean(&samples[half..])));
             let degrees = count - count.div_ceil(8);
             let colour = [1.0, 0.8, 0.5];
-            image.noisy.rgb.push(colour.map(|c| (c * whole) as f32));
+            image.noisy.rgb.push(colour.map(|c| (c * centre) as f32));
             image.noisy.variance.push(colour.map(|c: f64| (c * c * apart * apart) as f32));
             let variance = colour.map(|c: f64| (c * c * squares / f64::from(degrees)) as f32);
             image.spreads.push(SampleSpread { variance, degrees, samples: count });
@@ -490,15 +490,15 @@ fn differing_pixels_beside_equal_ones_are_found() {
     let one = |x: usize, y: usize| (x, y) == (24, 39);
     let block = |x: usize, y: usize| (24..26).contains(&x) && (38..40).contains(&y);
     let edge = |_: usize, y: usize| y == height - 1;
-    type Place<'a> = (&'a str, usize, &'a dyn Fn(usize, usize) -> bool);
-    let places: [Place<'_>; 3] = [("(24, 39)", 1, &one), ("(2", 4, &block), ("(", width, &edge)];
+    type Region<'a> = (&'a str, usize, &'a dyn Fn(usize, usize) -> bool);
+    let regions: [Region<'_>; 3] = [("(24, 39)", 1, &one), ("(2", 4, &block), ("(", width, &edge)];
     for (b, layers) in [(&b, true), (&b, false), (&spiky, true), (&spiky, false), (&halves, false)] {
-        for (at, count, place) in places {
+        for (at, count, contains) in regions {
             for channels in [0..3, 0..1, 2..3] {
                 for factor in [100.0, 2.0, 1.01, 0.5, 0.0] {
                     let mut a = Noisy { rgb: b.rgb.clone(), variance: b.variance.clone() };
                     for (pixel, rgb) in a.rgb.iter_mut().enumerate() {
-                        if place(pixel % width, pixel / width) {
+                        if contains(pixel % width, pixel / width) {
                             rgb[channels.clone()].iter_mut().for_each(|v| *v *= factor);
                         }
                     }

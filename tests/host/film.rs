@@ -458,7 +458,7 @@ fn few_pixels_that_make_the_error_are_unreliable() {
 }
 
 #[test]
-fn unknown_variance_can_be_told_from_none() {
+fn unknown_variance_is_distinguished_from_none() {
     let records = [run(1, [0.5; 3], 8), run(2, [0.5; 3], 8), odd(run(2, [0.5; 3], 8))];
     let picture = film(3, 1, &records).develop();
     assert_eq!(picture.variance, [[UNKNOWN_VARIANCE; 3], [UNKNOWN_VARIANCE; 3], [0.0; 3]]);

@@ -162,11 +162,11 @@ fn plans_are_as_their_snapshots_say() {
     assert_eq!(names("tests/plans", "txt"), SNAPSHOTS.map(String::from).into(), "tests/plans");
     for name in SNAPSHOTS {
         let text = snapshot(&format!("scenes/{name}.ron"), &shipped(name));
-        let place = root().join(format!("tests/plans/{name}.txt"));
+        let path = root().join(format!("tests/plans/{name}.txt"));
         if crate::common::renew() {
-            std::fs::write(&place, &text).expect("a snapshot can be written");
+            std::fs::write(&path, &text).expect("a snapshot can be written");
         }
-        let expected = std::fs::read_to_string(&place).expect("the snapshot can be read");
+        let expected = std::fs::read_to_string(&path).expect("the snapshot can be read");
         if let Some(difference) = first_difference(&expected.replace('\r', ""), &text) {
             panic!("the plan of scenes/{name}.ron differs from tests/plans/{name}.txt in {difference}\n{renew}");
         }
@@ -580,7 +580,7 @@ fn scenes_without_surfaces_are_fused_too() {
 }
 
 #[test]
-fn words_of_identifiers_are_told_apart() {
+fn words_of_identifiers_are_distinguished() {
     let split = |text: &str| words(text);
     assert_eq!(split("WORD_OF_LIGHT"), ["word", "of", "light"]);
     assert_eq!(split("LightNode"), ["light", "node"]);

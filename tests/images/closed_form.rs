@@ -131,8 +131,8 @@ fn v(x: f64, y: f64, z: f64) -> DVec3 {
 /// A checker as the scene file writes it and as docs/light-transport.md defines it: the parity of the sum of floor(p / scale).
 fn checker(scale: f64, even: [f64; 3], odd: [f64; 3]) -> (String, Colour) {
     let text = format!("Checker(scale: {scale}, even: {}, odd: {})", triple(even), triple(odd));
-    let colour = move |place: &Place| {
-        let cell = (place.point / scale).floor();
+    let colour = move |hit: &Hit| {
+        let cell = (hit.point / scale).floor();
         Some(if (cell.x + cell.y + cell.z).rem_euclid(2.0) == 0.0 { even } else { odd })
     };
     (text, Box::new(colour))
@@ -176,8 +176,8 @@ fn quarters() -> (tempfile::TempDir, String) {
     (folder, "Image(path: \"quarters.png\")".to_owned())
 }
 
-fn quarter(place: &Place) -> Option<[f64; 3]> {
-    block(QUARTERS, place.uv.0, place.uv.1)
+fn quarter(hit: &Hit) -> Option<[f64; 3]> {
+    block(QUARTERS, hit.uv.0, hit.uv.1)
 }
 
 /// Renders the things and compares; then the flipped image, and the image of things moved otherwise, must fail.

@@ -44,17 +44,17 @@ fn lights() -> Vec<(String, f64, f64)> {
     let mut found = Vec::new();
     // What the picture's width adds: a pixel is 1e-6 across.
     let off = 64.0 * U + 2e-5;
-    for place in [[0.0, 1.0, 0.0], [0.5, 0.3, -0.2], [-0.9, 0.05, 0.4], [3.0, 40.0, 5.0], [0.0, 0.02, 0.0]] {
-        let place = DVec3::from(place);
-        let irradiance = 7.0 * place.y / place.length().powi(3);
-        let at = triple(place);
-        let width = 4e-6 / place.length();
+    for position in [[0.0, 1.0, 0.0], [0.5, 0.3, -0.2], [-0.9, 0.05, 0.4], [3.0, 40.0, 5.0], [0.0, 0.02, 0.0]] {
+        let position = DVec3::from(position);
+        let irradiance = 7.0 * position.y / position.length().powi(3);
+        let at = triple(position);
+        let width = 4e-6 / position.length();
         found.push((format!("PointLight(at: {at}, intensity: (1, 7, 2))"), irradiance, off + 6.0 * width));
         // The origin lies at these angles from the beam's middle.
         for angle in [0.0, 10.0, 20.1, 25.0, 29.0, 30.1, 80.0] {
-            let to_origin = -place.normalize();
+            let to_origin = -position.normalize();
             let (x, _) = to_origin.any_orthonormal_pair();
-            let towards = place + f64::to_radians(angle).cos() * to_origin + f64::to_radians(angle).sin() * x;
+            let towards = position + f64::to_radians(angle).cos() * to_origin + f64::to_radians(angle).sin() * x;
             let [cos, inner, outer] = [angle, 20.0, 30.0].map(|degrees: f64| degrees.to_radians().cos());
             let share = ((cos - outer) / (inner - outer)).clamp(0.0, 1.0);
             let light = format!(
@@ -277,9 +277,9 @@ fn a_light_on_a_ceiling_is_not_behind_it() {
     let expected = 0.5 / PI * 1.3 / (0.37f64.powi(2) + 1.3f64.powi(2) + 0.11f64.powi(2)).powf(1.5);
     let shot = render(&scene, &Ask::spp(16).mis());
     assert!(is_expected(&shot, expected, 2e-4), "{}, expected {expected}", mean(&shot));
-    let whole = Overlay::new(&[])
+    let full = Overlay::new(&[])
         .rewritten("light/delta", |own| own.replace("max(distance - rounding, 0.5 * distance)", "distance + rounding"));
-    let planted = render_planted(&scene, &Ask::spp(16).mis(), &whole);
+    let planted = render_planted(&scene, &Ask::spp(16).mis(), &full);
     assert!(!is_expected(&planted, expected, 2e-4), "rays up to the light are not found");
 }
 

@@ -51,7 +51,7 @@ fn by_one(end: u32) -> Film {
 
 #[test]
 fn devices_share_a_film() {
-    let whole = by_one(200);
+    let full = by_one(200);
     for (lanes, tile) in [(2, None), (3, None), (3, Some(97))] {
         let mut film = empty();
         let mut calls = 0;
@@ -59,17 +59,17 @@ fn devices_share_a_film() {
             calls += 1;
             Next::GoOn
         });
-        assert!(film == whole, "{lanes} lanes, {tile:?}");
+        assert!(film == full, "{lanes} lanes, {tile:?}");
         assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
         assert!(calls > 0);
     }
     // That films can differ at all is seen of other samples.
-    assert!(by_one(192) != whole);
+    assert!(by_one(192) != full);
 }
 
 /// A whole film that several devices show has just the samples that it says, and changes nothing.
 #[test]
-fn a_whole_film_of_devices_has_whole_samples() {
+fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
     for (lanes, tile) in [(2, None), (3, Some(97))] {
         let (mut film, mut snapshots, mut calls) = (empty(), Vec::new(), 0);
         render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, snapshot| {
@@ -96,7 +96,7 @@ fn a_whole_film_of_devices_has_whole_samples() {
 
 /// Wherever several devices are stopped, each pixel has the samples that the outcome says, in whole runs.
 #[test]
-fn devices_that_are_stopped_leave_whole_samples() {
+fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
     for stop in [1, 2, 5, 9, 20] {
         let (mut film, mut calls) = (empty(), 0);
         let outcome = render(3, 0, Goal::Samples(4096), None, &mut film, &mut |_, _| {

@@ -257,7 +257,7 @@ fn sending_rays_to_lights_changes_no_expectation() {
                     text.replace("* ${name}_light_pdf(from_point", "* 1.1 * ${name}_light_pdf(from_point")
                 });
                 let wrong = render_planted(&scene, &Ask::spp(1024).seed(2).mis().sobol(), &wrong);
-                println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+                println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
                 assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "a density off by a tenth is not found");
             }
         }
@@ -324,7 +324,7 @@ fn smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = smooth_bodies();
     let bsdf = rendered_as_with_rays_to_lights("smooth bodies", &scene);
     let wrong = render_planted(&scene, &Ask::spp(1024).seed(2).mis().sobol(), &aimed_from_the_facet());
-    println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the facet is not found");
 }
 
@@ -361,7 +361,7 @@ fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
     let one_point = Overlay::new(&[])
         .rewritten("scene/both_sides", |text| text.replace("select(point, facet_point, below)", "point"));
     let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &one_point);
-    println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the near side is not found");
 }
 
@@ -398,7 +398,7 @@ fn a_frosted_slab_under_a_sun_expects_the_same_with_rays_to_lights() {
         )
     });
     let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &wrong);
-    println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "a density off by a tenth is not found");
 }
 

@@ -102,17 +102,17 @@ fn no_filter_changes_constant_radiance() {
 /// Pixels below 0 are kept as they are: by every way to cut the work, and through a file's words.
 #[test]
 fn negative_pixels_are_exact_too() {
-    let whole = filtered(Filter::Mitchell, 64, EDGE);
-    assert!(whole.picture.rgb.iter().any(|pixel| pixel[0] < -1e-3));
+    let full = filtered(Filter::Mitchell, 64, EDGE);
+    assert!(full.picture.rgb.iter().any(|pixel| pixel[0] < -1e-3));
     for (scatter, slots) in [(Scatter::Fused, 7), (Scatter::Linked, 97), (Scatter::Queues, 1)] {
         let cut = Ask::spp(64).with(|options| {
             (options.filter, options.scatter, options.slots) = (Filter::Mitchell, Some(scatter), Some(slots));
         });
-        assert!(render(&scene(EDGE), &cut).film == whole.film, "{scatter} with {slots} slots");
+        assert!(render(&scene(EDGE), &cut).film == full.film, "{scatter} with {slots} slots");
     }
-    let mut read = Film::with_sampler(8, 4, whole.film.exponent(), whole.film.sampler()).expect("it fits");
-    (0..32).for_each(|index| read.add_words(index, &whole.film.words(index)));
-    assert_eq!(read.develop(), whole.film.develop());
+    let mut read = Film::with_sampler(8, 4, full.film.exponent(), full.film.sampler()).expect("it fits");
+    (0..32).for_each(|index| read.add_words(index, &full.film.words(index)));
+    assert_eq!(read.develop(), full.film.develop());
 }
 
 /// With samples of either sign, pixels beside a lamp may be 0, which a bound of the relative error has to allow for. It holds, and is never below the

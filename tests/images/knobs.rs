@@ -145,7 +145,7 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
         precision: Precision::Fast,
         ..RenderOptions::default()
     };
-    let asked = |objects: &str, options: &RenderOptions| {
+    let linked = |objects: &str, options: &RenderOptions| {
         let flat = flatten(&render::scene(&text(objects)), (4, 4), options).expect("it flattens");
         let choices = choices_of(&flat.features, options, &UniformTables::default()).modules;
         let linked = [
@@ -165,14 +165,14 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
         (sphere, [false, true, true]),
         (smoke, [false, true, true]),
     ] {
-        assert_eq!(asked(objects, &approximate), expected, "{objects}");
-        assert_eq!(asked(objects, &RenderOptions::default()), [false; 3], "{objects}");
+        assert_eq!(linked(objects, &approximate), expected, "{objects}");
+        assert_eq!(linked(objects, &RenderOptions::default()), [false; 3], "{objects}");
     }
 }
 
 // The program
 
-struct Place(TempDir);
+struct Sandbox(TempDir);
 
 /// What a render of the program wrote.
 struct Rendered {
@@ -181,9 +181,9 @@ struct Rendered {
     stderr: String,
 }
 
-impl Place {
-    fn new() -> Place {
-        Place(tempfile::tempdir().expect("a temporary folder"))
+impl Sandbox {
+    fn new() -> Sandbox {
+        Sandbox(tempfile::tempdir().expect("a temporary folder"))
     }
 
     fn scene(&self, text: &str) -> PathBuf {
@@ -282,12 +282,12 @@ fn dim_everything() -> (Everything, PathBuf) {
 
 #[test]
 fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
-    let usual = bits(&place.render(&scene, &[]).image);
+    let usual = bits(&sandbox.render(&scene, &[]).image);
     for (knob, value) in values(Class::Exact) {
         assert!(
-            bits(&place.render(&scene, &[&format!("--{}", knob.name), value]).image) == usual,
+            bits(&sandbox.render(&scene, &[&format!("--{}", knob.name), value]).image) == usual,
             "{}",
             knob.option(value)
         );
@@ -295,9 +295,9 @@ fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
     for (name, value) in SAME_IMAGE.iter().filter(|(name, _)| !ELSEWHERE.contains(name)) {
         let option = format!("--{name}");
         let options: Vec<&str> = std::iter::once(option.as_str()).chain(*value).collect();
-        assert!(bits(&place.render(&scene, &options).image) == usual, "{options:?}");
+        assert!(bits(&sandbox.render(&scene, &options).image) == usual, "{options:?}");
     }
-    assert!(bits(&place.render(&scene, &["--seed", "1"]).image) != usual, "another seed");
+    assert!(bits(&sandbox.render(&scene, &["--seed", "1"]).image) != usual, "another seed");
 }
 
 /// What more light is found of the values that change noise and detail, as a share of it.
@@ -309,14 +309,14 @@ const FOUND: f64 = 0.015;
 /// tested to what they tell: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
 #[test]
 fn values_of_noise_change_no_expectation() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let base = ["--spp", "256", "--size", "32x32"];
     let with = |changed: &[&str], seed: &str| {
         // What is changed replaces what the base says.
         let kept = base.chunks(2).filter(|pair| !changed.contains(&pair[0])).flatten().copied();
         let options: Vec<&str> = kept.chain(changed.iter().copied()).chain(["--seed", seed]).collect();
-        place.render(&scene, &options).image
+        sandbox.render(&scene, &options).image
     };
     let usual = means(&with(&["--spp", "512"], "1"), 4, 1.0);
     for (knob, value) in values(Class::Noise).chain(values(Class::Detail)) {
@@ -400,13 +400,13 @@ const WHITE: &str = "Scene(
 
 #[test]
 fn each_value_that_biases_takes_light_away_where_it_should() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (name, text, harmless) in [("clamp", CAUSTIC, ["--clamp", "1e30"]), ("max-depth", WHITE, ["--max-depth", "50"])]
     {
-        let scene = place.scene(text);
+        let scene = sandbox.scene(text);
         let shot = |options: &[&str], seed: &str| {
             let options = [options, &["--sampler", "independent", "--spp", "256", "--seed", seed]].concat();
-            means(&place.render(&scene, &options).image, 4, 31.0)
+            means(&sandbox.render(&scene, &options).image, 4, 31.0)
         };
         let usual = shot(&[], "1");
         for (knob, value) in values(Class::Bias).filter(|(knob, _)| knob.name == name) {
@@ -428,10 +428,10 @@ fn each_value_that_biases_takes_light_away_where_it_should() {
 /// allows, with its hue. Around the ball, and by one event alone, light is direct.
 #[test]
 fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (brightness, integrator) in [(1.0, "mis"), (3e20, "mis"), (1e-20, "bsdf")] {
         let [r, g, b] = [8.0, 4.0, 2.0].map(|v: f64| v * brightness);
-        let scene = place.scene(&format!(
+        let scene = sandbox.scene(&format!(
             "Scene(
     image: (width: 32, height: 32),
     camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40),
@@ -445,7 +445,7 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
 )"
         ));
         let limit = format!("{:e}", brightness);
-        let shot = |options: &[&str]| place.render(&scene, &[options, &["--integrator", integrator]].concat()).image;
+        let shot = |options: &[&str]| sandbox.render(&scene, &[options, &["--integrator", integrator]].concat()).image;
         let (usual, clamped) = (shot(&[]), shot(&["--clamp", &limit]));
         let at = |image: &ExrImage, x: u32, y: u32| image.rgb[(y * 32 + x) as usize].map(|v| f64::from(v) / brightness);
         let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-6 * b[i]);
@@ -460,11 +460,11 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
         assert!(bits(&shot(&["--clamp", &format!("{:e}", 8.0 * brightness)])) == bits(&usual));
     }
     // All light that comes by one event is direct, sampled or met; that by two is not.
-    let scene = place.scene(CAUSTIC);
+    let scene = sandbox.scene(CAUSTIC);
     for integrator in ["mis", "bsdf"] {
         let shot = |clamp: &str, depth: &str| {
             bits(
-                &place
+                &sandbox
                     .render(
                         &scene,
                         &["--clamp", clamp, "--max-depth", depth, "--spp", "16", "--integrator", integrator],
@@ -480,7 +480,7 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
 /// A sheet of glass before a wall of light, seen at an angle from either of its sides: the camera gets 1 - R of the light.
 #[test]
 fn reflectances_are_fresnels_or_schlicks() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let exact = |c: f64, eta: f64| {
         let t = (1.0 - (1.0 - c * c) / (eta * eta)).max(0.0).sqrt();
         let (s, p) = ((c - eta * t) / (c + eta * t), (eta * c - t) / (eta * c + t));
@@ -500,7 +500,7 @@ fn reflectances_are_fresnels_or_schlicks() {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let (x, y) = if inside { ("(0, 2, 0)", "(4, 0, 0)") } else { ("(4, 0, 0)", "(0, 2, 0)") };
         // The wall of light takes what is refracted, and what is reflected meets nothing.
-        let scene = place.scene(&format!(
+        let scene = sandbox.scene(&format!(
             "Scene(
     image: (width: 32, height: 32),
     camera: (look_from: ({}, 0, {}), look_at: (0, 0, 0), vertical_fov: 0.1),
@@ -517,7 +517,7 @@ fn reflectances_are_fresnels_or_schlicks() {
         ));
         let eta = if inside { 1.0 / ior } else { ior };
         let through = |setting: &str| {
-            let image = place.render(&scene, &["--fresnel", setting, "--sampler", "independent"]).image;
+            let image = sandbox.render(&scene, &["--fresnel", setting, "--sampler", "independent"]).image;
             means(&image, 1, 31.0)[0]
         };
         let (of_exact, of_schlick) = (1.0 - exact(cos, eta), 1.0 - schlick(cos, eta));
@@ -538,11 +538,11 @@ fn reflectances_are_fresnels_or_schlicks() {
 /// of 0.007 % of the image's (printed). Planted, and found, is a thousandth of the light.
 #[test]
 fn less_precision_is_right_in_an_ordinary_scene() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let shot = |options: &[&str]| {
         let options = [options, &["--spp", "256", "--size", "32x32", "--seed", "1"]].concat();
-        place.render(&scene, &options).image
+        sandbox.render(&scene, &options).image
     };
     let usual = shot(&[]);
     for (knob, value) in values(Class::Numerics) {
@@ -558,10 +558,10 @@ fn less_precision_is_right_in_an_ordinary_scene() {
 /// A glowing sphere of radius 1 at a distance D covers pi / 2.4² of a view that is 2.4 high there.
 #[test]
 fn the_textbooks_spheres_fail_far_away() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let covered = |distance: f64, options: &[&str]| {
         let fov = 2.0 * (1.2 / distance).atan().to_degrees();
-        let scene = place.scene(&format!(
+        let scene = sandbox.scene(&format!(
             "Scene(
     image: (width: 32, height: 32),
     camera: (look_from: (0, 0, {distance:e}), look_at: (0, 0, 0), vertical_fov: {fov:e}),
@@ -571,7 +571,7 @@ fn the_textbooks_spheres_fail_far_away() {
     render: (samples: 64, max_depth: 1),
 )"
         ));
-        means(&place.render(&scene, options).image, 1, 1.0)[0].value
+        means(&sandbox.render(&scene, options).image, 1, 1.0)[0].value
     };
     let expected = PI / (2.4 * 2.4);
     // Sobol points tell the area to far below 1e-3; the sphere covers a little more than its disk, by r²/D².
@@ -593,10 +593,10 @@ fn the_textbooks_spheres_fail_far_away() {
 /// With all of them, too, the image does not depend on how the kernels are linked and the work is cut.
 #[test]
 fn approximations_give_the_same_bytes_however_they_are_linked() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let all = ["--fresnel", "schlick", "--clamp", "0.3", "--precision", "fast", "--spp", "16"];
-    let shot = |more: &[&str]| bits(&place.render(&scene, &[all.as_slice(), more].concat()).image);
+    let shot = |more: &[&str]| bits(&sandbox.render(&scene, &[all.as_slice(), more].concat()).image);
     let usual = shot(&["--scatter", "fused"]);
     for scatter in ["linked", "queues"] {
         assert!(shot(&["--scatter", scatter, "--slots", "97", "--bounces", "7"]) == usual, "{scatter}");
@@ -605,14 +605,14 @@ fn approximations_give_the_same_bytes_however_they_are_linked() {
     for (option, default) in [("--fresnel", "exact"), ("--clamp", "off"), ("--precision", "strict")] {
         let options: Vec<&str> =
             all.chunks(2).flat_map(|pair| [pair[0], if pair[0] == option { default } else { pair[1] }]).collect();
-        assert!(bits(&place.render(&scene, &options).image) != usual, "{option}");
+        assert!(bits(&sandbox.render(&scene, &options).image) != usual, "{option}");
     }
 }
 
 #[test]
 fn a_render_with_a_setting_that_biases_says_so() {
-    let place = Place::new();
-    let scene = place.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
+    let sandbox = Sandbox::new();
+    let scene = sandbox.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
     let all = TRADE_OFFS.iter().flat_map(|knob| knob.values.iter().map(move |value| (*knob, *value)));
     for (knob, value) in all {
         let option = knob.option(value);
@@ -620,25 +620,25 @@ fn a_render_with_a_setting_that_biases_says_so() {
             "spp" => vec!["--spp", value],
             _ => option.split(' ').chain(["--spp", "9"]).collect(),
         };
-        let ran = place.render(&scene, &options);
+        let ran = sandbox.render(&scene, &options);
         let default = Some(value) == knob.default;
         // As deep as the scene asks, or deeper, takes nothing away.
         let cuts = knob.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
-        let told = matches!(knob.class, Class::Bias | Class::Numerics) && !default && cuts;
+        let warns = matches!(knob.class, Class::Bias | Class::Numerics) && !default && cuts;
         let attribute =
             ran.image.attributes.iter().find(|(name, _)| name == "gpu-rt:biases").map(|(_, text)| text.as_str());
         assert_eq!(
             ran.json["biases"],
-            if told { serde_json::json!([option]) } else { serde_json::json!([]) },
+            if warns { serde_json::json!([option]) } else { serde_json::json!([]) },
             "{option}"
         );
-        assert_eq!(attribute, told.then_some(option.as_str()), "{option}");
-        assert_eq!(ran.stderr.contains(&knob.warning(value)), told, "{option}: {}", ran.stderr);
+        assert_eq!(attribute, warns.then_some(option.as_str()), "{option}");
+        assert_eq!(ran.stderr.contains(&knob.warning(value)), warns, "{option}: {}", ran.stderr);
         let excludes = ran.json["relative_error_excludes"].as_str().unwrap_or_default();
-        assert_eq!(excludes.contains(&option), told && knob.name != "size", "{option}: {excludes}");
+        assert_eq!(excludes.contains(&option), warns && knob.name != "size", "{option}: {excludes}");
     }
     // Several at once, and none with --quiet.
-    let ran = place.render(&scene, &["--clamp", "2.5", "--precision", "fast", "--max-depth", "3", "--quiet"]);
+    let ran = sandbox.render(&scene, &["--clamp", "2.5", "--precision", "fast", "--max-depth", "3", "--quiet"]);
     assert_eq!(ran.json["biases"], serde_json::json!(["--max-depth 3", "--clamp 2.5", "--precision fast"]));
     assert_eq!(ran.stderr, "");
 }

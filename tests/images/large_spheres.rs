@@ -66,7 +66,7 @@ const FIVE: &str = "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"grey\")
 /// From 1 above the ground; it fills the view.
 const ABOVE: &str = "(look_from: (0.4, 1, 4), look_at: (0.1, 0, 0.5), vertical_fov: 29)";
 
-fn asked() -> Ask {
+fn request() -> Ask {
     Ask::spp(64).size(48, 48).mis().seed(3)
 }
 
@@ -83,7 +83,7 @@ fn difference(a: &Shot, b: &Shot) -> f64 {
 
 #[test]
 fn a_ground_of_any_radius_has_the_picture_of_a_plane() {
-    let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &asked());
+    let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &request());
     for exponent in 0..=15 {
         // No ground is warned of.
         let _ = scene(ABOVE, 0.2, &format!("{}, {FIVE}", ground(10f64.powi(exponent), 0.0, "grey")));
@@ -108,7 +108,7 @@ fn a_ground_turned_scaled_and_moved_with_everything_is_the_same() {
     };
     for radius in [1e6, 1e12] {
         let objects = format!("{}, {FIVE}", ground(radius, 0.0, "grey"));
-        let usual = render(&scene(ABOVE, 0.2, &objects), &asked());
+        let usual = render(&scene(ABOVE, 0.2, &objects), &request());
         // About x by 30 degrees, and by a quarter turn about z.
         let (s, c) = (0.5, 0.75f64.sqrt());
         let turned = |v: DVec3| DVec3::new(-(c * v.y - s * v.z), v.x, s * v.y + c * v.z);
@@ -116,7 +116,7 @@ fn a_ground_turned_scaled_and_moved_with_everything_is_the_same() {
         let by = "RotateX(30), RotateZ(90), Scale(100), Translate((3e5, 0, -1e5))";
         let group = |objects: &str| format!("Transformed(by: [{by}], object: Group([{objects}]))");
         let shot =
-            |objects: &str| render(&scene(&camera(&moved, turned(DVec3::Y)), 0.2, &group(objects)), &asked().seed(4));
+            |objects: &str| render(&scene(&camera(&moved, turned(DVec3::Y)), 0.2, &group(objects)), &request().seed(4));
         same_expectation(&shot(&objects), &usual, 1e-4, ALPHA).unwrap_or_else(|error| panic!("{radius}: {error}"));
         let lowered = objects.replace("Translate((0, 0.0, 0))", "Translate((0, -0.05, 0))");
         assert!(same_expectation(&shot(&lowered), &usual, 1e-4, ALPHA).is_err(), "a lower ground");
@@ -128,7 +128,7 @@ fn small_things_on_a_huge_ground_keep_their_shape() {
     let shrunk = |ground: &str| {
         let camera = "(look_from: (4e-6, 1e-5, 4e-5), look_at: (1e-6, 0, 5e-6), vertical_fov: 29)";
         let five = format!("Transformed(by: [Scale(1e-5)], object: Group([{FIVE}]))");
-        render(&scene(camera, 0.2, &format!("{ground}, {five}")), &asked())
+        render(&scene(camera, 0.2, &format!("{ground}, {five}")), &request())
     };
     let on = |top: f64| shrunk(&ground(1e12, top, "grey"));
     let flat = shrunk(&plane(0.0, "grey").replace("5e3", "5e-2").replace("1e4", "0.1"));
@@ -184,10 +184,10 @@ fn where_the_two_forms_of_a_sphere_meet_nothing_shows() {
     let check = |name: &str, objects: &dyn Fn(f64) -> String, other: String| {
         let (sphere, large_sphere) = (of(&objects(low)), of(&objects(high)));
         assert_eq!([large_spheres(&sphere), large_spheres(&large_sphere)], [0, 1]);
-        let sphere = render(&sphere, &asked());
-        let found = difference(&render(&large_sphere, &asked()), &sphere);
+        let sphere = render(&sphere, &request());
+        let found = difference(&render(&large_sphere, &request()), &sphere);
         assert!(found < MOST, "{name}: {found}");
-        let found = difference(&render(&of(&other), &asked()), &sphere);
+        let found = difference(&render(&of(&other), &request()), &sphere);
         assert!(found > MOST, "{name}, another one: {found}");
     };
     for material in ["grey", "checker", "noise", "marble", "glass"] {
@@ -215,7 +215,7 @@ fn where_the_two_forms_of_a_sphere_meet_nothing_shows() {
 #[test]
 fn textures_of_a_huge_ground_are_those_of_a_plane() {
     for material in ["checker", "noise", "marble"] {
-        let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &asked());
+        let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &request());
         // In the object's own space at a height at which the checker does not change.
         let sphere = |radius: f64| {
             let center = -radius - 0.125;
@@ -238,7 +238,7 @@ fn a_texture_of_fog_in_a_huge_sphere_is_that_of_fog_in_a_box() {
     let on = |boundary: &str, scale: f64| {
         let albedo = format!("Checker(scale: {scale:?}, even: (0.9, 0.5, 0.1), odd: (0.1, 0.5, 0.9))");
         let fog = format!("Medium(boundary: {boundary}, density: 2, albedo: {albedo})");
-        render(&scene(ABOVE, 0.2, &format!("{fog}, {FIVE}")), &asked())
+        render(&scene(ABOVE, 0.2, &format!("{fog}, {FIVE}")), &request())
     };
     let flat = on("Box(min: (-500, -500, -500), max: (500, -0.125, 500))", 0.3);
     for radius in [1e7, 1e12] {
@@ -357,8 +357,8 @@ fn fog_in_a_huge_sphere_is_as_thick_as_its_distances_say() {
             mean(&render(&scene(camera, 1.0, &fog), &Ask::spp(1024)))
         };
         let steps = 200;
-        let place = |i: i32| 2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0;
-        let all = (0..steps).flat_map(|i| (0..steps).map(move |j| (place(i), place(j))));
+        let coordinate = |i: i32| 2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0;
+        let all = (0..steps).flat_map(|i| (0..steps).map(move |j| (coordinate(i), coordinate(j))));
         let expected = all.map(|(x, y)| (-(1.0 + x * x + y * y).sqrt()).exp()).sum::<f64>() / f64::from(steps * steps);
         let (found, error) = of(1.0);
         assert!((found - expected).abs() < 5.0 * error + 1e-3, "{radius}: {found} ± {error} for {expected}");

@@ -13,15 +13,15 @@ use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::read_exr;
 use serde_json::Value;
 
-/// A floor under a grey sky, a clear ball of radius `ball` about `place`, and a lamp of radius `lamp` above.
-fn text(place: &str, ball: f64, lamp: f64) -> String {
-    with_ball(CLEAR, place, ball, lamp)
+/// A floor under a grey sky, a clear ball of radius `ball` about `position`, and a lamp of radius `lamp` above.
+fn text(position: &str, ball: f64, lamp: f64) -> String {
+    with_ball(CLEAR, position, ball, lamp)
 }
 
 const CLEAR: &str = "Dielectric(ior: 1.5)";
 
 /// The scene with a ball of any material.
-fn with_ball(glass: &str, place: &str, ball: f64, lamp: f64) -> String {
+fn with_ball(glass: &str, position: &str, ball: f64, lamp: f64) -> String {
     let emit = 4.0 / (lamp * lamp);
     format!(
         "Scene(
@@ -35,7 +35,7 @@ fn with_ball(glass: &str, place: &str, ball: f64, lamp: f64) -> String {
     }},
     objects: [
         Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"),
-        Sphere(center: {place}, radius: {ball}, material: \"glass\"),
+        Sphere(center: {position}, radius: {ball}, material: \"glass\"),
         Sphere(center: (0, 3, 0), radius: {lamp}, material: \"lamp\"),
     ],
     render: (samples: 64, max_depth: 10),
@@ -46,8 +46,8 @@ fn with_ball(glass: &str, place: &str, ball: f64, lamp: f64) -> String {
 const ON_THE_FLOOR: &str = "(0, 0.6, 0)";
 const AROUND_THE_LAMP: &str = "(0, 3, 0)";
 
-/// A floor under a sky, what is above it, and at `place` a lamp of radius `lamp`, of which all rays to it miss the floor.
-fn other(background: &str, above: &str, place: &str, lamp: f64) -> String {
+/// A floor under a sky, what is above it, and at `position` a lamp of radius `lamp`, of which all rays to it miss the floor.
+fn other(background: &str, above: &str, position: &str, lamp: f64) -> String {
     let emit = 1.0 / (lamp * lamp);
     format!(
         "Scene(
@@ -64,7 +64,7 @@ fn other(background: &str, above: &str, place: &str, lamp: f64) -> String {
     objects: [
         Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"),
         {above}
-        Sphere(center: {place}, radius: {lamp}, material: \"lamp\"),
+        Sphere(center: {position}, radius: {lamp}, material: \"lamp\"),
     ],
     render: (samples: 64, max_depth: 10),
 )"
@@ -153,7 +153,7 @@ fn counted(text: &str, samples: u32) -> Counted {
 /// on edge to lamp and floor. 1024 samples tell each sum to 3 %. Of light that would count twice, or by half, the test would tell.
 #[test]
 fn paths_find_what_probes_find() {
-    let ball = |place, radius| text(place, radius, 0.3);
+    let ball = |position, radius| text(position, radius, 0.3);
     for text in [ball(ON_THE_FLOOR, 0.5), ball(AROUND_THE_LAMP, 1.2), under_a_mirror(0.4), under_a_sky(0.4)] {
         let light = counted(&text, 1024);
         assert!(light.probed > 0.0, "{light:?}\n{text}");

@@ -267,8 +267,8 @@ fn a_shape_is_added_by_the_recipe() {
         };
         assert!(off(RING_LIGHT).abs() < 5.1, "{scatter:?}: {} standard errors", off(RING_LIGHT));
         // Without its hole, and with a pdf that is too small by a tenth.
-        let whole = RING.replace("radii >= 0.5 && ", "");
-        assert!(wrong_pixels(&ring_shot(before, others, scatter, &whole, RING_LIGHT)) > 10, "{scatter:?}, a disk");
+        let full = RING.replace("radii >= 0.5 && ", "");
+        assert!(wrong_pixels(&ring_shot(before, others, scatter, &full, RING_LIGHT)) > 10, "{scatter:?}, a disk");
         let brighter = off(&RING_LIGHT.replace("4.0 / (0.75", "3.6 / (0.75"));
         assert!(brighter > 8.0, "{scatter:?}: {brighter} standard errors");
     }

@@ -46,7 +46,7 @@ fn two_renders_in_a_row_are_the_same() {
 fn slots_workgroups_and_submissions_do_not_show() {
     use Scatter::{Fused, Linked, Queues};
     let (_files, scene) = everything();
-    let whole = [
+    let full = [
         (Linked, 1, 32, 50),
         (Linked, 97, 256, 1),
         (Linked, 4096, 32, 7),
@@ -67,7 +67,7 @@ fn slots_workgroups_and_submissions_do_not_show() {
     ];
     let by_rays = Ask { samples: Some(0..16), ..Ask::default() };
     let by_defaults = Ask { samples: Some(3..21), ..Ask::default().mis().sobol().roulette() };
-    for (usual, cuts) in [(by_rays, whole.as_slice()), (by_defaults, cut.as_slice())] {
+    for (usual, cuts) in [(by_rays, full.as_slice()), (by_defaults, cut.as_slice())] {
         let expected = render(&scene, &usual);
         for &(scatter, slots, workgroup, bounces) in cuts {
             let ask = usual.clone().scatter(scatter).with(|options| {
@@ -98,19 +98,19 @@ fn bindings_do_not_show() {
 }
 
 #[test]
-fn parts_make_the_whole_in_any_order() {
+fn parts_join_to_the_full_render_in_any_order() {
     let (_files, scene) = everything();
     let parts = [0..8, 8..24, 24..32];
     let mut shots =
         render_each(&scene, &Ask::default(), &[0..32, parts[0].clone(), parts[1].clone(), parts[2].clone()]);
-    let whole = shots.remove(0);
+    let full = shots.remove(0);
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
-        assert!(joined(order.map(|i| &shots[i].film)) == whole.film, "{order:?}");
+        assert!(joined(order.map(|i| &shots[i].film)) == full.film, "{order:?}");
     }
     // A part twice, or one of another seed, is another image.
-    assert!(joined([0, 1, 1].map(|i| &shots[i].film)) != whole.film);
+    assert!(joined([0, 1, 1].map(|i| &shots[i].film)) != full.film);
     let other = render(&scene, &Ask { samples: Some(24..32), ..Ask::default().seed(1) });
-    assert!(joined([&shots[0].film, &shots[1].film, &other.film]) != whole.film);
+    assert!(joined([&shots[0].film, &shots[1].film, &other.film]) != full.film);
 }
 
 fn joined<const N: usize>(films: [&Film; N]) -> Film {
@@ -122,7 +122,7 @@ fn joined<const N: usize>(films: [&Film; N]) -> Film {
 /// Cut within a run, the same samples are added in other groups: a sum of up to 8 positive values has 7 roundings of at most 2^-24
 /// of itself on either side, and the picture one more each; 16 in all is 9.6e-7.
 #[test]
-fn parts_cut_within_a_run_make_the_whole_but_for_rounding() {
+fn parts_cut_within_a_run_join_to_the_full_render_but_for_rounding() {
     let (_files, scene) = everything();
     let shots = render_each(&scene, &Ask::default(), &[0..32, 0..5, 5..19, 19..32]);
     let all = joined([&shots[1].film, &shots[2].film, &shots[3].film]);

@@ -62,7 +62,7 @@ fn faces_in_several_leaves_change_no_bit() {
 
 /// A walk that looks for the ends of a medium counts faces. It would count twice what is in two leaves.
 #[test]
-fn the_boxes_of_what_bounds_a_medium_stay_whole() {
+fn the_boxes_of_what_bounds_a_medium_are_not_cut() {
     let medium = "Medium(boundary: Mesh(path: \"spikes.obj\"), density: 8, albedo: Rgb(0.9, 0.6, 0.3), anisotropy: 0),";
     let surface = "Mesh(path: \"spikes.obj\", material: \"glass\")";
     for objects in [medium.to_string(), format!("{medium} {surface}")] {

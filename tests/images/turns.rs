@@ -63,10 +63,10 @@ fn tiles_do_not_show() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         let options = options(scatter);
         for samples in [0..40, 3..21] {
-            let whole = render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn);
+            let full = render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn);
             for tile in [800, 300, 97] {
                 let tiled = render(&options, SIZE, samples.clone(), Some(tile), &mut |_, _| Next::GoOn);
-                assert!(tiled.0 == whole.0, "{scatter:?}, {samples:?}, {tile}");
+                assert!(tiled.0 == full.0, "{scatter:?}, {samples:?}, {tile}");
             }
         }
         // That films can differ at all is seen of other samples.
@@ -77,7 +77,7 @@ fn tiles_do_not_show() {
 
 /// A film that one binding of a software driver does not hold is in tiles, without being told to.
 #[test]
-fn a_film_beyond_a_binding_is_whole() {
+fn a_film_beyond_a_binding_is_complete() {
     let size = (1300, 1000);
     let options = RenderOptions::default();
     let (film, _, tile) = render(&options, size, 0..1, None, &mut |_, _| Next::GoOn);
@@ -88,7 +88,7 @@ fn a_film_beyond_a_binding_is_whole() {
 
 /// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has checked.
 #[test]
-fn pilots_and_goals_do_not_show() {
+fn pace_probes_and_goals_do_not_show() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
     for tile in [None, Some(97)] {
         let deadline = Instant::now() + Duration::from_millis(1500);
@@ -99,10 +99,10 @@ fn pilots_and_goals_do_not_show() {
         ] {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
-            let whole = render(&options, SIZE, outcome.samples.range(), None, &mut |_, _| Next::GoOn).0;
-            assert!(film.develop().samples == whole.develop().samples, "{goal:?}: {:?}", outcome.samples);
+            let full = render(&options, SIZE, outcome.samples.range(), None, &mut |_, _| Next::GoOn).0;
+            assert!(film.develop().samples == full.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
-            assert!(film == whole, "{goal:?}: {:?}", outcome.samples);
+            assert!(film == full, "{goal:?}: {:?}", outcome.samples);
         }
     }
 }
@@ -112,7 +112,7 @@ fn pilots_and_goals_do_not_show() {
 fn snapshots_do_not_show() {
     for tile in [None, Some(97)] {
         let options = options(Scatter::Fused);
-        let whole = render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0;
+        let full = render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0;
         let (mut snapshots, mut paths) = (0, 0);
         let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
             if let Some(snapshot) = snapshot {
@@ -124,7 +124,7 @@ fn snapshots_do_not_show() {
             }
             Next::Snapshot
         });
-        assert!(observed.0 == whole, "{tile:?}");
+        assert!(observed.0 == full, "{tile:?}");
         assert!(snapshots > 10 && paths > 0, "{snapshots} snapshots, {paths} paths");
     }
 }
@@ -132,7 +132,7 @@ fn snapshots_do_not_show() {
 /// A render that is stopped ends the block of samples that it has begun: the film is that of a render of the samples that it says it has.
 /// Submissions that are under way when it is stopped count too. What goes on from there gives the image of a render that was not stopped.
 #[test]
-fn a_stopped_render_has_a_whole_film() {
+fn a_stopped_render_has_a_complete_film() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         for (tile, at) in [(None, 1), (None, 9), (None, 40), (Some(300), 1), (Some(300), 30)] {
             let options = options(scatter);
@@ -161,10 +161,10 @@ fn a_stopped_render_has_a_whole_film() {
 
 /// A film that is shown as whole has the samples that the outcome says, and no part of a run beyond them.
 #[test]
-fn a_whole_film_has_whole_samples() {
+fn a_complete_film_has_equal_samples_in_all_pixels() {
     let options = options(Scatter::Fused);
-    let whole = |end: u32| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0;
-    let each: Vec<Film> = (1..=5).map(|runs| whole(RUN_LENGTH * runs)).collect();
+    let full = |end: u32| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0;
+    let each: Vec<Film> = (1..=5).map(|runs| full(RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
         let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
@@ -204,8 +204,8 @@ fn goals_go_on_with_a_film() {
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");
-            let whole = render(&options, SIZE, samples.range(), None, &mut |_, _| Next::GoOn).0;
-            assert!(film == whole, "{tile:?}, {goal:?}: {:?}", outcome.samples);
+            let full = render(&options, SIZE, samples.range(), None, &mut |_, _| Next::GoOn).0;
+            assert!(film == full, "{tile:?}, {goal:?}: {:?}", outcome.samples);
         }
     }
 }
@@ -215,7 +215,7 @@ fn goals_go_on_with_a_film() {
 fn a_resumed_render_has_the_checks_of_one_render() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
     let noise = |begun, checks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, checks };
-    let (whole, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
+    let (full, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
     let found = uninterrupted.noise.expect("the error was checked");
     assert!(found.reached && found.checks > 2 && found.checks < 8, "{found:?}");
     for stop in [8, 16, 24, 40, 64] {
@@ -230,6 +230,6 @@ fn a_resumed_render_has_the_checks_of_one_render() {
             (Some(found), uninterrupted.samples.range().end),
             "{stop}"
         );
-        assert!(film == whole, "{stop}");
+        assert!(film == full, "{stop}");
     }
 }

@@ -205,6 +205,6 @@ fn the_alpha_of_vertices_changes_nothing_else() {
     let shot = |ask: Ask| render(&scene, &ask);
     let by_chance = shot(Ask::spp(1024));
     for sampled in [shot(Ask::spp(1024).mis().seed(2)), shot(Ask::spp(1024).mis().sobol().seed(3))] {
-        same_expectation(&by_chance, &sampled, 1e-6, 1e-6).unwrap_or_else(|place| panic!("{place}"));
+        same_expectation(&by_chance, &sampled, 1e-6, 1e-6).unwrap_or_else(|difference| panic!("{difference}"));
     }
 }

@@ -94,12 +94,12 @@ fn rays_at(random: &mut Random, nodes: &Nodes, count: usize, unit_length: f64) -
             let boxes: Vec<Bounds> = nodes.boxes[node].into_iter().flatten().collect();
             let at = boxes[random.below(boxes.len())];
             let (low, high) = (at.min.as_dvec3(), at.max.as_dvec3());
-            let place = DVec3::from_array([0; 3].map(|_| match random.below(4) {
+            let point = DVec3::from_array([0; 3].map(|_| match random.below(4) {
                 0 => 0.0,
                 1 => 1.0,
                 _ => random.uniform(),
             }));
-            let mut target = low + place * (high - low);
+            let mut target = low + point * (high - low);
             if i % 8 == 0 {
                 target += 3.0 * (high - low).length() * unit(random);
             }

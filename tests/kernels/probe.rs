@@ -124,9 +124,9 @@ fn every_planted_error_is_found() {
     let found = judge(&trials, &wrong);
     assert!(found.log_error > 0.06 && found.log_relative_error == 1.0, "{found:?}");
 
-    let mut asked = trials.clone();
-    asked[0].y = asked[2].y;
-    let found = judge(&asked, &answers);
+    let mut changed = trials.clone();
+    changed[0].y = changed[2].y;
+    let found = judge(&changed, &answers);
     assert!(!found.two_sum && !found.two_sum_barrier && !found.fma_fused, "{found:?}");
     // Nothing is found where nothing came back.
     assert_eq!(judge(&trials, &[]).lacking().count(), PROPERTIES.len());
@@ -182,8 +182,8 @@ fn refusals(device: &Device, objects: &str) -> [Option<String>; 2] {
         "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40),
          background: Solid((1, 1, 1)), materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [{objects}])"
     );
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test.ron");
-    let scene = Scene::parse(&text, &place).expect("the scene is valid");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test.ron");
+    let scene = Scene::parse(&text, &path).expect("the scene is valid");
     let flat = flatten(&scene, (4, 4), &RenderOptions::default()).expect("it flattens");
     let job = Job { size: (4, 4), max_depth: 4, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
     [Scatter::Fused, Scatter::Linked].map(|scatter| {

@@ -309,14 +309,14 @@ fn multiple_scattering_is_a_factor() {
         ("pbr", rows(&pbr(0.0)), Box::new(|_| 0.3)),
     ];
     for (material, rows, straight) in cases {
-        let (single, whole) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
-        let pairs = single.run::<_, Out>(&rows).into_iter().zip(whole.run::<_, Out>(&rows));
+        let (single, full) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
+        let pairs = single.run::<_, Out>(&rows).into_iter().zip(full.run::<_, Out>(&rows));
         let mut compared = 0;
-        for (single, whole) in pairs {
-            assert!(single.event == whole.event && single.direction == whole.direction && single.pdf == whole.pdf);
+        for (single, full) in pairs {
+            assert!(single.event == full.event && single.direction == full.direction && single.pdf == full.pdf);
             for c in 0..3 {
                 let factor = 1.0 + straight(c) * f64::from(lost_over_kept);
-                for (one, other) in [(single.value[c], whole.value[c]), (single.weight[c], whole.weight[c])] {
+                for (one, other) in [(single.value[c], full.value[c]), (single.weight[c], full.weight[c])] {
                     let (one, other) = (f64::from(one), f64::from(other));
                     assert!((one * factor - other).abs() <= 16.0 * U * other, "{material}: {one}, {other}, {factor}");
                     compared += usize::from(other > 0.0);

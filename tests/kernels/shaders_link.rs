@@ -25,7 +25,7 @@ fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
 
 /// Features by the bits of the kinds that are on.
 fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
-    let asked = |on: bool| on.then(|| "a test".to_string());
+    let reason = |on: bool| on.then(|| "a test".to_string());
     let has_image = background == IMAGE
         || TEXTURES.iter().position(|name| *name == "image").is_some_and(|i| textures >> i & 1 == 1);
     Features {
@@ -37,7 +37,7 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
         narrow: on(materials & bits_of(|kind| kind.lobes.contains(&Lobe::Narrow))),
         textures: on(textures),
         backgrounds: on(1 << background),
-        thin_lens: asked(thin_lens),
+        thin_lens: reason(thin_lens),
         stack_size: 8,
         ..Features::default()
     }
@@ -111,8 +111,8 @@ fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
 /// Adds colours to the clear materials.
 fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
     let clear = bits_of(|kind| kind.is_transmissive);
-    let those = |asked: bool| -> [Option<String>; MATERIALS.len()] {
-        std::array::from_fn(|i| features.materials[i].clone().filter(|_| asked && clear >> i & 1 == 1))
+    let those = |requested: bool| -> [Option<String>; MATERIALS.len()] {
+        std::array::from_fn(|i| features.materials[i].clone().filter(|_| requested && clear >> i & 1 == 1))
     };
     Features { tinted: those(tinted), absorbing: those(absorbing), ..features }
 }
@@ -138,8 +138,8 @@ fn many_lights(features: Features) -> Features {
 
 /// Adds images on meshes that have tables of their own, and tangents in them.
 fn with_tables(features: Features, tangents: bool) -> Features {
-    let asked = |on: bool| on.then(|| "a test".to_string());
-    Features { uv_tables: asked(true), vertex_tangents: asked(tangents), ..features }
+    let reason = |on: bool| on.then(|| "a test".to_string());
+    Features { uv_tables: reason(true), vertex_tangents: reason(tangents), ..features }
 }
 
 /// Adds smooth meshes.
@@ -307,12 +307,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     }
     // Light that microfacets scatter more than once: each material alone, and all.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Multiscatter)), materials] {
-        let whole = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
-        found.extend([
-            whole.clone(),
-            lit(whole.clone(), 1, false),
-            lit(detailed(whole, ExtensionKind::Normal), 0, true),
-        ]);
+        let full = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
+        found.extend([full.clone(), lit(full.clone(), 1, false), lit(detailed(full, ExtensionKind::Normal), 0, true)]);
     }
     // Layers of their own: alone, and with all materials.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Specular)), materials] {
@@ -429,14 +425,14 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
                 let glass = (0..)
                     .zip(&features.materials)
                     .any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
-                for (module, asked) in [
+                for (module, is_requested) in [
                     ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
                     ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
                     ("step/clamp", options.clamp.is_some()),
                     ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
-                    assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+                    assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
                 }
                 // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
                 let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
@@ -731,7 +727,7 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
 }
 
 /// The error of linking or validating, which must name this place.
-fn assert_fault(modules: &[(&'static str, &'static str)], place: &str, about: &str) {
+fn assert_fault(modules: &[(&'static str, &'static str)], location: &str, about: &str) {
     let error = match linked(modules) {
         Err(error) => error,
         Ok(linked) => match linked.validate() {
@@ -740,8 +736,8 @@ fn assert_fault(modules: &[(&'static str, &'static str)], place: &str, about: &s
         },
     };
     assert!(
-        error.starts_with(place) && error.contains(about),
-        "{error:?} does not start with {place}, or lacks {about}"
+        error.starts_with(location) && error.contains(about),
+        "{error:?} does not start with {location}, or lacks {about}"
     );
 }
 

@@ -205,16 +205,16 @@ fn errors_fall_as_they_should_and_to_no_floor() {
         let expectations = Expectations::parse(&text).expect("it says what it expects");
         // A pixel by its quarters. Where it is what it is as a whole to 1e-6, the quadrature is better than that by 2^8 (its error is of the
         // eighth order): far better than all errors here.
-        let whole = expectations.of_every(SIZE, &scene.camera);
+        let full = expectations.of_every(SIZE, &scene.camera);
         let quarters = expectations.of_every((2 * SIZE.0, 2 * SIZE.1), &scene.camera);
         let width = SIZE.0 as usize;
         let pixel = |i: usize| {
             let quarter = |k: usize| quarters[(2 * (i / width) + k / 2) * 2 * width + 2 * (i % width) + k % 2];
             [0, 1, 2].map(|channel| (0..4).map(|k| quarter(k)[channel]).sum::<f64>() / 4.0)
         };
-        let expected: Vec<[f64; 3]> = (0..whole.len()).map(pixel).collect();
-        for (rgb, whole) in expected.iter().zip(&whole) {
-            assert!((0..3).all(|c| (whole[c] / rgb[c] - 1.0).abs() < 1e-6), "{name}: {whole:?} and {rgb:?}");
+        let expected: Vec<[f64; 3]> = (0..full.len()).map(pixel).collect();
+        for (rgb, full) in expected.iter().zip(&full) {
+            assert!((0..3).all(|c| (full[c] / rgb[c] - 1.0).abs() < 1e-6), "{name}: {full:?} and {rgb:?}");
         }
         for sampler in SAMPLERS {
             let what = format!("{name}, {sampler:?}");

@@ -424,7 +424,7 @@ fn the_unit_of_light_does_not_matter() {
 #[test]
 fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
     let text = |shade: &str, mirror: &str| {
         format!(
             "Scene(
@@ -446,9 +446,9 @@ fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
     };
     const SHADE: &str = "Quad(corner: (-1, 1.7, 1), u: (2, 0, 0), v: (0, 0, -2), material: \"black\"),";
     let sweep = |scene: &str| {
-        std::fs::write(place.path().join("mirror.ron"), scene).expect("it is written");
+        std::fs::write(sandbox.path().join("mirror.ron"), scene).expect("it is written");
         let options = ["tradeoff", "mirror.ron", "--budget", "8s", "--knobs", "roulette", "--json"];
-        run(place.path(), &options).exits(0).json()
+        run(sandbox.path(), &options).exits(0).json()
     };
     for mirror in ["Metal(albedo: Rgb(0.9, 0.9, 0.9))", "Conductor(albedo: Rgb(0.9, 0.9, 0.9), roughness: 0.001)"] {
         let json = sweep(&text(SHADE, mirror));
@@ -456,9 +456,10 @@ fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
         assert!(settings.iter().all(|setting| setting["reliable"] == false), "{mirror}: {json:#}");
         assert!(json["recommendations"].as_array().expect("three").iter().all(|best| best["setting"].is_null()));
         let render = ["render", "mirror.ron", "-o", "a.exr", "--spp", "256", "--force"];
-        let said = run(place.path(), &render).exits(0).stderr;
+        let said = run(sandbox.path(), &render).exits(0).stderr;
         let words = "mirrors, glass and other narrow lobes hide";
-        let page = std::fs::read_to_string(place.path().join("mirror-tradeoff/index.html")).expect("the page is there");
+        let page =
+            std::fs::read_to_string(sandbox.path().join("mirror-tradeoff/index.html")).expect("the page is there");
         assert!(said.contains(words) && page.contains(words), "{mirror}: {said}");
     }
     // The control: a matt ceiling hides nothing.
@@ -474,12 +475,12 @@ fn run(folder: &Path, arguments: &[&str]) -> Ran {
 #[test]
 fn the_program_reports_and_its_advice_is_kept() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("room.ron"), ROOM).expect("it is written");
     let sweep = ["tradeoff", "room.ron", "--budget", "15s", "--knobs", "roulette,max-depth,sampler", "--json"];
-    let json = run(place.path(), &sweep).exits(0).json();
+    let json = run(sandbox.path(), &sweep).exits(0).json();
     compare("### `tradeoff --json`", std::slice::from_ref(&json));
-    let folder = place.path().join("room-tradeoff");
+    let folder = sandbox.path().join("room-tradeoff");
     let page = std::fs::read_to_string(folder.join("index.html")).expect("the page is there");
     assert!(
         page.contains("<svg")
@@ -508,21 +509,21 @@ fn the_program_reports_and_its_advice_is_kept() {
 
     // An independent render with what is advised for 1e-2 comes to that error.
     let advice = &json["recommendations"][1];
-    let errors = kept(place.path(), "room.ron", advice);
+    let errors = kept(sandbox.path(), "room.ron", advice);
     assert!((errors[2] / 1e-2 - 1.0).abs() < 0.2, "{advice}: {errors:?}");
 
     for (knobs, why) in [("colour", "expected names from"), ("spp", "every setting is measured over its samples")] {
-        let ran = run(place.path(), &["tradeoff", "room.ron", "--knobs", knobs]).exits(2);
+        let ran = run(sandbox.path(), &["tradeoff", "room.ron", "--knobs", knobs]).exits(2);
         assert!(ran.stderr.contains(&format!("--knobs {knobs}: {why}")), "{}", ran.stderr);
     }
 }
 
 /// The relative MSE of independent renders with what a report advises for one of its targets, in order: by five seeds, against one of 4096 samples.
 /// What is advised here takes at most a hundred, so that the noise of that one adds a fortieth to the error.
-fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
+fn kept(sandbox: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let render = |more: &[&str], out: &str| {
-        run(place, &[&["render", scene, "-o", out], more].concat()).exits(0);
-        read_exr(&place.join(out)).expect("it is read").rgb
+        run(sandbox, &[&["render", scene, "-o", out], more].concat()).exits(0);
+        read_exr(&sandbox.join(out)).expect("it is read").rgb
     };
     let truth = render(&["--spp", "4096", "--seed", "77"], "truth.exr");
     let samples = advice["samples"].as_f64().unwrap_or_else(|| panic!("it is not reached: {advice:#}"));
@@ -580,9 +581,9 @@ fn denoising_is_measured_as_a_setting() {
     let mut other = Sweep::new(device::software(), &scene, (48, 48), 0);
     [defaults, denoise].into_iter().for_each(|setting| other.add(setting).expect("the defaults compile"));
     assert!(other.subjects.len() == 1 && other.unmeasured[0].why.contains("it needs Open Image Denoise"));
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
-    let ran = run(place.path(), &["tradeoff", "room.ron", "--knobs", "denoise", "--oidn", "."]).exits(1);
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("room.ron"), ROOM).expect("it is written");
+    let ran = run(sandbox.path(), &["tradeoff", "room.ron", "--knobs", "denoise", "--oidn", "."]).exits(1);
     assert!(ran.stderr.contains("neither it nor its folder lib or bin has"), "{}", ran.stderr);
 }
 
@@ -590,24 +591,24 @@ fn denoising_is_measured_as_a_setting() {
 #[test]
 fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
     // An option given twice counts once. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
     let sweep = ["tradeoff", "lamp.ron", "--budget", "30s", "--knobs", "integrator,integrator", "--json"];
-    let json = run(place.path(), &sweep).exits(0).json();
+    let json = run(sandbox.path(), &sweep).exits(0).json();
     assert_eq!(json["settings"].as_array().map(Vec::len), Some(2), "{json:#}");
     let advice = &json["recommendations"][2];
     assert_eq!(advice["setting"], "defaults", "{json:#}");
-    let errors = kept(place.path(), "lamp.ron", advice);
+    let errors = kept(sandbox.path(), "lamp.ron", advice);
     assert!((errors[2] / 1e-3 - 1.0).abs() < 0.2, "{advice}: {errors:?}");
 }
 
 /// A sweep, and the seconds that it took of so many. A machine that stands still for a while does not do so three times.
-fn sweep_within(place: &Path, seconds: f64) -> (Ran, f64) {
+fn sweep_within(sandbox: &Path, seconds: f64) -> (Ran, f64) {
     let attempt = || {
         let begin = Instant::now();
         let (budget, knobs) = (format!("{seconds:.2}s"), "sampler,roulette,clamp,max-depth");
-        let ran = run(place, &["tradeoff", "sky.ron", "--budget", &budget, "--knobs", knobs, "--quiet"]);
+        let ran = run(sandbox, &["tradeoff", "sky.ron", "--budget", &budget, "--knobs", knobs, "--quiet"]);
         (ran, begin.elapsed().as_secs_f64())
     };
     let within = |took: f64| took < MORE_THAN_BUDGET * seconds;
@@ -623,13 +624,13 @@ const BUDGET: f64 = 12.0;
 #[test]
 fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("sky.ron"), SKY).expect("it is written");
-    let (ran, took) = sweep_within(place.path(), BUDGET);
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("sky.ron"), SKY).expect("it is written");
+    let (ran, took) = sweep_within(sandbox.path(), BUDGET);
     let stdout = ran.exits(0).stdout;
     assert!(took < MORE_THAN_BUDGET * BUDGET, "{took} s of {BUDGET}");
     let short = (0.25 * took).max(2.0);
-    let (ran, took_of_short) = sweep_within(place.path(), short);
+    let (ran, took_of_short) = sweep_within(sandbox.path(), short);
     println!("{took} s of {BUDGET}, {took_of_short} s of {short}");
     assert!(ran.code() == 0 || ran.stderr.contains("give it more"), "{}", ran.stderr);
     assert!(took_of_short < MORE_THAN_BUDGET * short, "{took_of_short} s of {short}");
@@ -652,18 +653,18 @@ fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
 #[test]
 fn the_noise_of_a_reference_is_stated_and_subtracted() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("room.ron"), ROOM).expect("it is written");
     let render = |spp: &str, seed: &str, out: &str| {
         let options = ["render", "room.ron", "--size", "24x24", "-o", out, "--spp", spp, "--seed", seed, "--force"];
-        run(place.path(), &options).exits(0);
-        read_exr(&place.path().join(out)).expect("it is read").rgb
+        run(sandbox.path(), &options).exits(0);
+        read_exr(&sandbox.path().join(out)).expect("it is read").rgb
     };
     let truth = render("4096", "1000", "truth.exr");
     // As noisy as the blocks that are measured, and of a seed that is the sweep's too.
     let noisy = render("16", "3", "noisy.exr");
     let sweep = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette,sampler,max-depth", "--json"];
-    let json = run(place.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat()).exits(0).json();
+    let json = run(sandbox.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat()).exits(0).json();
     assert!(json["seed"].as_u64().is_some_and(|seed| seed > 3), "{}", json["seed"]);
     // Stated: of 1728 values with one degree of freedom, and with rare bright ones among them.
     assert_eq!((&json["width"], &json["height"]), (&Value::from(24), &Value::from(24)));
@@ -691,14 +692,14 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     }
     // One whose sides share no divisor is measured in its middle, by images that are as small as others, and shows the same.
     let options = ["--size", "211x199", "--spp", "16", "--seed", "500", "--quiet", "-o", "odd.exr"];
-    run(place.path(), &[&["render", "room.ron"], &options[..]].concat()).exits(0);
+    run(sandbox.path(), &[&["render", "room.ron"], &options[..]].concat()).exits(0);
     let odd = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette", "--json", "--reference", "odd.exr"];
-    let json = run(place.path(), &odd).exits(0).json();
+    let json = run(sandbox.path(), &odd).exits(0).json();
     assert_eq!((&json["whole_width"], &json["whole_height"]), (&Value::from(195), &Value::from(195)));
     assert!(json["width"].as_u64().is_some_and(|width| width <= 65), "{}", json["width"]);
     assert_eq!(json["defaults_against_reference"]["differs"], false, "{json:#}");
     // Few samples are one replicate, and tell nothing.
     render("8", "3", "noisy.exr");
-    let ran = run(place.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat()).exits(0);
+    let ran = run(sandbox.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat()).exits(0);
     assert!(ran.stderr.contains("noisy.exr; it has no variance"), "{}", ran.stderr);
 }

@@ -192,7 +192,7 @@ mod tests {
 
     /// Films of several drivers, at the start or by and by, are refused unless they are asked for.
     #[test]
-    fn devices_of_several_drivers_are_mixed_only_when_asked() {
+    fn devices_of_several_drivers_are_mixed_only_on_request() {
         let device = |driver: &str| AdapterName {
             name: "GPU".to_string(),
             driver: driver.to_string(),
