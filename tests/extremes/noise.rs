@@ -187,7 +187,7 @@ fn far_objects() -> Vec<Cell> {
              the position.",
         )
         .achieved(worst(false));
-        all.push(if far >= 1e6 { cell.planted("place in f32, not reduced by the host", worst(true)) } else { cell });
+        all.push(if far >= 1e6 { cell.planted("position in f32, not reduced by the host", worst(true)) } else { cell });
     }
     all
 }

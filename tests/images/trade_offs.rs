@@ -1,4 +1,4 @@
-//! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
+//! The table of trade-offs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
 //! its class says. All of it by the program, since a value is a text that the option takes.
 
 use crate::common::{device, program, render};
@@ -56,7 +56,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
 /// ([`denoise`](../program/denoise.rs)), or do not end ([`watch`](../program/watch.rs) compares their images).
 const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "denoise", "oidn"];
 
-/// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
+/// Options that say which samples there are, and when they are enough. How many there are is the option `spp`.
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];
 
 /// Options that say what a glTF file does not: they are parts of the scene, as the program's tests of [`gltf`](../program/gltf.rs) have it.
@@ -64,10 +64,10 @@ const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "thin", "watts"];
 
 // The table and the command line
 
-/// Options of a command that are neither knobs nor known to leave the image as it is.
+/// Options of a command that are neither in the table nor known to leave the image as it is.
 fn unknown(command: &clap::Command) -> Vec<String> {
     let known = |name: &str| {
-        TRADE_OFFS.iter().any(|knob| knob.name == name)
+        TRADE_OFFS.iter().any(|spec| spec.name == name)
             || SAME_IMAGE.iter().any(|(known, _)| *known == name)
             || WHICH_SAMPLES.contains(&name)
             || WHICH_SCENE.contains(&name)
@@ -82,7 +82,7 @@ fn render_command() -> clap::Command {
 }
 
 #[test]
-fn every_option_of_render_that_changes_the_image_is_a_knob() {
+fn every_option_of_render_that_changes_the_image_is_declared() {
     let command = render_command();
     assert_eq!(unknown(&command), Vec::<String>::new());
     // The lists name what is there.
@@ -100,32 +100,32 @@ fn every_option_of_render_that_changes_the_image_is_a_knob() {
 #[test]
 fn the_command_line_says_what_the_table_says() {
     let command = render_command();
-    for knob in TRADE_OFFS {
-        let argument = command.get_arguments().find(|argument| argument.get_long() == Some(knob.name));
-        let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", knob.name));
-        assert_eq!(argument.get_help().map(ToString::to_string), Some(knob.help()), "--{}", knob.name);
-        assert_eq!(argument.get_help_heading(), Some(knob.class.heading()), "--{}", knob.name);
+    for spec in TRADE_OFFS {
+        let argument = command.get_arguments().find(|argument| argument.get_long() == Some(spec.name));
+        let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", spec.name));
+        assert_eq!(argument.get_help().map(ToString::to_string), Some(spec.help()), "--{}", spec.name);
+        assert_eq!(argument.get_help_heading(), Some(spec.class.heading()), "--{}", spec.name);
         let defaults = argument.get_default_values();
-        assert_eq!(defaults.first().and_then(|value| value.to_str()), knob.default, "--{}", knob.name);
+        assert_eq!(defaults.first().and_then(|value| value.to_str()), spec.default, "--{}", spec.name);
         // Sentences, and what biases says so.
-        for sentence in [knob.about, knob.trade_off] {
-            assert!(sentence.ends_with('.') && sentence.len() > 10, "--{}: {sentence}", knob.name);
+        for sentence in [spec.about, spec.trade_off] {
+            assert!(sentence.ends_with('.') && sentence.len() > 10, "--{}: {sentence}", spec.name);
         }
-        assert_eq!(knob.help().contains("biases the result"), knob.class == Class::Bias, "--{}", knob.name);
-        assert!(knob.default.is_none_or(|default| knob.values.contains(&default)), "--{}", knob.name);
-        for value in knob.values {
+        assert_eq!(spec.help().contains("biases the result"), spec.class == Class::Bias, "--{}", spec.name);
+        assert!(spec.default.is_none_or(|default| spec.values.contains(&default)), "--{}", spec.name);
+        for value in spec.values {
             let parsed =
-                Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), value]);
-            assert!(parsed.is_ok(), "{}", knob.option(value));
+                Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", spec.name), value]);
+            assert!(parsed.is_ok(), "{}", spec.option(value));
         }
         let nonsense =
-            Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), "what?"]);
-        assert!(nonsense.is_err(), "--{} takes anything", knob.name);
+            Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", spec.name), "what?"]);
+        assert!(nonsense.is_err(), "--{} takes anything", spec.name);
     }
-    let mut names: Vec<&str> = TRADE_OFFS.iter().map(|knob| knob.name).collect();
+    let mut names: Vec<&str> = TRADE_OFFS.iter().map(|spec| spec.name).collect();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), TRADE_OFFS.len(), "a knob is declared twice");
+    assert_eq!(names.len(), TRADE_OFFS.len(), "an option is declared twice");
 }
 
 /// What is asked for is linked where the scene has what it is about, and nowhere else.
@@ -268,9 +268,9 @@ fn same_expectation(a: &[Mean], b: &[Mean], rounding: f64) -> Result<(), String>
 
 /// Tests whose renders differ by a setting alone.
 fn values(class: Class) -> impl Iterator<Item = (&'static OptionSpec, &'static str)> {
-    let of_class = TRADE_OFFS.iter().filter(move |knob| knob.class == class);
+    let of_class = TRADE_OFFS.iter().filter(move |spec| spec.class == class);
     of_class
-        .flat_map(|knob| knob.values.iter().filter(|value| Some(**value) != knob.default).map(|value| (*knob, *value)))
+        .flat_map(|spec| spec.values.iter().filter(|value| Some(**value) != spec.default).map(|value| (*spec, *value)))
 }
 
 /// The scene with everything in it, its lamp dimmed, for little noise (tests/extremes/places.rs).
@@ -281,15 +281,15 @@ fn dim_everything() -> (Everything, PathBuf) {
 }
 
 #[test]
-fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
+fn exact_values_and_undeclared_options_change_no_byte() {
     let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let usual = bits(&sandbox.render(&scene, &[]).image);
-    for (knob, value) in values(Class::Exact) {
+    for (spec, value) in values(Class::Exact) {
         assert!(
-            bits(&sandbox.render(&scene, &[&format!("--{}", knob.name), value]).image) == usual,
+            bits(&sandbox.render(&scene, &[&format!("--{}", spec.name), value]).image) == usual,
             "{}",
-            knob.option(value)
+            spec.option(value)
         );
     }
     for (name, value) in SAME_IMAGE.iter().filter(|(name, _)| !ELSEWHERE.contains(name)) {
@@ -319,9 +319,9 @@ fn values_of_noise_change_no_expectation() {
         sandbox.render(&scene, &options).image
     };
     let usual = means(&with(&["--spp", "512"], "1"), 4, 1.0);
-    for (knob, value) in values(Class::Noise).chain(values(Class::Detail)) {
-        let option = format!("--{}", knob.name);
-        let image = match knob.name {
+    for (spec, value) in values(Class::Noise).chain(values(Class::Detail)) {
+        let option = format!("--{}", spec.name);
+        let image = match spec.name {
             // In percent of a scene of this size, with as many samples in all.
             "size" => {
                 let share = f64::from(value.trim_end_matches('%').parse::<u32>().expect("percent")) / 100.0;
@@ -350,16 +350,16 @@ fn values_of_noise_change_no_expectation() {
         let usual = &usual[..found.len()];
         println!(
             "{}: the mean is known to {:.5}, the usual one's to {:.5}",
-            knob.option(value),
+            spec.option(value),
             found[0].variance.sqrt() / found[0].value,
             usual[0].variance.sqrt() / usual[0].value
         );
-        same_expectation(usual, &found, 1e-5).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        same_expectation(usual, &found, 1e-5).unwrap_or_else(|error| panic!("{}: {error}", spec.option(value)));
         if samples >= 256 {
             let planted: Vec<Mean> =
                 found.iter().map(|mean| Mean { value: (1.0 + FOUND) * mean.value, ..*mean }).collect();
             let found = same_expectation(usual, &planted, 1e-5).is_err();
-            assert!(found, "{}: 1.5 % more light is not found", knob.option(value));
+            assert!(found, "{}: 1.5 % more light is not found", spec.option(value));
         }
     }
 }
@@ -409,10 +409,10 @@ fn each_value_that_biases_takes_light_away_where_it_should() {
             means(&sandbox.render(&scene, &options).image, 4, 31.0)
         };
         let usual = shot(&[], "1");
-        for (knob, value) in values(Class::Bias).filter(|(knob, _)| knob.name == name) {
+        for (spec, value) in values(Class::Bias).filter(|(spec, _)| spec.name == name) {
             let found = shot(&[&format!("--{name}"), value], "2");
             let darker = same_expectation(&usual, &found, 1e-5).is_err() && found[0].value < usual[0].value;
-            assert!(darker, "{}: {:?}, {:?}", knob.option(value), found[0], usual[0]);
+            assert!(darker, "{}: {:?}, {:?}", spec.option(value), found[0], usual[0]);
         }
         // Another seed alone biases nothing, nor does a limit that no path reaches.
         for options in [[].as_slice(), &harmless] {
@@ -420,7 +420,7 @@ fn each_value_that_biases_takes_light_away_where_it_should() {
         }
     }
     // The others have tests of their own: Fresnel's below.
-    let names: std::collections::BTreeSet<&str> = values(Class::Bias).map(|(knob, _)| knob.name).collect();
+    let names: std::collections::BTreeSet<&str> = values(Class::Bias).map(|(spec, _)| spec.name).collect();
     assert_eq!(names.into_iter().collect::<Vec<_>>(), ["clamp", "fresnel", "max-depth"]);
 }
 
@@ -545,13 +545,13 @@ fn less_precision_is_right_in_an_ordinary_scene() {
         sandbox.render(&scene, &options).image
     };
     let usual = shot(&[]);
-    for (knob, value) in values(Class::Numerics) {
-        let other = shot(&[&format!("--{}", knob.name), value]);
-        assert!(bits(&other) != bits(&usual), "{} changes nothing", knob.option(value));
+    for (spec, value) in values(Class::Numerics) {
+        let other = shot(&[&format!("--{}", spec.name), value]);
+        assert!(bits(&other) != bits(&usual), "{} changes nothing", spec.option(value));
         let paired = |other: &[[f32; 3]]| same_expectation_paired(&usual.rgb, other, ALPHA);
-        paired(&other.rgb).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        paired(&other.rgb).unwrap_or_else(|error| panic!("{}: {error}", spec.option(value)));
         let brighter: Vec<_> = other.rgb.iter().map(|rgb| rgb.map(|v| 1.001 * v)).collect();
-        assert!(paired(&brighter).is_err(), "{}: a thousandth more light is not found", knob.option(value));
+        assert!(paired(&brighter).is_err(), "{}: a thousandth more light is not found", spec.option(value));
     }
 }
 
@@ -613,18 +613,18 @@ fn approximations_give_the_same_bytes_however_they_are_linked() {
 fn a_render_with_a_setting_that_biases_says_so() {
     let sandbox = Sandbox::new();
     let scene = sandbox.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
-    let all = TRADE_OFFS.iter().flat_map(|knob| knob.values.iter().map(move |value| (*knob, *value)));
-    for (knob, value) in all {
-        let option = knob.option(value);
-        let options: Vec<&str> = match knob.name {
+    let all = TRADE_OFFS.iter().flat_map(|spec| spec.values.iter().map(move |value| (*spec, *value)));
+    for (spec, value) in all {
+        let option = spec.option(value);
+        let options: Vec<&str> = match spec.name {
             "spp" => vec!["--spp", value],
             _ => option.split(' ').chain(["--spp", "9"]).collect(),
         };
         let ran = sandbox.render(&scene, &options);
-        let default = Some(value) == knob.default;
+        let default = Some(value) == spec.default;
         // As deep as the scene asks, or deeper, takes nothing away.
-        let cuts = knob.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
-        let warns = matches!(knob.class, Class::Bias | Class::Numerics) && !default && cuts;
+        let cuts = spec.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
+        let warns = matches!(spec.class, Class::Bias | Class::Numerics) && !default && cuts;
         let attribute =
             ran.image.attributes.iter().find(|(name, _)| name == "gpu-rt:biases").map(|(_, text)| text.as_str());
         assert_eq!(
@@ -633,9 +633,9 @@ fn a_render_with_a_setting_that_biases_says_so() {
             "{option}"
         );
         assert_eq!(attribute, warns.then_some(option.as_str()), "{option}");
-        assert_eq!(ran.stderr.contains(&knob.warning(value)), warns, "{option}: {}", ran.stderr);
+        assert_eq!(ran.stderr.contains(&spec.warning(value)), warns, "{option}: {}", ran.stderr);
         let excludes = ran.json["relative_error_excludes"].as_str().unwrap_or_default();
-        assert_eq!(excludes.contains(&option), warns && knob.name != "size", "{option}: {excludes}");
+        assert_eq!(excludes.contains(&option), warns && spec.name != "size", "{option}: {excludes}");
     }
     // Several at once, and none with --quiet.
     let ran = sandbox.render(&scene, &["--clamp", "2.5", "--precision", "fast", "--max-depth", "3", "--quiet"]);
