@@ -64,9 +64,9 @@ pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// A value for each of them.
 pub type Rgb<T> = [T; CHANNELS.len()];
 
-/// How the samples of a pixel are spread.
+/// The variance of the samples of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleSpread {
+pub struct SampleVariance {
     /// The variance of a sample, radiance squared; infinite if it is not known.
     pub variance: Rgb<f32>,
     /// The degrees of freedom of this estimate.

@@ -50,7 +50,7 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let model = lambertian::model(albedo).glowing(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
+                let model = lambertian::model(albedo).emissive(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
                 model.coloured_by_vertices(*vertex_colors).bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
@@ -85,7 +85,7 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let model = pbr::model(base_color, metallic, roughness, *ior).glowing(emission);
+                let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
                 let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
                 let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
                 model.layered(*specular, specular_color)

@@ -110,9 +110,9 @@ fn close_signs(px: vec3<f32>, py: vec3<f32>, qx: vec3<f32>, qy: vec3<f32>) -> ve
     return select(moved_y, difference, difference != vec3<f32>(0.0));
 }
 
-// The components in cyclic order, starting with x, y or z for a turn of 0, 1 or 2.
-fn turned(v: vec3<f32>, turn: u32) -> vec3<f32> {
-    return select(select(v, v.yzx, turn == 1u), v.zxy, turn == 2u);
+// The components in cyclic order, starting with x, y or z for a shift of 0, 1 or 2.
+fn cyclic(v: vec3<f32>, shift: u32) -> vec3<f32> {
+    return select(select(v, v.yzx, shift == 1u), v.zxy, shift == 2u);
 }
 
 fn index_of_least(v: vec3<f32>) -> u32 {
@@ -135,15 +135,15 @@ fn areas_of(x: vec3<f32>, y: vec3<f32>) -> Areas {
     return Areas(areas, abs(areas) > 4.0 * UNIT_ROUNDOFF * (abs(first) + abs(second)));
 }
 
-// Whether the signs that are certain tell that the ray misses a triangle with these sheared corners.
-fn passes_beside(x: vec3<f32>, y: vec3<f32>) -> bool {
+// Whether the signs that are certain show that the ray misses a triangle with these sheared corners.
+fn misses(x: vec3<f32>, y: vec3<f32>) -> bool {
     let found = areas_of(x, y);
     return any(found.certain & found.areas > vec3<f32>(0.0)) && any(found.certain & found.areas < vec3<f32>(0.0));
 }
 
 fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> TriangleHit {
     let seen = see_corners(shear, a, b, c, c);
-    if passes_beside(seen.x.xyz, seen.y.xyz) {
+    if misses(seen.x.xyz, seen.y.xyz) {
         return TriangleHit(NO_HIT, false, vec3<f32>(0.0));
     }
     return seen_hit(shear.slope.z, seen.x.xyz, seen.y.xyz, seen.z.xyz);
@@ -167,11 +167,11 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
     let edge_x = x.zxy - x.yzx;
     let edge_y = y.zxy - y.yzx;
     let edge_z = z.zxy - z.yzx;
-    let turn = index_of_least(edge_x * edge_x + edge_y * edge_y + edge_z * edge_z);
-    let px = turned(x, turn);
-    let py = turned(y, turn);
-    let pz = turned(z, turn);
-    let ends = turned(max(areas * signs, vec3<f32>(0.0)), turn);
+    let shift = index_of_least(edge_x * edge_x + edge_y * edge_y + edge_z * edge_z);
+    let px = cyclic(x, shift);
+    let py = cyclic(y, shift);
+    let pz = cyclic(z, shift);
+    let ends = cyclic(max(areas * signs, vec3<f32>(0.0)), shift);
     let edge = vec2<f32>(px.z - px.y, py.z - py.y);
     let total = edge.x * (py.x - py.y) - edge.y * (px.x - px.y);
     let part = px.y * edge.y - py.y * edge.x;
@@ -185,7 +185,7 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
         return miss;
     }
     let front = (signs.x > 0.0) != (over_z > 0.0);
-    return TriangleHit(t, front, turned(weights, (3u - turn) % 3u));
+    return TriangleHit(t, front, cyclic(weights, (3u - shift) % 3u));
 }
 
 // Bound of the error of a point that is computed from the weights of a hit. It is large enough that a ray which leaves from

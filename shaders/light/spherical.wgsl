@@ -28,8 +28,8 @@ fn corner_at(offset: vec3<f32>) -> Corner {
 // plane of the triangle, and where the square of the density would come near the end of f32's range.
 fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
     let shape = volume / p.distance / a.distance / c.distance;
-    let beside = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
-    let area = 2.0 * angle_of(shape, beside);
+    let denominator = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
+    let area = 2.0 * angle_of(shape, denominator);
     return select(0.0, area, shape > 0x1p-59f);
 }
 

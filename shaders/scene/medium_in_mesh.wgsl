@@ -52,11 +52,11 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
             let pair = see_pair(primitive_index(code), ray, inverse, tested);
             if pair.left != 0u {
                 let face = primitive_index(code_of_face(pair));
-                let met = hit_of_pair(pair);
-                if met.t > last.t || (met.t == last.t && face > last.face) {
-                    next.winding += select(1, -1, met.front);
-                    if met.t < next.t || (met.t == next.t && face < next.face) {
-                        next.t = met.t;
+                let hit = hit_of_pair(pair);
+                if hit.t > last.t || (hit.t == last.t && face > last.face) {
+                    next.winding += select(1, -1, hit.front);
+                    if hit.t < next.t || (hit.t == next.t && face < next.face) {
+                        next.t = hit.t;
                         next.face = face;
                     }
                 }

@@ -63,7 +63,7 @@ fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     let point = blend(hit.barycentric, corners);
     var surface: Surface;
     surface.point = from_mesh(instance, point);
-    surface.normal = from_mesh_turned(instance, face_normal(corners));
+    surface.normal = rotated_from_mesh(instance, face_normal(corners));
     surface.error = instance_error(instance, point, triangle_error(corners.a, corners.b, corners.c));
     surface.material = instance.material;
     surface.frame = instance.frame;

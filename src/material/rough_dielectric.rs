@@ -22,7 +22,7 @@ pub fn lobes(ior: f64, roughness: f64) -> Vec<Lobe> {
     if alpha * dielectric::model(ior).on_device.contrast_outside.abs().min(1.0) < LEAST_ROUGHNESS.powi(2) {
         return vec![Lobe::Specular];
     }
-    [2.0, 1.0 - 1.0 / ior, 1.0 - ior].map(|turn| Lobe::of_width(alpha * turn.abs() as f32)).to_vec()
+    [2.0, 1.0 - 1.0 / ior, 1.0 - ior].map(|factor| Lobe::of_width(alpha * factor.abs() as f32)).to_vec()
 }
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {

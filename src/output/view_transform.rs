@@ -170,8 +170,8 @@ mod tests {
                 last = value;
             }
             assert!(last > 254.999, "{tonemap:?}: {last}");
-            let beside = |peak: f64| codes(*tonemap, [peak, 0.5, 0.1]);
-            let jumps = beside(0.8 - 1e-9).into_iter().zip(beside(0.8 + 1e-9)).map(|(a, b)| (a - b).abs());
+            let codes_at = |peak: f64| codes(*tonemap, [peak, 0.5, 0.1]);
+            let jumps = codes_at(0.8 - 1e-9).into_iter().zip(codes_at(0.8 + 1e-9)).map(|(a, b)| (a - b).abs());
             assert!(jumps.fold(0.0, f64::max) < 1e-5, "{tonemap:?}");
         }
     }
@@ -181,12 +181,12 @@ mod tests {
     fn bright_colours_fade_to_white() {
         for tonemap in [Tonemap::Soft, Tonemap::Neutral] {
             let orange = |brightness: f64| codes(tonemap, [brightness, brightness * 0.4, brightness * 0.1]);
-            let spread = |[r, g, b]: Rgb<f64>| {
+            let difference = |[r, g, b]: Rgb<f64>| {
                 assert!(r >= g && g >= b, "{tonemap:?}: {r} {g} {b}");
                 r - b
             };
-            let spreads = [1.0, 4.0, 16.0, 64.0, 1e6].map(|brightness| spread(orange(brightness)));
-            assert!(spreads.is_sorted_by(|a, b| a > b) && spreads[4] < 0.1, "{tonemap:?}: {spreads:?}");
+            let differences = [1.0, 4.0, 16.0, 64.0, 1e6].map(|brightness| difference(orange(brightness)));
+            assert!(differences.is_sorted_by(|a, b| a > b) && differences[4] < 0.1, "{tonemap:?}: {differences:?}");
         }
         let far = codes(Tonemap::Filmic, [1e6, 0.0, 0.0]);
         assert!(far.iter().all(|v| *v > 240.0), "{far:?}");

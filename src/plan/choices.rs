@@ -342,7 +342,7 @@ pub(super) fn decide(
         ("delta_lights", either(&delta_light, "scene/delta_lights", "null/delta_lights")),
         ("sky_light", either(&emitting_sky, "scene/sky_light", "null/sky_light")),
         ("light_surfaces", either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces")),
-        ("surface_radiance", either(&emission, "scene/emitted_beside", "scene/emitted")),
+        ("surface_radiance", either(&emission, "scene/emitted_by_extension", "scene/emitted")),
         ("light_coverage", either(&light_coverage, "scene/light_coverage", "null/light_coverage")),
         ("clamp", approximate(&options::CLAMP, is_clamped)),
         ("fresnel", approximate(&options::FRESNEL, has_glass)),

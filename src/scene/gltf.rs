@@ -271,8 +271,8 @@ fn read_uri(uri: &str, path: &Path, what: &str, room: u64) -> std::result::Resul
         let (_, text) = data.split_once(";base64,").ok_or("expected ;base64, in its data")?;
         return BASE64.decode(text).map_err(|error| format!("expected base64: {error}"));
     }
-    let beside = path.parent().unwrap_or(Path::new("")).join(path_of_uri(uri)?);
-    file::read(&beside, what, room).map_err(|reason| format!("{}: {reason}", beside.display()))
+    let file = path.parent().unwrap_or(Path::new("")).join(path_of_uri(uri)?);
+    file::read(&file, what, room).map_err(|reason| format!("{}: {reason}", file.display()))
 }
 
 /// The path of the file that a uri names, relative to the glTF file.

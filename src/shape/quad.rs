@@ -104,8 +104,8 @@ impl Geometry for Quad {
 /// difference, its product with a rounded normal, and two sums (5 of both). One more of the corner and of both for the
 /// rounding of their sum. The length of a floor does not count, because its normal has no component along it.
 fn error_across(corner: Vec3, u: Vec3, v: Vec3, normal: DVec3) -> f32 {
-    let reach = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
-    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(reach)
+    let sum = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
+    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(sum)
 }
 
 /// The unit normal u × v, and two vectors whose dot products with a point's offset from the corner are the point's

@@ -30,9 +30,9 @@ impl Sphere {
     /// As a light with this code.
     pub fn emitter(&self, at: &ObjectTransform, code: u32) -> Emitter {
         let (middle, radius) = (at.point(self.center), self.radius * at.scale());
-        let reach = DVec3::splat(radius);
+        let extent = DVec3::splat(radius);
         let area = 4.0 * PI * radius.powi(2);
-        let around = Aabb::around([middle - reach, middle + reach]);
+        let around = Aabb::around([middle - extent, middle + extent]);
         Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }
     }
 }

@@ -4,10 +4,10 @@
 
 use crate::common::stats;
 use crate::common::stats::Random;
-use gpu_rt::data::SampleSpread;
+use gpu_rt::data::SampleVariance;
 use gpu_rt::metrics::difference::{Difference, ErrorSource, difference};
 use gpu_rt::metrics::estimate::{CONFIDENCE, LEVEL};
-use gpu_rt::metrics::images::{Images, Spreads};
+use gpu_rt::metrics::images::{Images, SampleVariances};
 use gpu_rt::metrics::pixels::Pixels;
 use gpu_rt::metrics::verdict::verdict;
 
@@ -84,7 +84,8 @@ fn poisson(random: &mut Random, mean: f64) -> f64 {
 
 fn compare((width, height): (usize, usize), a: &Noisy, b: &Noisy, layers: bool) -> Difference {
     let variances = layers.then_some([a.variance.as_slice(), b.variance.as_slice()]);
-    difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads: None }).expect("all is finite")
+    difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, sample_variances: None })
+        .expect("all is finite")
 }
 
 impl Noisy {
@@ -280,8 +281,8 @@ fn noise_that_neighbours_share_is_called_noise() {
             (0..width * height).map(blurred).collect::<Vec<_>>()
         };
         let (a, b) = (image(), image());
-        let found =
-            difference(&Images { width, height, a: &a, b: &b, variances: None, spreads: None }).expect("all is finite");
+        let found = difference(&Images { width, height, a: &a, b: &b, variances: None, sample_variances: None })
+            .expect("all is finite");
         alarms += usize::from(found.p < LEVEL);
     }
     println!("{alarms} alarms of 100");
@@ -307,13 +308,16 @@ fn any_images_have_a_verdict() {
         }
     }
     let (nan, one) = ([[f32::NAN; 3]; 4], [[1.0; 3]; 4]);
-    assert!(difference(&Images { width: 2, height: 2, a: &nan, b: &one, variances: None, spreads: None }).is_none());
+    assert!(
+        difference(&Images { width: 2, height: 2, a: &nan, b: &one, variances: None, sample_variances: None })
+            .is_none()
+    );
     // Without noise, what differs differs, but for rounding.
     let constant = |value: f32| vec![[value; 3]; 64];
     let of = |a: f32| {
         let (a, b) = (constant(a), constant(0.5));
         verdict(
-            &difference(&Images { width: 8, height: 8, a: &a, b: &b, variances: None, spreads: None })
+            &difference(&Images { width: 8, height: 8, a: &a, b: &b, variances: None, sample_variances: None })
                 .expect("all is finite"),
         )
     };
@@ -364,12 +368,13 @@ impl Samples {
 /// An image of so many samples a pixel, with all that a film knows of them.
 struct Sampled {
     noisy: Noisy,
-    spreads: Vec<SampleSpread>,
+    sample_variances: Vec<SampleVariance>,
 }
 
 impl Sampled {
     fn new(random: &mut Random, (width, height): (usize, usize), kind: Samples, count: u32) -> Sampled {
-        let mut image = Sampled { noisy: Noisy { rgb: Vec::new(), variance: Vec::new() }, spreads: Vec::new() };
+        let mut image =
+            Sampled { noisy: Noisy { rgb: Vec::new(), variance: Vec::new() }, sample_variances: Vec::new() };
         for pixel in 0..width * height {
             let brightness = 0.2 + (pixel % width) as f64 / width as f64;
             let samples: Vec<f64> = (0..count).map(|_| brightness * kind.draw(random)).collect();
@@ -383,7 +388,7 @@ impl Sampled {
             image.noisy.rgb.push(colour.map(|c| (c * centre) as f32));
             image.noisy.variance.push(colour.map(|c: f64| (c * c * apart * apart) as f32));
             let variance = colour.map(|c: f64| (c * c * squares / f64::from(degrees)) as f32);
-            image.spreads.push(SampleSpread { variance, degrees, samples: count });
+            image.sample_variances.push(SampleVariance { variance, degrees, samples: count });
         }
         image
     }
@@ -391,8 +396,9 @@ impl Sampled {
     fn against(&self, other: &Sampled, (width, height): (usize, usize), alike: bool) -> Difference {
         let (a, b) = (&self.noisy, &other.noisy);
         let variances = Some([a.variance.as_slice(), b.variance.as_slice()]);
-        let spreads = Some(Spreads { images: [&self.spreads, &other.spreads], alike });
-        difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads }).expect("all is finite")
+        let sample_variances =
+            Some(SampleVariances { images: [&self.sample_variances, &other.sample_variances], alike });
+        difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, sample_variances }).expect("all is finite")
     }
 
     /// Whether a pixel differs by the variance of its two halves, with one degree of freedom: the rule that such a variance suggests.

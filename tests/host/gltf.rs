@@ -138,10 +138,10 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     };
     assert_eq!(glass(0.0), written("ThinDielectric(ior: 1.4)"));
     assert_eq!(glass(0.5), written("ThinDielectric(ior: 1.4, roughness: 0.5)"));
-    let glow = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
+    let emissive = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}));
     let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), roughness: 0, emission: Image(path: \"room.glb#images/0\", tint: (2, 0, 4)))";
-    assert_eq!(glow, written(expected));
+    assert_eq!(emissive, written(expected));
     // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
     let textured =
         steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
@@ -656,7 +656,7 @@ fn lit_by(material: Value) -> Value {
 #[test]
 fn a_sky_is_added_only_where_nothing_emits() {
     let base = |colour: Value| json!({"baseColorFactor": colour, "metallicFactor": 0});
-    let glow = json!([1, 0.5, 0]);
+    let emissive = json!([1, 0.5, 0]);
     let strength = |strength: f64| json!({"KHR_materials_emissive_strength": {"emissiveStrength": strength}});
     let [grey, black] = [json!([0.5, 0.5, 0.5, 1]), json!([0, 0, 0, 1])].map(base);
     let invisible = base(json!([0.5, 0.5, 0.5, 0]));
@@ -670,24 +670,24 @@ fn a_sky_is_added_only_where_nothing_emits() {
         }
     };
     for (material, does) in [
-        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": grey}), true),
-        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": black}), true),
-        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), true),
-        (json!({"emissiveFactor": glow}), true),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": grey}), true),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black}), true),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), true),
+        (json!({"emissiveFactor": emissive}), true),
         (json!({"emissiveFactor": [0.001, 0, 0], "extensions": strength(1e-3)}), true),
-        (json!({"emissiveFactor": glow, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), true),
+        (json!({"emissiveFactor": emissive, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), true),
         (
-            json!({"emissiveFactor": glow, "alphaMode": "MASK", "alphaCutoff": 0, "pbrMetallicRoughness": invisible}),
+            json!({"emissiveFactor": emissive, "alphaMode": "MASK", "alphaCutoff": 0, "pbrMetallicRoughness": invisible}),
             true,
         ),
         // None of it is left.
         (json!({"emissiveFactor": [0, 0, 0], "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveFactor": glow, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": emissive, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), false),
         (json!({"emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveFactor": glow, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), false),
-        (json!({"emissiveFactor": glow, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), false),
+        (json!({"emissiveFactor": emissive, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), false),
+        (json!({"emissiveFactor": emissive, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), false),
         // Glass does not emit, and it is said.
-        (json!({"emissiveFactor": glow, "extensions": solid, "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": emissive, "extensions": solid, "pbrMetallicRoughness": grey}), false),
     ] {
         emits(&lit_by(material), !does);
     }
@@ -696,7 +696,7 @@ fn a_sky_is_added_only_where_nothing_emits() {
     let black = image::RgbImage::new(2, 2);
     black.write_to(&mut std::io::Cursor::new(&mut pixels), image::ImageFormat::Png).unwrap();
     let mut json =
-        lit_by(json!({"emissiveFactor": glow, "emissiveTexture": {"index": 1}, "pbrMetallicRoughness": grey}));
+        lit_by(json!({"emissiveFactor": emissive, "emissiveTexture": {"index": 1}, "pbrMetallicRoughness": grey}));
     let encoded = base64::engine::general_purpose::STANDARD.encode(&pixels);
     json["images"] = json!([{"bufferView": 5}, {"uri": format!("data:image/png;base64,{encoded}")}]);
     json["textures"] = json!([{"source": 0}, {"source": 1}]);

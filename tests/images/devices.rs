@@ -17,23 +17,31 @@ use crate::common::device::software;
 
 const SIZE: (u32, u32) = (29, 21);
 
-/// Renders by so many lanes of the device, with other sizes on each, onto a film.
-fn render(lanes: u32, first_sample: u32, goal: Goal, tile: Option<u32>, film: &mut Film, watch: Watch<'_>) -> Outcome {
+/// Renders onto a film with so many renderers, as on as many devices, each with other sizes.
+fn render(
+    devices: u32,
+    first_sample: u32,
+    goal: Goal,
+    tile: Option<u32>,
+    film: &mut Film,
+    watch: Watch<'_>,
+) -> Outcome {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
     let scene = Scene::load(&file).expect("it ships");
-    let options = |lane: u32| RenderOptions { slots: Some(64 << lane), bounces: Some(3), ..RenderOptions::default() };
+    let options =
+        |device: u32| RenderOptions { slots: Some(64 << device), bounces: Some(3), ..RenderOptions::default() };
     let flat = flatten(&scene, SIZE, &options(0)).expect("the scene flattens");
     if film.totals().paths == 0 {
         let empty = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, options(0).sampler);
         *film = empty.expect("the film fits");
     }
     let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample, goal };
-    let plan = |lane: u32| {
-        let mut plan = Plan::new(&flat, &options(lane), software().class(), &job).expect("the kernels link");
+    let plan = |device: u32| {
+        let mut plan = Plan::new(&flat, &options(device), software().class(), &job).expect("the kernels link");
         plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
         plan
     };
-    let plans: Vec<_> = (0..lanes).map(plan).collect();
+    let plans: Vec<_> = (0..devices).map(plan).collect();
     let pairs: Vec<_> = plans.iter().map(|plan| (software(), plan)).collect();
     let mut renderer = Renderer::of_devices(&pairs, &job, false).expect("the kernels compile and the buffers fit");
     renderer.run(&job, film, watch).expect("the devices render")
@@ -52,14 +60,14 @@ fn by_one(end: u32) -> Film {
 #[test]
 fn devices_share_a_film() {
     let full = by_one(200);
-    for (lanes, tile) in [(2, None), (3, None), (3, Some(97))] {
+    for (devices, tile) in [(2, None), (3, None), (3, Some(97))] {
         let mut film = empty();
         let mut calls = 0;
-        let outcome = render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |_, _| {
+        let outcome = render(devices, 0, Goal::Samples(200), tile, &mut film, &mut |_, _| {
             calls += 1;
             Next::GoOn
         });
-        assert!(film == full, "{lanes} lanes, {tile:?}");
+        assert!(film == full, "{devices} devices, {tile:?}");
         assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
         assert!(calls > 0);
     }
@@ -70,9 +78,9 @@ fn devices_share_a_film() {
 /// A whole film that several devices show has just the samples that it says, and changes nothing.
 #[test]
 fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
-    for (lanes, tile) in [(2, None), (3, Some(97))] {
+    for (devices, tile) in [(2, None), (3, Some(97))] {
         let (mut film, mut snapshots, mut calls) = (empty(), Vec::new(), 0);
-        render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, snapshot| {
+        render(devices, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, snapshot| {
             if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
                 let samples = outcome.samples.count() as u32;
                 assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);

@@ -130,31 +130,31 @@ fn normal(quarter: usize) -> DVec3 {
 
 /// A scene in which nothing but the square emits, and one in which it does not: each has one light, so that no choice makes noise.
 fn parts(scene: &Scene) -> [Scene; 2] {
-    let (mut glowing, mut lit) = (scene.clone(), scene.clone());
-    glowing.objects.pop();
+    let (mut emissive, mut lit) = (scene.clone(), scene.clone());
+    emissive.objects.pop();
     for (_, material) in &mut lit.materials {
         if let Material::Lambertian { emission, .. } = material {
             *emission = None;
         }
     }
-    [glowing, lit]
+    [emissive, lit]
 }
 
 /// Compares images of the parts of a scene with what is known of them, wherever a pixel shows one quarter of each texture.
 fn check(scene: &Scene, shot: impl Fn(&Scene) -> Shot) -> Result<(), String> {
-    let [glowing, lit] = parts(scene).map(|part| shot(&part));
+    let [emissive, lit] = parts(scene).map(|part| shot(&part));
     let to_light = DVec3::new(0.3, 0.2, 1.0).normalize();
     let mut seen = [[0; 4]; 3];
     for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
         let point = DVec2::new(f64::from(2 * x + 1), f64::from(2 * (SIDE - 1 - y) + 1)) / f64::from(SIDE) - 1.0;
-        let [base, glow, bumps] = [PLAIN, OF_GLOW, OF_NORMAL].map(|placing| placing.quarter(point));
-        for (counts, quarter) in seen.iter_mut().zip([base, glow, bumps]) {
+        let [base, emitted, bumps] = [PLAIN, OF_GLOW, OF_NORMAL].map(|placing| placing.quarter(point));
+        for (counts, quarter) in seen.iter_mut().zip([base, emitted, bumps]) {
             quarter.into_iter().for_each(|quarter| counts[quarter] += 1);
         }
         let cosine = bumps.map(|quarter| normal(quarter).dot(to_light));
         let red = base.zip(cosine).map(|(quarter, cosine)| linear(RED[quarter]) * cosine);
-        let expected = [red, glow.map(|quarter| linear(GLOW[quarter])), cosine];
-        let ([red, _, blue], [_, green, _]) = (lit.pixel(x, y), glowing.pixel(x, y));
+        let expected = [red, emitted.map(|quarter| linear(GLOW[quarter])), cosine];
+        let ([red, _, blue], [_, green, _]) = (lit.pixel(x, y), emissive.pixel(x, y));
         for (found, expected) in [red, green, blue].into_iter().zip(expected) {
             if expected.is_some_and(|expected| (found - expected).abs() > 1e-3) {
                 return Err(format!("({x}, {y}): {found}, expected {expected:?}"));

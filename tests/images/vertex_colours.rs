@@ -181,8 +181,8 @@ fn the_alpha_of_vertices_multiplies_that_of_the_material() {
 fn the_alpha_of_vertices_changes_nothing_else() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let colours = [[200, 20, 10, 20], [40, 200, 90, 255], [250, 240, 20, 128], [0, 0, 255, 200]];
-    let glow = json!({"alphaMode": "BLEND", "emissiveFactor": [0.5, 0.25, 1]});
-    square_with(folder.path(), colours, glow);
+    let emissive = json!({"alphaMode": "BLEND", "emissiveFactor": [0.5, 0.25, 1]});
+    square_with(folder.path(), colours, emissive);
     let file = folder.path().join("square.gltf");
     let to = folder.path().join("converted.ron");
     let converted = Scene::of_gltf(&file, &to, &GltfOptions::default()).expect("it is read");

@@ -81,7 +81,7 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
 }
 
 /// Adds an emission to the materials that scatter.
-fn glowing(features: Features) -> Features {
+fn emissive(features: Features) -> Features {
     detailed(features, ExtensionKind::Emission)
 }
 
@@ -163,7 +163,7 @@ fn all_sampled() -> Features {
         &[ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Multiscatter, ExtensionKind::Specular],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
-    detailed(covered(glowing(coloured(lit, true, true))), ExtensionKind::Normal)
+    detailed(covered(emissive(coloured(lit, true, true))), ExtensionKind::Normal)
 }
 
 /// Turns render space to the camera's axes.
@@ -271,19 +271,19 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     }
     // Surfaces that emit and scatter: by chance alone, sampled, and beside other lights.
     for set in [1, materials] {
-        let own = glowing(features(1, set, 0, SOLID, false));
+        let own = emissive(features(1, set, 0, SOLID, false));
         found.extend([own.clone(), lit(own.clone(), 1, false), lit(own.clone(), 1, true), lit(own, 0, true)]);
     }
     for emitters in (0..PRIMITIVES.len()).map(|i| 1 << i) {
-        found.push(lit(with_media(glowing(features(emitters, 1, 0, SOLID, false)), 1, false), emitters, false));
+        found.push(lit(with_media(emissive(features(emitters, 1, 0, SOLID, false)), 1, false), emitters, false));
     }
     // Surfaces with an alpha: of each kind, sampled as lights and beside them, with textures and in media.
     for set in (0..PRIMITIVES.len()).map(|i| 1 << i) {
         let own = covered(features(set, 1, 0, SOLID, false));
         found.extend([
             own.clone(),
-            glowing(own.clone()),
-            lit(glowing(own.clone()), set, false),
+            emissive(own.clone()),
+            lit(emissive(own.clone()), set, false),
             delta_lit(own.clone(), true),
             detailed(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
         ]);

@@ -37,13 +37,13 @@ struct Side {
 }
 
 impl Side {
-    /// A side of a body. `half` is what the rounding of its size moves it by, and `spread` the part of the kernels' bound that its size has
+    /// A side of a body. `half` is what the rounding of its size moves it by, and `size_part` the part of the kernels' bound that its size has
     /// (shaders/geometry/quad, cuboid). The other part is 2 u of the position. The step to the next float is at most 2 u of each
     /// coordinate (shaders/geometry/offset).
-    fn new(owner: usize, body: &Body, normal: DVec3, corners: [DVec3; 4], half: f64, spread: DVec3) -> Option<Side> {
+    fn new(owner: usize, body: &Body, normal: DVec3, corners: [DVec3; 4], half: f64, size_part: DVec3) -> Option<Side> {
         let steps = normal.to_array().map(|x| (x * NORMAL_STEPS).round() as i32);
         let sign = steps.into_iter().find(|step| *step != 0)?.signum();
-        let bound = normal.abs().dot(4.0 * body.position.abs() + spread);
+        let bound = normal.abs().dot(4.0 * body.position.abs() + size_part);
         Some(Side {
             owner,
             key: steps.map(|step| sign * step),
@@ -57,7 +57,7 @@ impl Side {
     }
 
     /// The largest distance at which it can matter to another surface.
-    fn reach(&self) -> f64 {
+    fn range(&self) -> f64 {
         self.rounding + self.leaving
     }
 }
@@ -104,8 +104,8 @@ pub fn search<'a>(search: &Search<'a>) -> [Worst<'a>; 2] {
     // Runs of one normal in which each surface is near to an earlier one.
     let mut far = f64::NEG_INFINITY;
     let runs = all.chunk_by(|one, next| {
-        far = far.max(one.distance + one.reach());
-        let is_near = one.key == next.key && next.distance - next.reach() <= far;
+        far = far.max(one.distance + one.range());
+        let is_near = one.key == next.key && next.distance - next.range() <= far;
         if !is_near {
             far = f64::NEG_INFINITY;
         }

@@ -65,8 +65,8 @@ impl File {
         }
         let DAffine3 { matrix3, translation } = scene_node.to_scene;
         let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
-        let turn = forward.cross(up).length();
-        if turn.is_nan() || turn < 1e-6 {
+        let sine = forward.cross(up).length();
+        if sine.is_nan() || sine < 1e-6 {
             return Err(GltfError::new(format!("nodes[{}]", scene_node.index), "its camera has no direction"));
         }
         let names = [scene_node.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();

@@ -501,10 +501,10 @@ mod tests {
     /// By the figures of KHR_texture_transform: the top left corner of the image turns to the left edge of the bottom.
     #[test]
     fn texture_coordinates_are_scaled_then_turned_then_moved() {
-        let turn = UvTransform { rotation: std::f64::consts::FRAC_PI_2, ..UvTransform::default() };
+        let quarter_turn = UvTransform { rotation: std::f64::consts::FRAC_PI_2, ..UvTransform::default() };
         let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() + (b - d).abs() < 1e-12;
-        assert!(near(turn.applied([1.0, 0.0]), [0.0, -1.0]));
-        let all = UvTransform { offset: [0.5, 0.25], scale: [2.0, 3.0], ..turn };
+        assert!(near(quarter_turn.applied([1.0, 0.0]), [0.0, -1.0]));
+        let all = UvTransform { offset: [0.5, 0.25], scale: [2.0, 3.0], ..quarter_turn };
         assert!(near(all.applied([1.0, 1.0]), [3.5, -1.75]));
     }
 }

@@ -91,8 +91,9 @@ mod tests {
 
     #[test]
     fn a_similarity_is_written_as_transforms() {
-        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.25);
-        let transform = DAffine3::from_scale_rotation_translation(DVec3::splat(3.0), turn, DVec3::new(1.0, -2.0, 5.0));
+        let rotation = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.25);
+        let transform =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(3.0), rotation, DVec3::new(1.0, -2.0, 5.0));
         let found = similarity(&transform).unwrap();
         let [Transform::Scale(scale), Transform::Rotate { axis, degrees }, Transform::Translate(by)] = found[..] else {
             panic!("{found:?}")
