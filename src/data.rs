@@ -465,7 +465,7 @@ device_struct!(
         converted: u32,
         uniform_of_32: u32,
         uniform_of_24: u32,
-        said_of_special: u32,
+        classes_of_special: u32,
         made_subnormal: u32,
         from_subnormal: u32,
         edge_sign: i32,

@@ -12,12 +12,12 @@ fn to_delta_light(from_point: vec3<f32>, light: DeltaLight) -> vec3<f32> {
 
 // The direction to the light. Instead of a pdf it has the squared distance: the estimator divides by either.
 fn delta_light_sample(from_point: vec3<f32>, light: DeltaLight) -> DirectionSample {
-    let way = to_delta_light(from_point, light);
-    let distance2 = dot(way, way);
+    let to_light = to_delta_light(from_point, light);
+    let distance2 = dot(to_light, to_light);
     if !(distance2 > LEAST_DISTANCE_SQUARED) {
         return NO_DIRECTION_SAMPLE;
     }
-    return DirectionSample(way * inverseSqrt(distance2), distance2);
+    return DirectionSample(to_light * inverseSqrt(distance2), distance2);
 }
 
 // The light's intensity against a direction to it: that of a spot falls with the angle from its axis as in glTF's extension

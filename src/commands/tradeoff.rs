@@ -31,7 +31,7 @@ use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::pace::swing;
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{FEWEST_ROUNDS, Pixels, signed_bias};
-use crate::tradeoff::report::{Findings, Shown};
+use crate::tradeoff::report::{Example, Findings};
 use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Stop, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
@@ -86,7 +86,7 @@ const INTERRUPTED: &str = "interrupted before it was measured";
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // From here on a signal ends the measurement, not the program.
     let signals = Signals::listen("no report is written");
-    let stop = || signals.have_come();
+    let stop = || signals.are_pending();
     args.reference.iter().try_for_each(|path| check_name(path, "an EXR"))?;
     args.output.iter().try_for_each(|path| check_name(path, "a folder"))?;
     let mut scene = load(&args.scene)?;
@@ -178,7 +178,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     if judged.measured.is_empty() && !stop() {
         return Err(too_short(args));
     }
-    let shown = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
+    let examples = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
     let truth = reference.clone().or_else(|| Truth::pooled(&sweep, None));
     let against_defaults = |truth: &Truth| {
         let found = judged.against_reference;
@@ -203,7 +203,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         measured: judged.measured,
         unmeasured: sweep.unmeasured.clone(),
         middle_of: given.filter(|size| *size != full),
-        shown,
+        examples,
     };
     write(&folder, &report)?;
     if args.json {
@@ -397,11 +397,11 @@ fn pictures(
     reference: Option<&Truth>,
     until: Instant,
     stop: Stop<'_>,
-) -> Result<Vec<Shown>> {
+) -> Result<Vec<Example>> {
     let pace = |found: &Measured| found.seconds_here;
     let same_time = judged.measured.first().map_or(0.0, pace) * f64::from(LEVEL);
-    let mut shown = Vec::new();
-    let Some(weights) = &judged.weights else { return Ok(shown) };
+    let mut examples = Vec::new();
+    let Some(weights) = &judged.weights else { return Ok(examples) };
     for found in &judged.measured {
         let of = |subject: &Subject<'_>| subject.setting.name() == found.setting.name();
         let Some(subject) = sweep.subjects.iter().position(of) else { continue };
@@ -418,7 +418,7 @@ fn pictures(
         let Some(truth) = own else { break };
         let map = error_map(sweep.size.0 as usize, &block.image, &truth.image);
         let flip = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64;
-        shown.push(Shown {
+        examples.push(Example {
             setting: found.setting.name(),
             samples,
             seconds: block.seconds,
@@ -429,7 +429,7 @@ fn pictures(
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),
         });
     }
-    Ok(shown)
+    Ok(examples)
 }
 
 fn write(folder: &Path, report: &Findings) -> Result<()> {

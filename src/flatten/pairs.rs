@@ -83,19 +83,19 @@ mod tests {
         let pairs = pairs(&triangles, &positions);
         let mut seen = vec![0; triangles.len()];
         for pair in &pairs {
-            let laid = pair.laid_out(&triangles, &positions, 100);
+            let packed = pair.laid_out(&triangles, &positions, 100);
             let corner = |i: u32| {
-                let [x, y, z, _] = [laid.a, laid.b, laid.c, laid.d][i as usize];
+                let [x, y, z, _] = [packed.a, packed.b, packed.c, packed.d][i as usize];
                 Vec3::from_array([x, y, z].map(f32::from_bits))
             };
-            let orders = [0x24, laid.c[3]];
-            for ((face, code), order) in pair.faces().zip([laid.a[3], laid.b[3]]).zip(orders) {
+            let orders = [0x24, packed.c[3]];
+            for ((face, code), order) in pair.faces().zip([packed.a[3], packed.b[3]]).zip(orders) {
                 assert_eq!(code, primitive_code(KIND_TRIANGLE, 100 + face));
                 let found = [0, 2, 4].map(|shift| corner(order >> shift & 3));
                 assert_eq!(found, triangles[face as usize].map(|i| positions[i as usize]), "{pair:?}");
                 seen[face as usize] += 1;
             }
-            assert_eq!(laid.b[3] == NO_FACE, pair.second.is_none());
+            assert_eq!(packed.b[3] == NO_FACE, pair.second.is_none());
             let bounds = pair.bounds(&triangles, &positions);
             let inside = |p: Vec3| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
             assert!((0..4).all(|i| inside(corner(i))));

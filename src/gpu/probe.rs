@@ -44,14 +44,14 @@ pub fn numerics(device: &Device) -> Result<&Numerics> {
         Some(found) => Ok(found),
         None => {
             let trials = trials();
-            let answers = ask(device, &trials)?;
+            let answers = run(device, &trials)?;
             Ok(device.numerics.get_or_init(|| judge(&trials, &answers)))
         }
     }
 }
 
 /// Runs the probe and returns the results of this device.
-pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
+pub fn run(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     let linked = link(&Embedded, "stage/probe", &Choices::default())?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;
@@ -151,9 +151,9 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
     };
     let off = |bits: u32, right: f64| (f64::from(f32::from_bits(bits)) - right).abs();
     let of_nan = |trial: &Trial, answer: &Answer, said: u32| {
-        let bits = answer.said_of_special & 0b1110;
+        let bits = answer.classes_of_special & 0b1110;
         !f32::from_bits(trial.special).is_nan()
-            || if said == 1 { answer.said_of_special & 1 == 1 } else { bits == said }
+            || if said == 1 { answer.classes_of_special & 1 == 1 } else { bits == said }
     };
     let log = |trial: &Trial| f64::from(trial.log_of).ln();
     let nearest = all(&|trial, answer| answer.converted == (trial.word as f32).to_bits());
@@ -171,7 +171,7 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
         nan_by_bits: all(&|trial, answer| {
             let special = f32::from_bits(trial.special);
             let right = u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5;
-            answer.said_of_special & 0b11_0000 == right
+            answer.classes_of_special & 0b11_0000 == right
         }),
         loop_iterations: answers.first().map_or(0, |answer| loops_until(answer.loop_state)),
         subnormals: all(&|trial, answer| {

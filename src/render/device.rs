@@ -291,7 +291,7 @@ impl<'a> DeviceRenderer<'a> {
         let mut state = shared.state();
         match state.caller.probe {
             Some(PaceProbe { is_dropped: true }) => self.drop_film(),
-            _ => self.bring_film(state.caller.film)?,
+            _ => self.read_film(state.caller.film)?,
         }
         Ok(())
     }
@@ -339,8 +339,8 @@ impl<'a> DeviceRenderer<'a> {
                     wants_snapshot = false;
                     let begin = Instant::now();
                     let mut state = shared.state();
-                    self.bring_film(state.caller.film)?;
-                    state.caller.ask(Some((begin, false)));
+                    self.read_film(state.caller.film)?;
+                    state.caller.notify(Some((begin, false)));
                 }
                 None => break,
             }
@@ -369,7 +369,7 @@ impl<'a> DeviceRenderer<'a> {
     }
 
     /// Adds the totals of the device's film to the film on the host.
-    pub fn bring_film(&mut self, film: &mut Film) -> Result<()> {
+    pub fn read_film(&mut self, film: &mut Film) -> Result<()> {
         let DeviceFilm { size, aovs, readback, tile, received, is_stale, .. } = &mut self.film;
         if *received == Totals::default() {
             return Ok(());

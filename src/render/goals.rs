@@ -150,7 +150,7 @@ impl Renderer<'_> {
             if caller.outcome.interrupted {
                 return Ok(());
             }
-            self.bring_film(caller.film)?;
+            self.read_film(caller.film)?;
             let ends;
             (noise, ends) = check_error(caller.film, done - begun, noise.checks, error);
             caller.outcome.noise = Some(noise);

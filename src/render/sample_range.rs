@@ -32,7 +32,7 @@ pub struct PaceProbe {
 
 impl Caller<'_> {
     /// Asks what is wanted next. A snapshot has the time when it began, and whether the film is whole.
-    pub fn ask(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
+    pub fn notify(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
         let snapshot = snapshot.map(|(begin, is_complete)| Snapshot { film: self.film, begin, is_complete });
         let next = (self.watch)(self.outcome, snapshot);
         let next = if self.probe.is_some() && !matches!(next, Next::Stop | Next::Drop) { Next::GoOn } else { next };
@@ -47,7 +47,7 @@ impl Caller<'_> {
         if self.outcome.first_pass == 0.0 {
             self.outcome.first_pass = self.start.elapsed().as_secs_f64();
         }
-        self.ask(None)
+        self.notify(None)
     }
 }
 
@@ -141,7 +141,7 @@ impl<'a, 'b> SampleRange<'a, 'b> {
         while state.snapshots == snapshots && !state.failed {
             if state.waiting == state.working {
                 state.caller.wants_complete = false;
-                state.caller.ask(Some((begin, true)));
+                state.caller.notify(Some((begin, true)));
                 state.snapshots += 1;
                 self.changed.notify_all();
             } else {

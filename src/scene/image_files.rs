@@ -99,7 +99,7 @@ impl Loader<'_> {
             let files = self.assets.stamp_files(&file);
             match self.reading {
                 Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,
-                Reading::Whole => {
+                Reading::Complete => {
                     let decodings = self.wanted.remove(path).unwrap_or_default();
                     for (decoding, bitmap) in self.read(&file, files, &decodings).map_err(broken)? {
                         self.budget.add(path, &bitmap);

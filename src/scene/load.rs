@@ -305,7 +305,7 @@ fn emits(scene: &Scene) -> bool {
 fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, assets: &mut Assets) -> Result<()> {
     validate::validate(scene, &mut findings);
     // Large files are not read for a scene that is refused, but all that are missing are named.
-    let reading = if findings.is_empty() { Reading::Whole } else { Reading::IfThere };
+    let reading = if findings.is_empty() { Reading::Complete } else { Reading::IfThere };
     scene.bitmaps = image_files::load_all(scene, reading, &mut findings, assets);
     scene.meshes = mesh_files::load_all(scene, reading, &mut findings, progress, assets);
     assets.close();

@@ -46,7 +46,7 @@ pub fn load_all(
         let file = scene.source.resolve(path);
         let files = assets.stamp_files(&file);
         let loaded = match reading {
-            Reading::Whole => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
+            Reading::Complete => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
                 Some((mesh, taken)) => Ok(Some((mesh, room - taken))),
                 None => load(&file, room, progress, assets).map(|loaded| {
                     let (mesh, left) = loaded?;

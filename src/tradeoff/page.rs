@@ -139,7 +139,7 @@ fn given_up(report: &Findings) -> Vec<String> {
 
 /// The pictures of all settings at equal time.
 fn pictures(report: &Findings) -> String {
-    if report.shown.is_empty() {
+    if report.examples.is_empty() {
         return String::new();
     }
     let mut text = format!(
@@ -147,7 +147,7 @@ fn pictures(report: &Findings) -> String {
          The picture on the right is its FLIP map: the perceived difference, from black (none) to white.</p>\n<div class=\"pictures\">\n",
         report.size.0, report.size.1
     );
-    for picture in &report.shown {
+    for picture in &report.examples {
         let data = |bytes: &[u8]| format!("data:image/png;base64,{}", STANDARD.encode(bytes));
         let name = escaped(&picture.setting);
         let figures = [

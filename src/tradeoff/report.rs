@@ -43,12 +43,12 @@ pub struct Findings {
     pub unmeasured: Vec<Unmeasured>,
     /// The size of the reference, if only its middle is measured.
     pub middle_of: Option<(u32, u32)>,
-    pub shown: Vec<Shown>,
+    pub examples: Vec<Example>,
 }
 
 /// A picture of a setting, rendered in the same time as all pictures.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct Example {
     pub setting: String,
     pub samples: u32,
     pub seconds: f64,
@@ -556,13 +556,13 @@ impl Findings {
             "left_out": self.left_out(),
             "settings": self.rows(),
             "recommendations": recommendations,
-            "equal_time": self.shown.iter().map(|shown| json!({
-                "setting": shown.setting,
-                "samples": shown.samples,
-                "seconds": shown.seconds,
-                "relative_mse": shown.error,
-                "relmse": shown.relmse,
-                "flip": shown.flip,
+            "equal_time": self.examples.iter().map(|example| json!({
+                "setting": example.setting,
+                "samples": example.samples,
+                "seconds": example.seconds,
+                "relative_mse": example.error,
+                "relmse": example.relmse,
+                "flip": example.flip,
             })).collect::<Vec<_>>(),
         })
     }

@@ -4,7 +4,7 @@ use gpu_rt::film::ErrorEstimate;
 use gpu_rt::render::{NOISE_LEVEL, level_after};
 use gpu_rt::scene::Scene;
 
-use super::render::{Ask, Change, render_with};
+use super::render::{Change, Request, render_with};
 
 /// A floor under a quad lamp, and a bulb smaller than a pixel: two pixels hold nearly all of the noise.
 pub const BULB: &str = "Scene(
@@ -70,12 +70,12 @@ impl Held {
 
 impl Replicates {
     /// Renders; the numbers of samples rise.
-    pub fn new(scene: &Scene, ask: &Ask, change: &Change<'_>, seeds: u32, samples: &[u32]) -> Replicates {
+    pub fn new(scene: &Scene, request: &Request, change: &Change<'_>, seeds: u32, samples: &[u32]) -> Replicates {
         let starts = std::iter::once(&0).chain(samples);
         let ranges: Vec<_> = starts.zip(samples).map(|(start, end)| *start..*end).collect();
         let wanted = (0..seeds).flat_map(|seed| ranges.iter().map(move |range| (seed, range.clone())));
         let (mut all, mut of_seed, mut film) = (Vec::new(), Vec::new(), None);
-        render_with(scene, ask, wanted, change, |shot| {
+        render_with(scene, request, wanted, change, |shot| {
             let so_far = match film.take() {
                 Some(mut before) => {
                     gpu_rt::film::Film::merge(&mut before, &shot.film).expect("films of one image");

@@ -20,7 +20,7 @@ pub struct In {
     pub origin: [f32; 3],
     pub root: u32,
     pub direction: [f32; 3],
-    pub ask: u32,
+    pub request: u32,
     pub leaving: [f32; 3],
     pub padding: u32,
 }

@@ -36,10 +36,10 @@ fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
     (angle, point)
 }
 
-/// Unit vectors so far beside the pole at z.
-fn beside(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
-    let beside = |at: DVec3| DVec3::new(at.x, at.y, z * (1.0 - at.x * at.x - at.y * at.y).sqrt());
-    (0..200).map(|_| beside(across * unit(random))).collect()
+/// Unit vectors `across` from the pole at z.
+fn near_pole(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
+    let at_height = |at: DVec3| DVec3::new(at.x, at.y, z * (1.0 - at.x * at.x - at.y * at.y).sqrt());
+    (0..200).map(|_| at_height(across * unit(random))).collect()
 }
 
 /// The table's cells of bases.
@@ -68,7 +68,7 @@ pub fn cells() -> Vec<Cell> {
     ];
     for z in [1.0, -1.0] {
         for exponent in [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20] {
-            let normals = beside(&mut random, z, 10f64.powi(-exponent));
+            let normals = near_pole(&mut random, z, 10f64.powi(-exponent));
             let found = cell(format!("z near {z}, xy = 1e-{exponent}"), &normals);
             // 1 + z cancels; and where z counts as -1, the basis is that of the pole itself.
             all.push(match z < 0.0 && exponent <= 6 {

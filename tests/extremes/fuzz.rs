@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::metal_density;
-use crate::common::render::{Ask, render, scene};
+use crate::common::render::{Request, render, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row};
@@ -154,7 +154,7 @@ fn in_a_furnace(fuzz: f64) -> f64 {
     ],
 )"
     ));
-    render(&scene, &Ask::spp(64).mis()).mean_of_all().value[0]
+    render(&scene, &Request::spp(64).mis()).mean_of_all().value[0]
 }
 
 /// The table's cells of fuzz.

@@ -6,7 +6,7 @@ use gpu_rt::scene::{Background, Scene};
 
 use crate::common::instances::ball_file;
 use crate::common::kernel::Kernel;
-use crate::common::render::{Ask, Shot, diagnostics, render, scene_in};
+use crate::common::render::{Request, Shot, diagnostics, render, scene_in};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, trace, tracer};
@@ -139,7 +139,7 @@ pub fn gaps() -> Vec<Cell> {
     let mut all = Vec::new();
     for pair in PAIRS {
         let of = |gap: f64, front, back| scene(pair.camera, 0.0, &(pair.objects)(gap, front, back));
-        let shot = |gap: f64, front, back| render(&of(gap, front, back), &Ask::spp(64));
+        let shot = |gap: f64, front, back| render(&of(gap, front, back), &Request::spp(64));
         // Warnings are of what is too near, and not of such pairs.
         let said = diagnostics(&of(0.005, "clear", "lamp"));
         assert!(said.is_empty(), "{}: {said:?}", pair.name);
@@ -267,7 +267,7 @@ pub fn distances() -> Vec<Cell> {
             let distance = 10f64.powi(exponent);
             let degrees = 2.0 * (2.0 / distance).atan().to_degrees();
             let objects = ball(distance * direction, 1.0, "grey");
-            let shot = render(&scene(&looking(DVec3::ZERO, direction, degrees), 1.0, &objects), &Ask::spp(64));
+            let shot = render(&scene(&looking(DVec3::ZERO, direction, degrees), 1.0, &objects), &Request::spp(64));
             // The cone that touches the ball, in the plane through its middle; the image is 16 square radii.
             let silhouette = std::f64::consts::PI * distance * distance / (distance * distance - 1.0);
             let expected = 1.0 - 0.5 * silhouette / 16.0;
@@ -313,7 +313,7 @@ pub fn distances() -> Vec<Cell> {
             scene(&looking(DVec3::ZERO, DVec3::NEG_Z, degrees), 1.0, &ball(distance * DVec3::NEG_Z, 1.0, "mirror"));
         let mut sloped = scene;
         sloped.background = Background::Gradient { bottom: DVec3::ZERO, top: DVec3::ONE };
-        let shot = render(&sloped, &Ask::spp(1024));
+        let shot = render(&sloped, &Request::spp(1024));
         let half = |rows| shot.mean(0..16, rows).value[0];
         // The mirror sends a ray that meets it at height y and ρ from the axis to 2 y sqrt(1 - ρ²) up: over the upper half of
         // the disk the mean is 1/2, and with the sky around it 1/2 ± (π / 2) / 8 / 4.
@@ -340,7 +340,7 @@ pub fn radii() -> Vec<Cell> {
         let direction = DIRECTIONS[1].1;
         let objects =
             ball(4.0 * radius * direction, radius, "grey") + ", " + &ball(DVec3::new(2.0, 3.0, 1.0), 1.0, "both");
-        let shot = render(&scene(&looking(DVec3::ZERO, direction, 15.0), 1.0, &objects), &Ask::spp(64));
+        let shot = render(&scene(&looking(DVec3::ZERO, direction, 15.0), 1.0, &objects), &Request::spp(64));
         let cell = Cell::new(
             Row::Radius,
             format!("r = 1e{exponent}"),
@@ -479,7 +479,7 @@ pub fn grazing() -> Vec<Cell> {
             let (corner, u, v) = (DVec3::new(-1.0, -angle, -1.0), 1.5 * DVec3::Z, 2.0 * DVec3::X);
             let floor =
                 format!("Quad(corner: {}, u: {}, v: {}, material: \"grey\")", triple(corner), triple(u), triple(v));
-            let shot = render(&scene(&camera, 1.0, &floor), &Ask::spp(64));
+            let shot = render(&scene(&camera, 1.0, &floor), &Request::spp(64));
             let off = |rows: std::ops::Range<u32>, expected: f64| {
                 rows.flat_map(|y| (0..16).map(move |x| (x, y)))
                     .map(|(x, y)| (shot.pixel(x, y)[0] - expected).abs())
@@ -506,7 +506,7 @@ pub fn grazing() -> Vec<Cell> {
             2.0 * height
         );
         let camera = looking(height * DVec3::Y, DVec3::NEG_Y, 40.0);
-        let shot = render(&scene(&camera, 0.0, &objects), &Ask::spp(64).mis());
+        let shot = render(&scene(&camera, 0.0, &objects), &Request::spp(64).mis());
         // a/π times the integral of y / d⁴ over the lamp, by Simpson's rule in z, and in y exactly for the smallest part of it.
         let steps = 200;
         let inner = |z: f64| {
@@ -578,7 +578,7 @@ fn on_surfaces() -> Vec<Cell> {
         if name.contains("general") {
             continue;
         }
-        let shot = render(&scene(&looking(DVec3::ZERO, -down, 90.0), 1.0, &objects), &Ask::spp(64));
+        let shot = render(&scene(&looking(DVec3::ZERO, -down, 90.0), 1.0, &objects), &Request::spp(64));
         let cell = Cell::new(
             Row::CameraInside,
             format!("on {name}"),
@@ -595,7 +595,7 @@ fn on_surfaces() -> Vec<Cell> {
             if exponent > 6 && !name.contains("floor") && !(name.contains("sphere") && exponent == 7) {
                 continue;
             }
-            let shot = render(&scene(&looking(DVec3::ZERO, down, 40.0), 1.0, &objects), &Ask::spp(64));
+            let shot = render(&scene(&looking(DVec3::ZERO, down, 40.0), 1.0, &objects), &Request::spp(64));
             let cell = Cell::new(
                 Row::CameraInside,
                 format!("1e-{exponent} above {name}"),
@@ -612,7 +612,7 @@ fn on_surfaces() -> Vec<Cell> {
 fn inside_glass() -> Vec<Cell> {
     let mut all = Vec::new();
     let mut push = |range: String, objects: String, towards: DVec3| {
-        let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Ask::spp(64).depth(1000));
+        let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Request::spp(64).depth(1000));
         let cell = Cell::new(
             Row::CameraInside,
             range,
@@ -646,7 +646,7 @@ fn inside_media() -> Vec<Cell> {
         let boundary = format!("Sphere(center: {}, radius: 1)", triple((1.0 - depth) * DIRECTIONS[1].1));
         let objects = format!("Medium(boundary: {boundary}, density: 2, albedo: Rgb(1, 1, 1))");
         let camera = looking(DVec3::ZERO, DIRECTIONS[1].1, 150.0);
-        let shot = render(&scene(&camera, 1.0, &objects), &Ask::spp(64).depth(1000));
+        let shot = render(&scene(&camera, 1.0, &objects), &Request::spp(64).depth(1000));
         let cell = Cell::new(
             Row::CameraInside,
             format!("in a ball of fog of optical radius 2, 1e-{exponent} below its surface"),

@@ -34,20 +34,20 @@ fn leave(size: f64, distance: f64, replaced: &[(&str, &str)]) -> f64 {
         })
         .collect();
     let found = run(&kernel(&flat, 8 * 64, replaced), &flat, &rays);
-    let (mut rays_met, mut wrong) = (0, 0);
+    let (mut hits, mut wrong) = (0, 0);
     for (out, ray) in found.iter().zip(&rays) {
         if out.walked[0] == NOTHING {
             continue;
         }
         let cosine = exact(ray.leaving).dot(exact(out.normal));
-        rays_met += 1;
+        hits += 1;
         let same = out.again >= 0.0 && out.again_code == out.walked[0];
         let outwards = cosine > 0.0 && out.again >= 0.0;
         // At less than a tenth to the surface, a facet's chord is as short as what rounding moves a point by.
         let lost = cosine < -0.1 && out.again < 0.0;
         wrong += usize::from(same || outwards || lost);
     }
-    assert!(rays_met > RAYS / 2, "{rays_met} rays met the ball");
+    assert!(hits > RAYS / 2, "{hits} rays met the ball");
     wrong as f64
 }
 

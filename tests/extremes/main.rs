@@ -21,7 +21,7 @@ mod instance;
 mod lights;
 mod media;
 mod noise;
-mod places;
+mod positions;
 mod quad;
 mod rejection;
 mod roughness;
@@ -56,7 +56,7 @@ const CELLS: &[Filler] = &[
     geometry::grazing,
     geometry::cameras,
     crowds::cells,
-    places::cells,
+    positions::cells,
     views::cells,
     film::cells,
     rejection::cells,

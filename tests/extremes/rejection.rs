@@ -8,7 +8,7 @@ use gpu_rt::output::exr::{read_exr, write_exr};
 
 use crate::common::device;
 use crate::common::kernel::{Kernel, Overlay, Setup};
-use crate::common::render::{Ask, render_planted, scene};
+use crate::common::render::{Request, render_planted, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::decades;
 use crate::table::{COMPARED_NAN, Cell, Row};
@@ -37,8 +37,8 @@ fn broken_sky(scatter: Scatter, more: &[(&str, &str)]) -> Film {
          objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])",
         (COLOUR[0], COLOUR[1], COLOUR[2])
     );
-    let ask = Ask::spp(SAMPLES).sobol().scatter(scatter);
-    render_planted(&scene(&text), &ask, &Overlay::new(&[&PLANTED[..], more].concat())).film
+    let request = Request::spp(SAMPLES).sobol().scatter(scatter);
+    render_planted(&scene(&text), &request, &Overlay::new(&[&PLANTED[..], more].concat())).film
 }
 
 /// Samples that are counted under a reason that is not theirs, or not counted at all.

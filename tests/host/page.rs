@@ -5,7 +5,7 @@ use gpu_rt::options::{RenderOptions, TRADE_OFFS};
 use gpu_rt::tradeoff::judge::Measured;
 use gpu_rt::tradeoff::model::{Falling, Model, Ranking};
 use gpu_rt::tradeoff::page::html;
-use gpu_rt::tradeoff::report::{Findings, Shown};
+use gpu_rt::tradeoff::report::{Example, Findings};
 use gpu_rt::tradeoff::sweep::{Setting, Unmeasured};
 
 fn setting(option: Option<(&str, &str)>) -> Setting {
@@ -67,7 +67,7 @@ fn findings(samples: &[u32]) -> Findings {
         measured: vec![measured(setting(None), samples)],
         unmeasured: vec![Unmeasured { setting: setting(Some(("clamp", "10"))), why: "no time".into() }],
         middle_of: None,
-        shown: vec![Shown {
+        examples: vec![Example {
             setting: "defaults".into(),
             samples: 16,
             seconds: 1.6,

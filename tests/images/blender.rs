@@ -8,7 +8,7 @@ use gpu_rt::metrics::flip::error_map;
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::{Background, GltfOptions, Material, Object, Scene, Texture, Thin};
 
-use crate::common::render::{Ask, render};
+use crate::common::render::{Request, render};
 
 /// Blocks along a row and along a column of an image.
 const BLOCKS: (usize, usize) = (8, 6);
@@ -69,8 +69,8 @@ impl Distance {
     fn measure(scene: &Scene, spp: u32, name: &str) -> Distance {
         let (expected, full_size) = reference(name);
         let (all_columns, all_rows) = full_size;
-        let ask = Ask::spp(spp).mis().sobol().roulette().size(all_columns as u32, all_rows as u32);
-        let image = render(scene, &ask).picture.rgb;
+        let request = Request::spp(spp).mis().sobol().roulette().size(all_columns as u32, all_rows as u32);
+        let image = render(scene, &request).picture.rgb;
         let grey = |rgb: &[f32; 3]| rgb.iter().copied().map(f64::from).sum::<f64>() / 3.0;
         let mean = |image: &[[f32; 3]], (x, y): (usize, usize), (width, height): (usize, usize)| {
             let pixels = (y..y + height).flat_map(|y| (x..x + width).map(move |x| y * all_columns + x));
@@ -110,7 +110,7 @@ fn converted_scenes_render_to_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let load = |path: &Path| Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
     let bits = |scene: &Scene| {
-        let shot = render(scene, &Ask::spp(4).mis().sobol().roulette().size(16, 12));
+        let shot = render(scene, &Request::spp(4).mis().sobol().roulette().size(16, 12));
         shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     for name in SCENES.map(|(name, _)| name).into_iter().chain(USERS.map(|user| user.name)) {

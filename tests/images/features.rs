@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, HashSet};
 use crate::common::constants::tables_read_at_constants;
 use crate::common::everything::same;
 use crate::common::lattice::Lattice;
-use crate::common::render::{Ask, render};
+use crate::common::render::{Request, render};
 use gpu_rt::aov::Aovs;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
@@ -20,8 +20,8 @@ use naga::compact::{KeepUnused, compact};
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 
 /// As the program renders by default.
-fn usual(scatter: Scatter) -> Ask {
-    Ask::spp(16).sobol().mis().roulette().scatter(scatter)
+fn usual(scatter: Scatter) -> Request {
+    Request::spp(16).sobol().mis().roulette().scatter(scatter)
 }
 
 fn flat(scene: &Scene) -> DeviceScene {

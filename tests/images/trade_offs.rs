@@ -273,7 +273,7 @@ fn values(class: Class) -> impl Iterator<Item = (&'static OptionSpec, &'static s
         .flat_map(|spec| spec.values.iter().filter(|value| Some(**value) != spec.default).map(|value| (*spec, *value)))
 }
 
-/// The scene with everything in it, its lamp dimmed, for little noise (tests/extremes/places.rs).
+/// The scene with everything in it, its lamp dimmed, for little noise (tests/extremes/positions.rs).
 fn dim_everything() -> (Everything, PathBuf) {
     let files = Everything::new();
     let path = files.file(World { lamp: 0.1, ..World::default() });

@@ -209,7 +209,7 @@ fn lights_too_small_for_where_they_shine() {
     let seen = |text: &str| {
         let shot = render::render(
             &render::scene(&unmarked(text)),
-            &render::Ask::default().with(|options| *options = RenderOptions::default()),
+            &render::Request::default().with(|options| *options = RenderOptions::default()),
         );
         shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / shot.picture.rgb.len() as f64
     };
@@ -507,7 +507,7 @@ fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
         };
         let red = |gap: f64| {
             let scene = Scene::parse(&text(gap), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
-            let pixels = render::render(&scene, &render::Ask::spp(16)).picture.rgb;
+            let pixels = render::render(&scene, &render::Request::spp(16)).picture.rgb;
             pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>()
         };
         let right = red(1e-3);

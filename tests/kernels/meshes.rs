@@ -43,7 +43,7 @@ fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
                 direction[random.below(3)] = [0.0, -0.0, 1e-20][random.below(3)];
             }
             let direction = rounded(direction.normalize_or(DVec3::X));
-            In { origin: rounded(origin), direction, root: flat.settings.root, ask: 1, ..In::default() }
+            In { origin: rounded(origin), direction, root: flat.settings.root, request: 1, ..In::default() }
         })
         .collect()
 }

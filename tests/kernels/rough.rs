@@ -13,7 +13,7 @@ use crate::common::microfacets::{
     masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
 };
 use crate::common::oracles::fresnel;
-use crate::common::rows::{Answer, Met, glass};
+use crate::common::rows::{Answer, SurfaceHit, glass};
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
@@ -341,9 +341,15 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
         })
         .collect();
     let found = kernel("conductor", 1, &[]).run::<_, Out>(&rows);
-    let mirror: Vec<Met> = rows
+    let mirror: Vec<SurfaceHit> = rows
         .iter()
-        .map(|row| Met { incoming: row.incoming, normal: row.normal, front: 1, colour: [1.0; 3], ..Met::default() })
+        .map(|row| SurfaceHit {
+            incoming: row.incoming,
+            normal: row.normal,
+            front: 1,
+            colour: [1.0; 3],
+            ..SurfaceHit::default()
+        })
         .collect();
     let values = [("material", "metal"), ("times", "1"), ("keyed", "false")];
     let mirror = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&mirror);
@@ -687,24 +693,24 @@ fn smooth_rough_dielectrics_are_glass() {
                 In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
             })
             .collect();
-        let clear: Vec<Met> = rows
+        let smooth: Vec<SurfaceHit> = rows
             .iter()
-            .map(|row| Met {
+            .map(|row| SurfaceHit {
                 incoming: row.incoming,
                 normal: row.normal,
                 front: row.front,
                 u: row.u,
                 material: glass(ior),
-                ..Met::default()
+                ..SurfaceHit::default()
             })
             .collect();
         let values = [("material", "dielectric"), ("times", "1"), ("keyed", "false")];
-        let clear =
-            Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&clear);
-        for (out, clear) in kernel("rough_dielectric", 1, &[]).run::<_, Out>(&rows).iter().zip(&clear) {
+        let smooth =
+            Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&smooth);
+        for (out, smooth) in kernel("rough_dielectric", 1, &[]).run::<_, Out>(&rows).iter().zip(&smooth) {
             assert_eq!(
                 (out.event, out.direction, out.weight, out.non_specular),
-                (clear.event, clear.direction, clear.weight, 0)
+                (smooth.event, smooth.direction, smooth.weight, 0)
             );
         }
     }

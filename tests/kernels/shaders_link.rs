@@ -82,11 +82,11 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
 
 /// Adds an emission to the materials that scatter.
 fn emissive(features: Features) -> Features {
-    detailed(features, ExtensionKind::Emission)
+    with_extension(features, ExtensionKind::Emission)
 }
 
 /// Adds an extension to all materials that may scatter into many directions.
-fn detailed(features: Features, kind: ExtensionKind) -> Features {
+fn with_extension(features: Features, kind: ExtensionKind) -> Features {
     let mut extensions = features.extensions.clone();
     extensions[kind as usize] = features.non_specular.clone();
     Features { extensions, ..features }
@@ -95,7 +95,7 @@ fn detailed(features: Features, kind: ExtensionKind) -> Features {
 /// Adds an alpha to materials, and colours and alphas of vertices.
 fn covered(features: Features) -> Features {
     let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha];
-    of_vertices.into_iter().fold(detailed(features, ExtensionKind::Alpha), detailed)
+    of_vertices.into_iter().fold(with_extension(features, ExtensionKind::Alpha), with_extension)
 }
 
 /// Adds numbers of materials that vary.
@@ -163,7 +163,7 @@ fn all_sampled() -> Features {
         &[ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Multiscatter, ExtensionKind::Specular],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
-    detailed(covered(emissive(coloured(lit, true, true))), ExtensionKind::Normal)
+    with_extension(covered(emissive(coloured(lit, true, true))), ExtensionKind::Normal)
 }
 
 /// Turns render space to the camera's axes.
@@ -285,13 +285,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             emissive(own.clone()),
             lit(emissive(own.clone()), set, false),
             delta_lit(own.clone(), true),
-            detailed(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
+            with_extension(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
         ]);
         found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
     }
     // Normal maps on each shape, in every material, with and without light.
     for (shapes, set) in (0..PRIMITIVES.len()).map(|i| (1 << i, 1)).chain([(primitives, materials)]) {
-        let mapped = detailed(features(shapes, set, textures, SOLID, false), ExtensionKind::Normal);
+        let mapped = with_extension(features(shapes, set, textures, SOLID, false), ExtensionKind::Normal);
         found.extend([mapped.clone(), lit(mapped.clone(), shapes, false), lit(mapped.clone(), 0, true)]);
         if shapes == primitives {
             found.push(smooth(mapped));
@@ -301,14 +301,18 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for textures in (0..TEXTURES.len()).map(|i| 1 << i).chain([textures]) {
         for (shapes, set) in [(1 << KIND_TRIANGLE, 1), (primitives, materials)] {
             let own = with_tables(features(shapes, set, textures, SOLID, false), false);
-            let mapped = detailed(own.clone(), ExtensionKind::Normal);
+            let mapped = with_extension(own.clone(), ExtensionKind::Normal);
             found.extend([own, lit(mapped.clone(), shapes, false), smooth(with_tables(mapped, true))]);
         }
     }
     // Light that microfacets scatter more than once: each material alone, and all.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Multiscatter)), materials] {
         let full = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
-        found.extend([full.clone(), lit(full.clone(), 1, false), lit(detailed(full, ExtensionKind::Normal), 0, true)]);
+        found.extend([
+            full.clone(),
+            lit(full.clone(), 1, false),
+            lit(with_extension(full, ExtensionKind::Normal), 0, true),
+        ]);
     }
     // Layers of their own: alone, and with all materials.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Specular)), materials] {
@@ -704,9 +708,9 @@ fn modules_use_what_their_folders_may() {
 }
 
 /// Modules of a test beside the production ones.
-struct Beside(BTreeMap<&'static str, &'static str>);
+struct With(BTreeMap<&'static str, &'static str>);
 
-impl Library for Beside {
+impl Library for With {
     fn module(&self, name: &str) -> Option<&str> {
         self.0.get(name).copied().or_else(|| Embedded.module(name))
     }
@@ -722,7 +726,7 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
         values: BTreeMap::from([("size", "7".to_string())]),
         generated: BTreeMap::new(),
     };
-    let library = Beside(modules.iter().copied().collect());
+    let library = With(modules.iter().copied().collect());
     link(&library, "test/root", &choices).map_err(|error| error.to_string())
 }
 

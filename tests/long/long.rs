@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::expect::Expectations;
 use crate::common::held::{BULB, Replicates};
-use crate::common::render::{Ask, Change, render_all, scene, scene_folder};
+use crate::common::render::{Change, Request, render_all, scene, scene_folder};
 use crate::common::rooms::{THINGS, room};
 use crate::common::scenes::files;
 use crate::common::stats::{mean_and_variance, normal_two_sided};
@@ -42,9 +42,9 @@ fn stated_errors_are_true() {
         for sampler in SAMPLERS {
             for samples in SAMPLES {
                 let scene = room(things);
-                let ask = Ask::default().mis().with(|options| options.sampler = sampler);
+                let request = Request::default().mis().with(|options| options.sampler = sampler);
                 let mut renders: Vec<Stated> = Vec::new();
-                render_all(&scene, &ask, (0..RENDERS).map(|seed| (seed, 0..samples)), |shot| {
+                render_all(&scene, &request, (0..RENDERS).map(|seed| (seed, 0..samples)), |shot| {
                     let doubles = |values: &[[f32; 3]]| values.as_flattened().iter().map(|x| f64::from(*x)).collect();
                     let error = shot.film.error_estimate(0.05).expect("there is light");
                     let (image, variance) = (doubles(&shot.picture.rgb), doubles(&shot.picture.variance));
@@ -218,14 +218,14 @@ fn errors_fall_as_they_should_and_to_no_floor() {
         }
         for sampler in SAMPLERS {
             let what = format!("{name}, {sampler:?}");
-            let ask = Ask::default().mis().size(SIZE.0, SIZE.1).with(|options| options.sampler = sampler);
+            let request = Request::default().mis().size(SIZE.0, SIZE.1).with(|options| options.sampler = sampler);
             let ends = || DOUBLINGS.map(|k| 1u32 << k);
             let starts = std::iter::once(0).chain(ends());
             let ranges: Vec<_> = starts.zip(ends()).map(|(start, end)| start..end).collect();
             let wanted = (0..SEEDS).flat_map(|seed| ranges.iter().map(move |range| (seed, range.clone())));
             // The films of all samples so far, seed by seed.
             let mut films: Vec<Vec<Film>> = Vec::new();
-            render_all(&scene, &ask, wanted, |shot| {
+            render_all(&scene, &request, wanted, |shot| {
                 match films.last_mut().filter(|of_seed| of_seed.len() < ranges.len()) {
                     Some(of_seed) => {
                         let mut film = of_seed.last().expect("one at least").clone();
@@ -306,8 +306,9 @@ fn bounds_hold(
 ) {
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for (name, scene) in scenes {
-        let ask = Ask::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
-        let replicates = Replicates::new(scene, &ask, &Change::default(), seeds, samples);
+        let request =
+            Request::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
+        let replicates = Replicates::new(scene, &request, &Change::default(), seeds, samples);
         for held in replicates.held() {
             println!("{name}: {held}");
             failed.extend((!held.holds()).then(|| format!("{name}: {held}")));

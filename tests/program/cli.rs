@@ -29,7 +29,7 @@ fn render_writes_the_scenes_name_into_the_current_folder() {
     assert_eq!(image.rejected, Some(vec![0; 240]));
     // Lens or not, what the library renders is what the program writes.
     let scene = Scene::parse(SPHERE, Path::new("sphere.ron")).expect("the scene is good");
-    let shot = render::render(&scene, &render::Ask::spp(16).sobol());
+    let shot = render::render(&scene, &render::Request::spp(16).sobol());
     assert!(image.rgb == shot.picture.rgb && image.variance == Some(shot.picture.variance));
 }
 

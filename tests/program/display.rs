@@ -64,11 +64,11 @@ fn update(name: &str, (width, height): (u32, u32), rgb: &[[f32; 3]]) -> Vec<Vec<
     let rows = MOST_NUMBERS / (3 * width as usize);
     let band = |(number, pixels): (usize, &[[f32; 3]])| {
         let (top, rows) = ((number * rows) as u32, (pixels.len() / width as usize) as u32);
-        let places = [0, top, width, rows].map(u32::to_le_bytes).concat();
+        let rectangle = [0, top, width, rows].map(u32::to_le_bytes).concat();
         let (offsets, strides) =
             ([0u64, 1, 2].map(u64::to_le_bytes).concat(), [3u64; 3].map(u64::to_le_bytes).concat());
         let data: Vec<u8> = pixels.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
-        packet(6, 0, name, &[&3u32.to_le_bytes(), b"R\0G\0B\0", &places, &offsets, &strides, &data])
+        packet(6, 0, name, &[&3u32.to_le_bytes(), b"R\0G\0B\0", &rectangle, &offsets, &strides, &data])
     };
     assert_eq!(rgb.len(), (width * height) as usize);
     rgb.chunks(rows * width as usize).enumerate().map(band).collect()

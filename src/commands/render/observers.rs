@@ -137,7 +137,7 @@ impl<'a> Observers<'a> {
             }
         }
         self.progress.update(self.pace.status(outcome));
-        let is_stopped = self.signals.have_come();
+        let is_stopped = self.signals.are_pending();
         if is_stopped && !std::mem::replace(&mut self.signal_reported, true) {
             let signal = self.signals;
             self.progress.message(&format!("{signal}: ending the samples under way; a second signal ends at once"));

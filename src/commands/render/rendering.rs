@@ -71,7 +71,7 @@ impl Rendering<'_> {
     pub fn run(&mut self) -> Result<()> {
         let first = self.attempt();
         let Err(Error::Device(why)) = &first else { return first };
-        if self.loaded.is_none() || self.observers.signals.have_come() {
+        if self.loaded.is_none() || self.observers.signals.are_pending() {
             return first;
         }
         self.observers.progress.message(&format!("warning: {why}; the device is opened once more"));
@@ -98,7 +98,7 @@ impl Rendering<'_> {
         *loaded = Some(Loaded { kernels, gpu_bytes });
         clock.seconds.compile += clock.lap();
         if request.args.watch {
-            renderer.ask_every(SOON);
+            renderer.set_submission_time(SOON);
         }
 
         let (numerics, signals) = (numerics_of(devices)?, observers.signals);

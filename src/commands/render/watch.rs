@@ -49,7 +49,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
                 }
             }
         }
-        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.have_come()));
+        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.are_pending()));
         let Some((files, noted)) = changed else {
             let image = args.image();
             return Err(signals.interrupted(&match began {
