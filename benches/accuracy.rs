@@ -285,8 +285,8 @@ fn overview(reports: &[Report]) -> String {
                 true => format!(", {}", setting.bias(false)),
                 false => String::new(),
             };
-            let doubtful = setting.is("measured") && !setting.is("reliable");
-            let words = if doubtful { format!("*{words}{bias}*") } else { format!("{words}{bias}") };
+            let unreliable = setting.is("measured") && !setting.is("reliable");
+            let words = if unreliable { format!("*{words}{bias}*") } else { format!("{words}{bias}") };
             let _ = write!(text, " {words} |");
         }
         text.push('\n');
@@ -295,21 +295,21 @@ fn overview(reports: &[Report]) -> String {
 }
 
 const DENOISING: &str = "\n## Denoising\n";
-/// Denoising is measured in the middle of the image: this part of its width and height. Its pixels are as small as those of the whole image,
+/// Denoising is measured in the middle of the image: this part of its width and height. Its pixels are as small as those of the full image,
 /// because a denoiser loses more of the detail in larger ones.
 const MIDDLE_OF: u32 = 8;
-/// How often denoising the whole image is timed. The least counts.
+/// How often denoising the full image is timed. The least counts.
 const TIMED: u32 = 3;
 
 /// A sweep of denoising over the middle of a scene.
 struct Denoised {
     report: Report,
-    whole: (u32, u32),
-    /// The seconds of denoising the whole image.
+    full: (u32, u32),
+    /// The seconds of denoising the full image.
     seconds: f64,
 }
 
-/// The text of a scene of which the image is the middle, and the size of the whole image.
+/// The text of a scene of which the image is the middle, and the size of the full image.
 fn middle_of(path: &Path) -> Result<(String, (u32, u32))> {
     let text = fs::read_to_string(path)?;
     let scene = Scene::parse(&text, path)?;
@@ -333,7 +333,7 @@ fn middle_of(path: &Path) -> Result<(String, (u32, u32))> {
 fn measure_denoised(path: &'static str, budget: &str, denoiser: &Denoiser, folder: &Path) -> Result<Denoised> {
     let scene = path.rsplit('/').next().unwrap_or(path);
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("{path}.ron"));
-    let (text, whole) = middle_of(&file)?;
+    let (text, full) = middle_of(&file)?;
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
     command.args(["tradeoff", "-", "--knobs", "denoise", "--budget", budget, "--json", "-o"]).arg(folder.join(scene));
     if let Ok(device) = std::env::var("GPU_RT_BENCH_DEVICE") {
@@ -347,46 +347,46 @@ fn measure_denoised(path: &'static str, budget: &str, denoiser: &Denoiser, folde
     if !output.status.success() {
         return Err(format!("{scene}: {}", output.status).into());
     }
-    let layer = vec![[0.5; 3]; whole.0 as usize * whole.1 as usize];
-    let noisy = Noisy { size: whole, rgb: &layer, albedo: Some(&layer), normal: Some(&layer) };
+    let layer = vec![[0.5; 3]; full.0 as usize * full.1 as usize];
+    let noisy = Noisy { size: full, rgb: &layer, albedo: Some(&layer), normal: Some(&layer) };
     let mut seconds = f64::INFINITY;
     for _ in 0..TIMED {
         let begin = Instant::now();
         denoiser.denoise(&noisy)?;
         seconds = seconds.min(begin.elapsed().as_secs_f64());
     }
-    Ok(Denoised { report: Report { scene, json: serde_json::from_slice(&output.stdout)? }, whole, seconds })
+    Ok(Denoised { report: Report { scene, json: serde_json::from_slice(&output.stdout)? }, full, seconds })
 }
 
 /// What denoising changes: a row for each scene.
 fn denoising(all: &[Denoised], budget: &str) -> String {
     let mut text = format!(
         "{DENOISING}\n[`--denoise`](denoising.md) beside the defaults, in sweeps of {budget} over the middle of each image. Its pixels are as small as those of \
-         the whole image unless the budget is too short for that, which the second column tells: a denoiser loses more of the detail in larger pixels. \
-         Seconds are for the whole image, as if all of it were like the middle, on the machine as it was during these sweeps, other load included: \
+         the full image unless the budget is too short for that, which the second column tells: a denoiser loses more of the detail in larger pixels. \
+         Seconds are for the full image, as if all of it were like the middle, on the machine as it was during these sweeps, other load included: \
          compare them within a row. Each pair is the defaults → `--denoise`. FLIP is that of an image with 4, \
          16 and 64 samples against the mean image of all rounds of the defaults. That image's own noise (its relative MSE is in the third column) makes all \
          FLIPs larger. The bias and bias² (a relative MSE) are those with 16 samples. –: not reached with 64 times the samples.\n\n\
          | scene | measured at | noise of the mean | FLIP with 4 samples | 16 | 64 | to FLIP 0.05 | to relative MSE 1e-2 | s / sample | denoising takes | bias of the \
          mean | bias² |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
     );
-    for Denoised { report, whole, seconds } in all {
+    for Denoised { report, full, seconds } in all {
         let (Some(raw), Some(denoised)) = (report.setting("defaults"), report.setting("--denoise")) else { continue };
         let number = |key: &str| report.json[key].as_f64().unwrap_or(f64::NAN);
-        let parts = f64::from(whole.0) * f64::from(whole.1) / (number("whole_width") * number("whole_height"));
+        let parts = f64::from(full.0) * f64::from(full.1) / (number("whole_width") * number("whole_height"));
         let flips = |setting: Setting<'_>| -> Vec<(u32, f64)> {
             let all = setting.0["flip"].as_array().into_iter().flatten();
             all.filter_map(|flip| Some((flip["samples"].as_u64()? as u32, flip["flip"].as_f64()?))).collect()
         };
-        let beside = |setting: Setting<'_>| if setting.name() == "--denoise" { *seconds } else { 0.0 };
+        let fixed = |setting: Setting<'_>| if setting.name() == "--denoise" { *seconds } else { 0.0 };
         let per_sample = |setting: Setting<'_>| parts * setting.number("seconds_per_sample");
         let to_flip = |setting: Setting<'_>| {
             let samples = samples_to(&flips(setting), FLIP_TARGET);
-            samples.map_or("–".to_string(), |n| time_text(Some(beside(setting) + n * per_sample(setting))))
+            samples.map_or("–".to_string(), |n| time_text(Some(fixed(setting) + n * per_sample(setting))))
         };
         let to_error = |setting: Setting<'_>| {
             let of_samples = setting.time(MIDDLE).map(|time| time - setting.number("seconds_beside"));
-            time_text(of_samples.map(|time| beside(setting) + parts * time))
+            time_text(of_samples.map(|time| fixed(setting) + parts * time))
         };
         let both = |of: &dyn Fn(Setting<'_>) -> String| format!("{} → {}", of(raw), of(denoised));
         let flip = |at: usize| both(&|setting| flips(setting).get(at).map_or(String::new(), |(_, flip)| short(*flip)));

@@ -74,8 +74,8 @@ struct Figures([u64; FIGURES.len()]);
 
 impl Figures {
     fn get(&self, head: &str) -> u64 {
-        let place = FIGURES.iter().position(|(_, known)| *known == head);
-        place.and_then(|place| self.0.get(place)).copied().unwrap_or(0)
+        let index = FIGURES.iter().position(|(_, known)| *known == head);
+        index.and_then(|index| self.0.get(index)).copied().unwrap_or(0)
     }
 
     fn spills(&self) -> bool {

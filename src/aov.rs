@@ -191,8 +191,8 @@ impl Aovs {
         self.sums().map(|sum| sum.components().len()).sum()
     }
 
-    /// The place of a sum's first component; nothing where the film does not have it.
-    pub fn place(&self, sum: Sum) -> Option<usize> {
+    /// The index of a sum's first component; `None` if the film does not have the sum.
+    pub fn first_sum(&self, sum: Sum) -> Option<usize> {
         let before = self.sums().take_while(|other| *other != sum).map(|sum| sum.components().len()).sum();
         self.needs(sum).then_some(before)
     }
@@ -288,7 +288,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_read_and_told_in_one_order() {
+    fn names_are_read_and_written_in_one_order() {
         let mut aovs = Aovs::default();
         assert_eq!(aovs.words(), None);
         aovs.set(Aovs::parse("depth, albedo,depth").unwrap());
@@ -300,18 +300,19 @@ mod tests {
         assert!(Aovs::parse("").is_err());
     }
 
-    /// Each sum has places of its own, one after the other, whatever is asked.
+    /// The sums follow one another without a gap, whatever channels are requested.
     #[test]
-    fn sums_have_places_of_their_own() {
+    fn no_two_sums_overlap() {
         for set in 0..1 << WORDS.len() {
-            let asked = WORDS.iter().enumerate().filter(|(number, _)| set >> number & 1 == 1).map(|(_, word)| word.1);
+            let requested =
+                WORDS.iter().enumerate().filter(|(number, _)| set >> number & 1 == 1).map(|(_, word)| word.1);
             let mut aovs = Aovs::default();
-            aovs.set(asked.collect());
+            aovs.set(requested.collect());
             let names: Vec<String> = aovs.sum_names().collect();
             assert_eq!(names.len(), aovs.count());
             for sum in Sum::ALL {
-                match aovs.place(sum) {
-                    Some(place) => assert!(names[place].starts_with(sum.name()), "{names:?}"),
+                match aovs.first_sum(sum) {
+                    Some(first) => assert!(names[first].starts_with(sum.name()), "{names:?}"),
                     None => assert!(!names.iter().any(|name| name.starts_with(sum.name())), "{names:?}"),
                 }
             }

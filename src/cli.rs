@@ -58,7 +58,7 @@ fn on_or_off(text: &str) -> Result<bool, String> {
     }
 }
 
-/// The place of a sun: two angles in degrees.
+/// The direction of a sun: two angles in degrees.
 fn sun(text: &str) -> Result<(f64, f64), String> {
     let angles =
         text.split_once(',').and_then(|(a, b)| Some((a.trim().parse::<f64>().ok()?, b.trim().parse::<f64>().ok()?)));

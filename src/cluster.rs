@@ -1,4 +1,4 @@
-//! The folder of a render that many processes share: what is asked, its parts, and where their images are.
+//! The folder of a render that many processes share: the request, its parts, and where their images are.
 //!
 //! `gpu-rt submit` writes it, `gpu-rt status` reads it.
 
@@ -17,8 +17,8 @@ use crate::error::{Error, Result};
 use crate::output::atomic;
 use crate::output::exr::read_state;
 
-/// The file that says what is asked.
-pub const ASKED: &str = "job.json";
+/// The file with the request.
+pub const JOB_FILE: &str = "job.json";
 const PARTS: &str = "parts";
 /// The script of a task, and that of the join.
 pub const RENDER: &str = "render.sh";
@@ -28,14 +28,14 @@ pub const LOG: &str = "log";
 /// The version of the format. A reader refuses others.
 pub const FORMAT: u32 = 1;
 
-/// The folder, and what it says is asked.
+/// The folder and its request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Folder {
     pub path: PathBuf,
-    pub asked: Request,
+    pub request: Request,
 }
 
-/// What is asked of all processes together: `job.json`.
+/// The request to all processes together: `job.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
@@ -65,12 +65,12 @@ pub struct Request {
 }
 
 impl Folder {
-    /// Reads what is asked in this folder.
+    /// Reads the request of this folder.
     ///
     /// # Errors
     /// `Error::File` with the file's name, where it cannot be read or is not what `gpu-rt submit` writes.
     pub fn read(path: &Path) -> Result<Folder> {
-        let file = path.join(ASKED);
+        let file = path.join(JOB_FILE);
         let failed = |reason: String| Error::File { path: file.clone(), action: "read", reason };
         let text = std::fs::read_to_string(&file)
             .map_err(|error| failed(format!("{error}. Is this a folder that `gpu-rt submit` has written?")))?;
@@ -78,16 +78,16 @@ impl Folder {
         if json.get("format").and_then(serde_json::Value::as_u64) != Some(u64::from(FORMAT)) {
             return Err(failed(format!("it has another format than this version of gpu-rt reads ({FORMAT})")));
         }
-        let asked: Request = serde_json::from_value(json).map_err(|error| failed(error.to_string()))?;
-        asked.check().map_err(failed)?;
-        Ok(Folder { path: path.to_owned(), asked })
+        let request: Request = serde_json::from_value(json).map_err(|error| failed(error.to_string()))?;
+        request.check().map_err(failed)?;
+        Ok(Folder { path: path.to_owned(), request })
     }
 
-    /// Writes what is asked; a reader finds the old text or the new one.
+    /// Writes the request; a reader finds the old text or the new one.
     pub fn write(&self) -> Result<()> {
-        let asked = self.path.join(ASKED);
-        let json = serde_json::to_string_pretty(&self.asked).map_err(|error| failed(&asked, "write", &error))?;
-        atomic::write(&asked, (json + "\n").as_bytes())
+        let file = self.path.join(JOB_FILE);
+        let json = serde_json::to_string_pretty(&self.request).map_err(|error| failed(&file, "write", &error))?;
+        atomic::write(&file, (json + "\n").as_bytes())
     }
 
     /// The parts that lack samples, by their numbers.
@@ -108,7 +108,7 @@ impl Folder {
 
     /// The samples of each part, in order.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = Range<u32>> + '_ {
-        self.asked.parts.iter().map(|[start, end]| *start..*end)
+        self.request.parts.iter().map(|[start, end]| *start..*end)
     }
 
     /// The image of a part. The names are sorted as the parts are.
@@ -117,19 +117,19 @@ impl Folder {
         self.path.join(PARTS).join(format!("{:0digits$}-{:0digits$}.exr", range.start, range.end))
     }
 
-    /// The digits of the largest sample that may be asked, now or later.
+    /// The digits of the largest sample that may be requested, now or later.
     fn digits(&self) -> usize {
-        self.asked.most.unwrap_or(0).max(self.asked.samples[1]).to_string().len()
+        self.request.most.unwrap_or(0).max(self.request.samples[1]).to_string().len()
     }
 
     /// The image of all parts.
     pub fn output(&self) -> PathBuf {
-        self.path.join(&self.asked.output)
+        self.path.join(&self.request.output)
     }
 
     /// The scene file.
     pub fn scene(&self) -> PathBuf {
-        self.path.join(&self.asked.scene)
+        self.path.join(&self.request.scene)
     }
 }
 
@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     fn folder(path: &Path) -> Folder {
-        let asked = Request {
+        let request = Request {
             format: FORMAT,
             scene: "scene/a b.ron".into(),
             output: "a b.exr".into(),
@@ -169,30 +169,30 @@ mod tests {
             height: 9,
             ..Request::default()
         };
-        Folder { path: path.to_owned(), asked }
+        Folder { path: path.to_owned(), request }
     }
 
     #[test]
     fn a_request_is_read_as_it_was_written() {
-        let place = tempfile::tempdir().unwrap();
-        let written = folder(place.path());
+        let folder_path = tempfile::tempdir().unwrap();
+        let written = folder(folder_path.path());
         written.write().unwrap();
-        assert_eq!(Folder::read(place.path()).unwrap(), written);
-        assert_eq!(written.part_path(&(0..504)), place.path().join("parts/0000-0504.exr"));
-        assert_eq!(written.output(), place.path().join("a b.exr"));
+        assert_eq!(Folder::read(folder_path.path()).unwrap(), written);
+        assert_eq!(written.part_path(&(0..504)), folder_path.path().join("parts/0000-0504.exr"));
+        assert_eq!(written.output(), folder_path.path().join("a b.exr"));
     }
 
     #[test]
     fn a_damaged_request_is_refused_by_name() {
-        let place = tempfile::tempdir().unwrap();
-        let file = place.path().join(ASKED);
+        let folder_path = tempfile::tempdir().unwrap();
+        let file = folder_path.path().join(JOB_FILE);
         let refused = |word: &str| {
-            let message = Folder::read(place.path()).unwrap_err().to_string();
+            let message = Folder::read(folder_path.path()).unwrap_err().to_string();
             assert!(message.starts_with(&file.display().to_string()) && message.contains(word), "{message}");
         };
         refused("submit");
-        let whole = folder(place.path());
-        whole.write().unwrap();
+        let written = folder(folder_path.path());
+        written.write().unwrap();
         let text = std::fs::read_to_string(&file).unwrap();
         for (from, to, word) in [
             ("\"format\": 1", "\"format\": 2", "format"),
@@ -206,8 +206,8 @@ mod tests {
             refused(word);
         }
         for parts in [vec![], vec![[0, 504]], vec![[0, 504], [512, 1000]], vec![[0, 500], [500, 1000]], vec![[8, 0]]] {
-            let mut other = whole.clone();
-            other.asked.parts = parts;
+            let mut other = written.clone();
+            other.request.parts = parts;
             other.write().unwrap();
             refused("part");
         }

@@ -6,11 +6,11 @@ use glam::DVec3;
 
 /// Of a primitive's code: tells it from a BVH node's index.
 pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
-/// Place of the kind within a primitive's code.
+/// The bit position of the kind within a primitive's code.
 pub const PRIMITIVE_KIND_SHIFT: u32 = 27;
 /// The most primitives of one kind.
 pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
-/// The kinds of codes that have to do with meshes: a face, and a mesh placed in the scene.
+/// The kinds of codes that have to do with meshes: a face, and an instance of a mesh.
 pub const KIND_TRIANGLE: u32 = 3;
 pub const KIND_INSTANCE: u32 = 14;
 /// The kind of codes of lights without size.
@@ -25,13 +25,13 @@ pub const NO_NORMAL: u32 = 0x8000_8000;
 pub const HIT_NOTHING: u32 = 0xffff_ffff;
 /// The code of a slot without a run.
 pub const SLOT_IDLE: u32 = 0xffff_fffd;
-/// In place of a primitive's place among the lights: it emits, and is not sampled.
+/// Instead of a primitive's index among the lights: it emits, and is not sampled.
 pub const NOT_SAMPLED: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
-/// In place of the second face of a `FacePair` that has one.
+/// Instead of the second face of a `FacePair` that has one.
 pub const NO_FACE: u32 = 0;
-/// In place of a member of an `Extension` that the material does not have.
+/// Instead of a member of an `Extension` that the material does not have.
 pub const NO_EXTENSION: u32 = 0xffff_ffff;
 /// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky or
 /// directional lights.
@@ -44,7 +44,7 @@ pub const RUN_LENGTH: u32 = 8;
 pub const STRIP_ROWS: u32 = 8;
 /// In the counts of a run: it is an odd one.
 pub const ODD_RUN: u32 = 0x8000_0000;
-/// The places in `Counters::counts` of camera samples, rays, paths that max_depth ended, and the throughput of these.
+/// The indices in `Counters::counts` of camera samples, rays, paths that max_depth ended, and the throughput of these.
 pub const PATHS: u32 = 0;
 pub const RAYS: u32 = 1;
 pub const TOO_DEEP: u32 = 2;
@@ -54,7 +54,7 @@ pub const SUM_FRACTION: u32 = 88;
 pub const SQUARE_FRACTION: u32 = 96;
 /// Sums of radiance and of its squares that the film has of each pixel: of even runs, of odd ones, and the squared deviations.
 pub const FILM_SUMS: usize = 3 * CHANNELS.len();
-/// Bins that light is counted in which mirrors and glass leave to chance.
+/// Bins that count the light that narrow lobes hide from light sampling.
 pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
@@ -64,9 +64,9 @@ pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// A value for each of them.
 pub type Rgb<T> = [T; CHANNELS.len()];
 
-/// How the samples of a pixel are spread.
+/// The variance of the samples of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleSpread {
+pub struct SampleVariance {
     /// The variance of a sample, radiance squared; infinite if it is not known.
     pub variance: Rgb<f32>,
     /// The degrees of freedom of this estimate.
@@ -98,7 +98,7 @@ pub fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// How the samples of a pixel are placed: a file of shaders/sampler.
+/// How the samples of a pixel are chosen: a file of shaders/sampler.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampler {
@@ -127,7 +127,7 @@ macro_rules! device_struct {
 }
 
 device_struct!(
-    /// What one render is told. Kernels have the members that they need, each found by its name ([`crate::gpu::layout::pack`]).
+    /// The settings of a render. Kernels have the members that they need, each found by its name ([`crate::gpu::layout::pack`]).
     Settings {
         forward: [f32; 3],
         image_width: u32,
@@ -271,7 +271,7 @@ device_struct!(
 );
 
 device_struct!(
-    /// A box turned any way, in render space.
+    /// A rotated box, in render space.
     Cuboid {
         center: [f32; 3],
         order: u32,
@@ -285,13 +285,13 @@ device_struct!(
 );
 
 device_struct!(
-    /// A mesh placed in render space.
+    /// An instance of a mesh, in render space.
     Instance {
         x_axis: [f32; 3],
         order: u32,
         y_axis: [f32; 3],
         material: u32,
-        place: [f32; 3],
+        translation: [f32; 3],
         frame: u32,
         scale: f32,
         to_light: u32,
@@ -327,8 +327,8 @@ device_struct!(
 device_struct!(
     /// A light without size, in render space.
     DeltaLight {
-        place: [f32; 3],
-        has_place: f32,
+        position: [f32; 3],
+        has_position: f32,
         colour: [f32; 3],
         height: f32,
         axis: [f32; 3],
@@ -465,7 +465,7 @@ device_struct!(
         converted: u32,
         uniform_of_32: u32,
         uniform_of_24: u32,
-        said_of_special: u32,
+        classes_of_special: u32,
         made_subnormal: u32,
         from_subnormal: u32,
         edge_sign: i32,

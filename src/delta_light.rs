@@ -8,7 +8,7 @@ use crate::data::{self, f32s, luminance};
 use crate::error::Result;
 use crate::shape::similarity::Similarity;
 use crate::shape::{Aabb, RenderSpace};
-use crate::source::{Place, SMALLEST};
+use crate::source::{SMALLEST, ValuePath};
 use crate::texture::Colour;
 
 /// A light without size.
@@ -31,7 +31,7 @@ fn height(degrees: f64) -> f64 {
 
 impl DeltaLight {
     /// Checks its numbers, each of which is in its own range.
-    pub fn check(&self, above: &Place) -> Result<()> {
+    pub fn check(&self, above: &ValuePath) -> Result<()> {
         match *self {
             DeltaLight::Spot { at, towards, .. } if (towards - at).length() < SMALLEST => {
                 Err(above.field("towards").error("towards and at are the same point"))
@@ -65,20 +65,20 @@ impl DeltaLight {
     }
 
     /// The light in the world.
-    pub fn placed(&self, to_world: &Similarity) -> PlacedLight {
+    pub fn in_world(&self, to_world: &Similarity) -> WorldLight {
         let turned = |v: DVec3| to_world.rotation * unit(v);
         match *self {
             DeltaLight::Point { at, intensity } => {
-                PlacedLight { place: Some(to_world.point(at)), axis: DVec3::Z, colour: intensity, beam: None }
+                WorldLight { position: Some(to_world.point(at)), axis: DVec3::Z, colour: intensity, beam: None }
             }
-            DeltaLight::Spot { at, towards, intensity, inner, outer } => PlacedLight {
-                place: Some(to_world.point(at)),
+            DeltaLight::Spot { at, towards, intensity, inner, outer } => WorldLight {
+                position: Some(to_world.point(at)),
                 axis: turned(towards - at),
                 colour: intensity,
                 beam: Some(Beam { inner, outer }),
             },
             DeltaLight::Directional { direction, irradiance } => {
-                PlacedLight { place: None, axis: turned(direction), colour: irradiance, beam: None }
+                WorldLight { position: None, axis: turned(direction), colour: irradiance, beam: None }
             }
         }
     }
@@ -93,9 +93,9 @@ pub struct Beam {
 
 /// A delta light in the world.
 #[derive(Clone, Copy, Debug)]
-pub struct PlacedLight {
+pub struct WorldLight {
     /// None of a directional light.
-    pub place: Option<DVec3>,
+    pub position: Option<DVec3>,
     /// Unit vector: where the light, or the middle of its beam, goes.
     axis: DVec3,
     /// Its intensity, or the irradiance of a directional light.
@@ -109,10 +109,10 @@ const FARTHEST: f64 = (1u64 << 30) as f64;
 /// Added to the angle of a beam in the light tree: more than the rounding of an angle there, so that no part of the beam is lost.
 const MARGIN: f64 = 2e-3;
 
-impl PlacedLight {
-    /// Its place in render space, or the direction to a directional light; and its intensity there per unit of the world's.
+impl WorldLight {
+    /// Its position in render space, or the direction to a directional light; and its intensity there per unit of the world's.
     fn in_space(&self, space: RenderSpace) -> (DVec3, f64) {
-        let Some(at) = self.place.map(|at| space.point(at)) else { return (-self.axis, 1.0) };
+        let Some(at) = self.position.map(|at| space.point(at)) else { return (-self.axis, 1.0) };
         let distance = at.length();
         let moved = if distance > FARTHEST { FARTHEST / distance } else { 1.0 };
         (moved * at, (moved * space.scale).powi(2))
@@ -120,7 +120,7 @@ impl PlacedLight {
 
     /// The struct that kernels read.
     pub fn on_device(&self, space: RenderSpace, radiance_scale: f64) -> data::DeltaLight {
-        let (place, factor) = self.in_space(space);
+        let (position, factor) = self.in_space(space);
         let colour = radiance_scale * (factor * self.colour);
         // Without a beam, the falloff is 1 in all directions.
         let (height, slope) = self.beam.map_or((4.0, 1.0), |Beam { inner, outer }| {
@@ -128,8 +128,8 @@ impl PlacedLight {
             (outer, 1.0 / (outer - inner).max(f64::MIN_POSITIVE))
         });
         data::DeltaLight {
-            place: f32s(place),
-            has_place: f32::from(u8::from(self.place.is_some())),
+            position: f32s(position),
+            has_position: f32::from(u8::from(self.position.is_some())),
             colour: f32s(colour.min(DVec3::splat(f64::from(f32::MAX)))),
             height: height as f32,
             axis: f32s(self.axis),
@@ -142,7 +142,7 @@ impl PlacedLight {
         self.in_space(space).1 * luminance(self.colour.to_array())
     }
 
-    /// A box around its place in render space.
+    /// A box around its position in render space.
     pub fn around(&self, space: RenderSpace) -> Aabb {
         Aabb::around([self.in_space(space).0])
     }
@@ -154,7 +154,7 @@ impl PlacedLight {
 
     /// The radiance of a white diffuse surface that faces it at a distance.
     pub fn brightest_reflection(&self, distance: f64) -> f64 {
-        let irradiance = match self.place {
+        let irradiance = match self.position {
             Some(_) => self.colour / distance / distance,
             None => self.colour,
         };

@@ -104,8 +104,8 @@ fn scale_of(image: &[Rgb<f32>]) -> f64 {
 
 /// The library in a folder, or in the folder of it where installed packages have it.
 fn in_folder(folder: &Path) -> Result<OsString> {
-    let places = [folder.join(FILE), folder.join("lib").join(FILE), folder.join("bin").join(FILE)];
-    let found = places.into_iter().find(|place| place.is_file());
+    let candidates = [folder.join(FILE), folder.join("lib").join(FILE), folder.join("bin").join(FILE)];
+    let found = candidates.into_iter().find(|path| path.is_file());
     found.map(PathBuf::into_os_string).ok_or_else(|| {
         let name = folder.display();
         Error::Denoiser(format!("{name}: neither it nor its folder lib or bin has {FILE}. {}", how_to_get_it()))

@@ -1,4 +1,4 @@
-//! The error type of the whole program: what went wrong, where, and what to do about it.
+//! The error type of the program: what went wrong, where, and what to do about it.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -68,7 +68,7 @@ pub enum Error {
     /// `--fail-above` was given and a metric is above its limit.
     #[error("{0}")]
     Limit(String),
-    /// The render was given up, because its scene has changed. Nobody is told.
+    /// The render was given up, because its scene has changed. It is not reported.
     #[error("the scene has changed")]
     Dropped,
     /// A signal ended the work. Finished parts are kept.

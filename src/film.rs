@@ -18,7 +18,7 @@ use crate::memory;
 pub use channels::{device_bytes, record_bytes};
 pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
 pub use verdict::Verdict;
-pub use words::{spread_of, word_names};
+pub use words::{sample_variance_of, word_names};
 
 use channels::Channels;
 use floats::{exp2, to_f32};
@@ -40,9 +40,9 @@ const RELIABLE: f64 = 0.1;
 /// The largest share of a sum over pixels that is left to two halves of a single pixel. Should these agree by chance, the sum is too small
 /// by no more, and the error by half of it.
 const MOST_OF_HALVES: f64 = 0.02;
-/// Degrees of freedom of a variance that comes from the spread of a pixel's samples. A variance that k bright samples make is known to 1/√k of
+/// Degrees of freedom of a variance that comes from the squared deviations of a pixel's samples. A variance that k bright samples make is known to 1/√k of
 /// itself, as by 2k degrees of freedom. Two bright samples are assumed.
-const DEGREES_OF_SPREAD: f64 = 4.0;
+const DEGREES_OF_SAMPLES: f64 = 4.0;
 /// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
 /// unit at most.
 const LEAST_SQUARES: i128 = 1 << 10;
@@ -55,7 +55,7 @@ struct Pixel {
     /// What the odd runs have of it.
     odd_sum: Rgb<i128>,
     /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`SQUARE_FRACTION`].
-    spread: Rgb<i128>,
+    squared_deviations: Rgb<i128>,
     /// Accepted samples of even and of odd runs. A pixel's samples are numbered by 32 bits, so that either has at most 2^31.
     even: u32,
     odd: u32,
@@ -79,7 +79,7 @@ impl From<&PixelTotals> for Pixel {
         Pixel {
             sum: [0, 1, 2].map(|channel| even_sum[channel].saturating_add(odd_sum[channel])),
             odd_sum,
-            spread: sums(2),
+            squared_deviations: sums(2),
             even,
             odd,
             runs: totals.runs,
@@ -111,11 +111,11 @@ impl Pixel {
 
     /// The variance of the pixel's mean, in device units squared. Unknown without samples in either half, or where a total has saturated.
     fn variance(&self, channel: usize, sampler: Sampler) -> Option<f64> {
-        let saturated = self.sum[channel] == i128::MAX || self.spread[channel] == i128::MAX;
+        let saturated = self.sum[channel] == i128::MAX || self.squared_deviations[channel] == i128::MAX;
         match (saturated || !self.has_halves(), sampler) {
             (true, _) => None,
             (false, Sampler::Independent) => {
-                Some(self.variance_of_spread(channel).unwrap_or_else(|| self.variance_of_halves(channel)))
+                Some(self.variance_of_samples(channel).unwrap_or_else(|| self.variance_of_halves(channel)))
             }
             (false, Sampler::Sobol) => Some(self.variance_of_halves(channel)),
         }
@@ -132,7 +132,7 @@ impl Pixel {
 
     /// Degrees of freedom of the variance.
     fn degrees(&self, sampler: Sampler) -> f64 {
-        let known = || (0..3).all(|channel| self.variance_of_spread(channel).is_some());
+        let known = || (0..3).all(|channel| self.variance_of_samples(channel).is_some());
         if sampler == Sampler::Independent && known() { (self.samples() - u64::from(self.runs)) as f64 } else { 1.0 }
     }
 
@@ -154,9 +154,9 @@ impl Pixel {
     /// The variance that the mean of as many independent samples has: with W the squared deviations from the means of K runs, N samples in
     /// all, W / ((N − K) N), since a run of n samples has n − 1 degrees of freedom. Sobol points have less, but where single samples make
     /// most of it. Nothing where no run tells, or all are too close for the squares' fixed point.
-    fn variance_of_spread(&self, channel: usize) -> Option<f64> {
+    fn variance_of_samples(&self, channel: usize) -> Option<f64> {
         let degrees = self.samples().checked_sub(u64::from(self.runs)).filter(|degrees| *degrees > 0)?;
-        let squares = self.spread[channel];
+        let squares = self.squared_deviations[channel];
         let known = squares >= LEAST_SQUARES * i128::from(self.runs);
         known.then(|| squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / (degrees as f64 * self.samples() as f64))
     }
@@ -165,7 +165,8 @@ impl Pixel {
         for channel in 0..3 {
             self.sum[channel] = self.sum[channel].saturating_add(other.sum[channel]);
             self.odd_sum[channel] = self.odd_sum[channel].saturating_add(other.odd_sum[channel]);
-            self.spread[channel] = self.spread[channel].saturating_add(other.spread[channel]);
+            self.squared_deviations[channel] =
+                self.squared_deviations[channel].saturating_add(other.squared_deviations[channel]);
         }
         self.even = self.even.saturating_add(other.even);
         self.odd = self.odd.saturating_add(other.odd);
@@ -174,7 +175,7 @@ impl Pixel {
     }
 }
 
-/// The exact totals of a whole image.
+/// The exact totals of an image.
 ///
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added
 /// without any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 500 fit. Its squared deviations hold 2^-96 to 2^31: 2^29
@@ -230,7 +231,7 @@ impl Film {
         let count = usize::try_from(count).map_err(|_| cannot(()))?;
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
-        let frame = Frame::whole((width, height));
+        let frame = Frame::full((width, height));
         let (channels, totals) = (Channels::default(), Totals::default());
         Ok(Film { exponent, sampler, samples_lights: true, frame, pixels, channels, totals })
     }
@@ -389,7 +390,7 @@ impl Film {
     /// reference without error would tell, sqrt(mean((I - R)² / (R² + 0.01 R̄²))).
     ///
     /// With x the mean of v / (I² + 0.01 Ī²) over a pixel's channels, T = Σ x over n pixels tells the expectation of Y = Σ y, y the same
-    /// with (I - R)² in place of v. Both scatter about it. Pixels are independent, since random numbers are keyed by them, so that Var T =
+    /// with (I - R)² instead of v. Both scatter about it. Pixels are independent, since random numbers are keyed by them, so that Var T =
     /// Σ Var x and Var Y = Σ Var y, and as sums of scaled chi-squares T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y degrees of
     /// freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). What the halves of normal samples differ in is independent of what
     /// they have in common, so that Y/T has Fisher's distribution F(μ, ν).
@@ -400,7 +401,7 @@ impl Film {
     /// Of independent samples it is too large for Var T.
     ///
     /// - **Few pixels that hold the noise.** Where the halves of such a pixel agree by chance, it is missing in T and in Σ x² alike. So a
-    ///   pixel counts with the spread of its samples in place of its halves, w with σ²/N for v, where w is more than
+    ///   pixel counts with the variance of its samples instead of its halves, w with σ²/N for v, where w is more than
     ///   [`MOST_OF_HALVES`] of all. Sobol points take much of σ² from smooth pixels and edges, and nothing from what single samples make,
     ///   so that w is too large if anything; pixels are chosen by w alone, so that no chance of the halves has a say.
     /// - **What the error is relative to.** A pixel that a rare bright path met has a large v and a large I, and x is near 1 whatever it is. The
@@ -432,7 +433,7 @@ impl Film {
                 continue;
             }
             let v = pixel.variances(self.sampler)?;
-            let spread = [0, 1, 2].map(|channel| pixel.variance_of_spread(channel).unwrap_or(0.0));
+            let samples = [0, 1, 2].map(|channel| pixel.variance_of_samples(channel).unwrap_or(0.0));
             let own = pixel.means().map(|mean| 1.0 / (mean * mean + floor));
             let means = pixel.half_means();
             let halves = means.map(|means| means.map(|mean| 1.0 / (mean * mean + floor)));
@@ -446,8 +447,8 @@ impl Film {
             });
             total += weighted(v, own);
             let degrees = pixel.degrees(self.sampler);
-            usual.add(weighted(v, mean), degrees, weighted(spread, mean));
-            rare.add(weighted(v, darker), degrees, weighted(spread, darker));
+            usual.add(weighted(v, mean), degrees, weighted(samples, mean));
+            rare.add(weighted(v, darker), degrees, weighted(samples, darker));
             pixels += 1;
         }
         if pixels == 0 {
@@ -477,7 +478,7 @@ struct NoiseSum {
     /// Σ x, and what is at hand of its variance.
     total: f64,
     variance: f64,
-    /// The pixels whose samples are spread the most, the largest w first: w, x, and the part of the variance. More pixels than these cannot
+    /// The pixels whose samples have the largest variance, the largest w first: w, x, and the part of the variance. More pixels than these cannot
     /// have more than [`MOST_OF_HALVES`] each.
     largest: Vec<Rgb<f64>>,
 }
@@ -490,29 +491,29 @@ impl NoiseSum {
         self.total += x;
         self.variance += variance;
         if w > 0.0 && (self.largest.len() < MOST || self.largest.last().is_some_and(|[least, ..]| w > *least)) {
-            let place = self.largest.partition_point(|[larger, ..]| *larger >= w);
-            self.largest.insert(place, [w, x, variance]);
+            let index = self.largest.partition_point(|[larger, ..]| *larger >= w);
+            self.largest.insert(index, [w, x, variance]);
             self.largest.truncate(MOST);
         }
     }
 
     /// What the sum of the image's own squared errors exceeds with the probability `level`, and the degrees of freedom of the estimate.
     fn bound(&self, level: f64) -> (f64, f64) {
-        let (mut of_halves, mut of_spread) = ([self.total, self.variance], [0.0, 0.0]);
+        let (mut of_halves, mut of_samples) = ([self.total, self.variance], [0.0, 0.0]);
         for [w, x, variance] in &self.largest {
-            if *w <= MOST_OF_HALVES * (of_spread[0] + of_halves[0]) {
+            if *w <= MOST_OF_HALVES * (of_samples[0] + of_halves[0]) {
                 break;
             }
-            of_spread = [of_spread[0] + w, of_spread[1] + 2.0 * w * w];
+            of_samples = [of_samples[0] + w, of_samples[1] + 2.0 * w * w];
             of_halves = [(of_halves[0] - x).max(0.0), (of_halves[1] - variance).max(0.0)];
         }
-        let total = of_spread[0] + of_halves[0];
+        let total = of_samples[0] + of_halves[0];
         // T² is too large for (E T)² by the variance of T, where the halves tell both: hence the difference.
-        let degrees = |of_spread: f64| match of_spread + of_halves[1] {
+        let degrees = |of_samples: f64| match of_samples + of_halves[1] {
             variance if variance > 0.0 => (2.0 * (total * total - of_halves[1]) / variance).max(0.0),
             _ => f64::INFINITY,
         };
-        let (of_image, of_estimate) = (degrees(of_spread[1]), degrees(of_spread[1] / DEGREES_OF_SPREAD));
+        let (of_image, of_estimate) = (degrees(of_samples[1]), degrees(of_samples[1] / DEGREES_OF_SAMPLES));
         (total * upper_fisher(of_image, of_estimate, level), of_estimate)
     }
 }
@@ -521,7 +522,7 @@ impl NoiseSum {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     pub value: f64,
-    /// What the error of this image is below, but for the probability asked; infinite where nothing is known.
+    /// What the error of this image is below, but for the requested probability; infinite where nothing is known.
     pub bound: f64,
     /// The error relative to an image without the bright samples of this one, as far as its halves tell.
     pub against_better: f64,

@@ -9,6 +9,7 @@ mod cuts;
 mod device_scene;
 mod diagnostics;
 mod features;
+mod finder;
 mod hierarchies;
 mod light_tree;
 mod media;
@@ -16,7 +17,6 @@ mod mesh_tables;
 mod meshes;
 mod octahedral;
 mod pairs;
-mod place;
 mod sampled_lights;
 mod tangents;
 mod view;
@@ -27,17 +27,17 @@ use glam::DVec3;
 
 use crate::aov::SceneSpace;
 use crate::data::MAX_PRIMITIVES;
-use crate::delta_light::PlacedLight;
+use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
 use crate::material::{ExtensionKind, Lobe, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
-use crate::shape::{BoundingShape, Placement, RenderSpace, binary_exponent, exp2, mesh};
+use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
 use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
+use finder::{Finder, WorldMedium, extent};
 use mesh_tables::Table;
-use place::{Finder, PlacedMedium, extent};
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -79,8 +79,8 @@ pub fn flatten_with(
     let meshes = mesh::shapes(&scene.meshes);
     let view = View::new(&scene.camera, size);
     let mut finder = Finder::new(scene, &meshes, view.eye);
-    scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
-    for primitive in &finder.placed {
+    scene.objects.iter().for_each(|object| finder.add(object, &view.to_space));
+    for primitive in &finder.primitives {
         let at_object = || scene.location_of(primitive.object).to_string();
         features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
         if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
@@ -89,7 +89,7 @@ pub fn flatten_with(
     }
     // Whether an object uses each material.
     let mut used = vec![false; scene.materials.len()];
-    for primitive in &finder.placed {
+    for primitive in &finder.primitives {
         let number = primitive.material as usize;
         if !std::mem::replace(&mut used[number], true) {
             let (name, material) = &scene.materials[number];
@@ -104,7 +104,7 @@ pub fn flatten_with(
         features.texel_formats[bitmap.format.number()].get_or_insert_with(|| format!("background at {at}"));
     }
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
-    let most = finder.placed.len().max(faces);
+    let most = finder.primitives.len().max(faces);
     if most >= MAX_PRIMITIVES {
         return Err(scene.error(&[], format!("expected fewer than {MAX_PRIMITIVES} primitives, found {most}")));
     }
@@ -115,7 +115,7 @@ pub fn flatten_with(
     if let Some((object, _)) = finder.lights.first()
         && options.integrator == Integrator::Bsdf
     {
-        return Err(no_chance(scene, object));
+        return Err(needs_light_sampling(scene, object));
     }
     if finder.lights.len() >= MOST_LIGHTS {
         let message = format!("expected fewer than {MOST_LIGHTS} lights without size, found {}", finder.lights.len());
@@ -123,7 +123,7 @@ pub fn flatten_with(
     }
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
-    let brightest = brightest(scene, &used).max(brightest_shown(&finder, view.eye, extent));
+    let brightest = brightest(scene, &used).max(brightest_reflection(&finder, view.eye, extent));
     let search = Search::new(scene, &finder, &view, extent, brightest > 0.0);
     let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
@@ -142,7 +142,7 @@ pub fn flatten_with(
     flat.settings = view.settings(&space);
     let mut builder = Builder {
         scene,
-        laid: vec![None; meshes.len()],
+        layouts: vec![None; meshes.len()],
         tables: vec![vec![Table::FIRST]; meshes.len()],
         space,
         quality: options.build,
@@ -154,7 +154,7 @@ pub fn flatten_with(
         mesh_frames: HashMap::new(),
         flat,
     };
-    builder.find_tables(&finder.placed);
+    builder.find_tables(&finder.primitives);
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
@@ -168,10 +168,10 @@ pub fn flatten_with(
     let (warnings, ()) = join(
         || diagnostics::warnings(&search),
         || {
-            builder.add_primitives(&finder.placed);
+            builder.add_primitives(&finder.primitives);
             builder.add_media(&finder.media);
             if sample_lights && builder.flat.features.samples_light_anywhere() {
-                builder.add_lights(&finder.placed, &finder.lights, radiance_scale);
+                builder.add_lights(&finder.primitives, &finder.lights, radiance_scale);
             }
         },
     );
@@ -193,7 +193,7 @@ pub fn flatten_with(
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
     flat.features.thin_lens = (scene.camera.aperture > 0.0).then(|| of_camera("aperture"));
-    flat.features.turned = view.turned.then(|| of_camera("vertical_fov"));
+    flat.features.camera_axes = view.has_camera_axes.then(|| of_camera("vertical_fov"));
     if options.features == FeatureSet::All {
         flat.require_all(sample_lights);
     }
@@ -235,11 +235,11 @@ fn require_material(features: &mut Features, scene: &Scene, name: &str, material
 }
 
 /// Records the features that a medium requires.
-fn require_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>) {
+fn require_medium(features: &mut Features, scene: &Scene, medium: &WorldMedium<'_>) {
     let kind = medium.boundary.code_kind();
     let at_object = || scene.location_of(medium.object).to_string();
-    let place = BOUNDARIES.iter().position(|(_, number)| *number == kind);
-    if let Some(slot) = place.and_then(|place| features.boundaries.get_mut(place)) {
+    let index = BOUNDARIES.iter().position(|(_, number)| *number == kind);
+    if let Some(slot) = index.and_then(|index| features.boundaries.get_mut(index)) {
         slot.get_or_insert_with(at_object);
     }
     // The width is that of width_of_phase (shaders/medium/phase_pdf).
@@ -253,7 +253,7 @@ fn require_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<
 }
 
 /// The error that `--integrator bsdf` cannot find a light.
-fn no_chance(scene: &Scene, object: &Object) -> Error {
+fn needs_light_sampling(scene: &Scene, object: &Object) -> Error {
     let name = object.name();
     let message = format!(
         "a {name} has no size, so that no path can hit it: --integrator bsdf finds no light of it. Use --integrator mis, or a small sphere \
@@ -281,34 +281,34 @@ fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> 
     ))
 }
 
-/// How many lights without size are looked at for the unit of radiance: the brightest.
-const MOST_SHOWN: usize = 64;
+/// How many lights without size count for the unit of radiance: the brightest.
+const MOST_DELTA_LIGHTS: usize = 64;
 /// The least distance of a light from what it lights, as a share of the scene's extent.
-const LEAST_SHOWN: f64 = 1.0 / (1u64 << 14) as f64;
+const LEAST_LIGHT_DISTANCE: f64 = 1.0 / (1u64 << 14) as f64;
 
 /// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest bounding shape of an object.
-fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
+fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
     let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).collect();
     lights.sort_by(|a, b| b.colour.max_element().total_cmp(&a.colour.max_element()));
-    let placed = finder
-        .placed
+    let primitives = finder
+        .primitives
         .iter()
-        .map(|placed| placed.shape.bounding_shape(&Placement { to_world: &placed.to_world, space }));
+        .map(|primitive| primitive.shape.bounding_shape(&ObjectTransform { to_world: &primitive.to_world, space }));
     let media = finder
         .media
         .iter()
-        .map(|medium| medium.boundary.bounding_shape(&Placement { to_world: &medium.to_world, space }));
-    let shapes: Vec<BoundingShape> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
-    let shown = |light: &PlacedLight| {
-        let distance = light.place.map_or(1.0, |place| {
-            let nearest = shapes.iter().map(|shape| shape.distance(place - eye)).fold(f64::INFINITY, f64::min);
+        .map(|medium| medium.boundary.bounding_shape(&ObjectTransform { to_world: &medium.to_world, space }));
+    let shapes: Vec<BoundingShape> = if lights.is_empty() { Vec::new() } else { primitives.chain(media).collect() };
+    let reflection = |light: &WorldLight| {
+        let distance = light.position.map_or(1.0, |position| {
+            let nearest = shapes.iter().map(|shape| shape.distance(position - eye)).fold(f64::INFINITY, f64::min);
             let nearest = if nearest.is_finite() { nearest } else { extent };
-            nearest.max(LEAST_SHOWN * extent)
+            nearest.max(LEAST_LIGHT_DISTANCE * extent)
         });
         light.brightest_reflection(distance)
     };
-    lights.into_iter().take(MOST_SHOWN).map(shown).fold(0.0, f64::max)
+    lights.into_iter().take(MOST_DELTA_LIGHTS).map(reflection).fold(0.0, f64::max)
 }
 
 /// The largest component of the radiance of the background and of the materials that objects have.

@@ -30,7 +30,7 @@ pub struct Identity {
 impl Identity {
     pub fn new(scene: &Scene, frame: &Frame, job: &Job, options: &RenderOptions) -> Identity {
         let of_job = [
-            ("size", format!("{}x{}", frame.whole.0, frame.whole.1)),
+            ("size", format!("{}x{}", frame.full.0, frame.full.1)),
             ("max-depth", job.max_depth.to_string()),
             ("seed", job.seed.to_string()),
         ];
@@ -51,10 +51,10 @@ impl Identity {
 
     /// The part of the image that a film of this size is of; nothing where the settings do not say so.
     pub fn frame(&self, size: (u32, u32)) -> Option<Frame> {
-        let Some(crop) = self.settings.get("crop") else { return Some(Frame::whole(size)) };
+        let Some(crop) = self.settings.get("crop") else { return Some(Frame::full(size)) };
         let (width, height) = self.settings.get("size")?.split_once('x')?;
-        let frame = Frame { part: crop.parse().ok()?, whole: (width.parse().ok()?, height.parse().ok()?) };
-        (frame.part.is_in(frame.whole) && frame.part.size() == size).then_some(frame)
+        let frame = Frame { part: crop.parse().ok()?, full: (width.parse().ok()?, height.parse().ok()?) };
+        (frame.part.is_in(frame.full) && frame.part.size() == size).then_some(frame)
     }
 
     /// The channels that there are beside the radiance.

@@ -26,19 +26,19 @@ impl std::fmt::Display for Crop {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     pub part: Crop,
-    /// Width and height of the image.
-    pub whole: (u32, u32),
+    /// Width and height of the full image.
+    pub full: (u32, u32),
 }
 
 impl Frame {
     /// All of an image.
-    pub fn whole(size: (u32, u32)) -> Frame {
-        Frame { part: Crop::whole(size), whole: size }
+    pub fn full(size: (u32, u32)) -> Frame {
+        Frame { part: Crop::full(size), full: size }
     }
 
     /// The part, if it is not all of the image.
     pub fn crop(&self) -> Option<Crop> {
-        (self.part != Crop::whole(self.whole)).then_some(self.part)
+        (self.part != Crop::full(self.full)).then_some(self.part)
     }
 }
 
@@ -56,7 +56,7 @@ impl FromStr for Crop {
 
 impl Crop {
     /// The part of an image of this size that is all of it.
-    pub fn whole((width, height): (u32, u32)) -> Crop {
+    pub fn full((width, height): (u32, u32)) -> Crop {
         Crop { left: 0, top: 0, width, height }
     }
 
@@ -139,8 +139,8 @@ pub enum Goal {
     /// As many samples as fit before the deadline: at least one, and at most those below `end`.
     Until { deadline: Instant, end: u32 },
     /// Until the relative error is below `error`, the deadline is reached, or `end` is reached. A render that goes on with another says with
-    /// which sample that one began, and how often the error has been looked at.
-    Noise { error: f64, deadline: Option<Instant>, end: u32, begun: u32, looks: u32 },
+    /// which sample that one began, and how often the error has been checked.
+    Noise { error: f64, deadline: Option<Instant>, end: u32, begun: u32, checks: u32 },
 }
 
 impl Goal {

@@ -41,14 +41,14 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     }
     let positive = weights.iter().filter(|w| **w > 0.0).count() as u64;
     let excess = |w: f64| ((w / largest) / sum * UNIFORMS as f64 - 1.0).max(0.0);
-    let whole: f64 = weights.iter().map(|w| excess(*w)).sum();
+    let sum_of_excess: f64 = weights.iter().map(|w| excess(*w)).sum();
     let rest = UNIFORMS - positive;
     // The running totals are rounded, so that every part is within one of its exact share and the sum is exact.
     let last = weights.iter().rposition(|w| excess(*w) > 0.0)?;
     let (mut total, mut given) = (0.0, 0);
     let parts = weights.iter().enumerate().map(|(i, &w)| {
         total += excess(w);
-        let until = if i >= last { rest } else { (((total / whole) * rest as f64) as u64).min(rest) };
+        let until = if i >= last { rest } else { (((total / sum_of_excess) * rest as f64) as u64).min(rest) };
         let part = until - given;
         given = until;
         part + u64::from(w > 0.0)
@@ -138,7 +138,7 @@ impl SkyDistribution {
         if image.is_empty() {
             return None;
         }
-        // The finest grid of whole texels with at most MAX_CELLS cells.
+        // The finest grid of complete texels with at most MAX_CELLS cells.
         let block = (1..).find(|block| w.div_ceil(*block) * h.div_ceil(*block) <= MAX_CELLS)?;
         let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
         let brightness = |texel: [f32; 3]| {

@@ -15,7 +15,7 @@ mod thin_dielectric;
 
 use crate::bitmap::Bitmaps;
 use crate::error::Result;
-use crate::source::Place;
+use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
 use crate::texture::{Texture, Use};
 
@@ -50,7 +50,7 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let model = lambertian::model(albedo).glowing(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
+                let model = lambertian::model(albedo).emissive(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
                 model.coloured_by_vertices(*vertex_colors).bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
@@ -85,7 +85,7 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let model = pbr::model(base_color, metallic, roughness, *ior).glowing(emission);
+                let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
                 let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
                 let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
                 model.layered(*specular, specular_color)
@@ -119,8 +119,8 @@ impl Material {
         self.model().slots().map(|slot| slot.texture).filter(|texture| texture.plain().is_none()).collect()
     }
 
-    /// Refuses invalid values; `at` is the place of the material.
-    pub fn check(&self, at: &Place) -> Result<()> {
+    /// Refuses invalid values; `at` is the path of the material.
+    pub fn check(&self, at: &ValuePath) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
         // A plain number is checked as a field.
@@ -134,7 +134,7 @@ impl Material {
     }
 
     /// Warnings about values that are allowed but likely to disappoint.
-    pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
+    pub fn warnings(&self, at: &ValuePath, bitmaps: &Bitmaps) -> Vec<String> {
         let at = at.variant(self.name());
         let model = self.model();
         let of_number = model.warning.iter().map(|(field, warning)| at.field(field.name).warning(warning));

@@ -12,7 +12,7 @@ use crate::bvh::Quality;
 use crate::data::Sampler;
 use crate::job::{MOST_SAMPLES, Size};
 
-/// What is asked of a render beside its scene and its job. The default is that of the command line.
+/// The options of a render beside its scene and its job. The default is that of the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     pub integrator: Integrator,
@@ -257,7 +257,7 @@ pub struct OptionSpec {
     is_hidden: bool,
 }
 
-/// How a value is read, and told.
+/// How a value is parsed and written.
 #[derive(Clone, Copy, Debug)]
 struct Reading {
     /// Its words, or the name of its value in `--help`.
@@ -426,7 +426,7 @@ pub fn default_of(module: &str) -> Option<&'static str> {
     spec.default
 }
 
-/// A whole number of a range.
+/// An integer of a range.
 fn number(text: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, String> {
     let known = text.parse().ok().filter(|number| range.contains(number));
     known.ok_or_else(|| format!("expected a whole number from {} to {}", range.start(), range.end()))

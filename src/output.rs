@@ -1,10 +1,10 @@
 pub mod atomic;
 pub mod csv;
+pub mod destination;
 pub mod display;
 pub mod exr;
 pub mod format;
 mod magma;
-pub mod place;
 pub mod plot;
 pub mod png;
 pub mod preview;

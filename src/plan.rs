@@ -26,7 +26,7 @@ use crate::options::{RenderOptions, Scatter};
 
 use choices::{Bounces, Decided, QUEUES, decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
-use state::places;
+use state::path_layout;
 pub use state::{PathField, most_path_bytes};
 pub use tables::UniformTables;
 use tables::{Table, table, tables};
@@ -47,10 +47,10 @@ pub struct Kernel {
     pub linked: Linked,
     pub module: naga::Module,
     pub bindings: BTreeMap<String, Binding>,
-    /// The objects and options that asked for it, in words.
+    /// The objects and options that need it, in words.
     pub why: String,
     /// The reason for the kernel, if only some scenes have it; else every render.
-    pub asked_by: Reason,
+    pub reason: Reason,
 }
 
 /// What a render of a scene takes: kernels, buffers and sizes.
@@ -93,7 +93,7 @@ impl SettingsLayout {
         u64::from(layout::packed_bytes(&self.0))
     }
 
-    /// Each member in its place, by its name.
+    /// The bytes of the settings, with each member at the offset that it has in the kernels.
     pub fn bytes(&self, settings: &data::Settings) -> Vec<u8> {
         layout::pack(&self.0, data::Settings::FIELDS, bytemuck::bytes_of(settings))
     }
@@ -179,13 +179,13 @@ impl Kernels {
         let Decided { choices, path_fields, surface, medium, light, queue } = decided;
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();
-        let geometry = asked(PRIMITIVES, &features.primitives, "");
-        let media = asked(&boundary_names(), &features.boundaries, " medium");
-        let of_sky = asked(&["sky"], std::slice::from_ref(&features.emitting_sky), " light");
-        let without_size = asked(&["delta"], std::slice::from_ref(&features.delta_lights), " light");
-        let emitters = [asked(PRIMITIVES, &features.emitters, " light"), without_size, of_sky];
+        let geometry = names_with_reasons(PRIMITIVES, &features.primitives, "");
+        let media = names_with_reasons(&boundary_names(), &features.boundaries, " medium");
+        let of_sky = names_with_reasons(&["sky"], std::slice::from_ref(&features.emitting_sky), " light");
+        let without_size = names_with_reasons(&["delta"], std::slice::from_ref(&features.delta_lights), " light");
+        let emitters = [names_with_reasons(PRIMITIVES, &features.emitters, " light"), without_size, of_sky];
         let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
-        let all_materials = asked(MATERIALS, &features.materials, "");
+        let all_materials = names_with_reasons(MATERIALS, &features.materials, "");
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
@@ -194,8 +194,8 @@ impl Kernels {
                 if all_reasons.is_empty() { &every_render } else { &all_reasons },
             )?))
         } else {
-            let if_any = |asked_by: &Option<Reason>, name, why: &str| {
-                asked_by.as_ref().map(|asked_by| kernel(name, name, &choices, why, asked_by)).transpose()
+            let if_any = |reason: &Option<Reason>, name, why: &str| {
+                reason.as_ref().map(|reason| kernel(name, name, &choices, why, reason)).transpose()
             };
             // A scatter kernel for each material: the linked kernel's own file with a list of one.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
@@ -265,8 +265,8 @@ impl Kernels {
         let queues = self.queues();
         let (runs, record_bytes) = (u64::from(tuning.records_per_slot), film::record_bytes(&self.aovs));
         let (tile, pixel_bytes) = (u64::from(tuning.tile), film::device_bytes(&self.aovs));
-        let places = places(&self.path_fields);
-        let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
+        let layout = path_layout(&self.path_fields);
+        let (plane_bytes, word_bytes) = (layout.plane_bytes(), layout.word_bytes());
         let header = u64::from(QUEUE_HEADER);
         let array = |(name, contents, stride, why): Table<'a>| {
             let spec = BufferSpec::scene(name, vec![contents], why);
@@ -346,7 +346,7 @@ fn boundary_names() -> Vec<&'static str> {
 }
 
 /// "sphere light (objects.ron:3:9), quad light (…)"
-fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
+fn names_with_reasons(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
     let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name}{suffix} ({})", used.as_ref()?)));
     each.collect::<Vec<_>>().join(", ")
 }
@@ -357,10 +357,10 @@ pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Uniform
     decide(features, options, tables, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices
 }
 
-fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, asked_by: &Reason) -> Result<Kernel> {
+fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, reason: &Reason) -> Result<Kernel> {
     let linked = link(&Embedded, &format!("stage/{stage}"), choices)?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;
-    let (name, choices, why, asked_by) = (name.to_string(), choices.clone(), why.to_string(), asked_by.clone());
-    Ok(Kernel { name, stage, choices, linked, module, bindings, why, asked_by })
+    let (name, choices, why, reason) = (name.to_string(), choices.clone(), why.to_string(), reason.clone());
+    Ok(Kernel { name, stage, choices, linked, module, bindings, why, reason })
 }

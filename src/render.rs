@@ -19,7 +19,7 @@ mod sample_range;
 mod tiles;
 mod watch;
 
-pub use goals::{FIRST_LOOK, LAST_LOOK, look_after, look_at};
+pub use goals::{FIRST_CHECK, LAST_CHECK, check_error, samples_at_check};
 pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
 pub use renderer::{Renderer, empty_film};
 pub use watch::{Next, Snapshot, Watch};

@@ -1,6 +1,6 @@
 //! Reads scenes.
 //!
-//! `model` is the scene: the checked contents of a scene file, with the place of every value in the file. `load` reads the file, `explain` translates ron's errors into the terms of the scene format, `validate` refuses invalid
+//! `model` is the scene: the checked contents of a scene file, with the location of every value in the file. `load` reads the file, `explain` translates ron's errors into the terms of the scene format, `validate` refuses invalid
 //! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field. `recover` reads on
 //! behind an error, so that all are listed.
 
@@ -28,7 +28,7 @@ mod warn;
 mod write;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
-pub use crate::source::{Place, Step};
+pub use crate::source::{Step, ValuePath};
 pub use assets::{Assets, Stamp, stamp};
 pub use file::OnProgress;
 pub use gltf_options::GltfOptions;

@@ -20,7 +20,7 @@ use glam::DVec3;
 
 use crate::data::{KIND_DELTA_LIGHT, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::source::form::kinds;
-pub use bounding_shape::{BoundingShape, normal, reach_of};
+pub use bounding_shape::{BoundingShape, half_extent_of, normal};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Table, Tables};
@@ -28,7 +28,7 @@ pub use large_sphere::LargeSphere;
 use mesh::MeshShape;
 pub use quad::Quad;
 use similarity::Similarity;
-pub use space::{Aabb, Placement, RenderSpace, binary_exponent, exp2};
+pub use space::{Aabb, ObjectTransform, RenderSpace, binary_exponent, exp2};
 pub use sphere::Sphere;
 
 /// A shape in its own space.

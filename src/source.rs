@@ -1,4 +1,4 @@
-//! The text of the scene file, the places of its values, and errors and checks that point at them. Nothing here knows the scene.
+//! The text of the scene file, the locations of its values, and errors and checks that point at them. Nothing here knows the scene.
 
 pub(crate) mod declare;
 pub mod form;
@@ -14,7 +14,7 @@ use spans::Spans;
 pub use numbers::{DEGREES, LARGEST, NO_UNIT, Range, SCENE_UNITS, SMALLEST, parallel, vector};
 pub use spans::{Id, MOST_VALUES, Span, Step, skip_space, slice};
 
-/// A scene file's text with the places of its values.
+/// A scene file's text with the locations of its values.
 #[derive(Clone, Debug)]
 pub struct Source {
     path: PathBuf,
@@ -38,7 +38,7 @@ impl Source {
         }
     }
 
-    /// A file whose values have no places in a text.
+    /// A file whose values have no locations in a text.
     pub fn without_text(path: &Path) -> Source {
         Source { is_text: false, ..Source::new(String::new(), path) }
     }
@@ -108,7 +108,7 @@ impl Source {
 
     pub fn excerpt_of(&self, span: Span) -> String {
         const LONGEST: usize = 40;
-        // Takes only a few more characters than it shows, so that a long value is not copied whole.
+        // Takes only a few more characters than it shows, so that a long value is not copied completely.
         let characters = spans::slice(&self.text, span).chars().take(4 * LONGEST);
         let text: String = characters.collect();
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -140,46 +140,46 @@ fn field(steps: &[Step<'_>]) -> String {
     field
 }
 
-/// The place of a value in the scene file. The checks pass it down through the scene and make errors from it.
+/// The path of a value in the scene file, such as `objects[3].Sphere.radius`. Checks pass it down through the scene and make errors from it.
 ///
-/// It is a chain of borrowed places up to the top, so that checks that find nothing allocate nothing.
+/// It is a chain of borrowed paths up to the top, so that checks that find nothing allocate nothing.
 #[derive(Clone, Copy)]
-pub struct Place<'a> {
+pub struct ValuePath<'a> {
     source: &'a Source,
-    above: Option<(&'a Place<'a>, Step<'a>)>,
+    above: Option<(&'a ValuePath<'a>, Step<'a>)>,
 }
 
-impl<'a> Place<'a> {
-    pub fn top(source: &'a Source) -> Place<'a> {
-        Place { source, above: None }
+impl<'a> ValuePath<'a> {
+    pub fn top(source: &'a Source) -> ValuePath<'a> {
+        ValuePath { source, above: None }
     }
 
-    pub fn field(&'a self, name: &'a str) -> Place<'a> {
+    pub fn field(&'a self, name: &'a str) -> ValuePath<'a> {
         self.step(Step::Field(name))
     }
 
-    pub fn variant(&'a self, name: &'a str) -> Place<'a> {
+    pub fn variant(&'a self, name: &'a str) -> ValuePath<'a> {
         self.step(Step::Variant(name))
     }
 
-    pub fn key(&'a self, name: &'a str) -> Place<'a> {
+    pub fn key(&'a self, name: &'a str) -> ValuePath<'a> {
         self.step(Step::Key(name))
     }
 
-    pub fn index(&'a self, index: usize) -> Place<'a> {
+    pub fn index(&'a self, index: usize) -> ValuePath<'a> {
         self.step(Step::Index(index))
     }
 
-    fn step(&'a self, step: Step<'a>) -> Place<'a> {
-        Place { source: self.source, above: Some((self, step)) }
+    fn step(&'a self, step: Step<'a>) -> ValuePath<'a> {
+        ValuePath { source: self.source, above: Some((self, step)) }
     }
 
     pub fn steps(&self) -> Vec<Step<'a>> {
         let mut steps = Vec::new();
         let mut above = self.above;
-        while let Some((place, step)) = above {
+        while let Some((path, step)) = above {
             steps.push(step);
-            above = place.above;
+            above = path.above;
         }
         steps.reverse();
         steps

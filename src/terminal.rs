@@ -9,7 +9,7 @@ use crate::printable::printable;
 /// The width where a terminal does not say its own.
 const USUAL: usize = 80;
 
-/// The columns of the terminal that stdout is; nothing where it is none, so that lines stay whole for programs that read them.
+/// The columns of the terminal that stdout is; nothing where it is none, so that lines are not broken for programs that read them.
 pub fn columns_of_stdout() -> Option<usize> {
     let stdout = io::stdout();
     stdout.is_terminal().then(|| columns(terminal_size::terminal_size_of(stdout)))
@@ -32,7 +32,7 @@ fn columns(size: Option<(terminal_size::Width, terminal_size::Height)>) -> usize
 }
 
 /// The text as a terminal of so many columns is to show it. Lines that are too long are broken between words; what follows is indented. A
-/// word stays whole, so that a path can be copied.
+/// word is not broken, so that a path can be copied.
 pub fn fit_to_terminal(text: &str, columns: Option<usize>) -> String {
     let text = printable(text);
     let Some(columns) = columns else { return text.into_owned() };

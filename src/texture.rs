@@ -10,8 +10,8 @@ use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
 use crate::error::{Error, Result};
 use crate::source::declare::declare;
-use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, kinds, number, other, whole};
-use crate::source::{NO_UNIT, Place, Range, SCENE_UNITS};
+use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, integer, kinds, number, other};
+use crate::source::{NO_UNIT, Range, SCENE_UNITS, ValuePath};
 
 /// A linear Rec. 709 colour: red, green, blue.
 pub type Colour = DVec3;
@@ -61,7 +61,7 @@ declare! {
             /// On a mesh: which of its sets of texture coordinates it has. A part of a glTF file has one for each pair of TEXCOORD and
             /// KHR_texture_transform among the textures of its material in the file; other meshes have one.
             #[serde(default, skip_serializing_if = "is_first")]
-            uv_set: u32 = whole(0, MOST_UV_SETS - 1).or("0, the first");
+            uv_set: u32 = integer(0, MOST_UV_SETS - 1).or("0, the first");
         }
         /// Perlin noise as a grey: 0.5 (1 + perlin(scale · p)).
         Noise: noise, "Noise(scale: 4)" {
@@ -79,7 +79,7 @@ impl Checked for Channel {}
 
 impl Checked for Texture {
     /// Checks a number that may vary where it does not.
-    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+    fn check_as(&self, field: &Field, above: &ValuePath) -> Result<()> {
         match (field.takes, self.plain()) {
             (Takes::Varying(_), Some(grey)) => field.check(above, grey.x),
             _ => Ok(()),
@@ -181,7 +181,7 @@ impl Use {
     }
 
     /// Refuses a colour with a channel out of range.
-    pub fn check(self, at: &Place, colour: Colour) -> Result<()> {
+    pub fn check(self, at: &ValuePath, colour: Colour) -> Result<()> {
         let name = match self {
             Use::Albedo => "albedo",
             Use::Radiance => "radiance",
@@ -232,9 +232,9 @@ impl Bitmap {
 
 impl Texture {
     /// Refuses numbers that are invalid, or out of range for the use of the texture.
-    pub fn check(&self, at: &Place, usage: Use) -> Result<()> {
+    pub fn check(&self, at: &ValuePath, usage: Use) -> Result<()> {
         let at = at.variant(self.name());
-        image::FIELDS.uv_set.check_whole(&at, self.uv_set())?;
+        image::FIELDS.uv_set.check_integer(&at, self.uv_set())?;
         match self {
             Texture::Image { tint: Colour::ONE, channel: Some(Channel::Rgb), .. } if usage == Use::Normal => Ok(()),
             _ if usage == Use::Normal => Err(at.unexpected("a normal map: Image(path: ..), without a tint")),
@@ -415,7 +415,7 @@ impl Texture {
     }
 }
 
-/// Each coordinate minus whole periods, within half a period of zero.
+/// Each coordinate minus an integer number of periods, within half a period of zero.
 fn reduce(v: DVec3, period: f64) -> DVec3 {
     v - period * (v / period).round()
 }

@@ -4,7 +4,7 @@
 //!
 //! 1. [`replicates`]: noise and bias from images with different seeds; [`pace`]: the time of a sample; [`model`]: the time to an error.
 //! 2. [`sweep`]: renders all settings in rounds.
-//! 3. [`truth`]: the image that the others are measured against; [`extent`]: the size of the images, and what follows for the whole size.
+//! 3. [`truth`]: the image that the others are measured against; [`extent`]: the size of the images, and what follows for the full size.
 //! 4. [`judge`]: joins these for every setting.
 //! 5. [`report`]: tables, CSV, JSON and advice.
 //! 6. [`page`]: the HTML page.

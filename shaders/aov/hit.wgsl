@@ -4,7 +4,7 @@
 //@ use aov/${name}
 //@ end
 // Channels of the first surface that a camera ray hits. Media do not matter to them.
-fn note_hit(path: ptr<function, Path>) {
+fn record_hit(path: ptr<function, Path>) {
     if (*path).depth != 0u || (*path).status >= FIRST_STATUS {
         return;
     }

@@ -7,19 +7,19 @@
 
 // Notes a BSDF sample at a surface with this shading normal. The albedo is the path's throughput times the share of light that the event
 // scatters; of a light the share is 1.
-fn note_surface(path: ptr<function, Path>, material: Material, bsdf: Scatter, normal: vec3<f32>) {
+fn record_surface(path: ptr<function, Path>, material: Material, bsdf: Scatter, normal: vec3<f32>) {
     let passes = bsdf.event == SCATTERED && !is_non_specular(material);
     let share = select(bsdf.weight, vec3<f32>(1.0), bsdf.event == EMITTED);
-    note_event_seen(path, passes, (*path).throughput * share, normal);
+    record_event_seen(path, passes, (*path).throughput * share, normal);
 }
 
 // Notes an event in a medium, which has no normal.
-fn note_medium(path: ptr<function, Path>, albedo: vec3<f32>) {
-    note_event_seen(path, false, albedo, vec3<f32>(0.0));
+fn record_medium(path: ptr<function, Path>, albedo: vec3<f32>) {
+    record_event_seen(path, false, albedo, vec3<f32>(0.0));
 }
 
 // `passes` tells that the event is at a mirror or at clear glass.
-fn note_event_seen(path: ptr<function, Path>, passes: bool, event_albedo: vec3<f32>, event_normal: vec3<f32>) {
+fn record_event_seen(path: ptr<function, Path>, passes: bool, event_albedo: vec3<f32>, event_normal: vec3<f32>) {
     if !is_seen(path, passes) {
         return;
     }

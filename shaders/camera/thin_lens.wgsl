@@ -4,8 +4,8 @@
 //@ use camera/film_plane
 // A point on the lens, uniform by area.
 fn lens_point(u: vec2<f32>) -> vec3<f32> {
-    let place = sample_disk(u);
-    return place.x * settings.lens_x + place.y * settings.lens_y;
+    let lens = sample_disk(u);
+    return lens.x * settings.lens_x + lens.y * settings.lens_y;
 }
 
 // A ray starts at a point of the lens. It goes to the point at the focus distance through which the pinhole's ray would go

@@ -12,9 +12,9 @@ struct Light {
 
 // A light without size.
 struct DeltaLight {
-    // Its place; of a directional light the unit vector to it, and `has_place` is 0 and not 1.
-    place: vec3<f32>,
-    has_place: f32,
+    // Its position, with `has_position` 1; of a directional light the unit vector to it, with `has_position` 0.
+    position: vec3<f32>,
+    has_position: f32,
     // Its intensity; of a directional light its irradiance.
     colour: vec3<f32>,
     // 1 - cos of the angle from which on a beam has no light; 4 without a beam.
@@ -48,14 +48,14 @@ struct LightNode {
 const LIGHT_NODE_LEAF: u32 = 0x80000000u;
 // Its lights emit equally along the cone's directions and opposite to them.
 const LIGHT_NODE_TWO_SIDED: u32 = 0x40000000u;
-// The node is the sky, which surrounds every point and is equally bright from each; or directional lights, beside lights with a place.
+// The node is the sky, which surrounds every point and is equally bright from each; or directional lights, apart from positional lights.
 const LIGHT_NODE_SKY: u32 = 0x20000000u;
 const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
 
-// Values from here on are not places in the table of lights. An emitter with such a value is not sampled.
+// Values from here on are no indices of the table of lights. An emitter with such a value is not sampled.
 const NOT_SAMPLED: u32 = 0x80000000u;
 
-// The sky's number when lights are sorted into bins (step/narrow_lobe). It does not depend on the sky's place in the table of lights.
+// The sky's number when lights are sorted into bins (step/narrow_lobe). It does not depend on the sky's index in the table of lights.
 const NUMBER_OF_SKY: u32 = 0u;
 
 // The MIS weight of a direction that one technique draws with density `own` and another one with density `other`: the power

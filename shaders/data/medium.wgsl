@@ -16,7 +16,7 @@ struct Medium {
     one_minus_anisotropy: f32,
 }
 
-// Stands in place of a distance that was not found within the steps allowed per ray.
+// Stands for a distance that was not found within the steps allowed per ray.
 const WALK_CUT: f32 = -2.0;
 // The most steps that all walks through meshes along one ray may take, over all media, where loops have a limit (stage/bounce).
 const STEPS_OF_CROSSINGS: u32 = 8000u;

@@ -9,7 +9,7 @@
 // Light that reaches the camera by fewer scattering events is direct.
 const INDIRECT_FROM: u32 = 2u;
 
-// Stands in place of a light's code where there is no shadow ray.
+// Stands for a light's code if there is no shadow ray.
 const NO_LIGHT: u32 = 0xfffffff9u;
 
 // The hit of the path's ray.

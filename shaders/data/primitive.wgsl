@@ -5,7 +5,7 @@ const PRIMITIVE_BIT: u32 = 0x80000000u;
 const PRIMITIVE_KIND_SHIFT: u32 = 27u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x07ffffffu;
 
-// KIND_TRIANGLE is a face of a mesh, or in the mesh's hierarchy a pair of faces. KIND_INSTANCE is a mesh placed in the scene; the
+// KIND_TRIANGLE is a face of a mesh, or in the mesh's hierarchy a pair of faces. KIND_INSTANCE is an instance of a mesh; the
 // walk continues there in the mesh's own space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below
 // KIND_INSTANCE are shapes. The kind above KIND_INSTANCE belongs to the codes below, which name no primitive.
 const KIND_TRIANGLE: u32 = 3u;
@@ -53,11 +53,11 @@ struct Node {
 struct Sphere {
     center: vec3<f32>,
     radius: f32,
-    // Place in the scene's order of primitives. Of two hits at the same distance, the primitive with the lower place wins.
+    // Index in the scene's order of primitives. Of two hits at the same distance, the primitive with the lower index wins.
     order: u32,
     material: u32,
     frame: u32,
-    // Its place in the table of lights, if it is a light.
+    // Its index in the table of lights, if it is a light.
     light: u32,
 }
 
@@ -70,11 +70,11 @@ struct LargeSphere {
     curvature: f32,
     // Unit normal at that point, towards the centre.
     inward: vec3<f32>,
-    // Place in the scene's order of primitives.
+    // Index in the scene's order of primitives.
     order: u32,
     material: u32,
     frame: u32,
-    // Its place in the table of lights, if it is a light.
+    // Its index in the table of lights, if it is a light.
     light: u32,
     padding: u32,
 }
@@ -92,7 +92,7 @@ struct Quad {
     // Bound of the rounding error of a point on the quad, in render space.
     error: f32,
     u: vec3<f32>,
-    // Its place in the table of lights, if it is a light.
+    // Its index in the table of lights, if it is a light.
     light: u32,
     v: vec3<f32>,
     // Bound of that error along the normal, plus the error of the next distance to the quad that is computed from the point.
@@ -108,11 +108,11 @@ struct Cuboid {
     x_axis: vec3<f32>,
     frame: u32,
     y_axis: vec3<f32>,
-    // Its place in the table of lights, if it is a light.
+    // Its index in the table of lights, if it is a light.
     light: u32,
 }
 
-// A mesh rotated, scaled and moved from its own space to its place in render space. In its own space, its box is centred on the
+// A mesh rotated, scaled and moved from its own space to render space. In its own space, its box is centred on the
 // origin and has an extent near 1.
 struct Instance {
     // The mesh's x and y axes in render space. Its z axis is x × y.
@@ -121,10 +121,10 @@ struct Instance {
     y_axis: vec3<f32>,
     material: u32,
     // The mesh's origin in render space.
-    place: vec3<f32>,
+    translation: vec3<f32>,
     frame: u32,
     scale: f32,
-    // A face's index plus this is the face's place in the table of lights, if it is a light.
+    // A face's index plus this is the face's index in the table of lights, if it is a light.
     to_light: u32,
     // Code of the root of the mesh's BVH.
     root: u32,
@@ -134,7 +134,7 @@ struct Instance {
 }
 
 // Two faces of a mesh that share two corners, or one face. The low three words of a, b, c and d are the positions of the corners in the
-// mesh's space; a, b and c are the corners of the first face. The high words of a and b are the codes of both faces, or NO_FACE in place of
+// mesh's space; a, b and c are the corners of the first face. The high words of a and b are the codes of both faces, or NO_FACE instead of
 // the second. That of c holds the corners of the second face in their order: two bits each, 0 for a to 3 for d.
 struct FacePair {
     a: vec4<u32>,
@@ -145,5 +145,5 @@ struct FacePair {
 
 const NO_FACE: u32 = 0u;
 const NO_UVS: u32 = 0xffffffffu;
-// Stands in place of a vertex normal in flat-shaded meshes.
+// Stands for a vertex normal in flat-shaded meshes.
 const NO_NORMAL: u32 = 0x80008000u;

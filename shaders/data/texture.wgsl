@@ -7,7 +7,7 @@ struct Texture {
     second: vec3<f32>,
     // Marble: phase of the stripes in radians per unit of the object's z. Image: 1 if it has numbers, 0 if it has colours.
     parameter: f32,
-    // Image: the place of its first word, its width, its height, and the number of its texels' format.
+    // Image: the index of its first word, its width, its height, and the number of its texels' format.
     texel: u32,
     width: u32,
     height: u32,

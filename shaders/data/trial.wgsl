@@ -40,7 +40,7 @@ struct Answer {
     uniform_of_32: u32,
     uniform_of_24: u32,
     // The results of comparisons and bit tests of `special`, one bit each.
-    said_of_special: u32,
+    classes_of_special: u32,
     made_subnormal: u32,
     from_subnormal: u32,
     edge_sign: i32,

@@ -1,5 +1,5 @@
 // The runs that may be started now. A run is up to RUN_LENGTH consecutive samples of one pixel, cut at multiples of
-// RUN_LENGTH. Run i of the window belongs to sample block first_block + i / pixels, and to the pixel at place first_pixel + i % pixels
+// RUN_LENGTH. Run i of the window belongs to sample block first_block + i / pixels, and to the pixel of index first_pixel + i % pixels
 // (step/pixel_order).
 struct Window {
     first_block: u32,
@@ -7,7 +7,7 @@ struct Window {
     end: u32,
     // Bounces of a dispatch, where one kernel does several.
     bounces: u32,
-    // The tile of the film: its first place, and its number of pixels.
+    // The tile of the film: its first index, and its number of pixels.
     first_pixel: u32,
     pixels: u32,
 }

@@ -40,8 +40,8 @@ fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
 fn cuboid_error(cuboid: Cuboid, normal: vec3<f32>) -> f32 {
     let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
     let h = cuboid.half_extent;
-    let reach = h.x * abs(cuboid.x_axis) + h.y * abs(cuboid.y_axis) + h.z * abs(z_axis);
-    return UNIT_ROUNDOFF * dot(abs(normal), 2.0 * abs(cuboid.center) + 12.0 * reach);
+    let extent = h.x * abs(cuboid.x_axis) + h.y * abs(cuboid.y_axis) + h.z * abs(z_axis);
+    return UNIT_ROUNDOFF * dot(abs(normal), 2.0 * abs(cuboid.center) + 12.0 * extent);
 }
 
 // Finds the hit face with the same arithmetic as the distance: it is the face whose crossing is t. Then puts

@@ -71,11 +71,11 @@ fn large_sphere_distance(ray: Ray, large_sphere: LargeSphere) -> f32 {
 // units of roundoff:
 // - A power is off by 4 c x² + 6 |n|.|x|, and a height by half of this. It is computed twice: here, and for the next ray.
 // - The point is rounded by |normal|.|x|, and twice more where `nearest` is added and subtracted again: |normal|.(|nearest| + 2 |x|).
-// - Before it is moved onto the large sphere by `way`, the point is `way` farther off: up to 16 |way|.
-fn large_sphere_error(large_sphere: LargeSphere, x: vec3<f32>, normal: vec3<f32>, way: f32) -> f32 {
-    let place = abs(large_sphere.nearest) + 3.0 * abs(x);
+// - Before it is moved onto the large sphere by `offset`, the point is `offset` farther off: up to 16 |offset|.
+fn large_sphere_error(large_sphere: LargeSphere, x: vec3<f32>, normal: vec3<f32>, offset: f32) -> f32 {
+    let sum = abs(large_sphere.nearest) + 3.0 * abs(x);
     let of_power = 6.0 * dot(abs(large_sphere.inward), abs(x)) + 4.0 * large_sphere.curvature * dot(x, x);
-    return UNIT_ROUNDOFF * (dot(abs(normal), place) + of_power + 16.0 * abs(way));
+    return UNIT_ROUNDOFF * (dot(abs(normal), sum) + of_power + 16.0 * abs(offset));
 }
 
 // The point at t is moved onto the large sphere along the normal. If the ray comes from far away, the point at t is off by the rounding
@@ -89,12 +89,12 @@ fn large_sphere_surface(ray: Ray, t: f32, large_sphere: LargeSphere) -> Surface 
     let radii = length(upward);
     let normal = upward / radii;
     // D - r = (D² - r²) / (D + r).
-    let way = large_sphere_power(large_sphere, rough) / (1.0 + radii);
-    let x = rough - way * normal;
+    let offset = large_sphere_power(large_sphere, rough) / (1.0 + radii);
+    let x = rough - offset * normal;
     var surface: Surface;
     surface.point = large_sphere.nearest + x;
     surface.normal = normal;
-    surface.error = large_sphere_error(large_sphere, x, normal, way);
+    surface.error = large_sphere_error(large_sphere, x, normal, offset);
     surface.material = large_sphere.material;
     surface.frame = large_sphere.frame;
     surface.local = large_sphere.curvature * x;

@@ -110,12 +110,12 @@ fn close_signs(px: vec3<f32>, py: vec3<f32>, qx: vec3<f32>, qy: vec3<f32>) -> ve
     return select(moved_y, difference, difference != vec3<f32>(0.0));
 }
 
-// The components in cyclic order, starting with x, y or z for a turn of 0, 1 or 2.
-fn turned(v: vec3<f32>, turn: u32) -> vec3<f32> {
-    return select(select(v, v.yzx, turn == 1u), v.zxy, turn == 2u);
+// The components in cyclic order, starting with x, y or z for a shift of 0, 1 or 2.
+fn cyclic(v: vec3<f32>, shift: u32) -> vec3<f32> {
+    return select(select(v, v.yzx, shift == 1u), v.zxy, shift == 2u);
 }
 
-fn place_of_least(v: vec3<f32>) -> u32 {
+fn index_of_least(v: vec3<f32>) -> u32 {
     return select(select(2u, 1u, v.y <= v.z), 0u, v.x <= v.y && v.x <= v.z);
 }
 
@@ -135,15 +135,15 @@ fn areas_of(x: vec3<f32>, y: vec3<f32>) -> Areas {
     return Areas(areas, abs(areas) > 4.0 * UNIT_ROUNDOFF * (abs(first) + abs(second)));
 }
 
-// Whether the signs that are certain tell that the ray misses a triangle with these sheared corners.
-fn passes_beside(x: vec3<f32>, y: vec3<f32>) -> bool {
+// Whether the signs that are certain show that the ray misses a triangle with these sheared corners.
+fn misses(x: vec3<f32>, y: vec3<f32>) -> bool {
     let found = areas_of(x, y);
     return any(found.certain & found.areas > vec3<f32>(0.0)) && any(found.certain & found.areas < vec3<f32>(0.0));
 }
 
 fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> TriangleHit {
     let seen = see_corners(shear, a, b, c, c);
-    if passes_beside(seen.x.xyz, seen.y.xyz) {
+    if misses(seen.x.xyz, seen.y.xyz) {
         return TriangleHit(NO_HIT, false, vec3<f32>(0.0));
     }
     return seen_hit(shear.slope.z, seen.x.xyz, seen.y.xyz, seen.z.xyz);
@@ -167,16 +167,16 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
     let edge_x = x.zxy - x.yzx;
     let edge_y = y.zxy - y.yzx;
     let edge_z = z.zxy - z.yzx;
-    let turn = place_of_least(edge_x * edge_x + edge_y * edge_y + edge_z * edge_z);
-    let px = turned(x, turn);
-    let py = turned(y, turn);
-    let pz = turned(z, turn);
-    let ends = turned(max(areas * signs, vec3<f32>(0.0)), turn);
+    let shift = index_of_least(edge_x * edge_x + edge_y * edge_y + edge_z * edge_z);
+    let px = cyclic(x, shift);
+    let py = cyclic(y, shift);
+    let pz = cyclic(z, shift);
+    let ends = cyclic(max(areas * signs, vec3<f32>(0.0)), shift);
     let edge = vec2<f32>(px.z - px.y, py.z - py.y);
-    let whole = edge.x * (py.x - py.y) - edge.y * (px.x - px.y);
+    let total = edge.x * (py.x - py.y) - edge.y * (px.x - px.y);
     let part = px.y * edge.y - py.y * edge.x;
     // In a needle, or seen along an edge, areas can be 0 as floats. Then they do not tell where in the triangle the hit lies.
-    let tip = select(clamp(part / whole, 0.0, 1.0), 1.0 / 3.0, whole == 0.0);
+    let tip = select(clamp(part / total, 0.0, 1.0), 1.0 / 3.0, total == 0.0);
     let rest = ends.y + ends.z;
     let share = select(clamp(ends.z / rest, 0.0, 1.0), 0.5, rest == 0.0);
     let weights = vec3<f32>(tip, (1.0 - tip) * (1.0 - share), (1.0 - tip) * share);
@@ -185,7 +185,7 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
         return miss;
     }
     let front = (signs.x > 0.0) != (over_z > 0.0);
-    return TriangleHit(t, front, turned(weights, (3u - turn) % 3u));
+    return TriangleHit(t, front, cyclic(weights, (3u - shift) % 3u));
 }
 
 // Bound of the error of a point that is computed from the weights of a hit. It is large enough that a ray which leaves from
@@ -194,7 +194,7 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
 // - The point: sums of products with weights that add up to 1 within a few u are off by 7 u m (PBR 4th ed., section 6.8.5).
 //   With the rounding of the offset point it is 8 u m.
 // - The next test, from a point within l of the vertices: differences, slopes and shear move each sheared vertex by 9 u l, and
-//   the direction's slopes are off by 6 u. `part` and `whole` are off by 6 u l s each, and their quotient by 5 u. So the place
+//   the direction's slopes are off by 6 u. `part` and `total` are off by 6 u l s each, and their quotient by 5 u. So the place
 //   along the needle is off by up to 17 u l (l s / n), and the last difference by 3 u l: together below 32 u l (l s / n). If
 //   the place is off within the triangle's plane, the origin's height over that plane is off only by the component along the
 //   ray, times the cosine. So grazing rays need no larger bound.
@@ -218,6 +218,6 @@ fn triangle_cross(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     let ca = a - c;
     let squares = vec3<f32>(dot(ab, ab), dot(bc, bc), dot(ca, ca));
     // The longest edge is left out.
-    let longest = place_of_least(-squares);
+    let longest = index_of_least(-squares);
     return select(select(cross(ab, bc), cross(ca, ab), longest == 1u), cross(bc, ca), longest == 0u);
 }

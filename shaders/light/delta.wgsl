@@ -1,23 +1,23 @@
 //@ use data/light
 //@ use light/sample
 // Lights without size. A shadow ray brings intensity over squared distance, and a directional light its irradiance: so both are
-// told by the vector to the light, which for a directional light has the length 1 from every point.
+// given by the vector to the light, which for a directional light has the length 1 from every point.
 
 // Nearer points get no light, because the irradiance there is beyond the range of f32.
 const LEAST_DISTANCE_SQUARED: f32 = 0x1p-80f;
 
 fn to_delta_light(from_point: vec3<f32>, light: DeltaLight) -> vec3<f32> {
-    return light.place - light.has_place * from_point;
+    return light.position - light.has_position * from_point;
 }
 
-// The direction to the light. In place of a pdf the squared distance: the estimator divides by either.
+// The direction to the light. Instead of a pdf it has the squared distance: the estimator divides by either.
 fn delta_light_sample(from_point: vec3<f32>, light: DeltaLight) -> DirectionSample {
-    let way = to_delta_light(from_point, light);
-    let distance2 = dot(way, way);
+    let to_light = to_delta_light(from_point, light);
+    let distance2 = dot(to_light, to_light);
     if !(distance2 > LEAST_DISTANCE_SQUARED) {
         return NO_DIRECTION_SAMPLE;
     }
-    return DirectionSample(way * inverseSqrt(distance2), distance2);
+    return DirectionSample(to_light * inverseSqrt(distance2), distance2);
 }
 
 // The light's intensity against a direction to it: that of a spot falls with the angle from its axis as in glTF's extension
@@ -32,7 +32,7 @@ fn delta_light_intensity(direction: vec3<f32>, light: DeltaLight) -> vec3<f32> {
 // the way at most.
 fn delta_light_distance(origin: vec3<f32>, direction: vec3<f32>, light: DeltaLight) -> f32 {
     let distance = dot(to_delta_light(origin, light), direction);
-    let place = abs(light.place);
-    let rounding = 0x1p-20f * (max(max(place.x, place.y), place.z) + distance);
+    let magnitude = abs(light.position);
+    let rounding = 0x1p-20f * (max(max(magnitude.x, magnitude.y), magnitude.z) + distance);
     return max(distance - rounding, 0.5 * distance);
 }

@@ -47,8 +47,8 @@ fn sky_cell_direction(index: u32, columns: u32, rows: u32, u: vec2<f32>) -> vec3
 
 // The cell that contains a direction.
 fn sky_cell_at(direction: vec3<f32>, columns: u32, rows: u32) -> u32 {
-    let place = sky_place(direction);
-    let column = min(u32(place.x * f32(columns)), columns - 1u);
-    let row = min(u32(place.y * f32(rows)), rows - 1u);
+    let uv = sky_uv(direction);
+    let column = min(u32(uv.x * f32(columns)), columns - 1u);
+    let row = min(u32(uv.y * f32(rows)), rows - 1u);
     return row * columns + column;
 }

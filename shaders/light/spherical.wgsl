@@ -28,8 +28,8 @@ fn corner_at(offset: vec3<f32>) -> Corner {
 // plane of the triangle, and where the square of the density would come near the end of f32's range.
 fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
     let shape = volume / p.distance / a.distance / c.distance;
-    let beside = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
-    let area = 2.0 * angle_of(shape, beside);
+    let denominator = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
+    let area = 2.0 * angle_of(shape, denominator);
     return select(0.0, area, shape > 0x1p-59f);
 }
 
@@ -63,7 +63,7 @@ fn spherical_direction(
     let q = -dot(to_a, across_c) / (length_c * p.distance);
     let n = abs(determinant) / p.distance / a.distance / length_c;
 
-    let whole = sine_and_rise(part);
+    let rotation = sine_and_rise(part);
     let half = sine_and_rise(0.5 * part);
     // tan(s/2) = y / x, scaled so that no square underflows.
     let y = half.x * above;
@@ -74,7 +74,7 @@ fn spherical_direction(
     // The height of the arc is 1 - p.(a cos s + t sin s), and the direction is at the fraction v of it.
     let height = v * clamp(below + scale * t.y * (t.y * m - t.x * q), 0.0, 2.0);
 
-    let leaving = vec2<f32>(n * (below - whole.y) - q * whole.x, n * whole.x - q * whole.y);
+    let leaving = vec2<f32>(n * (below - rotation.y) - q * rotation.x, n * rotation.x - q * rotation.y);
     let size = max(abs(leaving.x), abs(leaving.y));
     let turned = select(vec2<f32>(1.0, 0.0), normalize(leaving / size), size > 0.0);
     let tangent = turned.x * tangent_a + turned.y * side;

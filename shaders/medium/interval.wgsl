@@ -10,14 +10,14 @@ fn interval_ahead(crossings: vec2<f32>) -> vec2<f32> {
     return select(NO_INTERVAL, interval, interval.x < interval.y);
 }
 
-// The distance at which the ray has travelled the length `way` inside the shape, if it does so before it leaves and
+// The distance at which the ray has travelled the length `distance` inside the shape, if it does so before it leaves and
 // before `limit`; NO_HIT otherwise.
-fn collision_within(inside: vec2<f32>, way: f32, limit: f32) -> f32 {
-    let t = inside.x + way;
+fn collision_within(inside: vec2<f32>, distance: f32, limit: f32) -> f32 {
+    let t = inside.x + distance;
     return select(NO_HIT, t, t < min(inside.y, limit));
 }
 
 // The length that the ray travels inside the shape up to distance t.
-fn way_within(inside: vec2<f32>, t: f32) -> f32 {
+fn length_within(inside: vec2<f32>, t: f32) -> f32 {
     return max(min(inside.y, t) - inside.x, 0.0);
 }

@@ -1,4 +1,4 @@
 //@ use data/path
 // The film has no channel of the surface that camera rays hit.
-fn note_hit(path: ptr<function, Path>) {
+fn record_hit(path: ptr<function, Path>) {
 }

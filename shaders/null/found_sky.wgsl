@@ -4,5 +4,5 @@ fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     return throughput;
 }
 
-fn note_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
+fn record_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
 }

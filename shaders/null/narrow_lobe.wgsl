@@ -28,14 +28,14 @@ fn is_probe(path: ptr<function, Path>) -> bool {
 fn weigh_probe(path: ptr<function, Path>, pdf: f32, has_size: bool) {
 }
 
-fn note_event(path: ptr<function, Path>, lobe: u32, share: f32) {
+fn record_event(path: ptr<function, Path>, lobe: u32, share: f32) {
 }
 
-fn note_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, contribution: vec3<f32>) {
+fn record_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, contribution: vec3<f32>) {
 }
 
-fn note_found_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
+fn record_found_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
 }
 
-fn note_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>, arriving: vec3<f32>) {
+fn record_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>, arriving: vec3<f32>) {
 }

@@ -23,5 +23,5 @@ fn intensity_of_delta_light(code: u32, direction: vec3<f32>) -> vec3<f32> {
 fn limit_at_delta_light(code: u32, shadow: Ray) -> Hit {
     let light = delta_lights[primitive_index(code)];
     let distance = delta_light_distance(shadow.origin, shadow.direction, light);
-    return hit_at(code, select(VERY_FAR, distance, light.has_place > 0.0));
+    return hit_at(code, select(VERY_FAR, distance, light.has_position > 0.0));
 }

@@ -45,8 +45,8 @@ fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>, tested: u32) -> SeenPair {
     let seen = see_corners(shear, a, b, c, d);
     let faces = vec2<u32>(pair.a.w, pair.b.w);
     let second = pair.c.w;
-    let may_hit_first = !passes_beside(seen.x.xyz, seen.y.xyz);
-    let may_hit_second = faces.y != NO_FACE && !passes_beside(three_of(seen.x, second), three_of(seen.y, second));
+    let may_hit_first = !misses(seen.x.xyz, seen.y.xyz);
+    let may_hit_second = faces.y != NO_FACE && !misses(three_of(seen.x, second), three_of(seen.y, second));
     let left = select(0u, FIRST_OF_PAIR, may_hit_first) | select(0u, SECOND_OF_PAIR, may_hit_second);
     return SeenPair(seen, shear.slope.z, faces, second, left & ~tested);
 }

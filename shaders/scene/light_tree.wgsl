@@ -46,7 +46,7 @@ fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     let left = light_node_importance(light_nodes[pair], from_point);
     let right = light_node_importance(light_nodes[pair + 1u], from_point);
     var least = 0x1p-20f;
-    //@ if light_without_place
+    //@ if light_at_infinity
     least = select(least, LEAST_OF_SKY, (light_nodes[pair + 1u].child & LIGHT_NODE_SKY) != 0u);
     //@ end
     if left == 0.0 || right == 0.0 {

@@ -36,7 +36,7 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = placed_corners(instances[light.instance], index);
+            let corners = corners_in_render_space(instances[light.instance], index);
             return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
         }
         //@ end
@@ -169,10 +169,10 @@ fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let placed = instances[at_run_time(hit.instance)];
-            let corners = placed_corners(placed, index);
+            let instance = instances[at_run_time(hit.instance)];
+            let corners = corners_in_render_space(instance, index);
             let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
-            return probability_of_light(placed.to_light + index, from_point) * pdf;
+            return probability_of_light(instance.to_light + index, from_point) * pdf;
         }
         //@ end
         default: {

@@ -15,17 +15,17 @@
 // The distance at which the medium scatters a ray after the optical depth `depth`, if that is nearer than `limit`; NO_HIT
 // otherwise, or WALK_CUT if finding out took too many steps. Only the kinds of boundary that the scene has.
 fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
-    let way = depth / medium.density;
+    let distance = depth / medium.density;
     let index = primitive_index(medium.boundary);
     switch primitive_kind(medium.boundary) {
         //@ each convex_boundary
         ${case}: {
-            return collision_within(${name}_interval(ray, ${name}s[index]), way, limit);
+            return collision_within(${name}_interval(ray, ${name}s[index]), distance, limit);
         }
         //@ end
         //@ if mesh_boundary
         default: {
-            return collision_in_mesh(ray, index, way, limit, steps);
+            return collision_in_mesh(ray, index, distance, limit, steps);
         }
         //@ end
     }

@@ -52,11 +52,11 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
             let pair = see_pair(primitive_index(code), ray, inverse, tested);
             if pair.left != 0u {
                 let face = primitive_index(code_of_face(pair));
-                let met = hit_of_pair(pair);
-                if met.t > last.t || (met.t == last.t && face > last.face) {
-                    next.winding += select(1, -1, met.front);
-                    if met.t < next.t || (met.t == next.t && face < next.face) {
-                        next.t = met.t;
+                let hit = hit_of_pair(pair);
+                if hit.t > last.t || (hit.t == last.t && face > last.face) {
+                    next.winding += select(1, -1, hit.front);
+                    if hit.t < next.t || (hit.t == next.t && face < next.face) {
+                        next.t = hit.t;
                         next.face = face;
                     }
                 }
@@ -91,12 +91,12 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
     return next;
 }
 
-// The distance at which the ray has travelled the length `way` inside the mesh, if that is nearer than `limit`; NO_HIT
+// The distance at which the ray has travelled the length `distance` inside the mesh, if that is nearer than `limit`; NO_HIT
 // otherwise, or WALK_CUT if finding out took too many steps.
-fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
+fn collision_in_mesh(ray: Ray, index: u32, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);
-    var left = way;
+    var left = distance;
     var last = Crossing(0.0, 0xffffffffu, 0);
     // After the last crossing, next_crossing returns the distance VERY_FAR, which ends the loop.
     while last.t < limit {
@@ -117,18 +117,18 @@ fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<func
 }
 
 // The length that the ray travels inside the mesh up to distance t, or WALK_CUT.
-fn way_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
+fn length_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);
-    var way = 0.0;
+    var distance = 0.0;
     var last = Crossing(0.0, 0xffffffffu, 0);
     while last.t < t {
         let next = next_crossing(here, instance.root, last, steps);
         if *steps >= MOST_STEPS_OF_CROSSINGS {
             return WALK_CUT;
         }
-        way += select(0.0, min(next.t, t) - last.t, next.winding != 0);
+        distance += select(0.0, min(next.t, t) - last.t, next.winding != 0);
         last = next;
     }
-    return way;
+    return distance;
 }

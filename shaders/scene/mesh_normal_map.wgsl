@@ -16,7 +16,7 @@ fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surfa
     let instance = with_table(instances[at_run_time(hit.instance)], number);
     //@ if vertex_tangents
     if meshes[meshes[index].x].w != NO_NORMAL {
-        return from_mesh_turned(instance, normal_by_tangents(mapped, turned_to_mesh(instance, normal), instance, index, surface.local));
+        return rotated_from_mesh(instance, normal_by_tangents(mapped, rotated_to_mesh(instance, normal), instance, index, surface.local));
     }
     //@ end
     return normal_of_map(mapped, normal, mesh_tangents(instance, index));

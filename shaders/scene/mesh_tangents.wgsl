@@ -20,5 +20,5 @@ fn mesh_tangents(instance: Instance, index: u32) -> Tangents {
     let side = sign(ab.x * ac.y - ac.x * ab.y);
     let u = side * (ac.y * b - ab.y * c);
     let v = side * (ab.x * c - ac.x * b);
-    return Tangents(from_mesh_turned(instance, u), from_mesh_turned(instance, v));
+    return Tangents(rotated_from_mesh(instance, u), rotated_from_mesh(instance, v));
 }

@@ -50,7 +50,7 @@ fn face_normal(corners: Corners) -> vec3<f32> {
 }
 
 // The positions of a face's corners in render space.
-fn placed_corners(instance: Instance, index: u32) -> Corners {
+fn corners_in_render_space(instance: Instance, index: u32) -> Corners {
     let corners = corners_of(index);
     return Corners(from_mesh(instance, corners.a), from_mesh(instance, corners.b), from_mesh(instance, corners.c));
 }
@@ -63,7 +63,7 @@ fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     let point = blend(hit.barycentric, corners);
     var surface: Surface;
     surface.point = from_mesh(instance, point);
-    surface.normal = from_mesh_turned(instance, face_normal(corners));
+    surface.normal = rotated_from_mesh(instance, face_normal(corners));
     surface.error = instance_error(instance, point, triangle_error(corners.a, corners.b, corners.c));
     surface.material = instance.material;
     surface.frame = instance.frame;

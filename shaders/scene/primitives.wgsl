@@ -30,7 +30,7 @@ fn primitive_distance(code: u32, ray: Ray) -> f32 {
     }
 }
 
-// Place in the scene's order of primitives; for a triangle, that of its instance.
+// Index in the scene's order of primitives; for a triangle, that of its instance.
 fn primitive_order(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {

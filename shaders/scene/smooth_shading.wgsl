@@ -30,7 +30,7 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
         return facing;
     }
     let normals = normals_of(hit.code);
-    let turned = from_mesh_turned(instances[at_run_time(hit.instance)], blend(surface.local, normals));
+    let turned = rotated_from_mesh(instances[at_run_time(hit.instance)], blend(surface.local, normals));
     let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
     // Vertex normals in opposite directions can cancel.
     return bent_back(sided, incoming, facing);
@@ -57,8 +57,8 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
         dot(corners.c - point, normals.c),
     );
     let by = side * weights * max(below, vec3<f32>(0.0));
-    let placed = instances[at_run_time(hit.instance)];
-    let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
+    let instance = instances[at_run_time(hit.instance)];
+    let lift = instance.scale * rotated_from_mesh(instance, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }
 

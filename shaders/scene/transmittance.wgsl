@@ -16,23 +16,23 @@ fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
     for (var i = 0u; i < ${media}u; i++) {
         let medium = media[at_run_time(i)];
         let index = primitive_index(medium.boundary);
-        var way = 0.0;
+        var distance = 0.0;
         switch primitive_kind(medium.boundary) {
             //@ each convex_boundary
             ${case}: {
-                way = way_within(${name}_interval(ray, ${name}s[index]), t);
+                distance = length_within(${name}_interval(ray, ${name}s[index]), t);
             }
             //@ end
             //@ if mesh_boundary
             default: {
-                way = way_in_mesh(ray, index, t, steps);
+                distance = length_in_mesh(ray, index, t, steps);
             }
             //@ end
         }
-        if way == WALK_CUT {
+        if distance == WALK_CUT {
             return WALK_CUT;
         }
-        depth += medium.density * way;
+        depth += medium.density * distance;
     }
     return exp(-depth);
 }

@@ -1,10 +1,10 @@
 //@ use generated/slots
 //@ use aov/hit
 // Notes the hit of a slot's camera ray.
-fn note_hit_of_slot(slot: u32, path: ptr<function, Path>) {
+fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);
     load_aov_hit(slot, path);
-    note_hit(path);
+    record_hit(path);
     store_aov_hit(slot, path);
 }

@@ -12,7 +12,7 @@
 const PLANE_OF_${name}: u32 = ${number}u;
 //@ end
 
-fn place(plane: u32, slot: u32) -> u32 {
+fn index_of(plane: u32, slot: u32) -> u32 {
     return plane * settings.slots + slot;
 }
 
@@ -21,34 +21,34 @@ fn vector_of(words: vec4<u32>) -> vec3<f32> {
 }
 
 fn store_plane(plane: u32, slot: u32, vector: vec3<f32>, last: u32) {
-    paths[place(plane, slot)] = vec4<u32>(bitcast<vec3<u32>>(vector), last);
+    paths[index_of(plane, slot)] = vec4<u32>(bitcast<vec3<u32>>(vector), last);
 }
 
 // Stores a vector alone, because the fourth word belongs to another field.
 fn store_vector(plane: u32, slot: u32, vector: vec3<f32>) {
     let words = bitcast<vec3<u32>>(vector);
-    paths[place(plane, slot)].x = words.x;
-    paths[place(plane, slot)].y = words.y;
-    paths[place(plane, slot)].z = words.z;
+    paths[index_of(plane, slot)].x = words.x;
+    paths[index_of(plane, slot)].y = words.y;
+    paths[index_of(plane, slot)].z = words.z;
 }
 
 //@ each path_word
 fn load_${name}(slot: u32) -> u32 {
-    return paths[place(${number}u / 4u, slot)][${number}u % 4u];
+    return paths[index_of(${number}u / 4u, slot)][${number}u % 4u];
 }
 
 fn store_${name}(slot: u32, value: u32) {
-    paths[place(${number}u / 4u, slot)][${number}u % 4u] = value;
+    paths[index_of(${number}u / 4u, slot)][${number}u % 4u] = value;
 }
 
 //@ end
 //@ each other_path_word
 fn load_${name}(slot: u32) -> u32 {
-    return path_words[place(${number}u, slot)];
+    return path_words[index_of(${number}u, slot)];
 }
 
 fn store_${name}(slot: u32, value: u32) {
-    path_words[place(${number}u, slot)] = value;
+    path_words[index_of(${number}u, slot)] = value;
 }
 
 //@ end

@@ -22,6 +22,6 @@ fn sort_slot(slot: u32, hit: Hit) {
         return;
     }
     let queue = queue_of(materials[material_index(hit)].kind);
-    let turn = atomicAdd(&queues[queue], 1u);
-    atomicStore(&queues[queue_place(queue, turn, settings.slots)], slot);
+    let index = atomicAdd(&queues[queue], 1u);
+    atomicStore(&queues[queue_index(queue, index, settings.slots)], slot);
 }

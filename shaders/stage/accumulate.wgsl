@@ -18,7 +18,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var rays = 0u;
     for (var i = id.x; i < finished; i += settings.slots) {
         let run = records[i];
-        let pixel = place_in_order(run.pixel) - window.first_pixel;
+        let pixel = rank_of_pixel(run.pixel) - window.first_pixel;
         paths += add_run(pixel, run);
         add_aov(pixel, run);
         rays += run.rays;

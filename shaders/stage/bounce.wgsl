@@ -26,7 +26,7 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     var iterations = MOST_STEPS_OF_MEDIA;
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
-        note_hit(&path);
+        record_hit(&path);
         iterations = cross_media(&path, iterations);
         if path.status < FIRST_STATUS {
             scatter_path(&path);

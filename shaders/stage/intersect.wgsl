@@ -19,7 +19,7 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     load_walker(slot, &path);
     trace(&path);
-    note_hit_of_slot(slot, &path);
+    record_hit_of_slot(slot, &path);
     store_status(slot, path.status);
     store_hit(slot, &path);
     sort_slot(slot, path_hit(&path));

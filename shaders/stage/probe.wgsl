@@ -37,7 +37,7 @@ fn product_error_barrier(x: f32, y: f32, zero: u32) -> f32 {
     return barrier(second + x_low * y_high, zero) + x_low * y_low;
 }
 
-fn said_of(x: f32) -> u32 {
+fn classes_of(x: f32) -> u32 {
     return select(0u, 1u, x != x)
         | select(0u, 2u, x < 1.0)
         | select(0u, 4u, x >= 1.0)
@@ -74,7 +74,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     answer.converted = bitcast<u32>(f32(trial.word));
     answer.uniform_of_32 = bitcast<u32>(f32(trial.word) * 0x1p-32f);
     answer.uniform_of_24 = bitcast<u32>(f32(trial.word >> 8u) * 0x1p-24f);
-    answer.said_of_special = said_of(bitcast<f32>(trial.special));
+    answer.classes_of_special = classes_of(bitcast<f32>(trial.special));
     answer.made_subnormal = bitcast<u32>(bitcast<f32>(trial.least) * 0x1p-4f);
     answer.from_subnormal = bitcast<u32>(bitcast<f32>(trial.subnormal) * 0x1p24f);
     let signs = close_signs(

@@ -1,7 +1,7 @@
 //@ use generated/slots
 //@ use step/scatter
 //@ use choice/shadow_slot
-//@ use choice/queue_turn
+//@ use choice/queued_slot
 // Scatters the paths that hit a surface.
 override WORKGROUP_SIZE: u32 = 64u;
 

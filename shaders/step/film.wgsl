@@ -30,8 +30,8 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
         atomicOr(&film[pixel].saturated, 1u << sum);
         return;
     }
-    let places = u32(max(shift, 0));
-    let within = places % 32u;
+    let left_shift = u32(max(shift, 0));
+    let within = left_shift % 32u;
     var low = mantissa << within;
     var high = (mantissa >> 1u) >> (31u - within);
     if shift < 0 {
@@ -39,7 +39,7 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
         low = (mantissa + (1u << (lost - 1u))) >> lost;
         high = 0u;
     }
-    var word = places / 32u;
+    var word = left_shift / 32u;
     let negative = value < 0.0;
     while word < 4u && (low | high) != 0u {
         var before = 0u;

@@ -11,7 +11,7 @@ fn weigh_emission(path: ptr<function, Path>, hit: Hit, emission: vec3<f32>, cont
         return contribution;
     }
     let weighed = contribution * mis_weight(path, hit);
-    note_found_light(path, hit, emission, weighed);
+    record_found_light(path, hit, emission, weighed);
     return weighed;
 }
 
@@ -19,6 +19,6 @@ fn weigh_emission(path: ptr<function, Path>, hit: Hit, emission: vec3<f32>, cont
 fn weigh_emitter_hit(path: ptr<function, Path>, hit: Hit, bsdf: Scatter) {
     if bsdf.event == EMITTED {
         (*path).throughput *= mis_weight(path, hit);
-        note_found_light(path, hit, bsdf.weight, (*path).throughput * bsdf.weight);
+        record_found_light(path, hit, bsdf.weight, (*path).throughput * bsdf.weight);
     }
 }

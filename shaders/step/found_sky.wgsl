@@ -13,6 +13,6 @@ fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     return throughput * power_heuristic(pdf, sky_density((*path).ray.origin, (*path).ray.direction));
 }
 
-fn note_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
-    note_found_sky(path, radiance, contribution);
+fn record_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
+    record_found_sky(path, radiance, contribution);
 }

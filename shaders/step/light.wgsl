@@ -108,7 +108,7 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
         let covered = cover_light_at_hit(emitted, (*path).shadow, hit);
         let radiance = transmit_light(covered, (*path).shadow, hit.t, &steps, &status);
         contribution = (*path).light_weight * radiance;
-        note_light_of_shadow(path, hit, emitted, radiance);
+        record_light_of_shadow(path, hit, emitted, radiance);
     } else if hit.code == PATH_CUT {
         status = PATH_CUT;
     }
@@ -117,7 +117,7 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
         return steps;
     }
     // `depth` counts the event that sent the ray, unless the path ended there.
-    note_direct(path, contribution, select((*path).depth + 1u, (*path).depth, status == RAY_READY));
+    record_direct(path, contribution, select((*path).depth + 1u, (*path).depth, status == RAY_READY));
     (*path).status = status;
     (*path).radiance += limited_light(contribution);
     return steps;

@@ -56,7 +56,7 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     let medium = media[at_run_time(scatterer)];
     let point = ray.origin + nearest * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
-    note_medium(path, throughput);
+    record_medium(path, throughput);
     if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);

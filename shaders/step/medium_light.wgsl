@@ -16,6 +16,6 @@ fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3
     // A medium has no sides: the normal is any direction in which the cone lies as a whole.
     aim_probe(path, sends_probe(path, lobe), scatter_towards(direction, albedo, lobe), light_sample.direction, direction, 1.0);
     send_shadow_ray(path, light_sample, point, albedo * share, share);
-    note_event(path, lobe, select(1.0, 0.0, lobe == LOBE_WIDE));
+    record_event(path, lobe, select(1.0, 0.0, lobe == LOBE_WIDE));
     (*path).pdf = phase_pdf(incoming, direction, g, medium.one_minus_anisotropy);
 }

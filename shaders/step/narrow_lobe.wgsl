@@ -81,7 +81,7 @@ fn weigh_probe(path: ptr<function, Path>, pdf: f32, has_size: bool) {
 
 // Notes an event in the path's history: the lobe of the drawn direction, and of the response to the sampled light the share that narrow
 // lobes have. The share is a probability here, so that a light counts as a whole or not at all.
-fn note_event(path: ptr<function, Path>, lobe: u32, share: f32) {
+fn record_event(path: ptr<function, Path>, lobe: u32, share: f32) {
     let follows = (*path).history & AFTER_WIDE_LOBE;
     let is_narrow_light = follows != 0u && share > 0.0 && f32(words_of_probe(path).z >> 8u) * 0x1p-24f < share;
     let drawn = select(follows | IN_NARROW_LOBE, AFTER_WIDE_LOBE, lobe == LOBE_WIDE);
@@ -89,7 +89,7 @@ fn note_event(path: ptr<function, Path>, lobe: u32, share: f32) {
 }
 
 // Counts light that the path's ray found: the hit on it, its radiance, and its contribution.
-fn note_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, contribution: vec3<f32>) {
+fn record_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, contribution: vec3<f32>) {
     let light = number_of_light(hit);
     if is_hidden_light(path) && light < NOT_SAMPLED {
         add_light(path, bin_of_light(light, radiance), FOUND, contribution);
@@ -97,7 +97,7 @@ fn note_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, co
 }
 
 // Counts light of the sky that the path's ray found.
-fn note_found_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
+fn record_found_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
     if is_hidden_light(path) {
         add_light(path, bin_of_light(NUMBER_OF_SKY, radiance), FOUND, contribution);
     }
@@ -108,7 +108,7 @@ fn is_hidden_light(path: ptr<function, Path>) -> bool {
 }
 
 // Counts light that the path's shadow ray found, as a probe and by light sampling: its radiance, and what arrives of it.
-fn note_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>, arriving: vec3<f32>) {
+fn record_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>, arriving: vec3<f32>) {
     let bin = bin_of_light(number_of_light(hit), emitted);
     if ((*path).history & LIGHT_IN_NARROW_LOBE) != 0u {
         add_light(path, bin, FOUND, (*path).light_weight * arriving);
@@ -131,8 +131,8 @@ fn bin_of_light(light: u32, radiance: vec3<f32>) -> u32 {
 fn add_light(path: ptr<function, Path>, bin: u32, sum: u32, contribution: vec3<f32>) {
     // In units of 2^-24 of the device's unit of radiance. The remaining fraction of a unit is rounded up with a
     // probability equal to that fraction.
-    let chance = f32(words_of_probe(path).y >> 8u) * 0x1p-24f;
-    let added = u32(min(largest_component(abs(contribution)), 100.0) * 0x1p24f + chance);
+    let rounding = f32(words_of_probe(path).y >> 8u) * 0x1p-24f;
+    let added = u32(min(largest_component(abs(contribution)), 100.0) * 0x1p24f + rounding);
     let before = atomicAdd(&counters.light[bin][sum][0], added);
     if carry(before, added) != 0u {
         atomicAdd(&counters.light[bin][sum][1], 1u);

@@ -15,7 +15,7 @@ fn pixel_in_order(position: u32) -> u32 {
 }
 
 // Where a pixel stands in that order.
-fn place_in_order(pixel: u32) -> u32 {
+fn rank_of_pixel(pixel: u32) -> u32 {
     let column = pixel % settings.image_width - settings.film_left;
     let row = pixel / settings.image_width - settings.film_top;
     let first_row = row / STRIP_ROWS * STRIP_ROWS;

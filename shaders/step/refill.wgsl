@@ -36,13 +36,13 @@ fn refill_path(path: ptr<function, Path>) {
     if (*path).status == HIT_NOTHING {
         let background = background_radiance((*path).ray.direction);
         radiance = weigh_sky(path, radiance) * background;
-        note_sky(path, background, radiance);
+        record_sky(path, background, radiance);
     }
     if (*path).status == PATH_TOO_DEEP {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);
     }
-    note_direct(path, radiance, (*path).depth);
+    record_direct(path, radiance, (*path).depth);
     radiance = with_sampled_light(path, limited_indirect(radiance, (*path).depth));
     radiance = weigh_by_filter(path, radiance);
     // A sample that is not finite is dropped, and counted by its reason. Tested by bits: a compiler may assume that x != x is false.

@@ -33,7 +33,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
     let drawn = scatter_by_material(evaluated.material, interaction, u);
     let bsdf = keep_side(drawn, interaction.normal, frame.shading);
-    note_surface(path, evaluated.material, bsdf, interaction.normal);
+    record_surface(path, evaluated.material, bsdf, interaction.normal);
 
     // Emission, weighted against the density of the event before; then a light from here, which sets the density of this one.
     add_surface_emission(path, hit, evaluated, bsdf);

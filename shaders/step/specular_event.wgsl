@@ -15,5 +15,5 @@ fn sample_light_at_surface(
     u: f32,
 ) {
     (*path).pdf = 0.0;
-    note_event(path, bsdf.lobe, 0.0);
+    record_event(path, bsdf.lobe, 0.0);
 }

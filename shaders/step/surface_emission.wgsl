@@ -8,6 +8,6 @@
 fn add_surface_emission(path: ptr<function, Path>, hit: Hit, evaluated: EvaluatedMaterial, bsdf: Scatter) {
     let emission = select(evaluated.emission, vec3<f32>(0.0), bsdf.event == EMITTED);
     let contribution = weigh_emission(path, hit, emission, (*path).throughput * emission);
-    note_direct(path, contribution, (*path).depth);
+    record_direct(path, contribution, (*path).depth);
     (*path).radiance += limited_indirect(contribution, (*path).depth);
 }

@@ -44,5 +44,5 @@ fn sample_light_at_surface(
     }
     // A specular lobe has no density.
     (*path).pdf = select(sampled.drawn_pdf, 0.0, bsdf.lobe == LOBE_SPECULAR);
-    note_event(path, bsdf.lobe, sampled.response.narrow);
+    record_event(path, bsdf.lobe, sampled.response.narrow);
 }

@@ -2,8 +2,8 @@
 //@ use lib/perlin
 //@ use lib/angle
 // Stripes along the object's z, bent by turbulence: 0.5 (1 + sin(scale z + 10 turbulence(p))).
-fn marble_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
-    let angle = texture.parameter * place.along_z + place.phase + 10.0 * turbulence(place.point);
+fn marble_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
+    let angle = texture.parameter * at.along_z + at.phase + 10.0 * turbulence(at.point);
     return texture.first * (0.5 * (1.0 + circle_point(within_one_turn(angle) * 0.15915494).y));
 }
 

@@ -15,7 +15,7 @@ pub struct Twig {
 /// What is below a node of a binary tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The places of two nodes, both behind that of this one.
+    /// The indices of two nodes, both behind that of this one.
     Fork([u32; 2]),
     /// The number of what the tree holds here.
     Leaf(u32),
@@ -59,11 +59,11 @@ pub struct Collapse<'a> {
 impl<'a> Collapse<'a> {
     pub fn new(twigs: &'a [Twig]) -> Collapse<'a> {
         let mut all = Collapse { twigs, costs: vec![[Cost::default(); SIDE]; twigs.len()] };
-        for (place, twig) in twigs.iter().enumerate().rev() {
+        for (index, twig) in twigs.iter().enumerate().rev() {
             if let End::Fork(sides) = twig.end {
                 let apart = |children| all.parted(sides, children).1;
                 let alone = apart(WIDTH).plus(Cost { surface: twig.bounds.half_area(), nodes: 1 });
-                all.costs[place] = std::array::from_fn(|more| match more {
+                all.costs[index] = std::array::from_fn(|more| match more {
                     0 => alone,
                     _ => apart(more + 1).least(alone),
                 });
@@ -79,10 +79,10 @@ impl<'a> Collapse<'a> {
         (2..children).map(part).fold(part(1), |least, other| if other.1.is_below(least.1) { other } else { least })
     }
 
-    /// The places of the nodes that become the children of the wide node at `place`.
-    pub fn children(&self, place: usize) -> Vec<usize> {
+    /// The indices of the nodes that become the children of the wide node at `index`.
+    pub fn children(&self, index: usize) -> Vec<usize> {
         let mut found = Vec::with_capacity(WIDTH);
-        if let End::Fork(sides) = self.twigs[place].end {
+        if let End::Fork(sides) = self.twigs[index].end {
             self.part(sides, WIDTH, &mut found);
         }
         found
@@ -91,11 +91,11 @@ impl<'a> Collapse<'a> {
     fn part(&self, sides: [u32; 2], children: usize, found: &mut Vec<usize>) {
         let (first, _) = self.parted(sides, children);
         for (side, count) in sides.into_iter().zip([first, children - first]) {
-            let place = side as usize;
-            let costs = &self.costs[place];
-            match self.twigs[place].end {
+            let index = side as usize;
+            let costs = &self.costs[index];
+            match self.twigs[index].end {
                 End::Fork(sides) if costs[count - 1].is_below(costs[0]) => self.part(sides, count, found),
-                _ => found.push(place),
+                _ => found.push(index),
             }
         }
     }
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::bvh::unit_numbers;
 
-    /// A binary tree over so many boxes in random places.
+    /// A binary tree over so many boxes at random positions.
     fn tree(leaves: usize, random: &mut impl FnMut() -> f32) -> Vec<Twig> {
         let boxes: Vec<Bounds> = (0..leaves)
             .map(|_| {
@@ -122,22 +122,22 @@ mod tests {
     }
 
     fn grow(boxes: &[Bounds], first: u32, random: &mut impl FnMut() -> f32, twigs: &mut Vec<Twig>) -> u32 {
-        let place = twigs.len();
+        let index = twigs.len();
         let bounds = boxes.iter().copied().reduce(Bounds::union).expect("a box");
         twigs.push(Twig { bounds, end: End::Leaf(first) });
         if boxes.len() > 1 {
             let cut = 1 + (random() * (boxes.len() - 1) as f32) as usize;
             let low = grow(&boxes[..cut], first, random, twigs);
             let high = grow(&boxes[cut..], first + cut as u32, random, twigs);
-            twigs[place].end = End::Fork([low, high]);
+            twigs[index].end = End::Fork([low, high]);
         }
-        place as u32
+        index as u32
     }
 
     /// All sets of at most so many nodes that together hold what is below a node.
-    fn all_ways(twigs: &[Twig], place: usize, most: usize) -> Vec<Vec<usize>> {
-        let mut ways = vec![vec![place]];
-        if let End::Fork([low, high]) = twigs[place].end {
+    fn all_ways(twigs: &[Twig], index: usize, most: usize) -> Vec<Vec<usize>> {
+        let mut ways = vec![vec![index]];
+        if let End::Fork([low, high]) = twigs[index].end {
             for count in 1..most {
                 for one in all_ways(twigs, low as usize, count) {
                     let others = all_ways(twigs, high as usize, most - count);
@@ -149,27 +149,27 @@ mod tests {
     }
 
     /// The least cost of a wide tree, by trying all.
-    fn least(twigs: &[Twig], place: usize) -> f64 {
-        if let End::Leaf(_) = twigs[place].end {
+    fn least(twigs: &[Twig], index: usize) -> f64 {
+        if let End::Leaf(_) = twigs[index].end {
             return 0.0;
         }
-        let ways = all_ways(twigs, place, WIDTH).into_iter().skip(1);
+        let ways = all_ways(twigs, index, WIDTH).into_iter().skip(1);
         let cost = |way: Vec<usize>| way.into_iter().map(|child| least(twigs, child)).sum::<f64>();
-        f64::from(twigs[place].bounds.half_area()) + ways.map(cost).fold(f64::INFINITY, f64::min)
+        f64::from(twigs[index].bounds.half_area()) + ways.map(cost).fold(f64::INFINITY, f64::min)
     }
 
     /// The cost of the wide tree in which nodes have these children, and the leaves that it reaches.
-    fn cost_of(twigs: &[Twig], place: usize, children: &impl Fn(usize) -> Vec<usize>, reached: &mut Vec<u32>) -> f64 {
-        match twigs[place].end {
+    fn cost_of(twigs: &[Twig], index: usize, children: &impl Fn(usize) -> Vec<usize>, reached: &mut Vec<u32>) -> f64 {
+        match twigs[index].end {
             End::Leaf(number) => {
                 reached.push(number);
                 0.0
             }
             End::Fork(_) => {
-                let children_here = children(place);
+                let children_here = children(index);
                 assert!((2..=WIDTH).contains(&children_here.len()));
                 let below: f64 = children_here.iter().map(|&child| cost_of(twigs, child, children, reached)).sum();
-                f64::from(twigs[place].bounds.half_area()) + below
+                f64::from(twigs[index].bounds.half_area()) + below
             }
         }
     }
@@ -183,14 +183,14 @@ mod tests {
             let twigs = tree(leaves, &mut random);
             let collapse = Collapse::new(&twigs);
             let mut reached = vec![];
-            let cost = cost_of(&twigs, 0, &|place| collapse.children(place), &mut reached);
+            let cost = cost_of(&twigs, 0, &|index| collapse.children(index), &mut reached);
             reached.sort_unstable();
             assert_eq!(reached, (0..leaves as u32).collect::<Vec<_>>());
             let least = least(&twigs, 0);
             // Sums of at most nine surfaces, each rounded in f32.
             assert!((cost - least).abs() <= 16.0 * f64::from(f32::EPSILON) * least, "{leaves} leaves: {cost} {least}");
             // The binary tree itself costs more.
-            let both = |place: usize| match twigs[place].end {
+            let both = |index: usize| match twigs[index].end {
                 End::Fork(sides) => sides.map(|side| side as usize).to_vec(),
                 End::Leaf(_) => vec![],
             };

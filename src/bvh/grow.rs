@@ -25,7 +25,7 @@ struct Branch<'a> {
     depth: u32,
 }
 
-/// The place of the node above, and which of its children a node is; none above the root.
+/// The index of the parent node, and which of its children a node is; none above the root.
 type Above = Option<(usize, usize)>;
 
 /// The nodes of a tree, in the order of their creation.
@@ -34,11 +34,11 @@ struct Grown {
     /// The depth of the deepest node.
     deepest: u32,
     /// The children that are pieces.
-    pieces: Vec<Place>,
+    pieces: Vec<PieceSlot>,
 }
 
 /// A child of a node that stands for a piece.
-struct Place {
+struct PieceSlot {
     node: usize,
     child: usize,
     depth: u32,
@@ -50,17 +50,17 @@ struct Place {
 pub fn grow(all: Group<'_>, quality: Quality, threads: usize) -> Bvh {
     let most = (all.items.len() / PIECES).max(LEAST_PIECE);
     let all = Branch { group: all, depth: 0 };
-    let whole = |branch| Grown::from_twigs(&fork(branch, quality, 1).0);
+    let subtree_of = |branch| Grown::from_twigs(&fork(branch, quality, 1).0);
     let grown = if all.group.items.len() <= most {
-        whole(all)
+        subtree_of(all)
     } else {
         let (twigs, pieces) = fork(all, quality, most);
         let mut top = Grown::from_twigs(&twigs);
-        let mut places = std::mem::take(&mut top.pieces);
-        places.sort_unstable_by_key(|place| place.piece);
-        let subtrees = each(threads.min(pieces.len()), pieces, whole);
-        for (place, subtree) in places.iter().zip(subtrees) {
-            top.append(place, subtree);
+        let mut slots = std::mem::take(&mut top.pieces);
+        slots.sort_unstable_by_key(|slot| slot.piece);
+        let subtrees = each(threads.min(pieces.len()), pieces, subtree_of);
+        for (slot, subtree) in slots.iter().zip(subtrees) {
+            top.append(slot, subtree);
         }
         top
     };
@@ -105,12 +105,12 @@ impl Grown {
         let collapse = Collapse::new(twigs);
         let mut grown = Grown { nodes: Vec::new(), deepest: 0, pieces: Vec::new() };
         let mut open: Vec<(usize, u32, Above)> = vec![(0, 0, None)];
-        while let Some((place, depth, above)) = open.pop() {
+        while let Some((index, depth, above)) = open.pop() {
             let here = grown.nodes.len();
             if let Some((node, child)) = above {
                 grown.nodes[node].children[child] = here as u32;
             }
-            let children = collapse.children(place);
+            let children = collapse.children(index);
             let boxes: Vec<Bounds> = children.iter().map(|&below| twigs[below].bounds).collect();
             let mut node = quantised(&boxes);
             grown.deepest = grown.deepest.max(depth);
@@ -118,7 +118,7 @@ impl Grown {
                 match twigs[below].end {
                     End::Fork(_) => open.push((below, depth + 1, Some((here, child)))),
                     End::Leaf(code) if code & PRIMITIVE_BIT != 0 => node.children[child] = code,
-                    End::Leaf(piece) => grown.pieces.push(Place { node: here, child, depth: depth + 1, piece }),
+                    End::Leaf(piece) => grown.pieces.push(PieceSlot { node: here, child, depth: depth + 1, piece }),
                 }
             }
             grown.nodes.push(node);
@@ -126,10 +126,10 @@ impl Grown {
         grown
     }
 
-    /// Appends the nodes of a piece, and writes its root's code into its place.
-    fn append(&mut self, place: &Place, subtree: Grown) {
+    /// Appends the nodes of a piece, and writes its root's code into its slot.
+    fn append(&mut self, slot: &PieceSlot, subtree: Grown) {
         let first = self.nodes.len() as u32;
-        self.nodes[place.node].children[place.child] = first;
+        self.nodes[slot.node].children[slot.child] = first;
         self.nodes.extend(subtree.nodes.into_iter().map(|mut node| {
             // The codes of absent children have the bit, too.
             for code in node.children.iter_mut().filter(|code| **code & PRIMITIVE_BIT == 0) {
@@ -137,6 +137,6 @@ impl Grown {
             }
             node
         }));
-        self.deepest = self.deepest.max(place.depth + subtree.deepest);
+        self.deepest = self.deepest.max(slot.depth + subtree.deepest);
     }
 }

@@ -150,9 +150,9 @@ impl<'a> Group<'a> {
     fn bins<const BINS: usize>(&self, scale: Vec3A) -> [[(Extent, u32); BINS]; 3] {
         let mut bins = [[(Extent::EMPTY, 0); BINS]; 3];
         for item in self.items.iter() {
-            let place = ((item.middle() - self.middles.min) * scale).to_array();
+            let position = ((item.middle() - self.middles.min) * scale).to_array();
             for axis in 0..3 {
-                let (extent, count) = &mut bins[axis][(place[axis] as i32 as usize).min(BINS - 1)];
+                let (extent, count) = &mut bins[axis][(position[axis] as i32 as usize).min(BINS - 1)];
                 extent.add(item.min.into(), item.max.into());
                 *count += 1;
             }

@@ -15,8 +15,8 @@ use crate::samples::Samples;
 #[derive(Clone, Debug)]
 pub struct Part {
     pub path: PathBuf,
-    /// The samples that it is asked for.
-    pub asked: Range<u32>,
+    /// The samples that it is to have.
+    pub requested: Range<u32>,
     /// Those that its file has.
     pub samples: Samples,
     pub progress: Progress,
@@ -42,7 +42,7 @@ pub enum Progress {
 impl Part {
     /// Samples of a pixel that are still to be rendered.
     pub fn missing(&self) -> u64 {
-        self.samples.missing(self.asked.clone()).count()
+        self.samples.missing(self.requested.clone()).count()
     }
 
     pub fn is_usable(&self) -> bool {
@@ -73,10 +73,10 @@ impl Parts {
     /// of each part.
     pub fn read(folder: &Folder, recent: Duration, watch: &mut dyn FnMut(usize)) -> Parts {
         let mut headers = Vec::new();
-        for (number, asked) in folder.parts().enumerate() {
+        for (number, requested) in folder.parts().enumerate() {
             watch(number);
-            let path = folder.part_path(&asked);
-            headers.push((read_header(&path), path, asked));
+            let path = folder.part_path(&requested);
+            headers.push((read_header(&path), path, requested));
         }
         let states: Vec<(&Path, &State)> = headers
             .iter()
@@ -85,10 +85,10 @@ impl Parts {
         let reference = most_common(&states).map(|(path, state)| (path.to_owned(), state.clone()));
 
         let mut parts = Parts { all: Vec::new(), reference, devices: Vec::new() };
-        for (header, path, asked) in headers {
+        for (header, path, requested) in headers {
             let mut part = Part {
                 path,
-                asked,
+                requested,
                 samples: Samples::default(),
                 progress: Progress::NotBegun,
                 seconds_per_sample: None,
@@ -130,9 +130,9 @@ impl Parts {
 
     /// Checks that a file is of this render and holds samples of its part alone.
     fn fits(&self, part: &Part, state: &State, folder: &Folder) -> Result<(), String> {
-        let asked = (folder.asked.width, folder.asked.height);
-        if state.size != asked {
-            return Err(format!("it has {}x{} pixels instead of {}x{}", state.size.0, state.size.1, asked.0, asked.1));
+        let size = (folder.request.width, folder.request.height);
+        if state.size != size {
+            return Err(format!("it has {}x{} pixels instead of {}x{}", state.size.0, state.size.1, size.0, size.1));
         }
         if let Some((path, reference)) = &self.reference
             && let Some(difference) = state.difference("it", reference, &path.display().to_string())
@@ -140,8 +140,8 @@ impl Parts {
             return Err(format!("it is of another render than most parts: {difference}"));
         }
         let range = state.samples.range();
-        if range.start < part.asked.start || range.end > part.asked.end {
-            let Range { start, end } = part.asked;
+        if range.start < part.requested.start || range.end > part.requested.end {
+            let Range { start, end } = part.requested;
             return Err(format!("it holds the samples {}, and those of this part are {start}..{end}", state.samples));
         }
         Ok(())

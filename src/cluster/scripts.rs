@@ -78,13 +78,13 @@ fn beginning(folder: &Folder, program: &Path, values: &[(&str, &str)]) -> Result
 
 /// The script of a task, of so many.
 fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
-    let options = &folder.asked.options;
+    let options = &folder.request.options;
     let digits = folder.digits();
     let beginning = beginning(
         folder,
         program,
         &[
-            ("scene", text_of(&folder.asked.scene)?),
+            ("scene", text_of(&folder.request.scene)?),
             ("name", &format!("parts/%0{digits}d-%0{digits}d.exr")),
             ("tasks", &tasks.to_string()),
             ("device", if options.iter().any(|word| word == "--device") { "given" } else { "auto" }),
@@ -96,15 +96,15 @@ fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
 
 /// The script that joins the parts.
 fn merge(folder: &Folder, program: &Path) -> Result<String> {
-    let asked = &folder.asked;
-    let noise = asked.noise.map(|noise| noise.to_string()).unwrap_or_default();
-    let [start, end] = asked.samples;
+    let request = &folder.request;
+    let noise = request.noise.map(|noise| noise.to_string()).unwrap_or_default();
+    let [start, end] = request.samples;
     let beginning = beginning(
         folder,
         program,
-        &[("samples", &format!("{start}..{end}")), ("output", text_of(&asked.output)?), ("noise", &noise)],
+        &[("samples", &format!("{start}..{end}")), ("output", text_of(&request.output)?), ("noise", &noise)],
     )?;
-    let mixed = asked.options.iter().filter(|word| *word == "--mixed-drivers").cloned();
+    let mixed = request.options.iter().filter(|word| *word == "--mixed-drivers").cloned();
     let error = (!noise.is_empty()).then(|| ["--noise".to_string(), noise.clone()]);
     let options: Vec<String> = mixed.chain(error.into_iter().flatten()).collect();
     Ok(format!("{beginning}set --{}\n{MERGE_TEXT}", after_space(&options)))

@@ -57,7 +57,7 @@ impl Slurm {
         tasks: &[u32],
         tell: &mut dyn FnMut(&str) -> Result<()>,
     ) -> Result<Option<Ids>> {
-        let stem = folder.asked.output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stem = folder.request.output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let at = text_of(&folder.path)?;
         // Options of the user may replace these.
         let common = |name: String, log: &str| {
@@ -70,7 +70,7 @@ impl Slurm {
             ];
             ours.into_iter()
         };
-        let user = || folder.asked.sbatch.iter().cloned();
+        let user = || folder.request.sbatch.iter().cloned();
         let script = |name: &str| text_of(&folder.path.join(name)).map(str::to_string);
         let mut array = None;
         if !tasks.is_empty() {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::data::RUN_LENGTH;
-use crate::render::{FIRST_LOOK, look_after};
+use crate::render::{FIRST_CHECK, samples_at_check};
 
 /// The runs that a range of samples has. The last one may be shorter than the others.
 pub fn runs(samples: &Range<u32>) -> u32 {
@@ -23,13 +23,13 @@ pub fn even(samples: &Range<u32>, parts: u32) -> Vec<Range<u32>> {
     (0..parts).map(|part| at(part)..at(part + 1)).collect()
 }
 
-/// The parts of the next round of a render until an error, after so many samples of at most so many. A round ends where the error is looked
-/// at, and its parts are cut there. The first one has a run for each part or more; each later one doubles the samples.
+/// The parts of the next round of a render until an error, after so many samples of at most so many. A round ends where the error is checked,
+/// and its parts are cut there. The first one has a run for each part or more; each later one doubles the samples.
 pub fn round(done: u32, most: u32, parts: u32) -> Vec<Range<u32>> {
-    let ends = (0..).map(look_after);
-    let least = if done == 0 { parts.saturating_mul(RUN_LENGTH).max(FIRST_LOOK) } else { done.saturating_mul(2) };
+    let ends = (0..).map(samples_at_check);
+    let least = if done == 0 { parts.saturating_mul(RUN_LENGTH).max(FIRST_CHECK) } else { done.saturating_mul(2) };
     let end = ends.take_while(|end| *end < most).find(|end| *end >= least).unwrap_or(most);
-    let mut cuts = (0..).map(look_after).take_while(|look| *look < end).filter(|look| *look > done);
+    let mut cuts = (0..).map(samples_at_check).take_while(|check| *check < end).filter(|check| *check > done);
     let mut found = Vec::new();
     let mut cut = cuts.next();
     for mut part in even(&(done..end), parts) {
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_even_and_whole_runs() {
+    fn parts_are_even_and_complete_runs() {
         for (end, count) in [(256, 8), (100, 3), (8, 1), (7, 1), (1_000_000, 999), (1 << 31, 7), (104, 13), (97, 13)] {
             let parts = even(&(0..end), count);
             follow(&parts, 0..end);
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn rounds_end_where_the_error_is_looked_at() {
+    fn rounds_end_where_the_error_is_checked() {
         for (most, parts) in [(1 << 31, 1), (1 << 31, 3), (1 << 31, 100), (1000, 5), (16, 2), (20, 2), (8, 1), (5, 1)] {
             let mut done = 0;
             let mut ends = Vec::new();
@@ -81,13 +81,13 @@ mod tests {
                 ends.extend(round.iter().map(|part| part.end));
                 done = end;
             }
-            let looks = (0..).map(look_after).take_while(|look| *look < most);
-            looks.for_each(|look| assert!(ends.contains(&look), "{look} of {most} in {parts}"));
+            let checks = (0..).map(samples_at_check).take_while(|check| *check < most);
+            checks.for_each(|check| assert!(ends.contains(&check), "{check} of {most} in {parts}"));
         }
         assert_eq!(round(0, 1 << 20, 3), [0..8, 8..16, 16..32]);
         assert_eq!(round(0, 1 << 20, 1).first(), Some(&(0..16)));
         assert_eq!(round(0, 48, 2), [0..8, 8..16]);
-        assert_eq!(round(0, 48, 3), [0..8, 8..16, 16..32], "32 is a look of 48 samples too");
+        assert_eq!(round(0, 48, 3), [0..8, 8..16, 16..32], "32 is a check of 48 samples too");
         assert_eq!(round(32, 1 << 20, 3), [32..40, 40..48, 48..64]);
     }
 }

@@ -8,13 +8,13 @@ use serde_json::{Value, json};
 
 use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
 use super::outputs::{PNG, check_name, check_outputs};
-use crate::data::SampleSpread;
+use crate::data::SampleVariance;
 use crate::error::{Error, Result};
 use crate::metrics::difference::{Difference, ErrorSource, MeanDifference, difference};
 use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
 use crate::metrics::estimate::{CONFIDENCE, Estimate, LEVEL};
 use crate::metrics::flip::error_map;
-use crate::metrics::images::{Images, QUANTITIES, Spreads};
+use crate::metrics::images::{Images, QUANTITIES, SampleVariances};
 use crate::metrics::pixels::Pixels as SinglePixels;
 use crate::metrics::verdict::verdict;
 use crate::output::exr::{ExrImage, StateFile, read_exr, read_layer, read_state};
@@ -121,14 +121,14 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let pixels = Pixels::new(&a, &b);
     let variances = a.known_variance().zip(b.known_variance()).map(|(a, b)| [a, b]);
     let (width, height) = (a.width as usize, a.height as usize);
-    let of_samples = [&args.image, &args.reference].map(|path| spreads(path).filter(|_| args.layer.is_none()));
-    let spreads = match &of_samples {
-        [Some(a), Some(b)] if [a, b].iter().all(|spreads| spreads.len() == width * height) => {
-            Some(Spreads { images: [a, b], alike: identities.is_some_and(|(a, b)| a.differs_by_seed(&b)) })
+    let of_samples = [&args.image, &args.reference].map(|path| sample_variances(path).filter(|_| args.layer.is_none()));
+    let sample_variances = match &of_samples {
+        [Some(a), Some(b)] if [a, b].iter().all(|sample_variances| sample_variances.len() == width * height) => {
+            Some(SampleVariances { images: [a, b], alike: identities.is_some_and(|(a, b)| a.differs_by_seed(&b)) })
         }
         _ => None,
     };
-    let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads };
+    let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances, sample_variances };
     let difference = difference(&images).ok_or_else(|| {
         Error::Usage(format!(
             "{} and {}: no pixel is finite in both images, so there is nothing to compare",
@@ -180,11 +180,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     check(&args.fail_above, &errors, &pixels)
 }
 
-/// How the samples of the pixels are spread, as the state in the file says; none without a state that can be read.
-fn spreads(path: &Path) -> Option<Vec<SampleSpread>> {
+/// The variances of the samples of each pixel, as the state in the file says; none without a state that can be read.
+fn sample_variances(path: &Path) -> Option<Vec<SampleVariance>> {
     let state = StateFile::open(path).ok().flatten()?;
-    match state.spreads() {
-        Ok(spreads) => Some(spreads),
+    match state.sample_variances() {
+        Ok(sample_variances) => Some(sample_variances),
         Err(error) => {
             tell(&format!("warning: {error}: single pixels are not tested"));
             None

@@ -102,7 +102,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
     if !args.quiet
         && state.is_some_and(|state| {
-            !Identity::new(&scene, &Frame::whole(size), &job, &args.options).is_of_scene(&state.identity)
+            !Identity::new(&scene, &Frame::full(size), &job, &args.options).is_of_scene(&state.identity)
         })
     {
         tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));
@@ -123,7 +123,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Outcome, _: Option<Snapshot<'_>>| match signals.have_come() {
+        let mut go_on = |_: &Outcome, _: Option<Snapshot<'_>>| match signals.are_pending() {
             true => Next::Stop,
             false => Next::GoOn,
         };
@@ -153,7 +153,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
     report(args, &biases, &device.name.to_string(), (&steps, rows), own_error, (&table, &plot))?;
-    match signals.have_come() {
+    match signals.are_pending() {
         true => Err(signals.interrupted(&format!("{} holds the samples so far", table.display()))),
         false => Ok(()),
     }

@@ -9,7 +9,7 @@ use super::outputs::check_name;
 use super::scene::convert;
 use crate::cli::GltfArgs;
 use crate::error::{Error, Result};
-use crate::output::{atomic, place::same_file, writable};
+use crate::output::{atomic, destination::same_file, writable};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {

@@ -8,14 +8,14 @@ use serde_json::{Value, json};
 
 use super::console::{command_line, object, path_text, print_json, tell};
 use super::outputs::{EXR, check_name, check_outputs};
-use super::render::{Finish, attributes_of, doubts, error_words, excluded, noise_words};
+use super::render::{Finish, attributes_of, error_words, excluded, noise_words, reliability_warnings};
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::exr::{State, add_film, attribute_text, read_attributes, read_state, write_render};
 use crate::output::progress::Loading;
-use crate::render::{Noise, look_after, look_at};
+use crate::render::{Noise, check_error, samples_at_check};
 use crate::samples::Samples;
 
 #[derive(Debug, Args)]
@@ -62,14 +62,14 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         add_film(part.path, &part.state, &mut film)?;
         joined.add(part);
         if let Some(error) = args.noise
-            && joined.look(&parts, part, &film, error)?
+            && joined.check(&parts, part, &film, error)?
         {
             break;
         }
     }
     drop(loading);
 
-    let Joined { count, samples, devices, looks, noise } = &joined;
+    let Joined { count, samples, devices, checks, noise } = &joined;
     let complete = samples.ranges().len() == 1;
     // The parts were asked for the same; the results are those of the whole.
     let mut attributes = read_attributes(first.path)?;
@@ -87,7 +87,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
     });
     attributes.extend(attributes_of(&record));
-    let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *looks);
+    let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *checks);
     write_render(&args.output, &film, &attributes, Some(&state), || Ok(()))?;
 
     let ends =
@@ -103,7 +103,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         if let (Some(error), Some(noise)) = (args.noise, noise) {
             tell(&noise_words(error, noise, &finish.verdict));
         }
-        doubts(&finish).for_each(|doubt| tell(&doubt));
+        reliability_warnings(&finish).for_each(|warning| tell(&warning));
         let error = error_words(&finish);
         tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
     }
@@ -133,7 +133,7 @@ struct Joined {
     count: usize,
     samples: Samples,
     devices: Vec<(String, String)>,
-    looks: u32,
+    checks: u32,
     noise: Option<Noise>,
 }
 
@@ -141,7 +141,7 @@ impl Joined {
     fn add(&mut self, part: &Part<'_>) {
         self.count += 1;
         self.samples.join(&part.state.samples);
-        self.looks = self.looks.saturating_add(part.state.looks);
+        self.checks = self.checks.saturating_add(part.state.looks);
         for device in &part.state.devices {
             if !self.devices.contains(device) {
                 self.devices.push(device.clone());
@@ -149,25 +149,25 @@ impl Joined {
         }
     }
 
-    /// Looks at the error where `render --noise` does; the result is whether that one would end here.
+    /// Checks the error where `render --noise` does. Returns whether that render would end here.
     ///
     /// # Errors
     /// `Error::Usage` where the part goes on beyond such a number of samples.
-    fn look(&mut self, parts: &[Part<'_>], part: &Part<'_>, film: &Film, error: f64) -> Result<bool> {
-        let looks = self.noise.map_or(0, |noise| noise.looks);
+    fn check(&mut self, parts: &[Part<'_>], part: &Part<'_>, film: &Film, error: f64) -> Result<bool> {
+        let checks = self.noise.map_or(0, |noise| noise.checks);
         let samples = self.samples.range().end - self.samples.range().start;
-        let aim = look_after(looks);
+        let aim = samples_at_check(checks);
         let last = self.count == parts.len();
         if samples > aim || self.samples.ranges().len() > 1 {
             return Err(Error::Usage(format!(
-                "{}: --noise looks at {aim} samples, and this part goes on beyond: end it there",
+                "{}: --noise checks the error at {aim} samples, and this part goes on beyond: end it there",
                 part.path.display()
             )));
         }
         if samples == aim || last {
-            let (noise, ends) = look_at(film, samples, looks, error);
+            let (noise, ends) = check_error(film, samples, checks, error);
             self.noise = Some(noise);
-            self.looks = noise.looks;
+            self.checks = noise.checks;
             return Ok(ends);
         }
         Ok(false)

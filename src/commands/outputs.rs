@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::output::destination::{is_standard, same_file};
 use crate::output::format::{Format, format_of};
-use crate::output::place::{is_standard, same_file};
 use crate::output::writable;
 
 /// An image that is going to be written, unless it has no path: the option that names it, its path, and the formats that it may have.

@@ -74,12 +74,12 @@ fn steps_of(device: Option<&str>) -> Option<u32> {
 
 /// The whole report. With `why`, only that kernel.
 fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Value {
-    let asked = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
-    let kernels: Vec<_> = report.kernels.iter().filter(asked).map(|kernel| kernel_json(report, kernel)).collect();
+    let is_listed = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
+    let kernels: Vec<_> = report.kernels.iter().filter(is_listed).map(|kernel| kernel_json(report, kernel)).collect();
     let choices: Map<String, Value> =
         report.choices.iter().map(|choice| (choice.name.to_string(), json!(choice.module))).collect();
     let features: Vec<_> =
-        report.features.iter().map(|(name, asked_by)| json!({"name": name, "asked_by": asked_by})).collect();
+        report.features.iter().map(|(name, reason)| json!({"name": name, "asked_by": reason})).collect();
     json!({
         "scene": scene,
         "device": device,
@@ -99,7 +99,7 @@ fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Val
 }
 
 fn kernel_json(report: &Report, kernel: &KernelReport) -> Value {
-    let module = |module: &Module| json!({"name": module.name, "used_by": module.used_by, "asked_by": module.asked_by});
+    let module = |module: &Module| json!({"name": module.name, "used_by": module.used_by, "asked_by": module.reason});
     json!({
         "name": kernel.name,
         "why": kernel.why,
@@ -127,7 +127,7 @@ fn constant_json(constant: &Constant) -> Value {
         "value": value,
         "what": constant.what,
         "override": constant.is_override,
-        "asked_by": constant.asked_by,
+        "asked_by": constant.reason,
         "kernels": constant.kernels,
     })
 }
@@ -141,7 +141,7 @@ fn buffer_json(buffer: &Buffer) -> Value {
         "binding": buffer.binding,
         "limit": buffer.limit,
         "fits": buffer.fits(),
-        "asked_by": buffer.asked_by,
+        "asked_by": buffer.reason,
     })
 }
 

@@ -33,7 +33,7 @@ use rendering::{Clock, Rendering};
 pub use request::excluded;
 use request::{Request, checked_image};
 use session::Session;
-pub use summary::{doubts, error_words, noise_words};
+pub use summary::{error_words, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
 

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::flatten::{DeviceScene, flatten};
 use crate::job::Size;
 use crate::options::{MAX_DEPTH, OptionSpec, RenderOptions};
-use crate::output::place::is_standard;
+use crate::output::destination::is_standard;
 use crate::scene::{Assets, GltfOptions, OnProgress, Scene};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
@@ -64,9 +64,9 @@ pub fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -
 }
 
 /// The size of the image: the one asked for, or the scene's.
-pub fn size_of(scene: &Scene, asked: Option<Size>) -> (u32, u32) {
+pub fn size_of(scene: &Scene, requested: Option<Size>) -> (u32, u32) {
     let of_scene = (scene.image.width, scene.image.height);
-    asked.map_or(of_scene, |size| size.in_pixels(of_scene))
+    requested.map_or(of_scene, |size| size.in_pixels(of_scene))
 }
 
 /// The options that bias the result or are less exact, with their values.

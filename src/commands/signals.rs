@@ -32,7 +32,7 @@ impl Signals {
     }
 
     /// Whether one has come.
-    pub fn have_come(&self) -> bool {
+    pub fn are_pending(&self) -> bool {
         self.number() != 0
     }
 
@@ -119,9 +119,9 @@ mod tests {
     #[test]
     fn the_first_signal_is_the_reason_and_the_second_says_what_is_lost() {
         let signals = Signals::default();
-        assert!(!signals.have_come());
+        assert!(!signals.are_pending());
         signals.take(SIGTERM);
-        assert!(signals.have_come());
+        assert!(signals.are_pending());
         let error = signals.interrupted("a.exr holds the image so far");
         assert_eq!(error.to_string(), "interrupted by SIGTERM; a.exr holds the image so far");
         assert_eq!(error.exit_status(), 143);

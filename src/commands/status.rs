@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 
 use super::console::{object, path_text, print_json, print_line, tell};
 use super::outputs::{PNG, check_name, check_outputs};
-use super::render::{Finish, doubts, error_words, excluded};
+use super::render::{Finish, error_words, excluded, reliability_warnings};
 use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::cluster::parts::{Part, Parts, Progress};
-use crate::cluster::{ASKED, Folder};
+use crate::cluster::{Folder, JOB_FILE};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};
@@ -43,7 +43,7 @@ pub struct StatusArgs {
 /// A part is under way if its file was written within so many intervals of `--checkpoint`: one checkpoint may be late, and another one fail.
 const INTERVALS: u32 = 3;
 
-/// Tells what has come of the parts.
+/// Reports the state of the parts.
 pub fn run(args: &StatusArgs) -> Result<()> {
     check_name(&args.folder, "a folder")?;
     let folder = Folder::read(&args.folder)?;
@@ -52,7 +52,7 @@ pub fn run(args: &StatusArgs) -> Result<()> {
     }
     let mut loading = Loading::new(args.quiet);
     let count = folder.parts().len().max(1) as f64;
-    let recent = INTERVALS * checkpoint(&folder.asked.options);
+    let recent = INTERVALS * checkpoint(&folder.request.options);
     let mut parts =
         Parts::read(&folder, recent, &mut |number| loading.show("reading the parts", number as f64 / count));
     let joined = match args.error || args.png.is_some() {
@@ -73,7 +73,7 @@ pub fn run(args: &StatusArgs) -> Result<()> {
     }
     if !args.quiet {
         notes(&folder, &parts, &args.png, joined.is_some()).iter().for_each(|note| tell(note));
-        finish.iter().flat_map(doubts).for_each(|doubt| tell(&doubt));
+        finish.iter().flat_map(reliability_warnings).for_each(|warning| tell(&warning));
     }
     Ok(())
 }
@@ -89,8 +89,8 @@ fn checkpoint(options: &[String]) -> Duration {
 /// The files of the folder that a picture must not replace.
 fn files_of(folder: &Folder) -> Vec<PathBuf> {
     let parts = folder.parts().map(|part| folder.part_path(&part));
-    let own = [folder.path.join(ASKED), folder.output()];
-    let below = folder.asked.scene.components().next().map(|first| folder.path.join(first));
+    let own = [folder.path.join(JOB_FILE), folder.output()];
+    let below = folder.request.scene.components().next().map(|first| folder.path.join(first));
     parts.chain(own).chain(below.iter().flat_map(|below| files_below(below))).collect()
 }
 
@@ -135,7 +135,7 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
 
 /// What the samples that are there have come to.
 fn finish(film: &Film, samples: &Samples, parts: &Parts, folder: &Folder) -> Finish {
-    let [start, end] = folder.asked.samples;
+    let [start, end] = folder.request.samples;
     Finish::new(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
 }
 
@@ -149,7 +149,7 @@ fn excluded_of(parts: &Parts) -> String {
 enum Image {
     Absent,
     Complete,
-    /// It has so many samples, and not all; or all of the rounds so far, and not the error that is asked for.
+    /// It has so many samples, and not all; or all of the rounds so far, and not the requested error.
     Incomplete(u64),
     NotUsable(String),
 }
@@ -169,8 +169,8 @@ impl Image {
         let of_parts = parts.reference.as_ref();
         let state = &file.state;
         let difference = of_parts.and_then(|(path, part)| state.difference("it", part, &path.display().to_string()));
-        let [start, end] = folder.asked.samples;
-        let is_complete = match folder.asked.noise {
+        let [start, end] = folder.request.samples;
+        let is_complete = match folder.request.noise {
             None => state.samples.missing(start..end).is_empty(),
             Some(_) => attribute(&file.attributes(), "gpu-rt:noise_reached") == Some(&Attribute::Int(1)),
         };
@@ -181,12 +181,12 @@ impl Image {
         }
     }
 
-    fn words(&self, path: &Path, asked: u64) -> String {
+    fn words(&self, path: &Path, requested: u64) -> String {
         let path = path.display();
         match self {
             Image::Absent => format!("{path} is not there yet"),
             Image::Complete => format!("{path} is complete"),
-            Image::Incomplete(samples) => format!("{path} has {samples} of {asked} samples"),
+            Image::Incomplete(samples) => format!("{path} has {samples} of {requested} samples"),
             Image::NotUsable(why) => format!("{path}: {why}"),
         }
     }
@@ -201,13 +201,13 @@ impl Image {
     }
 }
 
-/// What is told.
+/// The report.
 struct Report<'a> {
     folder: &'a Folder,
     parts: &'a Parts,
     image: Image,
-    /// Samples of a pixel that are asked for, and that there are.
-    asked: u64,
+    /// Samples of a pixel: requested, and rendered so far.
+    requested: u64,
     done: u64,
     /// Seconds that a process takes for one sample of every pixel: the mean over the parts that tell.
     seconds_per_sample: Option<f64>,
@@ -215,14 +215,14 @@ struct Report<'a> {
 
 impl Report<'_> {
     fn new<'a>(folder: &'a Folder, parts: &'a Parts) -> Report<'a> {
-        let [start, end] = folder.asked.samples;
+        let [start, end] = folder.request.samples;
         let usable = || parts.all.iter().filter(|part| part.is_usable());
         let paces: Vec<f64> = usable().filter_map(|part| part.seconds_per_sample).collect();
         Report {
             folder,
             parts,
             image: Image::read(folder, parts),
-            asked: u64::from(end - start),
+            requested: u64::from(end - start),
             done: usable().map(|part| part.samples.count()).sum(),
             seconds_per_sample: (!paces.is_empty()).then(|| paces.iter().sum::<f64>() / paces.len() as f64),
         }
@@ -257,37 +257,37 @@ impl Report<'_> {
     /// Seconds until all samples are there, if as many parts are rendered at a time as now: a share of all that is missing, and at least
     /// what the part under way that misses most needs.
     fn seconds_left(&self) -> Option<f64> {
-        if matches!(self.image, Image::Complete) || self.done == self.asked {
+        if matches!(self.image, Image::Complete) || self.done == self.requested {
             return Some(0.0);
         }
         let pace = self.seconds_per_sample?;
         let under_way = self.parts.all.iter().filter(|part| part.progress == Progress::UnderWay);
         let longest = under_way.map(Part::missing).max().unwrap_or(0);
-        let shared = (self.asked - self.done) as f64 / self.under_way().max(1) as f64;
+        let shared = (self.requested - self.done) as f64 / self.under_way().max(1) as f64;
         Some(pace * shared.max(longest as f64))
     }
 
     fn lines(&self, args: &StatusArgs, finish: Option<&Finish>) -> Vec<String> {
-        let Report { folder, asked, done, .. } = self;
-        let share = 100.0 * *done as f64 / (*asked).max(1) as f64;
+        let Report { folder, requested, done, .. } = self;
+        let share = 100.0 * *done as f64 / (*requested).max(1) as f64;
         let counts: Vec<String> = self
             .counts()
             .into_iter()
             .filter(|(_, count)| *count > 0)
             .map(|(state, count)| format!("{count} {state}"))
             .collect();
-        let mut lines = vec![format!("samples: {done} of {asked} ({share:.1} %)")];
-        if let Some(noise) = folder.asked.noise {
-            let most = folder.asked.most.map_or(String::new(), |most| format!(", of {most} at most"));
+        let mut lines = vec![format!("samples: {done} of {requested} ({share:.1} %)")];
+        if let Some(noise) = folder.request.noise {
+            let most = folder.request.most.map_or(String::new(), |most| format!(", of {most} at most"));
             lines.push(match self.image {
                 Image::Complete => format!("rounds: --noise {noise} is reached"),
-                _ => format!("rounds: --noise {noise} is not reached; {asked} samples are asked for so far{most}"),
+                _ => format!("rounds: --noise {noise} is not reached; {requested} samples are asked for so far{most}"),
             });
         }
         lines.push(format!("parts: {}: {}", self.parts.all.len(), counts.join(", ")));
         lines.extend(self.not_usable().map(|(path, why)| format!("not usable: {}: {why}", path.display())));
         lines.push(format!("time left: {}", self.time_left()));
-        lines.push(format!("image: {}", self.image.words(&folder.output(), *asked)));
+        lines.push(format!("image: {}", self.image.words(&folder.output(), *requested)));
         if args.error {
             let samples = finish.map_or(0, |finish| finish.samples.count());
             let error = finish.map_or("error unknown: there are no samples".to_string(), error_words);
@@ -304,8 +304,8 @@ impl Report<'_> {
         };
         // Of hours, nobody needs the seconds.
         let step = |seconds: f64| if seconds > 3600.0 { 60.0 } else { 1.0 };
-        let whole = |seconds: f64| (seconds / step(seconds)).ceil() * step(seconds);
-        match self.seconds_left().map(|seconds| (seconds, Duration::try_from_secs_f64(whole(seconds)))) {
+        let rounded = |seconds: f64| (seconds / step(seconds)).ceil() * step(seconds);
+        match self.seconds_left().map(|seconds| (seconds, Duration::try_from_secs_f64(rounded(seconds)))) {
             Some((0.0, _)) => "none, all samples are there".to_string(),
             Some((_, Ok(time))) => format!("{}, {at_a_time}", humantime::format_duration(time)),
             _ => "unknown, because no part tells its pace".to_string(),
@@ -313,19 +313,19 @@ impl Report<'_> {
     }
 
     fn json(&self, args: &StatusArgs, finish: Option<&Finish>) -> Value {
-        let asked = &self.folder.asked;
+        let request = &self.folder.request;
         let counts = self.counts().into_iter().map(|(state, count)| (state.replace(' ', "_"), json!(count)));
         let not_usable: Vec<Value> =
             self.not_usable().map(|(path, why)| json!({"path": path_text(path), "reason": why})).collect();
         let mut report = object(json!({
             "folder": path_text(&self.folder.path),
             "output": path_text(&self.folder.output()),
-            "width": asked.width,
-            "height": asked.height,
-            "samples_asked": self.asked,
+            "width": request.width,
+            "height": request.height,
+            "samples_asked": self.requested,
             "samples_done": self.done,
-            "noise": asked.noise,
-            "most_samples": asked.most,
+            "noise": request.noise,
+            "most_samples": request.most,
             "parts": self.parts.all.len(),
             "parts_by_state": counts.collect::<serde_json::Map<String, Value>>(),
             "not_usable": not_usable,
@@ -344,7 +344,7 @@ impl Report<'_> {
 /// What the user should know beside the report.
 fn notes(folder: &Folder, parts: &Parts, png: &Option<PathBuf>, is_joined: bool) -> Vec<String> {
     let mut notes = Vec::new();
-    if parts.devices.len() > 1 && !folder.asked.options.iter().any(|word| word == "--mixed-drivers") {
+    if parts.devices.len() > 1 && !folder.request.options.iter().any(|word| word == "--mixed-drivers") {
         let names: Vec<String> = parts.devices.iter().map(|(name, driver)| format!("{name} ({driver})")).collect();
         notes.push(format!(
             "warning: several drivers have rendered the parts, which join only with --mixed-drivers: {}",

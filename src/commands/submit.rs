@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;
 use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
-use crate::render::LAST_LOOK;
+use crate::render::LAST_CHECK;
 use crate::scene::{Scene, Thin};
 
 /// Who runs the processes.
@@ -116,7 +116,7 @@ pub fn run(args: &SlurmArgs) -> Result<()> {
         reason: format!("the program does not know where it is: {error}"),
     })?;
     // A part is of the task that is its number modulo the number of tasks.
-    let all = folder.asked.parts.len() as u32;
+    let all = folder.request.parts.len() as u32;
     let tasks = all.min(slurm.most_tasks);
     let missing = folder.missing()?;
     let mut needed: Vec<u32> = missing.iter().map(|part| part % tasks).collect();
@@ -134,7 +134,7 @@ pub fn run(args: &SlurmArgs) -> Result<()> {
         samples.sum::<u64>(),
         needed.len()
     ))?;
-    let pixels = f64::from(folder.asked.width) * f64::from(folder.asked.height);
+    let pixels = f64::from(folder.request.width) * f64::from(folder.request.height);
     print_line(&format!("disk: {} for all parts and the image", bytes(pixels * PIXEL_BYTES * f64::from(all + 1))))?;
     match slurm.submit(&folder, &needed, &mut print_line)? {
         Some(Ids { array, merge }) => {
@@ -157,28 +157,28 @@ pub fn run(args: &SlurmArgs) -> Result<()> {
     }
 }
 
-/// The folder, with its whole path and the new options of sbatch.
+/// The folder, with its absolute path and the new options of sbatch.
 fn read(path: &Path, args: &SlurmArgs) -> Result<Folder> {
-    let mut folder = Folder::read(&whole(path)?)?;
+    let mut folder = Folder::read(&absolute(path)?)?;
     if !args.sbatch.is_empty() {
-        folder.asked.sbatch = args.sbatch.clone();
+        folder.request.sbatch = args.sbatch.clone();
     }
     Ok(folder)
 }
 
 /// A path from the root, without `.` and `..`.
-fn whole(path: &Path) -> Result<PathBuf> {
+fn absolute(path: &Path) -> Result<PathBuf> {
     let failed =
         |error: std::io::Error| Error::File { path: path.to_owned(), action: "read", reason: error.to_string() };
-    let mut whole = PathBuf::new();
+    let mut absolute = PathBuf::new();
     for component in std::path::absolute(path).map_err(failed)?.components() {
         match component {
-            Component::ParentDir => _ = whole.pop(),
+            Component::ParentDir => _ = absolute.pop(),
             Component::CurDir => {}
-            other => whole.push(other),
+            other => absolute.push(other),
         }
     }
-    Ok(whole)
+    Ok(absolute)
 }
 
 /// Makes the folder with the copy of the scene.
@@ -205,7 +205,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         Some(path) => path.clone(),
         None => PathBuf::from(format!("{stem}-job")),
     };
-    let path = whole(&path)?;
+    let path = absolute(&path)?;
     text_of(&path)?;
     let files = Files::new(&scene)?;
     if fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_some()) {
@@ -226,9 +226,9 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         copy(from, &path.join(to))?;
     }
     for fixed in &files.fixed {
-        print_line(&format!("not copied, because the scene names it by its whole path: {}", fixed.display()))?;
+        print_line(&format!("not copied, because the scene names it by its absolute path: {}", fixed.display()))?;
     }
-    let asked = Request {
+    let request = Request {
         format: FORMAT,
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
@@ -243,13 +243,13 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         options: words_of(args, (width, height))?,
         sbatch: args.sbatch.clone(),
     };
-    Ok(Folder { path, asked })
+    Ok(Folder { path, request })
 }
 
 /// The options of each part, as words of the command line.
 fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>> {
     let mut words = Vec::new();
-    let sky = args.gltf.sky.as_ref().map(|path| whole(path)).transpose()?;
+    let sky = args.gltf.sky.as_ref().map(|path| absolute(path)).transpose()?;
     let sky = sky.map(|path| text_of(&path).map(str::to_string)).transpose()?;
     let mut add =
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
@@ -280,25 +280,25 @@ struct Files {
 impl Files {
     fn new(scene: &Scene) -> Result<Files> {
         let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
-        let mut whole_paths = Vec::new();
+        let mut absolute_paths = Vec::new();
         for input in &moved {
             text_of(&input.path)?;
             if !input.path.is_file() {
                 return Err(Error::Usage(format!("{}: expected a file, which can be copied", input.path.display())));
             }
-            whole_paths.push(whole(&input.path)?);
+            absolute_paths.push(absolute(&input.path)?);
         }
-        let mut common = whole_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
-        while !whole_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
+        let mut common = absolute_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
+        while !absolute_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
         let to = |path: &PathBuf| Path::new("scene").join(path.strip_prefix(&common).unwrap_or(path));
-        let copied = moved.into_iter().map(|input| input.path).zip(whole_paths.iter().map(to)).collect();
+        let copied = moved.into_iter().map(|input| input.path).zip(absolute_paths.iter().map(to)).collect();
         Ok(Files { copied, fixed: fixed.into_iter().map(|input| input.path).collect() })
     }
 }
 
 /// The folder with the parts of its next round; nothing where nothing is left to do, which is said.
 fn next_round(mut folder: Folder) -> Result<Option<Folder>> {
-    let (Some(noise), Some(most)) = (folder.asked.noise, folder.asked.most) else {
+    let (Some(noise), Some(most)) = (folder.request.noise, folder.request.most) else {
         return Err(Error::Usage(format!(
             "{}: it has no rounds, because it was submitted without --noise",
             folder.path.display()
@@ -313,24 +313,24 @@ fn next_round(mut folder: Folder) -> Result<Option<Folder>> {
     let attributes = read_attributes(&output)?;
     let reached = attribute(&attributes, "gpu-rt:noise_reached") == Some(&Attribute::Int(1));
     let unbounded = attribute(&attributes, "gpu-rt:relative_error_bound").is_none();
-    let (done, asked) = (state.samples.range().end, folder.asked.samples[1]);
+    let (done, requested) = (state.samples.range().end, folder.request.samples[1]);
     let samples = state.samples.count();
     if reached {
         print_line(&format!("{name}: --noise {noise} is reached with {samples} samples"))?;
-    } else if unbounded && samples >= u64::from(LAST_LOOK) {
+    } else if unbounded && samples >= u64::from(LAST_CHECK) {
         print_line(&format!("{name}: nothing bounds the error after {samples} samples, so that it cannot be reached"))?;
-    } else if done < asked {
+    } else if done < requested {
         return Err(Error::Usage(format!(
-            "{name} has {done} of {asked} samples that have been submitted: {MERGE} joins the parts before the next round"
+            "{name} has {done} of {requested} samples that have been submitted: {MERGE} joins the parts before the next round"
         )));
-    } else if asked >= most {
+    } else if requested >= most {
         print_line(&format!(
             "{name}: --noise {noise} is not reached with {samples} samples, the most that were asked for"
         ))?;
     } else {
-        let parts = split::round(asked, most, folder.asked.round.unwrap_or(1).max(1));
-        folder.asked.samples[1] = parts.last().map_or(asked, |part| part.end);
-        folder.asked.parts.extend(parts.iter().map(|part| [part.start, part.end]));
+        let parts = split::round(requested, most, folder.request.round.unwrap_or(1).max(1));
+        folder.request.samples[1] = parts.last().map_or(requested, |part| part.end);
+        folder.request.parts.extend(parts.iter().map(|part| [part.start, part.end]));
         return Ok(Some(folder));
     }
     Ok(None)

@@ -26,12 +26,12 @@ use crate::output::plot::Width;
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
-use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
+use crate::tradeoff::extent::{FEWEST_PIXELS, FullSize, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::pace::swing;
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{FEWEST_ROUNDS, Pixels, signed_bias};
-use crate::tradeoff::report::{Findings, Shown};
+use crate::tradeoff::report::{Example, Findings};
 use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Stop, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
@@ -67,7 +67,7 @@ pub struct TradeoffArgs {
     pub json: bool,
 }
 
-/// The shares of the budget after which compiling and measuring end, and after which the calibration at the whole size
+/// The shares of the budget after which compiling and measuring end, and after which the calibration at full size
 /// ends. The rest is for pictures and the report.
 const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
@@ -86,7 +86,7 @@ const INTERRUPTED: &str = "interrupted before it was measured";
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // From here on a signal ends the measurement, not the program.
     let signals = Signals::listen("no report is written");
-    let stop = || signals.have_come();
+    let stop = || signals.are_pending();
     args.reference.iter().try_for_each(|path| check_name(path, "an EXR"))?;
     args.output.iter().try_for_each(|path| check_name(path, "a folder"))?;
     let mut scene = load(&args.scene)?;
@@ -98,11 +98,11 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     }
     let given = reference.as_ref().map(|image| (image.width, image.height));
     let reference = reference.map(|image| middle(image, &mut scene));
-    let whole = match &reference {
+    let full = match &reference {
         Some(image) => (image.width, image.height),
         None => (scene.image.width, scene.image.height),
     };
-    let seed = seed_beside(args.seed, reference.as_ref());
+    let seed = distinct_seed(args.seed, reference.as_ref());
     let folder = folder_of(args)?;
     let device = open_device(args.device.as_deref())?;
     tell_software(&device, args.quiet);
@@ -115,14 +115,14 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // budget allows.
     let exact = reference.is_some();
     let settings = settings_of(&scene, &specs)?;
-    let mut probe = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
+    let mut probe = Sweep::new(&device, &scene, size_of(full, FEWEST_PIXELS, exact), seed);
     progress("compiling defaults");
     probe.add(settings[0].clone())?;
-    // The whole time of a round, including the work between the passes. The first round also warms the machine up.
+    // All of the time of a round, including the work between the passes. The first round also warms the machine up.
     let mut cost = None;
     for round in 1..=2 {
         let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
-        probe.measure(at(MEASURING), round, &stop, &mut |_, _| progress("pilot"))?;
+        probe.measure(at(MEASURING), round, &stop, &mut |_, _| progress("measuring the pace"))?;
         let samples = probe.samples(0).unwrap_or(0) - before;
         if samples > 0 {
             cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
@@ -136,7 +136,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let of_pixel = cost.unwrap_or(0.0) / pixels_ratio(probe.size, (1, 1));
     let compiling = Duration::from_secs_f64(probe.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
     let for_rounds = left.saturating_sub(compiling.min(left.mul_f64(COMPILING)));
-    let size = size_of(whole, pixels_for(of_pixel, settings.len(), for_rounds), exact);
+    let size = size_of(full, pixels_for(of_pixel, settings.len(), for_rounds), exact);
     let denoiser = denoiser_of(args, &specs)?;
     let mut sweep = match stop() || size == probe.size {
         true => {
@@ -159,26 +159,26 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         }
         loading.show(&format!("round {}: {name}", round + 1), share());
     })?;
-    let measured_whole = match size == whole {
+    let calibrated = match size == full {
         true => None,
-        false => calibrate(&mut sweep, whole, at(CALIBRATING), &stop)?,
+        false => calibrate(&mut sweep, full, at(CALIBRATING), &stop)?,
     };
     drop(loading);
 
     let reference = reference.map(|file| Truth::of_file(&file, size));
     let unreached = if stop() { INTERRUPTED } else { UNREACHED };
-    let calibration = measured_whole.as_ref().map(|found| (found.slower, found.noisier));
-    let mut of_whole = match measured_whole {
+    let calibration = calibrated.as_ref().map(|found| (found.slower, found.noisier));
+    let mut at_full_size = match calibrated {
         Some(found) => found,
-        None if size == whole => Whole::of_sweep(&sweep),
-        None => Whole::unknown(&sweep, whole),
+        None if size == full => FullSize::of_sweep(&sweep),
+        None => FullSize::unknown(&sweep, full),
     };
-    of_whole.seconds_to_denoise = sweep.seconds_to_denoise(whole, at(CALIBRATING))?.unwrap_or(0.0);
-    let judged = judge(&mut sweep, reference.as_ref(), &of_whole, unreached);
+    at_full_size.seconds_to_denoise = sweep.seconds_to_denoise(full, at(CALIBRATING))?.unwrap_or(0.0);
+    let judged = judge(&mut sweep, reference.as_ref(), &at_full_size, unreached);
     if judged.measured.is_empty() && !stop() {
         return Err(too_short(args));
     }
-    let shown = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
+    let examples = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
     let truth = reference.clone().or_else(|| Truth::pooled(&sweep, None));
     let against_defaults = |truth: &Truth| {
         let found = judged.against_reference;
@@ -189,7 +189,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         device: device.name.name.clone(),
         driver: device.name.driver.clone(),
         size,
-        whole_size: whole,
+        full_size: full,
         calibration,
         seed,
         budget: args.budget.as_secs_f64(),
@@ -202,8 +202,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         interrupted: stop(),
         measured: judged.measured,
         unmeasured: sweep.unmeasured.clone(),
-        middle_of: given.filter(|size| *size != whole),
-        shown,
+        middle_of: given.filter(|size| *size != full),
+        examples,
     };
     write(&folder, &report)?;
     if args.json {
@@ -258,7 +258,7 @@ fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
 
 /// A seed with which no image of the sweep shares its random numbers with a reference of this program: shared noise
 /// would look like no error.
-fn seed_beside(seed: u32, reference: Option<&ExrImage>) -> u32 {
+fn distinct_seed(seed: u32, reference: Option<&ExrImage>) -> u32 {
     match reference.and_then(ExrImage::seed) {
         Some(taken) if Sweep::uses(seed, taken) => taken.wrapping_add(Sweep::SEEDS_BEFORE + 1),
         _ => seed,
@@ -340,7 +340,7 @@ fn settings_of(scene: &Scene, specs: &[&'static OptionSpec]) -> Result<Vec<Setti
             _ => 1.0,
         };
         let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
-        Ok(Setting { knob: spec, value: value.to_string(), options: args.options, max_depth, scale, denoise })
+        Ok(Setting { option: spec, value: value.to_string(), options: args.options, max_depth, scale, denoise })
     };
     let mut settings = vec![setting(None, "")?];
     for spec in specs {
@@ -397,11 +397,11 @@ fn pictures(
     reference: Option<&Truth>,
     until: Instant,
     stop: Stop<'_>,
-) -> Result<Vec<Shown>> {
+) -> Result<Vec<Example>> {
     let pace = |found: &Measured| found.seconds_here;
     let same_time = judged.measured.first().map_or(0.0, pace) * f64::from(LEVEL);
-    let mut shown = Vec::new();
-    let Some(weights) = &judged.weights else { return Ok(shown) };
+    let mut examples = Vec::new();
+    let Some(weights) = &judged.weights else { return Ok(examples) };
     for found in &judged.measured {
         let of = |subject: &Subject<'_>| subject.setting.name() == found.setting.name();
         let Some(subject) = sweep.subjects.iter().position(of) else { continue };
@@ -418,7 +418,7 @@ fn pictures(
         let Some(truth) = own else { break };
         let map = error_map(sweep.size.0 as usize, &block.image, &truth.image);
         let flip = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64;
-        shown.push(Shown {
+        examples.push(Example {
             setting: found.setting.name(),
             samples,
             seconds: block.seconds,
@@ -429,7 +429,7 @@ fn pictures(
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),
         });
     }
-    Ok(shown)
+    Ok(examples)
 }
 
 fn write(folder: &Path, report: &Findings) -> Result<()> {

@@ -76,8 +76,8 @@ impl Channels {
 
     /// A component of a sum; 0 where there is none, and nothing where it has left its range.
     pub fn sum(&self, index: usize, sum: Sum, component: usize) -> Option<f64> {
-        let place = self.aovs.place(sum).map_or(usize::MAX, |place| place + component);
-        match self.sums_of_pixel(index).get(place).copied().unwrap_or(0) {
+        let sum_index = self.aovs.first_sum(sum).map_or(usize::MAX, |first| first + component);
+        match self.sums_of_pixel(index).get(sum_index).copied().unwrap_or(0) {
             i128::MAX => None,
             sum => Some(sum as f64 * exp2(-(SUM_FRACTION as i32))),
         }

@@ -1,4 +1,4 @@
-//! What is counted over the whole film, in integers, so that order cannot matter.
+//! What is counted over the film, in integers, so that order cannot matter.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ impl Rejected {
     }
 }
 
-/// Totals over the whole film.
+/// Totals over the film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Totals {

@@ -6,7 +6,7 @@ use crate::aov::{Aov, Channel, Sum};
 
 /// The depth of a pixel whose rays all miss: beyond everything.
 const NO_DEPTH: f32 = f32::MAX;
-/// The share of its radiance below which a pixel's indirect radiance is the rounding of f32 and told as 0: a run's sum is rounded by 2^-24, and
+/// The share of its radiance below which a pixel's indirect radiance is the rounding of f32 and written as 0: a run's sum is rounded by 2^-24, and
 /// so is each of the few contributions to a sample.
 const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
@@ -44,9 +44,9 @@ impl Film {
             Aov::Material => channels.sum(index, Sum::Material, 0)?,
             Aov::Direct => direct()? * radiance,
             Aov::Indirect => {
-                let (whole, direct) = (pixel.mean(component), direct()?);
-                let rest = whole - direct;
-                if rest.abs() <= ROUNDING * whole.abs().max(direct.abs()) { 0.0 } else { rest * radiance }
+                let (total, direct) = (pixel.mean(component), direct()?);
+                let rest = total - direct;
+                if rest.abs() <= ROUNDING * total.abs().max(direct.abs()) { 0.0 } else { rest * radiance }
             }
         })
     }

@@ -42,30 +42,30 @@ impl Verdict {
     }
 
     /// Why the stated error cannot be relied on.
-    pub fn doubts(&self) -> Vec<String> {
+    pub fn reasons_unreliable(&self) -> Vec<String> {
         let percent = |share: f64| format!("{:.2}", 100.0 * share);
-        let mut doubts = Vec::new();
+        let mut reasons = Vec::new();
         if let Some(error) = self.error.filter(|error| !error.reliable) {
             let may_be = match error.bound.is_finite() {
                 true => format!(". It may be {} %", percent(error.bound)),
                 false => String::new(),
             };
-            doubts.push(format!("rare bright paths dominate it{may_be}"));
+            reasons.push(format!("rare bright paths dominate it{may_be}"));
         }
         if self.lacks_light() && self.unfound > self.hidden.missing() {
-            doubts.push(format!(
+            reasons.push(format!(
                 "--integrator bsdf finds lights by chance: up to {} % of the image's light may be missing, from the brightest light. Raise \
                  --spp, or use --integrator mis",
                 percent(self.unfound)
             ));
         } else if self.lacks_light() {
-            doubts.push(format!(
+            reasons.push(format!(
                 "mirrors, glass and other narrow lobes hide {} % of the image's light from light sampling, and paths have found {} %. Raise \
                  --spp",
                 percent(self.hidden.probed()),
                 percent(self.hidden.found())
             ));
         }
-        doubts
+        reasons
     }
 }

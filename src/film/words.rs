@@ -3,7 +3,7 @@
 use super::floats::exp2;
 use super::{Film, LEAST_SQUARES, Pixel};
 use crate::aov::Aovs;
-use crate::data::{CHANNELS, SQUARE_FRACTION, SampleSpread};
+use crate::data::{CHANNELS, SQUARE_FRACTION, SampleVariance};
 
 /// Words of a sum of 128 bits.
 const OF_SUM: usize = 8;
@@ -24,7 +24,7 @@ fn sums_of(words: &[u16]) -> impl Iterator<Item = i128> {
 impl Pixel {
     fn put(&self, words: &mut [u16]) {
         let (sums, counts) = words.split_at_mut(9 * OF_SUM);
-        put_sums(self.sum.iter().chain(&self.odd_sum).chain(&self.spread), sums);
+        put_sums(self.sum.iter().chain(&self.odd_sum).chain(&self.squared_deviations), sums);
         let values = [self.even, self.odd, self.runs, self.rejected];
         for (words, value) in counts.as_chunks_mut::<2>().0.iter_mut().zip(values) {
             *words = [value as u16, (value >> 16) as u16];
@@ -39,7 +39,7 @@ impl Pixel {
         Pixel {
             sum: rgb(0),
             odd_sum: rgb(3),
-            spread: rgb(6),
+            squared_deviations: rgb(6),
             even: count(0),
             odd: count(1),
             runs: count(2),
@@ -48,10 +48,10 @@ impl Pixel {
     }
 
     /// Squares below the least count as this: they are not known, and no larger.
-    fn spread(&self, exponent: i32) -> SampleSpread {
+    fn sample_variance(&self, exponent: i32) -> SampleVariance {
         let samples = u32::try_from(self.samples()).unwrap_or(u32::MAX);
         let degrees = samples.saturating_sub(self.runs);
-        let variance = self.spread.map(|squares| match (squares, degrees) {
+        let variance = self.squared_deviations.map(|squares| match (squares, degrees) {
             (i128::MAX, _) | (_, 0) => f32::INFINITY,
             _ => {
                 let squares = squares.max(LEAST_SQUARES * i128::from(self.runs));
@@ -59,13 +59,13 @@ impl Pixel {
                 (squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / f64::from(degrees) * scale * scale) as f32
             }
         });
-        SampleSpread { variance, degrees, samples }
+        SampleVariance { variance, degrees, samples }
     }
 }
 
-/// The spread of a pixel's samples, by its words in a film of this exponent.
-pub fn spread_of(words: &[u16], exponent: i32) -> SampleSpread {
-    Pixel::of_words(&words[..OF_PIXEL]).spread(exponent)
+/// The variance of a pixel's samples, by its words in a film of this exponent.
+pub fn sample_variance_of(words: &[u16], exponent: i32) -> SampleVariance {
+    Pixel::of_words(&words[..OF_PIXEL]).sample_variance(exponent)
 }
 
 /// The names of a pixel's words, in their order: `sum.R.0` is the lowest of the sum of red.
@@ -130,7 +130,7 @@ mod tests {
         let pixel = Pixel {
             sum: rgb(&mut next),
             odd_sum: rgb(&mut next),
-            spread: rgb(&mut next),
+            squared_deviations: rgb(&mut next),
             even: next() as u32,
             odd: next() as u32,
             runs: next() as u32,

@@ -5,16 +5,16 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 
 use super::device_scene::DeviceScene;
+use super::finder::{Primitive, WorldMedium};
 use super::hierarchies::Hierarchies;
 use super::mesh_tables::Table;
-use super::place::{Placed, PlacedMedium};
 use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
 use crate::material::{Extension, ExtensionKind, Slot};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, Placement, RenderSpace, Shape};
+use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape};
 
 /// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
 /// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
@@ -31,8 +31,8 @@ pub struct Builder<'a> {
     pub around_media: HashSet<usize>,
     /// The hierarchies of an earlier flattening, if there was one.
     pub hierarchies: Option<&'a mut Hierarchies>,
-    /// The meshes that have been laid out.
-    pub laid: Vec<Option<MeshLayout>>,
+    /// Where the meshes lie that have been laid out.
+    pub layouts: Vec<Option<MeshLayout>>,
     /// The tables of each mesh beside its vertices.
     pub tables: Vec<Vec<Table>>,
     /// The index in the table of each of the scene's materials that an object uses.
@@ -40,7 +40,7 @@ pub struct Builder<'a> {
     /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind
     /// the other.
     pub textures: Vec<Vec<&'a Texture>>,
-    /// The place of each image's first word, by path and decoding.
+    /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
     pub mesh_frames: HashMap<(usize, u32), u32>,
@@ -49,14 +49,14 @@ pub struct Builder<'a> {
 
 impl Builder<'_> {
     /// Lays out the primitives and builds the hierarchy over them.
-    pub fn add_primitives(&mut self, placed: &[Placed<'_>]) {
+    pub fn add_primitives(&mut self, primitives: &[Primitive<'_>]) {
         let (codes, bounds): (Vec<_>, Vec<_>) =
-            (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
+            (0..).zip(primitives).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
         let bvh = bvh::build(&bounds, &codes, self.quality);
-        self.flat.primitives = placed.len() as u32;
+        self.flat.primitives = primitives.len() as u32;
         let flat = &mut self.flat;
-        let crowded = placed.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
-        flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
+        let crowded = primitives.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
+        flat.features.brute_force = (primitives.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
         // The number of primitives of each kind that the scene has, before boundaries of media are added.
         let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
         let counts: Vec<u32> = counts.collect();
@@ -66,14 +66,14 @@ impl Builder<'_> {
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(&bvh, 0);
         // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
-        let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
+        let within = self.layouts.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
         self.flat.features.stack_size = (bvh.stack_size + within).max(1);
     }
 
-    pub fn add_media(&mut self, media: &[PlacedMedium<'_>]) {
+    pub fn add_media(&mut self, media: &[WorldMedium<'_>]) {
         for medium in media {
             self.add_medium(medium);
-            let size = self.laid_of(&medium.boundary).stack_size;
+            let size = self.layout_of(&medium.boundary).stack_size;
             let features = &mut self.flat.features;
             features.boundary_stack_size = features.boundary_stack_size.max(size);
         }
@@ -81,8 +81,8 @@ impl Builder<'_> {
     }
 
     /// Adds a primitive. Returns its code and its bounds.
-    pub fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
-        let Placed { shape, to_world, material, .. } = primitive;
+    pub fn add_primitive(&mut self, primitive: &Primitive, order: u32) -> (u32, Bounds) {
+        let Primitive { shape, to_world, material, .. } = primitive;
         let frame = self.frame_of(primitive);
         let material = self.materials[*material as usize];
         let (index, bounds) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
@@ -91,20 +91,20 @@ impl Builder<'_> {
 
     /// Adds a shape of an object or of a medium's boundary. Returns its index among its kind, and its bounds.
     pub fn add_shape(&mut self, shape: &Shape, to_world: &Similarity, element: Element) -> (usize, Bounds) {
-        let element = Element { laid: self.laid_of(shape), ..element };
+        let element = Element { layout: self.layout_of(shape), ..element };
         let tables = &mut self.flat.shapes;
-        let (min, max) = shape.lay_out(&Placement { to_world, space: self.space }, element, tables);
+        let (min, max) = shape.lay_out(&ObjectTransform { to_world, space: self.space }, element, tables);
         (shape.kind().table.count(tables) - 1, Bounds { min, max })
     }
 
-    /// The place of a mesh in the tables; the default for other shapes.
-    pub fn laid_of(&mut self, shape: &Shape) -> MeshLayout {
-        shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
+    /// Where a mesh lies in the tables; the default for other shapes.
+    pub fn layout_of(&mut self, shape: &Shape) -> MeshLayout {
+        shape.mesh().map(|mesh| self.layout_of_mesh(mesh)).unwrap_or_default()
     }
 
     /// The index of a primitive's first frame; 0 if its material has no texture.
-    pub fn frame_of(&mut self, primitive: &Placed) -> u32 {
-        let Placed { shape, to_world, material, .. } = primitive;
+    pub fn frame_of(&mut self, primitive: &Primitive) -> u32 {
+        let Primitive { shape, to_world, material, .. } = primitive;
         let textures = &self.textures[*material as usize];
         if textures.is_empty() {
             return 0;
@@ -114,12 +114,12 @@ impl Builder<'_> {
         if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
             return frame;
         }
-        let place = shape.texture_place(&to_world.rotation);
+        let space = shape.texture_frame(&to_world.rotation);
         let index = self.flat.frames.len() as u32;
         // Texture coordinates of a large sphere are relative to its nearest point, and those of a sphere to its centre.
         let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
         let frames = textures.iter().filter_map(|texture| {
-            let frame = texture.frame(place, (pole, &to_world.rotation))?;
+            let frame = texture.frame(space, (pole, &to_world.rotation))?;
             let mesh = shape.mesh().filter(|_| texture.image().is_some());
             Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(texture, mesh) as f32, ..frame }))
         });
@@ -213,7 +213,7 @@ impl Builder<'_> {
         self.flat.extensions = extensions;
     }
 
-    /// The place of an image's first word. An image is stored once, however often it is used.
+    /// The index of an image's first word. An image is stored once, however often it is used.
     pub fn add_image(&mut self, path: &str, decoding: Decoding, bitmap: &Bitmap) -> u32 {
         let key = (path.to_string(), decoding);
         if let Some(&first) = self.images.get(&key) {

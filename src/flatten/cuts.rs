@@ -24,22 +24,22 @@ const PAIRS_AT_ONCE: usize = 4096;
 /// A bound of the rounding in f64 of a corner of a clipped face, if no coordinate is above 1.
 const ROUNDING: f64 = 1e-14;
 
-/// A box, and the place of the pair whose faces, or parts of them, are in it.
+/// A box, and the index of the pair whose faces, or parts of them, are in it.
 pub type PairBox = (Bounds, u32);
 
-/// Cuts the boxes of pairs, which together still hold all faces. The boxes stay whole if there would be more than `most` of them.
+/// Cuts the boxes of pairs, which together still hold all faces. No box is cut if there would be more than `most` of them.
 /// Coordinates are at most 1.
 pub fn boxes(
-    whole: Vec<PairBox>,
+    uncut: Vec<PairBox>,
     most: usize,
     pairs: &[Pair],
     triangles: &[[u32; 3]],
     positions: &[Vec3],
 ) -> Vec<PairBox> {
-    if whole.len() > most {
-        return whole;
+    if uncut.len() > most {
+        return uncut;
     }
-    let mean = whole.iter().map(|(bounds, _)| f64::from(bounds.half_area())).sum::<f64>() / whole.len().max(1) as f64;
+    let mean = uncut.iter().map(|(bounds, _)| f64::from(bounds.half_area())).sum::<f64>() / uncut.len().max(1) as f64;
     let least = LEAST_SAVED * mean as f32;
     let corners_of = |face: u32| triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
     let cut_some = |some: &[PairBox]| -> Vec<PairBox> {
@@ -49,9 +49,9 @@ pub fn boxes(
         };
         some.iter().flat_map(cut_one).collect()
     };
-    let chunks = whole.chunks(PAIRS_AT_ONCE);
+    let chunks = uncut.chunks(PAIRS_AT_ONCE);
     let parts = each(cores().min(chunks.len()), chunks, cut_some).concat();
-    if parts.len() <= most { parts } else { whole }
+    if parts.len() <= most { parts } else { uncut }
 }
 
 /// The parts into which the box of some faces is cut.
@@ -59,8 +59,8 @@ fn cut(bounds: Bounds, faces: &[[DVec3; 3]], least_saved: f32) -> Vec<Bounds> {
     let (mut done, mut open) = (Vec::new(), vec![bounds]);
     while let Some(bounds) = open.pop() {
         let pays = |halves: &[Bounds; 2]| {
-            let [whole, low, high] = [bounds, halves[0], halves[1]].map(Bounds::half_area);
-            low + high <= SHARE * whole && whole - (low + high) > least_saved
+            let [all, low, high] = [bounds, halves[0], halves[1]].map(Bounds::half_area);
+            low + high <= SHARE * all && all - (low + high) > least_saved
         };
         match halves(bounds, faces).filter(pays) {
             Some(halves) => open.extend(halves),
@@ -136,15 +136,15 @@ mod tests {
         ((0..count as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(), positions)
     }
 
-    fn whole(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<PairBox> {
+    fn uncut(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<PairBox> {
         pairs.iter().map(|pair| pair.bounds(triangles, positions)).zip(0..).collect()
     }
 
     /// The number of boxes of faces, and of pairs.
     fn count(triangles: &[[u32; 3]], positions: &[Vec3]) -> (usize, usize) {
         let pairs = pairs(triangles, positions);
-        let whole = whole(&pairs, triangles, positions);
-        (boxes(whole, MOST_LEAVES, &pairs, triangles, positions).len(), pairs.len())
+        let uncut = uncut(&pairs, triangles, positions);
+        (boxes(uncut, MOST_LEAVES, &pairs, triangles, positions).len(), pairs.len())
     }
 
     /// How many points of the faces, on a grid, are in no box of their pair. `shrink` moves the sides of the boxes inwards.
@@ -156,8 +156,8 @@ mod tests {
         shrink: f64,
     ) -> usize {
         let mut outside = 0;
-        for (place, pair) in (0..).zip(pairs) {
-            let own: Vec<&Bounds> = boxes.iter().filter(|(_, of)| *of == place).map(|(bounds, _)| bounds).collect();
+        for (index, pair) in (0..).zip(pairs) {
+            let own: Vec<&Bounds> = boxes.iter().filter(|(_, of)| *of == index).map(|(bounds, _)| bounds).collect();
             for face in pair.faces() {
                 let [a, b, c] = triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
                 for (i, j) in (0..=64).flat_map(|i| (0..=64 - i).map(move |j| (i, j))) {
@@ -179,8 +179,8 @@ mod tests {
     fn boxes_of_thin_faces_are_cut_and_hold_them() {
         let (triangles, positions) = faces(200, 0.3, 0.001);
         let pairs = pairs(&triangles, &positions);
-        let whole = whole(&pairs, &triangles, &positions);
-        let room = |most: usize| boxes(whole.clone(), most, &pairs, &triangles, &positions);
+        let uncut = uncut(&pairs, &triangles, &positions);
+        let room = |most: usize| boxes(uncut.clone(), most, &pairs, &triangles, &positions);
         let cut = room(MOST_LEAVES);
         let outside = |shrink: f64| points_outside(&cut, &pairs, &triangles, &positions, shrink);
         assert_eq!(outside(0.0), 0);
@@ -190,12 +190,12 @@ mod tests {
         // In the order of the pairs, whatever thread has cut them.
         assert!(cut.is_sorted_by_key(|(_, pair)| *pair));
         let surface = |boxes: &[PairBox]| boxes.iter().map(|(bounds, _)| bounds.half_area()).sum::<f32>();
-        assert!(surface(&cut) < 0.6 * surface(&whole), "{} of {}", surface(&cut), surface(&whole));
-        assert!(room(cut.len()) == cut && room(cut.len() - 1) == whole && room(0) == whole);
+        assert!(surface(&cut) < 0.6 * surface(&uncut), "{} of {}", surface(&cut), surface(&uncut));
+        assert!(room(cut.len()) == cut && room(cut.len() - 1) == uncut && room(0) == uncut);
     }
 
     #[test]
-    fn boxes_of_other_faces_stay_whole() {
+    fn boxes_of_other_faces_are_not_cut() {
         let mut random = unit_numbers();
         let side = 20u32;
         let grid: Vec<Vec3> =

@@ -30,7 +30,7 @@ pub struct DeviceScene {
     pub materials: Vec<data::Material>,
     /// Where a material has extensions, those of each row of `materials`.
     pub extensions: Vec<data::Extension>,
-    /// Where a material asks for it, what single scattering by microfacets keeps of light.
+    /// If a material needs it, what single scattering by microfacets keeps of light.
     pub kept_shares: Vec<[f32; 4]>,
     /// The names in the scene file of the rows of `materials`.
     pub material_names: Vec<String>,
@@ -44,7 +44,7 @@ pub struct DeviceScene {
     pub radiance_exponent: i32,
     /// Render space in the scene.
     pub space: SceneSpace,
-    /// Warnings about the placed scene, each with a location in the file, the number and a remedy.
+    /// Warnings about the scene, each with a location in the file, the number and a remedy.
     pub warnings: Vec<String>,
 }
 

@@ -1,11 +1,11 @@
-//! Warnings about a placed scene: sizes that f32 does not resolve, surfaces that coincide, and light that is lost.
+//! Warnings about the objects of a scene after their transforms: sizes that f32 does not resolve, surfaces that coincide, and light that is lost.
 //!
 //! The search runs while the hierarchies are built, in O(n log n). Of each kind it reports the worst case, and the number of the others.
 //! Lengths are in scene units. Positions are relative to the camera, along the axes of render space.
 
 mod coincident;
+mod duplicates;
 mod lost_lights;
-mod same_place;
 mod search;
 mod sizes;
 mod within;
@@ -15,7 +15,7 @@ pub use search::Search;
 /// The warnings, each with a location in the file, the number and a remedy.
 pub fn warnings(search: &Search<'_>) -> Vec<String> {
     let mut found = sizes::search(search);
-    found.push(same_place::search(search));
+    found.push(duplicates::search(search));
     found.extend(coincident::search(search));
     found.extend(lost_lights::search(search));
     found.into_iter().filter_map(|worst| worst.text(search.scene)).collect()

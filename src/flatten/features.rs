@@ -17,12 +17,13 @@ pub const EVERY_FEATURE: &str = "--features all";
 pub struct NotSampled {
     /// The number of these lights.
     pub lights: u64,
-    pub wanted: u64,
+    /// The number of all lights.
+    pub total: u64,
     /// The first of these emitters.
-    pub asked_by: String,
+    pub reason: String,
 }
 
-/// The features of the renderer that a scene requires, each with the first object that asked for it.
+/// The features of the renderer that a scene requires, each with the first object that needs it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
     /// Kinds of primitive, by the indices of `PRIMITIVES`.
@@ -82,7 +83,7 @@ pub struct Features {
     /// A lens with a diameter.
     pub thin_lens: Option<String>,
     /// Whether pixels are so narrow that render space has the camera's axes instead of the world's.
-    pub turned: Option<String>,
+    pub camera_axes: Option<String>,
     /// Whether every ray tests all primitives without a hierarchy, because they are few and none is a mesh.
     pub brute_force: bool,
     /// The largest number of nodes on the stack in a walk through the BVH.
@@ -117,7 +118,9 @@ impl Features {
             &mut self.backgrounds,
         ];
         lists.into_iter().flatten().chain(emitters).for_each(add);
-        [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
+        [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.camera_axes]
+            .into_iter()
+            .for_each(add);
         [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
         if sample_lights {
             [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);

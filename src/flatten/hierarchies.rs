@@ -19,24 +19,24 @@ pub struct Hierarchy {
 impl Hierarchy {
     pub fn over(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Hierarchy {
         let pairs = pairs(&mesh.triangles, positions);
-        let whole = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect();
+        let uncut = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect();
         let boxes = match quality {
-            Quality::Best => cuts::boxes(whole, cuts::MOST_LEAVES, &pairs, &mesh.triangles, positions),
-            _ => whole,
+            Quality::Best => cuts::boxes(uncut, cuts::MOST_LEAVES, &pairs, &mesh.triangles, positions),
+            _ => uncut,
         };
         let coded = boxes.into_iter().map(|(bounds, pair)| (bounds, primitive_code(KIND_TRIANGLE, pair)));
         let (bounds, codes): (Vec<Bounds>, Vec<u32>) = coded.unzip();
         let mut bvh = bvh::build(&bounds, &codes, quality);
         let mut in_order = Vec::with_capacity(pairs.len());
-        let mut places = vec![None; pairs.len()];
+        let mut indices = vec![None; pairs.len()];
         let children = bvh.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut bvh.root]);
         for code in children.filter(|code| **code != HIT_NOTHING && **code & PRIMITIVE_BIT != 0) {
             let pair = (*code ^ primitive_code(KIND_TRIANGLE, 0)) as usize;
-            let place = *places[pair].get_or_insert_with(|| {
+            let index = *indices[pair].get_or_insert_with(|| {
                 in_order.push(pairs[pair]);
                 in_order.len() as u32 - 1
             });
-            *code = primitive_code(KIND_TRIANGLE, place);
+            *code = primitive_code(KIND_TRIANGLE, index);
         }
         Hierarchy { bvh, pairs: in_order }
     }

@@ -13,10 +13,11 @@ use crate::shape::Aabb;
 const DEEPEST: u32 = 32;
 const BINS: usize = 12;
 
-/// Where lights are.
+/// The kinds of lights that the tree keeps apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
-    Place,
+pub enum LightKind {
+    /// At a position, such as emitters and point lights.
+    Positional,
     /// Directional lights, which are equally bright from every point.
     Directional,
     /// The sky, which is all around, and equally bright from every point.
@@ -25,22 +26,22 @@ pub enum Extent {
 
 /// The bounds of some lights: a box, and a cone around all their normals. They emit up to a quarter turn beyond the cone.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounded {
+pub struct LightBounds {
     pub around: Aabb,
     pub axis: DVec3,
     /// The half angle of the cone; pi if they are dark on no side.
-    pub spread: f64,
+    pub half_angle: f64,
     /// Whether they emit against the cone as they do along it.
     pub two_sided: bool,
     /// Whether they emit nothing beyond the cone, as spot lights do.
     pub is_beam: bool,
-    pub extent: Extent,
+    pub kind: LightKind,
     /// The mean radiance times the area; for a convex body, times its mean projected area. Of directional lights the irradiance.
     pub intensity: f64,
 }
 
-impl Bounded {
-    fn joined(&self, other: &Bounded) -> Bounded {
+impl LightBounds {
+    fn joined(&self, other: &LightBounds) -> LightBounds {
         let (mut a, mut b) = (*self, *other);
         // A two-sided light has two axes; the nearer one counts.
         if a.axis.dot(b.axis) < 0.0 {
@@ -50,14 +51,14 @@ impl Bounded {
                 _ => {}
             }
         }
-        let (axis, spread) = joined_cone((a.axis, a.spread), (b.axis, b.spread));
-        Bounded {
+        let (axis, half_angle) = joined_cone((a.axis, a.half_angle), (b.axis, b.half_angle));
+        LightBounds {
             around: a.around.union(b.around),
             axis,
-            spread,
+            half_angle,
             two_sided: a.two_sided || b.two_sided,
             is_beam: a.is_beam && b.is_beam,
-            extent: a.extent,
+            kind: a.kind,
             intensity: a.intensity + b.intensity,
         }
     }
@@ -66,29 +67,31 @@ impl Bounded {
     fn cost(&self) -> f64 {
         let d = self.around.max - self.around.min;
         let surface = d.x * d.y + d.y * d.z + d.z * d.x;
-        let (sine, cosine) = self.spread.sin_cos();
-        let reach = if self.is_beam { self.spread } else { (self.spread + FRAC_PI_2).min(PI) };
-        let beyond = 2.0 * reach * sine - (self.spread - 2.0 * reach).cos() - 2.0 * self.spread * sine + cosine;
+        let (sine, cosine) = self.half_angle.sin_cos();
+        let emission_angle = if self.is_beam { self.half_angle } else { (self.half_angle + FRAC_PI_2).min(PI) };
+        let beyond =
+            2.0 * emission_angle * sine - (self.half_angle - 2.0 * emission_angle).cos() - 2.0 * self.half_angle * sine
+                + cosine;
         let directions = 2.0 * PI * (1.0 - cosine) + FRAC_PI_2 * beyond;
         self.intensity * surface * directions * if self.two_sided { 2.0 } else { 1.0 }
     }
 }
 
 /// The smallest cone around two.
-fn joined_cone((a, a_spread): (DVec3, f64), (b, b_spread): (DVec3, f64)) -> (DVec3, f64) {
+fn joined_cone((a, a_half_angle): (DVec3, f64), (b, b_half_angle): (DVec3, f64)) -> (DVec3, f64) {
     let between = a.dot(b).clamp(-1.0, 1.0).acos();
-    if (between + b_spread).min(PI) <= a_spread {
-        return (a, a_spread);
+    if (between + b_half_angle).min(PI) <= a_half_angle {
+        return (a, a_half_angle);
     }
-    if (between + a_spread).min(PI) <= b_spread {
-        return (b, b_spread);
+    if (between + a_half_angle).min(PI) <= b_half_angle {
+        return (b, b_half_angle);
     }
-    let spread = 0.5 * (a_spread + between + b_spread);
-    let turn = a.cross(b).normalize_or_zero();
-    if spread >= PI || turn == DVec3::ZERO {
+    let half_angle = 0.5 * (a_half_angle + between + b_half_angle);
+    let rotation_axis = a.cross(b).normalize_or_zero();
+    if half_angle >= PI || rotation_axis == DVec3::ZERO {
         return (a, PI);
     }
-    (DQuat::from_axis_angle(turn, spread - a_spread) * a, spread)
+    (DQuat::from_axis_angle(rotation_axis, half_angle - a_half_angle) * a, half_angle)
 }
 
 /// The hierarchy as the device reads it.
@@ -101,8 +104,8 @@ pub struct LightTree {
 }
 
 impl LightTree {
-    /// Builds the tree over lights: those with a place, directional lights, and the sky if it is a light, in this order.
-    pub fn new(lights: &[Bounded]) -> LightTree {
+    /// Builds the tree over lights: those at a position, directional lights, and the sky if it is a light, in this order.
+    pub fn new(lights: &[LightBounds]) -> LightTree {
         let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len()] };
         let mut order: Vec<usize> = (0..lights.len()).collect();
         let unit = 1.0 / lights.iter().map(|light| light.intensity).fold(0.0, f64::max);
@@ -114,7 +117,7 @@ impl LightTree {
 
     /// Makes the subtree under a node: a light or a pair of nodes. Returns its code and its bounds. `at` is the node's
     /// depth and its trail.
-    fn under(&mut self, lights: &[Bounded], order: &mut [usize], unit: f64, at: (u32, u32)) -> (u32, Bounded) {
+    fn under(&mut self, lights: &[LightBounds], order: &mut [usize], unit: f64, at: (u32, u32)) -> (u32, LightBounds) {
         match order {
             [light] => {
                 self.trails[*light] = at.1;
@@ -128,19 +131,19 @@ impl LightTree {
     /// is the depth and the trail of the node above.
     fn grow(
         &mut self,
-        lights: &[Bounded],
+        lights: &[LightBounds],
         order: &mut [usize],
         unit: f64,
         (depth, trail): (u32, u32),
-    ) -> (u32, Bounded) {
+    ) -> (u32, LightBounds) {
         let pair = self.nodes.len();
         self.nodes.extend([data::LightNode::default(); 2]);
-        let apart = apart(lights, order);
-        let at = apart.unwrap_or_else(|| cut(lights, order, depth));
+        let first_kind = first_kind(lights, order);
+        let at = first_kind.unwrap_or_else(|| cut(lights, order, depth));
         let (left, right) = order.split_at_mut(at);
         let bounds = [(0, left), (1, right)].map(|(side, part)| {
             let (child, bounds) = self.under(lights, part, unit, (depth + 1, trail | side << depth));
-            let child = child | if apart.is_some() && side == 1 { LIGHT_NODE_SKY } else { 0 };
+            let child = child | if first_kind.is_some() && side == 1 { LIGHT_NODE_SKY } else { 0 };
             self.nodes[pair + side as usize] = node(&bounds, unit, child);
             bounds
         });
@@ -148,18 +151,18 @@ impl LightTree {
     }
 }
 
-/// The number of lights with a place beside others without, or of directional lights beside the sky, which stand first; none where
-/// all are of one kind.
-fn apart(lights: &[Bounded], order: &[usize]) -> Option<usize> {
-    let count = |is_first: fn(Extent) -> bool| {
-        Some(order.iter().filter(|&&light| is_first(lights[light].extent)).count())
+/// The number of positional lights, which come first, if there are lights at infinity too; or else the number of directional lights, if
+/// there is a sky. `None` if all lights are of one kind.
+fn first_kind(lights: &[LightBounds], order: &[usize]) -> Option<usize> {
+    let count = |is_first: fn(LightKind) -> bool| {
+        Some(order.iter().filter(|&&light| is_first(lights[light].kind)).count())
             .filter(|count| (1..order.len()).contains(count))
     };
-    count(|extent| extent == Extent::Place).or_else(|| count(|extent| extent != Extent::Sky))
+    count(|kind| kind == LightKind::Positional).or_else(|| count(|kind| kind != LightKind::Sky))
 }
 
 /// Orders lights so that those of the first child come first. Returns their number, which is neither 0 nor all.
-fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
+fn cut(lights: &[LightBounds], order: &mut [usize], depth: u32) -> usize {
     let half = order.len() / 2;
     let middle = |i: usize| lights[i].around.center();
     let middles = Aabb::around(order.iter().map(|&i| middle(i)));
@@ -173,8 +176,8 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
     let halves_left = usize::BITS - (order.len() - 1).leading_zeros();
     if depth + halves_left + 1 < DEEPEST {
         for axis in (0..3).filter(|&axis| extent[axis] > 0.0) {
-            let mut bins: [Option<Bounded>; BINS] = [None; BINS];
-            let join = |sum: Option<Bounded>, next: &Bounded| Some(sum.map_or(*next, |sum| sum.joined(next)));
+            let mut bins: [Option<LightBounds>; BINS] = [None; BINS];
+            let join = |sum: Option<LightBounds>, next: &LightBounds| Some(sum.map_or(*next, |sum| sum.joined(next)));
             for &i in &*order {
                 let bin = &mut bins[bin(axis, i)];
                 *bin = join(*bin, &lights[i]);
@@ -182,7 +185,7 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
             // Long and thin nodes are worse than their surface suggests.
             let shape = extent.max_element() / extent[axis];
             for first_right in 1..BINS {
-                let side = |part: &[Option<Bounded>]| part.iter().flatten().fold(None, join);
+                let side = |part: &[Option<LightBounds>]| part.iter().flatten().fold(None, join);
                 if let (Some(left), Some(right)) = (side(&bins[..first_right]), side(&bins[first_right..])) {
                     let cost = shape * (left.cost() + right.cost());
                     if best.is_none_or(|(least, ..)| cost < least) {
@@ -205,9 +208,9 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
     }
 }
 
-fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
-    if bounds.extent != Extent::Place {
-        return node_everywhere(bounds.intensity * unit, child);
+fn node(bounds: &LightBounds, unit: f64, child: u32) -> data::LightNode {
+    if bounds.kind != LightKind::Positional {
+        return infinite_node(bounds.intensity * unit, child);
     }
     // A margin, so that rounding cannot exclude a light.
     const ROUNDING: f64 = 1e-4;
@@ -223,13 +226,13 @@ fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
             as f32,
         intensity: not_lost(bounds.intensity * unit),
         axis: octahedral(bounds.axis.as_vec3()),
-        cos_half_angle: (bounds.spread + ROUNDING).min(PI).cos() as f32,
+        cos_half_angle: (bounds.half_angle + ROUNDING).min(PI).cos() as f32,
         child: child | if bounds.two_sided { LIGHT_NODE_TWO_SIDED } else { 0 },
     }
 }
 
 /// A node so large that every point is inside it. The importance there is its intensity over the squared radius.
-fn node_everywhere(intensity: f64, child: u32) -> data::LightNode {
+fn infinite_node(intensity: f64, child: u32) -> data::LightNode {
     const RADIUS: f32 = (1u32 << 20) as f32;
     data::LightNode {
         radius: RADIUS,

@@ -3,19 +3,19 @@
 use glam::DVec3;
 
 use super::builder::Builder;
-use super::place::PlacedMedium;
+use super::finder::WorldMedium;
 use crate::data::{self, f32s};
-use crate::shape::{Element, Placement, RenderSpace};
+use crate::shape::{Element, ObjectTransform, RenderSpace};
 
 impl Builder<'_> {
-    pub fn add_medium(&mut self, medium: &PlacedMedium<'_>) {
-        let PlacedMedium { boundary, to_world, own, density, albedo, anisotropy, .. } = medium;
+    pub fn add_medium(&mut self, medium: &WorldMedium<'_>) {
+        let WorldMedium { boundary, to_world, own, density, albedo, anisotropy, .. } = medium;
         // The boundary is not a surface: it has no material, and is not a primitive.
         let (index, _) = self.add_shape(boundary, to_world, Element::default());
         let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
         let center = match boundary.large_sphere() {
             Some(large_sphere) => large_sphere.nearest(to_world, self.space.eye),
-            None => boundary.bounding_shape(&Placement { to_world, space: world }).place(),
+            None => boundary.bounding_shape(&ObjectTransform { to_world, space: world }).position(),
         };
         // From render space, relative to this point, to the medium's own space.
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));

@@ -1,4 +1,4 @@
-//! Lays out each mesh once, in its own space and with its own hierarchy. Instances place it any number of times.
+//! Lays out each mesh once, in its own space and with its own hierarchy. Instances refer to it any number of times.
 //!
 //! The origin of a mesh's space is the middle of its box, and a power of two scales its coordinates to -1..1. The rounding to
 //! f32 is therefore relative to the size of the mesh, and does not depend on its position in the file or on the scene.
@@ -9,11 +9,11 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::builder::Builder;
+use super::finder::Primitive;
 use super::hierarchies::Hierarchy;
 use super::mesh_tables::Table;
 use super::octahedral::octahedral;
 use super::pairs::Pair;
-use super::place::Placed;
 use super::tangents::Split;
 use crate::bvh::Quality;
 use crate::data::{NO_NORMAL, NO_UVS};
@@ -22,10 +22,10 @@ use crate::shape::MeshLayout;
 use crate::shape::mesh::MeshShape;
 
 impl Builder<'_> {
-    /// Finds the tables that textures need on meshes. All but the first are features, with the material that asked for them.
-    pub fn find_tables(&mut self, placed: &[Placed<'_>]) {
+    /// Finds the tables that textures need on meshes. All but the first are features, with the material that needs them.
+    pub fn find_tables(&mut self, primitives: &[Primitive<'_>]) {
         let mut known = HashSet::new();
-        for primitive in placed {
+        for primitive in primitives {
             let Some(shape) = primitive.shape.mesh() else { continue };
             if !known.insert((shape.number, primitive.material)) {
                 continue;
@@ -53,14 +53,14 @@ impl Builder<'_> {
         self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0)
     }
 
-    /// The place of a mesh in the tables. Lays it out on the first call.
-    pub fn laid(&mut self, mesh: &MeshShape) -> MeshLayout {
-        if let Some(laid) = self.laid[mesh.number] {
-            return laid;
+    /// Where a mesh lies in the tables. Lays it out on the first call.
+    pub fn layout_of_mesh(&mut self, mesh: &MeshShape) -> MeshLayout {
+        if let Some(layout) = self.layouts[mesh.number] {
+            return layout;
         }
-        let laid = self.lay_out(mesh);
-        self.laid[mesh.number] = Some(laid);
-        laid
+        let layout = self.lay_out(mesh);
+        self.layouts[mesh.number] = Some(layout);
+        layout
     }
 
     fn lay_out(&mut self, shape: &MeshShape) -> MeshLayout {

@@ -54,7 +54,7 @@ impl Pair {
         let d = second.into_iter().find(|corner| !first.contains(corner)).unwrap_or(c);
         let four = [a, b, c, d];
         // All corners of the second face are among the four.
-        let place = |corner| four.into_iter().position(|other| other == corner).unwrap_or_default() as u32;
+        let index = |corner| four.into_iter().position(|other| other == corner).unwrap_or_default() as u32;
         let code = |face: u32| primitive_code(KIND_TRIANGLE, first_face + face);
         let of_corner = |corner: u32, word: u32| {
             let [x, y, z] = positions[corner as usize].to_array().map(f32::to_bits);
@@ -63,7 +63,7 @@ impl Pair {
         FacePair {
             a: of_corner(a, code(self.first)),
             b: of_corner(b, self.second.map_or(NO_FACE, code)),
-            c: of_corner(c, place(second[0]) | place(second[1]) << 2 | place(second[2]) << 4),
+            c: of_corner(c, index(second[0]) | index(second[1]) << 2 | index(second[2]) << 4),
             d: of_corner(d, 0),
         }
     }
@@ -81,26 +81,26 @@ mod tests {
         positions.extend([Vec3::X * 9.0, Vec3::Y * 9.0, Vec3::Z * 9.0]);
         let triangles = [[0, 2, 1], [2, 3, 1], [5, 3, 2], [2, 4, 5], [6, 7, 8], [0, 1, 2], [0, 4, 0]];
         let pairs = pairs(&triangles, &positions);
-        let mut met = vec![0; triangles.len()];
+        let mut seen = vec![0; triangles.len()];
         for pair in &pairs {
-            let laid = pair.laid_out(&triangles, &positions, 100);
+            let packed = pair.laid_out(&triangles, &positions, 100);
             let corner = |i: u32| {
-                let [x, y, z, _] = [laid.a, laid.b, laid.c, laid.d][i as usize];
+                let [x, y, z, _] = [packed.a, packed.b, packed.c, packed.d][i as usize];
                 Vec3::from_array([x, y, z].map(f32::from_bits))
             };
-            let orders = [0x24, laid.c[3]];
-            for ((face, code), order) in pair.faces().zip([laid.a[3], laid.b[3]]).zip(orders) {
+            let orders = [0x24, packed.c[3]];
+            for ((face, code), order) in pair.faces().zip([packed.a[3], packed.b[3]]).zip(orders) {
                 assert_eq!(code, primitive_code(KIND_TRIANGLE, 100 + face));
                 let found = [0, 2, 4].map(|shift| corner(order >> shift & 3));
                 assert_eq!(found, triangles[face as usize].map(|i| positions[i as usize]), "{pair:?}");
-                met[face as usize] += 1;
+                seen[face as usize] += 1;
             }
-            assert_eq!(laid.b[3] == NO_FACE, pair.second.is_none());
+            assert_eq!(packed.b[3] == NO_FACE, pair.second.is_none());
             let bounds = pair.bounds(&triangles, &positions);
             let inside = |p: Vec3| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
             assert!((0..4).all(|i| inside(corner(i))));
         }
-        assert_eq!(met, [1; 7]);
+        assert_eq!(seen, [1; 7]);
         // The diagonals of both squares join. The face that is there twice and the one of two points are alone.
         assert!(pairs.contains(&Pair { first: 2, second: Some(3) }), "{pairs:?}");
         assert!(pairs.contains(&Pair { first: 4, second: None }), "{pairs:?}");

@@ -6,24 +6,24 @@ use glam::DVec3;
 
 use super::builder::Builder;
 use super::features::{NotSampled, PRIMITIVES};
-use super::light_tree::{Bounded, Extent, LightTree};
-use super::place::Placed;
+use super::finder::Primitive;
+use super::light_tree::{LightBounds, LightKind, LightTree};
 use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
-use crate::delta_light::PlacedLight;
+use crate::delta_light::WorldLight;
 use crate::light_distribution::SkyDistribution;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap, Object};
-use crate::shape::{Aabb, Emitter, Placement};
+use crate::shape::{Aabb, Emitter, ObjectTransform};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
 
 /// A primitive that emits. It is one light, or one light for each face of a mesh.
 struct LightGroup<'a> {
-    primitive: &'a Placed<'a>,
+    primitive: &'a Primitive<'a>,
     /// Its index among the primitives of its kind.
     index: u32,
-    /// The lights, each with its intensity (`Bounded::intensity`).
+    /// The lights, each with its intensity (`LightBounds::intensity`).
     emitters: Vec<(Emitter, f64)>,
     two_sided: bool,
     /// The intensity of all its lights together.
@@ -32,7 +32,12 @@ struct LightGroup<'a> {
 
 impl Builder<'_> {
     /// Adds the primitives that emit as lights, in their order, then lights without size, and then the background's image.
-    pub fn add_lights(&mut self, placed: &[Placed<'_>], delta_lights: &[(&Object, PlacedLight)], radiance_scale: f64) {
+    pub fn add_lights(
+        &mut self,
+        primitives: &[Primitive<'_>],
+        delta_lights: &[(&Object, WorldLight)],
+        radiance_scale: f64,
+    ) {
         let materials = &self.scene.materials;
         let bitmaps = &self.scene.bitmaps;
         let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
@@ -40,7 +45,7 @@ impl Builder<'_> {
         // The index of each primitive among its kind, in the order in which they were added.
         let mut counts = [0u32; PRIMITIVES.len()];
         let mut groups = Vec::new();
-        for primitive in placed {
+        for primitive in primitives {
             let kind = primitive.shape.number();
             let index = counts[kind];
             counts[kind] += 1;
@@ -53,7 +58,7 @@ impl Builder<'_> {
         let sky = self.add_sky();
         let delta_lights: Vec<_> =
             delta_lights.iter().filter(|(_, light)| light.brightness(self.space) > 0.0).collect();
-        let groups = self.that_fit(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
+        let groups = self.drop_faintest(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
         let of_delta = delta_lights.iter().map(|(_, light)| light.brightness(self.space));
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
         // The scene has no light.
@@ -65,32 +70,32 @@ impl Builder<'_> {
         for group in groups {
             let material = group.primitive.material;
             let (name, _) = &materials[material as usize];
-            let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
-            self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(asked);
+            let reason = || format!("\"{name}\" at {}", self.scene.material_location(name));
+            self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(reason);
             self.set_light(&group, lights.len() as u32);
             for (Emitter { code, instance, around, normal, .. }, intensity) in group.emitters {
-                let (axis, spread) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
-                bounds.push(Bounded {
+                let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
+                bounds.push(LightBounds {
                     around,
                     axis,
-                    spread,
+                    half_angle,
                     two_sided: group.two_sided,
                     is_beam: false,
-                    extent: Extent::Place,
+                    kind: LightKind::Positional,
                     intensity,
                 });
                 lights.push((code, instance));
             }
         }
         // Lights with a position come first, as the tree requires.
-        let (with_place, without): (Vec<_>, Vec<_>) =
-            delta_lights.into_iter().partition(|(_, light)| light.place.is_some());
-        for (object, light) in with_place.into_iter().chain(without) {
+        let (positional, at_infinity): (Vec<_>, Vec<_>) =
+            delta_lights.into_iter().partition(|(_, light)| light.position.is_some());
+        for (object, light) in positional.into_iter().chain(at_infinity) {
             let code = primitive_code(KIND_DELTA_LIGHT, self.flat.delta_lights.len() as u32);
             bounds.push(self.add_delta_light(object, &light, radiance_scale));
             lights.push((code, data::NO_INSTANCE));
         }
-        bounds.extend(sky.map(everywhere));
+        bounds.extend(sky.map(infinite_light));
         let tree = LightTree::new(&bounds);
         let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };
         let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE));
@@ -101,24 +106,24 @@ impl Builder<'_> {
     }
 
     /// Adds a light without size to its table.
-    fn add_delta_light(&mut self, object: &Object, light: &PlacedLight, radiance_scale: f64) -> Bounded {
+    fn add_delta_light(&mut self, object: &Object, light: &WorldLight, radiance_scale: f64) -> LightBounds {
         let features = &mut self.flat.features;
-        let asked = || format!("{} at {}", object.name(), self.scene.location_of(object));
-        features.delta_lights.get_or_insert_with(asked);
+        let reason = || format!("{} at {}", object.name(), self.scene.location_of(object));
+        features.delta_lights.get_or_insert_with(reason);
         self.flat.delta_lights.push(light.on_device(self.space, radiance_scale));
         let intensity = light.brightness(self.space);
-        if light.place.is_none() {
-            features.directional_lights.get_or_insert_with(asked);
-            return Bounded { extent: Extent::Directional, ..everywhere(intensity) };
+        if light.position.is_none() {
+            features.directional_lights.get_or_insert_with(reason);
+            return LightBounds { kind: LightKind::Directional, ..infinite_light(intensity) };
         }
         let (axis, beam) = light.cone();
-        Bounded {
+        LightBounds {
             around: light.around(self.space),
             axis,
-            spread: beam.unwrap_or(PI),
+            half_angle: beam.unwrap_or(PI),
             is_beam: beam.is_some(),
-            extent: Extent::Place,
-            ..everywhere(intensity)
+            kind: LightKind::Positional,
+            ..infinite_light(intensity)
         }
     }
 
@@ -134,11 +139,11 @@ impl Builder<'_> {
         Some(0.5 * integral_over_directions(bitmap))
     }
 
-    /// Leaves out whole primitives until at most `most` lights remain, first the primitives whose lights have the
+    /// Leaves out primitives with all their lights until at most `most` lights remain, first the primitives whose lights have the
     /// lowest mean intensity. Only BSDF sampling finds these; a warning says so.
-    fn that_fit<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
-        let wanted: usize = groups.iter().map(|group| group.emitters.len()).sum();
-        if wanted <= most {
+    fn drop_faintest<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
+        let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
+        if total <= most {
             return groups;
         }
         let each = |group: &LightGroup<'_>| group.intensity / group.emitters.len().max(1) as f64;
@@ -155,16 +160,16 @@ impl Builder<'_> {
         left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
         if let Some(first) = left.first() {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
-            let place = self.scene.material_location(name);
+            let location = self.scene.material_location(name);
             let count: usize = left.iter().map(|group| group.emitters.len()).sum();
             let not_sampled =
-                NotSampled { lights: count as u64, wanted: wanted as u64, asked_by: format!("\"{name}\" at {place}") };
+                NotSampled { lights: count as u64, total: total as u64, reason: format!("\"{name}\" at {location}") };
             let objects = match left.len() {
                 1 => "1 object".to_string(),
                 n => format!("{n} objects"),
             };
             self.flat.warnings.push(format!(
-                "{place}: materials[\"{name}\"]: {wanted} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
+                "{location}: materials[\"{name}\"]: {total} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
                  {count} of them, on {objects}, are left to chance, which takes many more samples: use emitters with fewer faces"
             ));
             self.flat.features.not_sampled = Some(not_sampled);
@@ -175,20 +180,26 @@ impl Builder<'_> {
     /// Writes into a primitive the index of its first light, or that it is not sampled.
     fn set_light(&mut self, group: &LightGroup<'_>, light: u32) {
         let shape = &group.primitive.shape;
-        let laid = self.laid_of(shape);
-        shape.set_light(&mut self.flat.shapes, group.index as usize, laid, light);
+        let layout = self.layout_of(shape);
+        shape.set_light(&mut self.flat.shapes, group.index as usize, layout, light);
     }
 
     /// The lights of a primitive. `radiance` is the luminance of its mean emission.
-    fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> LightGroup<'a> {
-        let laid = self.laid_of(&primitive.shape);
-        let at = Placement { to_world: &primitive.to_world, space: self.space };
+    fn group<'a>(
+        &mut self,
+        primitive: &'a Primitive<'a>,
+        index: u32,
+        radiance: f64,
+        two_sided: bool,
+    ) -> LightGroup<'a> {
+        let layout = self.layout_of(&primitive.shape);
+        let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
         let code = primitive.shape.code(index as usize);
-        let emitters = primitive.shape.emitters(&at, index, code, laid).into_iter().map(|emitter| {
+        let emitters = primitive.shape.emitters(&at, index, code, layout).into_iter().map(|emitter| {
             let normal = emitter.normal.and_then(DVec3::try_normalize);
             // The mean projected area of a convex body is a quarter of its surface (Cauchy).
-            let shown = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
-            (Emitter { normal, ..emitter }, radiance * shown)
+            let projected_area = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
+            (Emitter { normal, ..emitter }, radiance * projected_area)
         });
         let emitters: Vec<(Emitter, f64)> = emitters.collect();
         let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
@@ -196,10 +207,18 @@ impl Builder<'_> {
     }
 }
 
-/// A light all around, of this irradiance.
-fn everywhere(intensity: f64) -> Bounded {
+/// The sky as a light, with this irradiance.
+fn infinite_light(intensity: f64) -> LightBounds {
     let around = Aabb::around([DVec3::ZERO]);
-    Bounded { around, axis: DVec3::Z, spread: PI, two_sided: false, is_beam: false, extent: Extent::Sky, intensity }
+    LightBounds {
+        around,
+        axis: DVec3::Z,
+        half_angle: PI,
+        two_sided: false,
+        is_beam: false,
+        kind: LightKind::Sky,
+        intensity,
+    }
 }
 
 /// The luminance of a latitude-longitude image, integrated over all directions.

@@ -30,7 +30,7 @@ pub struct Split {
     pub triangles: Vec<[u32; 3]>,
     /// For each vertex, the vertex of the mesh that it is a copy of. The vertices of the mesh come first.
     copy_of: Vec<u32>,
-    /// For each of the sets of texture coordinates that were asked for, the tangents of all vertices.
+    /// For each of the sets of texture coordinates that have tangents, the tangents of all vertices.
     pub tangents: Vec<Vec<Words>>,
 }
 
@@ -56,20 +56,20 @@ impl Split {
         // Where it gives up, the normal stays as it is without a map.
         let _ = guarded(|| generate_tangents(&mut corners));
         let corners = corners.tangents;
-        // The tangent at each vertex, once a corner has told it, and copies of the vertex with other tangents.
+        // The tangent at each vertex, once it is known from a corner, and copies of the vertex with other tangents.
         let mut own: Vec<Option<Words>> = vec![None; self.copy_of.len()];
         let mut copies: HashMap<(u32, Words), u32> = HashMap::new();
         let corners = self.triangles.as_flattened_mut().iter_mut().zip(corners.as_flattened());
-        for (corner, &wanted) in corners {
+        for (corner, &tangent) in corners {
             let Some(first) = own.get_mut(*corner as usize) else { continue };
-            if *first.get_or_insert(wanted) == wanted {
+            if *first.get_or_insert(tangent) == tangent {
                 continue;
             }
-            *corner = *copies.entry((*corner, wanted)).or_insert_with(|| {
+            *corner = *copies.entry((*corner, tangent)).or_insert_with(|| {
                 let at = *corner as usize;
                 self.copy_of.extend_from_within(at..=at);
                 self.tangents.iter_mut().for_each(|tangents| tangents.extend_from_within(at..=at));
-                own.push(Some(wanted));
+                own.push(Some(tangent));
                 own.len() as u32 - 1
             });
         }
@@ -77,7 +77,7 @@ impl Split {
     }
 }
 
-/// The corners of a mesh's triangles, as the crate asks for them.
+/// The corners of a mesh's triangles, as the crate reads them.
 struct Corners<'a> {
     mesh: &'a Mesh,
     positions: &'a [Vec3],

@@ -13,7 +13,7 @@ use crate::shape::similarity::Similarity;
 /// their digits however narrow the view is.
 const NARROW_PIXEL: f64 = 1.0 / (1u64 << 17) as f64;
 
-/// The camera, in the space in which objects are placed.
+/// The camera, in the space of the flattened scene.
 pub struct View<'a> {
     camera: &'a Camera,
     pub size: (u32, u32),
@@ -24,7 +24,7 @@ pub struct View<'a> {
     /// From the world to that space, which differs from the world only in its axes.
     pub to_space: Similarity,
     /// Whether that space has the camera's axes.
-    pub turned: bool,
+    pub has_camera_axes: bool,
     pub eye: DVec3,
 }
 
@@ -36,13 +36,13 @@ impl View<'_> {
         let right = unit(unit(camera.up).cross(backward));
         let axes = DMat3::from_cols(right, backward.cross(right), backward);
         let pixel = 2.0 * (0.5 * camera.vertical_fov).to_radians().tan() / f64::from(size.1);
-        let turned = pixel < NARROW_PIXEL;
-        let to_space = match turned {
+        let has_camera_axes = pixel < NARROW_PIXEL;
+        let to_space = match has_camera_axes {
             true => Similarity { rotation: axes.transpose(), ..Similarity::IDENTITY },
             false => Similarity::IDENTITY,
         };
         let axes = to_space.rotation * axes;
-        View { camera, size, axes, pixel, eye: to_space.point(camera.look_from), to_space, turned }
+        View { camera, size, axes, pixel, eye: to_space.point(camera.look_from), to_space, has_camera_axes }
     }
 
     pub fn lens_radius(&self) -> f64 {
@@ -53,7 +53,7 @@ impl View<'_> {
     pub fn settings(&self, space: &RenderSpace) -> data::Settings {
         let View { camera, pixel, to_space, .. } = self;
         // If the space has the camera's axes, these are exactly the unit vectors.
-        let axes = if self.turned { DMat3::IDENTITY } else { self.axes };
+        let axes = if self.has_camera_axes { DMat3::IDENTITY } else { self.axes };
         let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
         let lens_radius = self.lens_radius() * space.scale;
         data::Settings {

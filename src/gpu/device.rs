@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_adapters_are_told_apart_by_index_and_address() {
+    fn equal_adapters_are_distinguished_by_index_and_address() {
         let names = [
             adapter("Small", "vulkan", "0000:01:00.0"),
             adapter("Large", "vulkan", "0000:02:00.0"),

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 pub struct Binding {
     pub number: u32,
     pub kind: BindingKind,
-    /// The bytes of one element if the binding is an array, else of the whole.
+    /// The bytes of one element if the binding is an array, else of all of it.
     pub element_bytes: u32,
 }
 
@@ -78,20 +78,20 @@ pub fn has_override(module: &naga::Module, name: &str) -> bool {
     module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name))
 }
 
-/// The override constants by name, with their default values if these are whole numbers.
+/// The override constants by name, with their default values if these are integers.
 pub fn overrides(module: &naga::Module) -> BTreeMap<String, Option<u64>> {
     let named = |(_, known): (_, &naga::Override)| {
-        let value = known.init.and_then(|init| whole_number(module, init));
+        let value = known.init.and_then(|init| integer_value(module, init));
         Some((known.name.clone()?, value))
     };
     module.overrides.iter().filter_map(named).collect()
 }
 
-fn whole_number(module: &naga::Module, value: naga::Handle<naga::Expression>) -> Option<u64> {
+fn integer_value(module: &naga::Module, value: naga::Handle<naga::Expression>) -> Option<u64> {
     match module.global_expressions[value] {
         naga::Expression::Literal(naga::Literal::U32(value)) => Some(u64::from(value)),
         naga::Expression::Literal(naga::Literal::I32(value)) => u64::try_from(value).ok(),
-        naga::Expression::Constant(constant) => whole_number(module, module.constants[constant].init),
+        naga::Expression::Constant(constant) => integer_value(module, module.constants[constant].init),
         _ => None,
     }
 }
@@ -103,15 +103,15 @@ pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) ->
     for member in members {
         let field = fields.iter().find(|(name, _, bytes)| *name == member.name && *bytes == member.bytes as usize);
         let bytes = field.and_then(|(_, offset, bytes)| host.get(*offset..offset + bytes));
-        let place = packed.get_mut(member.offset as usize..(member.offset + member.bytes) as usize);
-        if let (Some(bytes), Some(place)) = (bytes, place) {
-            place.copy_from_slice(bytes);
+        let member_bytes = packed.get_mut(member.offset as usize..(member.offset + member.bytes) as usize);
+        if let (Some(bytes), Some(target)) = (bytes, member_bytes) {
+            target.copy_from_slice(bytes);
         }
     }
     packed
 }
 
-/// The number of bytes that [`pack`] returns: up to the end of the last member, in whole rows of 16 bytes as in uniforms.
+/// The number of bytes that [`pack`] returns: up to the end of the last member, in rows of 16 bytes as in uniforms.
 pub fn packed_bytes(members: &[Member]) -> u32 {
     let end = members.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
     end.next_multiple_of(16)

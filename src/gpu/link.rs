@@ -5,7 +5,7 @@
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module that the plan chose for x.
 //! - `//@ if light` … `//@ end` keeps the lines between if that condition holds; after `//@ else` come those for where it does not.
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
-//!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
+//!   entry's name, `${number}` its number, `${rank}` its index in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
 //!   the entry that closes the switch.
 //! - `${value}` elsewhere is a value of the plan.
 //! - `//@ relies on loops` says that the module is right only on drivers with that property ([`PROPERTIES`]).
@@ -33,21 +33,21 @@ use crate::error::{Error, Result};
 pub enum Reason {
     /// Every render needs it.
     EveryRender,
-    /// An object of the scene (with its place in the file) or an option needs it.
-    Asked(String),
+    /// An object of the scene (with its location in the file) or an option needs it.
+    Requested(String),
 }
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Reason::EveryRender => f.write_str("every render"),
-            Reason::Asked(by) => f.write_str(by),
+            Reason::Requested(by) => f.write_str(by),
         }
     }
 }
 
 impl Reason {
-    /// This reason if it is `Asked`, else the other.
+    /// This reason if it is `Requested`, else the other.
     fn or(self, other: &Reason) -> Reason {
         if self == Reason::EveryRender { other.clone() } else { self }
     }
@@ -305,17 +305,17 @@ impl Linker<'_> {
             Some((name, (choices.values.get(name)?.clone(), linked.lines.get(line)?.0.clone())))
         };
         linked.values = values.filter_map(value).collect();
-        let mut places = Vec::with_capacity(joined.len());
+        let mut lines = Vec::with_capacity(joined.len());
         let mut kept = BTreeSet::new();
-        for ((line, place), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
+        for ((line, origin), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
             linked.text.push_str(reach::code(line));
             linked.text.push('\n');
-            if !kept.contains(&place.0) && !place.0.starts_with(NULL) {
-                kept.insert(place.0.clone());
+            if !kept.contains(&origin.0) && !origin.0.starts_with(NULL) {
+                kept.insert(origin.0.clone());
             }
-            places.push(place);
+            lines.push(origin);
         }
-        linked.lines = places;
+        linked.lines = lines;
         linked.modules.retain(|module| kept.contains(module));
         linked.relies.retain(|(_, module)| kept.contains(module));
         linked.choices.retain(|_, module| kept.contains(module));
@@ -416,7 +416,7 @@ impl Linker<'_> {
     }
 }
 
-/// The lines of a block of `each` for one entry, with its place in the list.
+/// The lines of a block of `each` for one entry, with its index in the list.
 fn repeated((rank, entry): (u32, &Entry), lines: &[(usize, &str)]) -> Vec<Line> {
     let case = if entry.closes { "default".to_string() } else { format!("case {}u", entry.number) };
     let line = |(number, line): &(usize, &str)| {
@@ -443,10 +443,10 @@ fn users(
     let mut better = true;
     while std::mem::take(&mut better) {
         for ModuleUse { user, used, why } in uses {
-            let Some(&((asked, all), nearest, inherited)) = ways.get(user.as_str()) else { continue };
+            let Some(&((reasons, all), nearest, inherited)) = ways.get(user.as_str()) else { continue };
             let user = if kept.contains(user) { user } else { nearest };
-            let (asked, why) = if *why == Reason::EveryRender { (asked, inherited) } else { (asked + 1, why) };
-            let cost = (asked, all + 1);
+            let (reasons, why) = if *why == Reason::EveryRender { (reasons, inherited) } else { (reasons + 1, why) };
+            let cost = (reasons, all + 1);
             if ways.get(used.as_str()).is_none_or(|(known, ..)| cost < *known) {
                 ways.insert(used, (cost, user, why));
                 better = true;
@@ -479,12 +479,12 @@ impl Linked {
     }
 
     fn fault_at(&self, location: Option<naga::SourceLocation>, message: &str) -> Error {
-        let place = location
+        let origin = location
             .and_then(|location| {
                 let (module, line) = self.lines.get(location.line_number as usize - 1)?;
                 Some((module.as_str(), *line, location.line_position))
             })
             .unwrap_or((&self.root, 0, 0));
-        Error::Shader(format!("shaders/{}.wgsl:{}:{}: {message}", place.0, place.1, place.2))
+        Error::Shader(format!("shaders/{}.wgsl:{}:{}: {message}", origin.0, origin.1, origin.2))
     }
 }

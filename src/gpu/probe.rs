@@ -44,14 +44,14 @@ pub fn numerics(device: &Device) -> Result<&Numerics> {
         Some(found) => Ok(found),
         None => {
             let trials = trials();
-            let answers = ask(device, &trials)?;
+            let answers = run(device, &trials)?;
             Ok(device.numerics.get_or_init(|| judge(&trials, &answers)))
         }
     }
 }
 
 /// Runs the probe and returns the results of this device.
-pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
+pub fn run(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     let linked = link(&Embedded, "stage/probe", &Choices::default())?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;
@@ -138,22 +138,22 @@ fn trial(index: usize, random: &mut TrialNumbers) -> Trial {
 
 /// The findings from a driver's results.
 pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
-    let whole = answers.len() == trials.len();
+    let is_complete = answers.len() == trials.len();
     let all = |right: &dyn Fn(&Trial, &Answer) -> bool| {
-        whole && trials.iter().zip(answers).all(|(trial, answer)| right(trial, answer))
+        is_complete && trials.iter().zip(answers).all(|(trial, answer)| right(trial, answer))
     };
     let any = |wrong: &dyn Fn(&Trial, &Answer) -> bool| !all(&|trial, answer| !wrong(trial, answer));
     let largest = |error: &dyn Fn(&Trial, &Answer) -> f64| {
         let errors = trials.iter().zip(answers).map(|(trial, answer)| error(trial, answer));
         // A NaN is as wrong as can be.
-        let none = if whole { 0.0 } else { f64::INFINITY };
+        let none = if is_complete { 0.0 } else { f64::INFINITY };
         errors.fold(none, |most: f64, error| if error.is_nan() { f64::INFINITY } else { most.max(error) })
     };
     let off = |bits: u32, right: f64| (f64::from(f32::from_bits(bits)) - right).abs();
     let of_nan = |trial: &Trial, answer: &Answer, said: u32| {
-        let asked = answer.said_of_special & 0b1110;
+        let bits = answer.classes_of_special & 0b1110;
         !f32::from_bits(trial.special).is_nan()
-            || if said == 1 { answer.said_of_special & 1 == 1 } else { asked == said }
+            || if said == 1 { answer.classes_of_special & 1 == 1 } else { bits == said }
     };
     let log = |trial: &Trial| f64::from(trial.log_of).ln();
     let nearest = all(&|trial, answer| answer.converted == (trial.word as f32).to_bits());
@@ -171,7 +171,7 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
         nan_by_bits: all(&|trial, answer| {
             let special = f32::from_bits(trial.special);
             let right = u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5;
-            answer.said_of_special & 0b11_0000 == right
+            answer.classes_of_special & 0b11_0000 == right
         }),
         loop_iterations: answers.first().map_or(0, |answer| loops_until(answer.loop_state)),
         subnormals: all(&|trial, answer| {

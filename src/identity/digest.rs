@@ -52,7 +52,7 @@ fn without_paths(value: &impl Serialize) -> Value {
     value
 }
 
-/// The images and meshes that the scene names, once for each place that names them, in the file's order: the path, and a hash of what was
+/// The images and meshes that the scene names, once for each value that names them, in the file's order: the path, and a hash of what was
 /// read.
 pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
     let background = match &scene.background {

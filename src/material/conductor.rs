@@ -33,14 +33,15 @@ pub fn model<'a>(
         parameter: roughness as f32,
         ..data::Material::default()
     };
-    let whole = albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
+    let is_complete =
+        albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
     let is_measured = f32::from(u8::from(eta.is_some()));
     Model {
         slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
         lobes: vec![lobe(roughness)],
         two_sided: None,
         warning: None,
-        lacks: (!whole).then_some("either an albedo, or both eta and k"),
+        lacks: (!is_complete).then_some("either an albedo, or both eta and k"),
         extensions: extension.into_iter().collect(),
         absorption: None,
         on_device,

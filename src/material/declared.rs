@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::source::declare::declare;
 use crate::source::form::{Checked, Field, Form, colour, flag, number, other, texture, varying};
-use crate::source::{NO_UNIT, Place, Range};
+use crate::source::{NO_UNIT, Range, ValuePath};
 use crate::texture::{Colour, Texture, Use, normal_map, number};
 
 /// The largest index of refraction of a surface that reflects from microfacets.

@@ -3,7 +3,7 @@
 use super::declared::{conductor, dielectric, is_white, lambertian, pbr};
 use crate::bitmap::Bitmaps;
 use crate::data;
-use crate::source::Place;
+use crate::source::ValuePath;
 use crate::source::form::Field;
 use crate::texture::{Colour, Texture, Use};
 
@@ -155,7 +155,7 @@ pub struct Emission<'a> {
 
 impl<'a> Model<'a> {
     /// Adds an emission beside what the material scatters.
-    pub fn glowing(mut self, emission: &'a Option<Texture>) -> Model<'a> {
+    pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
         self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));
         self
@@ -227,9 +227,9 @@ impl<'a> Model<'a> {
 
     /// What it emits, whether it scatters or not.
     pub fn emission(&self) -> Option<Emission<'a>> {
-        let glow = || self.extensions.iter().find(|extension| extension.kind == ExtensionKind::Emission);
+        let emission_extension = || self.extensions.iter().find(|extension| extension.kind == ExtensionKind::Emission);
         self.light().or_else(|| {
-            let Extension { slot, parameter, .. } = *glow()?;
+            let Extension { slot, parameter, .. } = *emission_extension()?;
             Some(Emission { slot, two_sided: parameter != 0.0 })
         })
     }
@@ -241,7 +241,7 @@ impl<'a> Model<'a> {
 }
 
 impl Slot<'_> {
-    pub fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
+    pub fn warning(&self, at: &ValuePath, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
             Use::Share | Use::Normal => return None,
             // Light leaves a clear body, so that a transmittance of 1 traps no path.

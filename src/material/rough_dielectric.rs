@@ -22,22 +22,22 @@ pub fn lobes(ior: f64, roughness: f64) -> Vec<Lobe> {
     if alpha * dielectric::model(ior).on_device.contrast_outside.abs().min(1.0) < LEAST_ROUGHNESS.powi(2) {
         return vec![Lobe::Specular];
     }
-    [2.0, 1.0 - 1.0 / ior, 1.0 - ior].map(|turn| Lobe::of_width(alpha * turn.abs() as f32)).to_vec()
+    [2.0, 1.0 - 1.0 / ior, 1.0 - ior].map(|factor| Lobe::of_width(alpha * factor.abs() as f32)).to_vec()
 }
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
-    let clear = dielectric::model(ior);
+    let smooth = dielectric::model(ior);
     let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
-    let on_device = data::Material { parameter: roughness as f32, ..clear.on_device };
+    let on_device = data::Material { parameter: roughness as f32, ..smooth.on_device };
     Model {
         lobes: lobes(ior, roughness),
         extensions: extension.into_iter().collect(),
         on_device,
         second_part: Some(data::Material {
-            parameter: clear.on_device.parameter,
+            parameter: smooth.on_device.parameter,
             texture: NO_TEXTURE,
             ..data::Material::default()
         }),
-        ..clear
+        ..smooth
     }
 }

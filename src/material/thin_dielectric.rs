@@ -17,13 +17,13 @@ pub const KIND: MaterialKind = MaterialKind {
 };
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
-    let clear = dielectric::model(ior);
+    let smooth = dielectric::model(ior);
     let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     Model {
         lobes: vec![conductor::lobe(roughness)],
         warning: None,
         extensions: extension.into_iter().collect(),
-        on_device: data::Material { parameter: roughness as f32, ..clear.on_device },
-        ..clear
+        on_device: data::Material { parameter: roughness as f32, ..smooth.on_device },
+        ..smooth
     }
 }

@@ -1,6 +1,6 @@
-//! Tests whether two images differ by more than noise: as a whole, in one colour, in one place, or in single pixels ([`super::pixels`]).
+//! Tests whether two images differ by more than noise: in all of the image, in one colour, in one region, or in single pixels ([`super::pixels`]).
 //!
-//! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid. Every
+//! It compares the means of luminance, red, green and blue over all of the image, and over each tile of a grid. Every
 //! mean difference has a standard error with a known number of degrees of freedom. Student's t gives its p-value: the
 //! probability that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and
 //! measurements.
@@ -16,7 +16,7 @@ const TAKEN: [f64; 3] = [0.456, 0.815, 1.121];
 /// If a cell differs by more than this many of its standard errors, these may be wrong. In a tile of sixteen cells,
 /// three cells that differ by less make 3.8 standard errors of the tile; a significant tile among 64 needs 4.3.
 const DOUBTFUL: f64 = 5.0;
-/// With fewer tiles than this, cells are the replicates of the whole image.
+/// With fewer tiles than this, cells are the replicates of all of the image.
 const ENOUGH_TILES: usize = 32;
 /// Two images share their noise if a smaller share of their pixels differs by more than the standard error. For
 /// independent images it is a third to a half (for a normal variable over its standard deviation, known or estimated
@@ -73,7 +73,7 @@ pub struct Difference {
     pub identical: bool,
     pub means: Means,
     /// If few pixels rule the noise of both images: their number, and the means without them. These means are tested
-    /// instead of those of the whole image.
+    /// instead of those of all of the image.
     pub rest: Option<(usize, Means)>,
     /// None if the image is a single tile.
     pub local: Option<Local>,
@@ -82,7 +82,7 @@ pub struct Difference {
     pub p: f64,
 }
 
-/// Sums of one quantity over a cell, a tile or the whole image.
+/// Sums of one quantity over a cell, a tile or all of the image.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     pixels: f64,
@@ -127,7 +127,7 @@ impl Sums {
         }
     }
 
-    /// The contribution of each part's mean m to the spread around the whole's mean M, by its share n/N of the pixels:
+    /// The contribution of each part's mean m to the spread around the image's mean M, by its share n/N of the pixels:
     /// (n/N)² (m − M)².
     fn squares(&self, parts: &[Sums]) -> Vec<f64> {
         let filled = parts.iter().filter(|part| part.pixels > 0.0);
@@ -213,7 +213,7 @@ fn sums_of_cells(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[us
 struct Scales {
     cells: Vec<[Sums; CELLS * CELLS]>,
     tiles: Vec<Sums>,
-    whole: Sums,
+    image: Sums,
 }
 
 impl Scales {
@@ -221,11 +221,11 @@ impl Scales {
     fn new(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Scales {
         let cells = sums_of_cells(grid, images, quantity, out);
         let tiles: Vec<Sums> = cells.iter().map(|cells| Sums::total(cells)).collect();
-        let whole = Sums::total(&tiles);
-        Scales { cells, tiles, whole }
+        let image = Sums::total(&tiles);
+        Scales { cells, tiles, image }
     }
 
-    /// The mean difference of the whole image and its p-value.
+    /// The mean difference of all of the image and its p-value.
     ///
     /// A pixel whose two halves agree by chance seems to have no noise. If it holds most of the image's noise, this
     /// noise is missing in the sum of variances, and the degrees of freedom do not show that one pixel dominates. But
@@ -239,11 +239,11 @@ impl Scales {
         // such pairs are within one tile. The variances assume independent pixels in any case.
         let by_tiles = source != ErrorSource::Variances && self.tiles.len() >= ENOUGH_TILES;
         let parts = if by_tiles { &self.tiles } else { self.cells.as_flattened() };
-        let pairs = self.whole.estimate(self.whole.noise_by_uneven_parts(parts));
+        let pairs = self.image.estimate(self.image.noise_by_uneven_parts(parts));
         if source != ErrorSource::Variances {
             return (pairs, pairs.p());
         }
-        let variances = self.whole.estimate(self.whole.noise_by_variances());
+        let variances = self.image.estimate(self.image.noise_by_variances());
         let wider = if variances.half_width() > pairs.half_width() { variances } else { pairs };
         (wider, f64::max(variances.p(), pairs.p()))
     }
@@ -285,21 +285,21 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
         [0, 1, 2, 3].map(|i| {
             let (estimate, p) = scales[i].mean(source);
             (
-                scales[i].whole.against_reference(estimate),
+                scales[i].image.against_reference(estimate),
                 corrected(p, if i == 0 { SHARE_LUMINANCE } else { SHARE_COLOUR }),
             )
         })
     };
     let all = scales(&[]);
-    let whole = means(&all);
+    let means_of_all = means(&all);
     let ruling = images.ruling();
     let rest = (!ruling.is_empty()).then(|| (ruling.len(), means(&scales(&ruling))));
     let local = (grid.tiles() > 1).then(|| local(&grid, &all, source)).flatten();
-    let tested = rest.map_or(whole, |(_, means)| means);
+    let tested = rest.map_or(means_of_all, |(_, means)| means);
     let pixels = pixels(images, &grid);
     let others = local.map(|local| local.p).into_iter().chain([pixels.p()]);
     let least = tested.iter().map(|(_, p)| *p).chain(others).fold(1.0, f64::min);
-    Some(Difference { source, identical, means: whole, rest, local, pixels, p: least })
+    Some(Difference { source, identical, means: means_of_all, rest, local, pixels, p: least })
 }
 
 /// Chooses the source of the standard errors. Each pixel has one vote, because few pixels would dominate a sum of squares.
@@ -343,8 +343,8 @@ fn local(grid: &Grid, scales: &[Scales; 4], source: ErrorSource) -> Option<Local
                 let variance = own.variance.max(total / count / sums.pixels);
                 sums.estimate(MeanVariance { variance, degrees: own.degrees })
             };
-            let whole = estimate(sums, own);
-            let p = corrected(whole.p(), share);
+            let own_estimate = estimate(sums, own);
+            let p = corrected(own_estimate.p(), share);
             if worst.is_some_and(|worst| p >= worst.p) {
                 continue;
             }
@@ -358,7 +358,12 @@ fn local(grid: &Grid, scales: &[Scales; 4], source: ErrorSource) -> Option<Local
                 false => 1.0,
             };
             if worst.is_none_or(|worst| p < worst.p) {
-                worst = Some(Local { tile: grid.place(tile), quantity, estimate: sums.against_reference(whole), p });
+                worst = Some(Local {
+                    tile: grid.rectangle(tile),
+                    quantity,
+                    estimate: sums.against_reference(own_estimate),
+                    p,
+                });
             }
         }
     }

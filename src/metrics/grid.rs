@@ -39,7 +39,7 @@ impl Grid {
     }
 
     /// Left, top, width and height of a tile.
-    pub fn place(&self, tile: usize) -> [usize; 4] {
+    pub fn rectangle(&self, tile: usize) -> [usize; 4] {
         let edge = |at: usize, length: usize, tiles: usize| (at * length).div_ceil(tiles);
         let (column, row) = (tile % self.columns, tile / self.columns);
         let (left, top) = (edge(column, self.width, self.columns), edge(row, self.height, self.rows));

@@ -1,6 +1,6 @@
 //! Two images that are compared, and the quantities of their pixels.
 
-use crate::data::{SampleSpread, luminance};
+use crate::data::{SampleVariance, luminance};
 
 /// A pixel rules the noise if it holds more than this share of it in each image. (With uniform noise in 256 pixels,
 /// this happens in 4 of 1e6 images.)
@@ -49,14 +49,14 @@ pub struct Images<'a> {
     pub b: &'a [[f32; 3]],
     /// The variances of the pixels' values in a and in b, if both are known.
     pub variances: Option<[&'a [[f32; 3]]; 2]>,
-    /// How the samples of the pixels are spread in a and in b, if both are known.
-    pub spreads: Option<Spreads<'a>>,
+    /// The variances of the samples of each pixel in a and in b, if both are known.
+    pub sample_variances: Option<SampleVariances<'a>>,
 }
 
-/// How the samples of the pixels of two images are spread.
+/// The variances of the samples of each pixel of two images.
 #[derive(Clone, Copy, Debug)]
-pub struct Spreads<'a> {
-    pub images: [&'a [SampleSpread]; 2],
+pub struct SampleVariances<'a> {
+    pub images: [&'a [SampleVariance]; 2],
     /// Whether both are renders of one scene by the same settings, so that their samples have one distribution unless something is wrong.
     pub alike: bool,
 }

@@ -4,7 +4,7 @@
 //!
 //! - **Equal pixels.** Renders with random numbers of their own differ in nearly all pixels that have noise. If most of these are equal to
 //!   the bit, the images share their random numbers, and what differs in the others is no noise of sampling.
-//! - **The spread of a pixel's samples.** It has many degrees of freedom, and a rare bright sample shows in it.
+//! - **The variance of a pixel's samples.** It has many degrees of freedom, and a rare bright sample shows in it.
 //!
 //! docs/comparing.md has the derivation and measurements.
 
@@ -12,9 +12,9 @@ use std::collections::HashMap;
 
 use super::estimate::{LEVEL, corrected};
 use super::grid::Grid;
-use super::images::{Images, QUANTITIES, Quantity, Spreads};
+use super::images::{Images, QUANTITIES, Quantity, SampleVariances};
 use super::student;
-use crate::data::SampleSpread;
+use crate::data::SampleVariance;
 
 /// The shares of the false alarms of both tests.
 const SHARE_EQUAL: f64 = 1.0 / 12.0;
@@ -71,7 +71,7 @@ pub(super) fn pixels(images: &Images<'_>, grid: &Grid) -> Pixels {
     if let Some(shared) = shared(images) {
         return shared;
     }
-    let tested = images.spreads.and_then(|spreads| beyond(images, grid, spreads));
+    let tested = images.sample_variances.and_then(|sample_variances| beyond(images, grid, sample_variances));
     tested.unwrap_or_else(|| Pixels::Untested(most_different(images).map(|(single, _)| single)))
 }
 
@@ -180,7 +180,7 @@ impl<'a> Noise<'a> {
     }
 }
 
-/// The pixel that is farthest beyond its noise, by the spread of its samples. None if this is known of no pixel.
+/// The pixel that is farthest beyond its noise, by the variance of its samples. None if this is known of no pixel.
 ///
 /// With s² the variance of a sample, as estimated from n samples of A or m of B, whichever is larger, the difference has the variance
 /// s² (1/n + 1/m). The larger one, because an image that has found no light of a kind does not know its noise, and because one that has
@@ -189,21 +189,33 @@ impl<'a> Noise<'a> {
 /// By other settings, an image may find light more seldom than the other does. Then it knows its noise by the pixels around. If a share q of
 /// its samples brings the radiance L, and the others nothing, their mean is q L and their variance q L² (1 − q). So the sum of variances over
 /// the sum of means is L, but for a factor 1 − q, and a pixel of the mean I has this variance at least: L I (own derivation).
-fn beyond(images: &Images<'_>, grid: &Grid, Spreads { images: spreads, alike }: Spreads<'_>) -> Option<Pixels> {
+fn beyond(
+    images: &Images<'_>,
+    grid: &Grid,
+    SampleVariances { images: sample_variances, alike }: SampleVariances<'_>,
+) -> Option<Pixels> {
     let mut most: Option<(usize, Quantity, f64)> = None;
     let mut visible = Vec::new();
     let share = SHARE_BEYOND / (QUANTITIES.len() * images.counted().count()) as f64;
     // By what they depend on: the numbers of samples, and the degrees of freedom.
     let mut limits = HashMap::new();
     for quantity in QUANTITIES {
-        let sources = [images.a, images.b].into_iter().zip(spreads).filter(|_| !alike);
-        let brought: Vec<Vec<f64>> =
-            sources.map(|(image, spread)| brought(grid, images, quantity, image, spread)).collect();
-        for pixel in images.counted().filter(|&pixel| spreads.iter().all(|spread| is_known(&spread[pixel]))) {
+        let sources = [images.a, images.b].into_iter().zip(sample_variances).filter(|_| !alike);
+        let contributions: Vec<Vec<f64>> = sources
+            .map(|(image, sample_variance)| contribution_of_samples(grid, images, quantity, image, sample_variance))
+            .collect();
+        for pixel in images
+            .counted()
+            .filter(|&pixel| sample_variances.iter().all(|sample_variance| is_known(&sample_variance[pixel])))
+        {
             let [a, b] = images.values(quantity, pixel);
             let largest = a.abs().max(b.abs());
-            let brightest = brought.iter().map(|brought| brought[grid.tile_of(pixel)]).fold(0.0, f64::max);
-            let noise = Samples::new(quantity, spreads.map(|spread| spread[pixel]), brightest * largest);
+            let brightest = contributions.iter().map(|of_tiles| of_tiles[grid.tile_of(pixel)]).fold(0.0, f64::max);
+            let noise = Samples::new(
+                quantity,
+                sample_variances.map(|sample_variance| sample_variance[pixel]),
+                brightest * largest,
+            );
             let error = (noise.variance + (ROUNDING * largest).powi(2)).sqrt();
             if quantity == Quantity::Luminance {
                 let key = [noise.counts[0], noise.counts[1], noise.degrees].map(f64::to_bits);
@@ -223,28 +235,28 @@ fn beyond(images: &Images<'_>, grid: &Grid, Spreads { images: spreads, alike }: 
     Some(Pixels::Tested { most: single(images, quantity, pixel, p), visible: *visible })
 }
 
-fn is_known(spread: &SampleSpread) -> bool {
-    spread.degrees > 0 && spread.variance.iter().all(|v| v.is_finite())
+fn is_known(sample_variance: &SampleVariance) -> bool {
+    sample_variance.degrees > 0 && sample_variance.variance.iter().all(|v| v.is_finite())
 }
 
 /// The variance of a sample. Channels are assumed to be fully correlated, as in `Images::variances`.
-fn variance(quantity: Quantity, spread: &SampleSpread) -> f64 {
-    quantity.value(spread.variance.map(|v| f64::from(v).sqrt())).powi(2)
+fn variance(quantity: Quantity, sample_variance: &SampleVariance) -> f64 {
+    quantity.value(sample_variance.variance.map(|v| f64::from(v).sqrt())).powi(2)
 }
 
-/// The radiance that single samples of an image bring, in each tile and those around it.
-fn brought(
+/// The radiance of single samples of an image, estimated for each tile from it and the tiles around it.
+fn contribution_of_samples(
     grid: &Grid,
     images: &Images<'_>,
     quantity: Quantity,
     image: &[[f32; 3]],
-    spread: &[SampleSpread],
+    sample_variance: &[SampleVariance],
 ) -> Vec<f64> {
     let mut tiles = vec![(0.0, 0.0); grid.tiles()];
-    for pixel in images.counted().filter(|&pixel| is_known(&spread[pixel])) {
+    for pixel in images.counted().filter(|&pixel| is_known(&sample_variance[pixel])) {
         let (means, variances) = &mut tiles[grid.tile_of(pixel)];
         *means += quantity.value(image[pixel].map(f64::from)).abs();
-        *variances += variance(quantity, &spread[pixel]);
+        *variances += variance(quantity, &sample_variance[pixel]);
     }
     let around = |tile: usize| {
         let near = grid.around(tile).map(|near| tiles[near]);
@@ -265,10 +277,10 @@ struct Samples {
 
 impl Samples {
     /// `least` is the least variance of a sample.
-    fn new(quantity: Quantity, spreads: [SampleSpread; 2], least: f64) -> Samples {
-        let counts = spreads.map(|spread| f64::from(spread.samples));
-        let [a, b] = spreads.map(|spread| variance(quantity, &spread));
-        let degrees = f64::from(if a > b { spreads[0].degrees } else { spreads[1].degrees });
+    fn new(quantity: Quantity, sample_variances: [SampleVariance; 2], least: f64) -> Samples {
+        let counts = sample_variances.map(|sample_variance| f64::from(sample_variance.samples));
+        let [a, b] = sample_variances.map(|sample_variance| variance(quantity, &sample_variance));
+        let degrees = f64::from(if a > b { sample_variances[0].degrees } else { sample_variances[1].degrees });
         Samples { variance: a.max(b).max(least) * (1.0 / counts[0] + 1.0 / counts[1]), degrees, counts }
     }
 

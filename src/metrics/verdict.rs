@@ -14,7 +14,7 @@ pub fn verdict(difference: &Difference) -> String {
         Some((pixels, means)) => (format!(" without the {pixels} pixels that hold most of the noise"), means),
     };
     let local = difference.local.filter(|local| local.p < LEVEL);
-    let around = |local: Local| format!(", most clearly around {}", place(&local));
+    let around = |local: Local| format!(", most clearly around {}", centre_of(&local));
     if difference.identical {
         return "A differs by noise only, p = 1: the images are identical".to_string();
     }
@@ -30,7 +30,7 @@ pub fn verdict(difference: &Difference) -> String {
             "A is {}{} around {}, p = {}; the mean of the image is within noise",
             amount(&local.estimate),
             in_colour(local.quantity),
-            place(&local),
+            centre_of(&local),
             probability(local.p)
         ),
         (true, None) => of_pixels(difference, luminance),
@@ -100,7 +100,7 @@ fn in_colour(quantity: Quantity) -> String {
 }
 
 /// The middle pixel of a tile.
-fn place(local: &Local) -> String {
+fn centre_of(local: &Local) -> String {
     let [left, top, width, height] = local.tile;
     format!("pixel ({}, {})", left + width / 2, top + height / 2)
 }

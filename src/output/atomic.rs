@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-use super::place::{Place, folder_of, is_standard};
+use super::destination::{Destination, folder_of, is_standard};
 use super::temporary;
 use crate::error::{Error, Result};
 
@@ -18,17 +18,17 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> 
     replace_if(path, write, || Ok(()))
 }
 
-/// Replaces the file as [`replace`] does, if it `may` be replaced, which is asked last; if not, that is the error. Writers ask one after another, so that
-/// nobody replaces the old file between the answer and the replacement. Other kinds of files are not asked about.
+/// Replaces the file as [`replace`] does, if it `may` be replaced, which is checked last; if not, that is the error. Writers check one after another, so that
+/// nobody replaces the old file between the check and the replacement. Other kinds of files are not checked.
 pub fn replace_if(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
-    match Place::find(path).map_err(|error| failed(error.to_string()))? {
-        Place::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
-        Place::File(target) => replace_file(&target, write, may).map_err(failed),
+    match Destination::find(path).map_err(|error| failed(error.to_string()))? {
+        Destination::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
+        Destination::File(target) => replace_file(&target, write, may).map_err(failed),
     }
 }
 
@@ -51,7 +51,7 @@ fn replace_file(
         keep_owner_and_mode(file.as_file(), &old);
     }
     file.as_file().sync_all().map_err(|error| error.to_string())?;
-    // The folder's lock is held until the end. Where there is none, writers may meet between the answer and the replacement.
+    // The folder's lock is held until the end. Where there is none, another writer may come between the check and the replacement.
     let folder = File::open(folder_of(target)).ok();
     let _ = folder.as_ref().map(File::lock);
     may()?;
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written_are_named() {
+    fn destinations_that_cannot_be_written_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("missing").join("a.exr");
         let message = write_text(&missing, "").unwrap_err().to_string();

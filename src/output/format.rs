@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::place::{Place, is_standard};
+use super::destination::{Destination, is_standard};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -50,7 +50,7 @@ pub fn format_of(path: &Path, formats: &[Format]) -> Result<Format, String> {
     match (named, &ending) {
         (Some(named), _) if formats.contains(&named) => Ok(named),
         (Some(_), _) => Err(format!("this is {}: give {}", wanted(), names())),
-        (None, _) if matches!(Place::find(path), Ok(Place::Stream)) => {
+        (None, _) if matches!(Destination::find(path), Ok(Destination::Stream)) => {
             formats.first().copied().ok_or_else(|| "no image is written".to_string())
         }
         (None, Some(ending)) => Err(format!(".{ending} is not written, only {}: give {}", wanted(), names())),

@@ -36,8 +36,8 @@ fn encode(
     view: &ViewTransform,
 ) -> std::result::Result<Vec<u8>, String> {
     let (width, height) = (size.0 as usize, size.1 as usize);
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let pixels: Vec<_> = places.map(|(x, y)| view.bytes(rgb(y * width + x), (x, y))).collect();
+    let positions = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let pixels: Vec<_> = positions.map(|(x, y)| view.bytes(rgb(y * width + x), (x, y))).collect();
     compress(size, &pixels)
 }
 

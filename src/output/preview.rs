@@ -104,18 +104,18 @@ impl Preview {
     /// The image in so many pixels, no more than it has, row 0 on top: each is the mean radiance of those that it stands for, as the view
     /// shows it.
     fn pixels(&self, rgb: &dyn Fn(usize) -> Rgb<f32>, (width, height): (usize, usize)) -> Vec<[u8; 3]> {
-        let stands_for = |place: usize, count: usize, all: usize| {
-            let begin = place * all / count;
-            begin..((place + 1) * all / count).max(begin + 1)
+        let stands_for = |index: usize, count: usize, all: usize| {
+            let begin = index * all / count;
+            begin..((index + 1) * all / count).max(begin + 1)
         };
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let positions = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let mean = |(x, y): (usize, usize)| {
             let (across, down) = (stands_for(x, width, self.size.0), stands_for(y, height, self.size.1));
             let share = 1.0 / (across.len() * down.len()) as f32;
             let indices = down.flat_map(|y| across.clone().map(move |x| y * self.size.0 + x));
             indices.map(rgb).fold([0.0; 3], |sum, colour| [0, 1, 2].map(|c| sum[c] + share * colour[c]))
         };
-        places.map(|place| self.view.bytes(mean(place), place)).collect()
+        positions.map(|position| self.view.bytes(mean(position), position)).collect()
     }
 }
 
@@ -314,8 +314,8 @@ mod tests {
         for c in 0..3 {
             let mean = |codes: &mut dyn Iterator<Item = u8>| codes.map(f64::from).sum::<f64>() / 1440.0;
             let found = mean(&mut image.pixels.as_chunks::<4>().0.iter().map(|pixel| pixel[c]));
-            let asked = mean(&mut expected.iter().map(|pixel| pixel[c]));
-            assert!((found - asked).abs() < 1.3, "{found} for {asked}");
+            let wanted = mean(&mut expected.iter().map(|pixel| pixel[c]));
+            assert!((found - wanted).abs() < 1.3, "{found} for {wanted}");
         }
     }
 }

@@ -183,9 +183,9 @@ impl Loading {
         }
     }
 
-    /// Reports that `done` of the `whole` bytes of a file are read. May be called as often as is convenient.
-    pub fn update(&mut self, file: &Path, done: u64, whole: u64) {
-        self.show_with(done as f64 / whole.max(1) as f64, || describe_file(file, done, whole));
+    /// Reports that `done` of the `total` bytes of a file are read. May be called as often as is convenient.
+    pub fn update(&mut self, file: &Path, done: u64, total: u64) {
+        self.show_with(done as f64 / total.max(1) as f64, || describe_file(file, done, total));
     }
 
     fn show_with(&mut self, share: f64, words: impl FnOnce() -> String) {
@@ -197,8 +197,8 @@ impl Loading {
 }
 
 /// `reading meshes/dragon.ply  12/57 MiB`
-fn describe_file(file: &Path, done: u64, whole: u64) -> String {
-    format!("reading {}  {}/{} MiB", file.display(), done >> 20, whole.div_ceil(1 << 20))
+fn describe_file(file: &Path, done: u64, total: u64) -> String {
+    format!("reading {}  {}/{} MiB", file.display(), done >> 20, total.div_ceil(1 << 20))
 }
 
 /// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
@@ -337,7 +337,7 @@ mod tests {
     /// A render until an error goes on while its bound is above that, or light is missing: never without a word of why.
     #[test]
     fn a_render_until_an_error_says_why_it_goes_on() {
-        let goal = Goal::Noise { error: 0.05, deadline: None, end: 1 << 20, begun: 100, looks: 0 };
+        let goal = Goal::Noise { error: 0.05, deadline: None, end: 1 << 20, begun: 100, checks: 0 };
         let line = |until: Option<Until>| progress(goal).describe(&Status { until, ..STATUS }, MINUTE, 200);
         assert_eq!(line(None), "125 spp  1.42 Mpaths/s  until the error is below 5.0 %  time 00:01:00");
         let until = Until { bound: 0.0532, samples: Some(250), lacks_light: false };

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
-use super::place::folder_of;
+use super::destination::folder_of;
 
 const ENDING: &str = ".part";
 

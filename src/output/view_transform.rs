@@ -170,8 +170,8 @@ mod tests {
                 last = value;
             }
             assert!(last > 254.999, "{tonemap:?}: {last}");
-            let beside = |peak: f64| codes(*tonemap, [peak, 0.5, 0.1]);
-            let jumps = beside(0.8 - 1e-9).into_iter().zip(beside(0.8 + 1e-9)).map(|(a, b)| (a - b).abs());
+            let codes_at = |peak: f64| codes(*tonemap, [peak, 0.5, 0.1]);
+            let jumps = codes_at(0.8 - 1e-9).into_iter().zip(codes_at(0.8 + 1e-9)).map(|(a, b)| (a - b).abs());
             assert!(jumps.fold(0.0, f64::max) < 1e-5, "{tonemap:?}");
         }
     }
@@ -181,12 +181,12 @@ mod tests {
     fn bright_colours_fade_to_white() {
         for tonemap in [Tonemap::Soft, Tonemap::Neutral] {
             let orange = |brightness: f64| codes(tonemap, [brightness, brightness * 0.4, brightness * 0.1]);
-            let spread = |[r, g, b]: Rgb<f64>| {
+            let difference = |[r, g, b]: Rgb<f64>| {
                 assert!(r >= g && g >= b, "{tonemap:?}: {r} {g} {b}");
                 r - b
             };
-            let spreads = [1.0, 4.0, 16.0, 64.0, 1e6].map(|brightness| spread(orange(brightness)));
-            assert!(spreads.is_sorted_by(|a, b| a > b) && spreads[4] < 0.1, "{tonemap:?}: {spreads:?}");
+            let differences = [1.0, 4.0, 16.0, 64.0, 1e6].map(|brightness| difference(orange(brightness)));
+            assert!(differences.is_sorted_by(|a, b| a > b) && differences[4] < 0.1, "{tonemap:?}: {differences:?}");
         }
         let far = codes(Tonemap::Filmic, [1e6, 0.0, 0.0]);
         assert!(far.iter().all(|v| *v > 240.0), "{far:?}");
@@ -226,7 +226,7 @@ mod tests {
             let code = 255.0 * srgb(f64::from(value));
             let (left, top) = (usize::from(i) * 31, usize::from(i) * 97);
             let patch = (0..256).map(|i| (left + i % 16, top + i / 16));
-            let mean = patch.map(|place| f64::from(view.bytes([value; 3], place)[1])).sum::<f64>() / 256.0;
+            let mean = patch.map(|position| f64::from(view.bytes([value; 3], position)[1])).sum::<f64>() / 256.0;
             assert!((mean - code).abs() < 0.03, "{value}: {mean}, expected {code}");
         }
     }
@@ -247,7 +247,7 @@ mod tests {
 
     /// Bytes that a picture had come back: an image of 8 bits as a texture is shown as it is.
     #[test]
-    fn whole_codes_stay() {
+    fn integer_codes_stay() {
         let view = ViewTransform { exposure: 0.0, tonemap: Tonemap::Srgb };
         let linear = |code: u8| {
             let v = f64::from(code) / 255.0;

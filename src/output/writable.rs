@@ -4,16 +4,16 @@ use std::fs::File;
 use std::path::Path;
 
 use super::atomic::no_file;
-use super::place::{Place, folder_of};
+use super::destination::{Destination, folder_of};
 use super::temporary;
 
 /// The place that the path leads to, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
 /// reason why it cannot.
 ///
 /// A stream is not opened. Temporary files that dead writers of the file have left are removed.
-pub fn check(path: &Path) -> Result<Place, String> {
-    let place = Place::find(path).map_err(|error| error.to_string())?;
-    if let Place::File(target) = &place {
+pub fn check(path: &Path) -> Result<Destination, String> {
+    let destination = Destination::find(path).map_err(|error| error.to_string())?;
+    if let Destination::File(target) = &destination {
         // Even where files can be made in the folder, this one may not be replaceable.
         if let Some(obstacle) = by_attributes(target) {
             return Err(obstacle);
@@ -26,7 +26,7 @@ pub fn check(path: &Path) -> Result<Place, String> {
         }
         temporary::remove_stale(target);
     }
-    Ok(place)
+    Ok(destination)
 }
 
 /// The attribute that keeps a file from being replaced, if the file system has one.
@@ -98,14 +98,14 @@ mod tests {
         symlink("old", at("link")).unwrap();
         let longest = "n".repeat(255);
         for (name, target) in [("new", "new"), ("old", "old"), ("link", "old"), (&longest, &longest)] {
-            assert_eq!(check(&at(name)), Ok(Place::File(at(target))), "{name}");
+            assert_eq!(check(&at(name)), Ok(Destination::File(at(target))), "{name}");
         }
         assert_eq!(fs::read_to_string(at("old")).unwrap(), "old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
         // A pipe that nobody reads is not opened: that would wait.
         rustix::fs::mkfifoat(rustix::fs::CWD, at("pipe"), rustix::fs::Mode::RWXU).unwrap();
-        assert_eq!(check(&at("pipe")), Ok(Place::Stream));
-        assert_eq!(check(Path::new("/dev/null")), Ok(Place::Stream));
+        assert_eq!(check(&at("pipe")), Ok(Destination::Stream));
+        assert_eq!(check(Path::new("/dev/null")), Ok(Destination::Stream));
     }
 
     #[test]
@@ -146,7 +146,7 @@ mod tests {
                     found.is_none_or(|found| found.is_err_and(|reason| reason.contains(words))),
                     "{path:?} {letter}"
                 );
-                assert_eq!(check(path), Ok(Place::File(path.clone())));
+                assert_eq!(check(path), Ok(Destination::File(path.clone())));
             }
         }
     }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::state::{Needs, PathField, path_fields, path_module, places, slots_module};
+use super::state::{Needs, PathField, path_fields, path_layout, path_module, slots_module};
 use super::tables::UniformTables;
 use crate::aov::{Finder, SeenSurface, Sum};
 use crate::bitmap::FORMATS;
@@ -62,33 +62,33 @@ pub(super) struct Decided {
     pub queue: Option<Reason>,
 }
 
-/// The first that asked.
-fn first<'a>(used: impl IntoIterator<Item = &'a Option<String>>) -> Option<Reason> {
-    used.into_iter().flatten().next().cloned().map(Reason::Asked)
+/// The first object that needs one of these features.
+fn first_reason<'a>(used: impl IntoIterator<Item = &'a Option<String>>) -> Option<Reason> {
+    used.into_iter().flatten().next().cloned().map(Reason::Requested)
 }
 
-fn asked(used: &Option<String>) -> Option<Reason> {
-    first([used])
+fn reason_of(used: &Option<String>) -> Option<Reason> {
+    first_reason([used])
 }
 
 fn option(text: &str) -> Reason {
-    Reason::Asked(text.to_string())
+    Reason::Requested(text.to_string())
 }
 
-/// A module that nobody asks for by itself.
+/// A module of every render.
 fn usual(module: &'static str) -> Chosen {
     Chosen { module, why: Reason::EveryRender }
 }
 
-/// One module where someone asked for it, else the usual one, such as its null module.
+/// `module` if there is a reason for it, else `other`, such as its null module.
 fn either(why: &Option<Reason>, module: &'static str, other: &'static str) -> Chosen {
     why.clone().map_or(usual(other), |why| Chosen { module, why })
 }
 
-/// The kinds that the scene uses, by the place of their names; the last one closes a switch over them.
+/// The kinds that the scene uses, by the index of their names; the last one closes a switch over them.
 pub(super) fn entries(names: &[&str], used: &[Option<String>]) -> Vec<Entry> {
     let kinds = (0..).zip(names).zip(used);
-    closed(kinds.filter_map(|((number, name), used)| Some((*name, number, asked(used)?))))
+    closed(kinds.filter_map(|((number, name), used)| Some((*name, number, reason_of(used)?))))
 }
 
 fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32, Reason)>) -> Vec<Entry> {
@@ -129,7 +129,7 @@ pub(super) fn decide(
     let (mesh, primitive) = split_meshes(entries(PRIMITIVES, &features.primitives));
     let (emitting_mesh, emitter) = split_meshes(entries(PRIMITIVES, &features.emitters));
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries);
-    let boundaries = boundaries.filter_map(|((name, kind), used)| Some((*name, *kind, asked(used)?)));
+    let boundaries = boundaries.filter_map(|((name, kind), used)| Some((*name, *kind, reason_of(used)?)));
     let (mesh_boundary, convex_boundary) = split_meshes(closed(boundaries));
     let texture = entries(TEXTURES, &features.textures);
     let texel_format = entries(FORMATS, &features.texel_formats);
@@ -139,17 +139,17 @@ pub(super) fn decide(
         None => (Vec::new(), Vec::new()),
     };
 
-    let emitting_surface = first(&features.emitters);
-    let emitting_sky = asked(&features.emitting_sky);
-    let delta_light = asked(&features.delta_lights);
+    let emitting_surface = first_reason(&features.emitters);
+    let emitting_sky = reason_of(&features.emitting_sky);
+    let delta_light = reason_of(&features.delta_lights);
     // Lights with a size, which BSDF sampling can hit.
     let extended = emitting_surface.clone().or(emitting_sky.clone());
     let any_light = extended.clone().or(delta_light.clone()).unwrap_or(Reason::EveryRender);
     let light = if_so(features.lights > 0, any_light);
-    let medium = if_so(features.crosses_media(), first(&features.boundaries).unwrap_or(Reason::EveryRender));
+    let medium = if_so(features.crosses_media(), first_reason(&features.boundaries).unwrap_or(Reason::EveryRender));
     let surface = materials.first().map(|kind| kind.why.clone());
     // A mesh makes walks long.
-    let hit = mesh.clone().or(first(&features.primitives)).unwrap_or(Reason::EveryRender);
+    let hit = mesh.clone().or(first_reason(&features.primitives)).unwrap_or(Reason::EveryRender);
     let brute_force = if_so(surface.is_some() && features.brute_force, hit.clone());
     let walk = match (&surface, &brute_force) {
         (None, _) => usual("scene/nothing"),
@@ -163,8 +163,8 @@ pub(super) fn decide(
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
     // A specular lobe may hide lights with a size, and any other narrow lobe all lights.
-    let any_narrow = first(&features.narrow).or(asked(&features.narrow_media));
-    let hidden = any_narrow.or(extended.clone().and(first(&features.specular)));
+    let any_narrow = first_reason(&features.narrow).or(reason_of(&features.narrow_media));
+    let hidden = any_narrow.or(extended.clone().and(first_reason(&features.specular)));
     let probed = light.clone().and(hidden);
     let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
     let sends_probe = probed.clone().and(of_first(&features.narrow).or(of_first(&features.specular)));
@@ -177,16 +177,16 @@ pub(super) fn decide(
     let shines = served.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
-    let asked_aov = options::AOV.as_given(options);
+    let given_aov = options::AOV.as_given(options);
     let aov = |finder: Finder, there: &Option<Reason>| {
         let needed = there.is_some() && options.aov.sums().any(|sum| sum.finder() == finder);
-        if_so(needed, option(&asked_aov))
+        if_so(needed, option(&given_aov))
     };
     let (aov_surface, aov_hit) = (aov(Finder::Surface, &event), aov(Finder::Hit, &surface));
     let aov_direct = aov(Finder::Direct, &Some(Reason::EveryRender));
     let aov_rough = aov_surface.clone().filter(|_| options.aov.surface == SeenSurface::Rough);
     let own = |extension: ExtensionKind| of_first(&features.extensions[extension as usize]);
-    let scene_has = |extension: ExtensionKind| first(&features.extensions[extension as usize]);
+    let scene_has = |extension: ExtensionKind| first_reason(&features.extensions[extension as usize]);
     let extensions = [
         ("emission", ExtensionKind::Emission),
         ("roughness", ExtensionKind::Roughness),
@@ -207,9 +207,9 @@ pub(super) fn decide(
         [ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Alpha].into_iter().find_map(scene_has);
     let alpha = surface.clone().and(scene_has(ExtensionKind::Alpha));
     let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(ExtensionKind::VertexAlpha));
-    let uv_tables = mesh.clone().and(asked(&features.uv_tables));
+    let uv_tables = mesh.clone().and(reason_of(&features.uv_tables));
     let both_sides = { both_sided.first().zip(light.as_ref()) }
-        .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone())));
+        .and_then(|(kind, _)| reason_of(&features.smooth).and(Some(kind.why.clone())));
     let emits = shines.then_some(Reason::EveryRender).or(own_emission.clone());
     let found_light = light.clone().and(emits).and(emitting_surface.clone());
     let light_coverage = alpha.clone().and(emission.clone()).and(emitting_surface.clone());
@@ -218,7 +218,7 @@ pub(super) fn decide(
     let queue_why = if_so(queues, option(QUEUES));
     let negative_lobes = if_so(options.filter == Filter::Mitchell, by_option(&options::FILTER).why);
 
-    let any_aov = if_so(!options.aov.is_empty(), option(&asked_aov));
+    let any_aov = if_so(!options.aov.is_empty(), option(&given_aov));
     let needs = Needs {
         is_staged: !fused,
         light: light.clone(),
@@ -248,31 +248,31 @@ pub(super) fn decide(
     let hit_channel = closed((0..).zip(hit_channel).filter_map(|(i, sum)| Some((sum.name(), i, aov_hit.clone()?))));
     let is_clamped = options.clamp.is_some() && (surface.is_some() || features.media > 0);
     let not_sampled = match &features.not_sampled {
-        Some(left) => Some(option(&left.asked_by)),
+        Some(left) => Some(option(&left.reason)),
         None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
     };
-    // What `//@ if` asks.
+    // The conditions of `//@ if`.
     let conditions = [
         // A mesh bounds a medium.
         ("mesh_boundary", mesh_boundary),
-        ("lens", asked(&features.thin_lens)),
+        ("lens", reason_of(&features.thin_lens)),
         // Render space has the camera's axes.
-        ("camera_axes", asked(&features.turned)),
+        ("camera_axes", reason_of(&features.camera_axes)),
         // Contributions of indirect light are limited.
         ("clamp", if_so(is_clamped, by_option(&options::CLAMP).why)),
-        ("gradient_background", asked(&features.backgrounds[1])),
-        ("image_background", asked(&features.backgrounds[2])),
+        ("gradient_background", reason_of(&features.backgrounds[1])),
+        ("image_background", reason_of(&features.backgrounds[2])),
         ("several_backgrounds", if_so(!other_background.is_empty(), option(EVERY_FEATURE))),
         // Something that emits is not sampled.
         ("not_sampled", not_sampled),
         // Normal maps on smooth meshes have tangents in their tables.
-        ("vertex_tangents", uv_tables.clone().and(asked(&features.vertex_tangents))),
+        ("vertex_tangents", uv_tables.clone().and(reason_of(&features.vertex_tangents))),
         // Images have tables of texture coordinates of their own on meshes.
         ("uv_tables", uv_tables),
         // Some material of the scene has a number that may be that of an image.
         ("number_images", number_images),
-        // The sky or directional lights are sampled, which the light tree has beside lights with a place.
-        ("light_without_place", emitting_sky.clone().or(asked(&features.directional_lights))),
+        // Lights at infinity are sampled: the sky or directional lights.
+        ("light_at_infinity", emitting_sky.clone().or(reason_of(&features.directional_lights))),
         // Lights without size are sampled.
         ("delta_light", delta_light.clone()),
         // Lights are sampled, and narrow lobes hide some of their light, which probes count.
@@ -288,7 +288,7 @@ pub(super) fn decide(
     let transmissive: Vec<Entry> = served.iter().filter(is_transmissive).cloned().collect();
     let has_glass = materials.iter().any(|kind| is_transmissive(&kind));
     let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
-    let places = places(&path_fields);
+    let layout = path_layout(&path_fields);
     let numbered = |all: Vec<(String, u32)>| {
         let entry = |(name, number)| Entry { name, number, closes: false, why: Reason::EveryRender };
         all.into_iter().map(entry).collect::<Vec<_>>()
@@ -303,13 +303,13 @@ pub(super) fn decide(
     let queue_of_hits = queue_why.clone().filter(|_| medium.is_none());
     // The modules behind `choice/…`.
     let modules = [
-        ("axes", either(&asked(&features.turned), "scene/camera_axes", "scene/world_axes")),
-        ("camera", either(&asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole")),
+        ("axes", either(&reason_of(&features.camera_axes), "scene/camera_axes", "scene/world_axes")),
+        ("camera", either(&reason_of(&features.thin_lens), "camera/thin_lens", "camera/pinhole")),
         ("filter", by_option(&options::FILTER)),
         ("filter_weight", either(&negative_lobes, "step/filter_weight", "null/filter_weight")),
-        ("colour", either(&first(&features.textures), "scene/textured_colour", "scene/plain_colour")),
+        ("colour", either(&first_reason(&features.textures), "scene/textured_colour", "scene/plain_colour")),
         ("uv", either(&image_texture, "scene/uv", "null/uv")),
-        ("shading", either(&asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading")),
+        ("shading", either(&reason_of(&features.smooth), "scene/smooth_shading", "scene/flat_shading")),
         ("evaluation", either(&evaluated, "scene/evaluated_material", "scene/plain_material")),
         ("vertex_colours", either(&vertex_colours, "scene/vertex_colours", "null/vertex_colours")),
         ("normal_map", either(&normal_map, "scene/normal_map", "null/normal_map")),
@@ -322,7 +322,7 @@ pub(super) fn decide(
         ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
         ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
         ("media", either(&medium, "step/media", "null/media")),
-        ("medium_albedo", either(&asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium")),
+        ("medium_albedo", either(&reason_of(&features.textured_media), "scene/textured_medium", "scene/plain_medium")),
         ("transmittance", either(&medium, "scene/transmittance", "null/transmittance")),
         ("scatter", either(&surface, "step/scatter", "null/scatter")),
         ("roulette", by_option(&options::ROULETTE)),
@@ -342,7 +342,7 @@ pub(super) fn decide(
         ("delta_lights", either(&delta_light, "scene/delta_lights", "null/delta_lights")),
         ("sky_light", either(&emitting_sky, "scene/sky_light", "null/sky_light")),
         ("light_surfaces", either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces")),
-        ("surface_radiance", either(&emission, "scene/emitted_beside", "scene/emitted")),
+        ("surface_radiance", either(&emission, "scene/emitted_by_extension", "scene/emitted")),
         ("light_coverage", either(&light_coverage, "scene/light_coverage", "null/light_coverage")),
         ("clamp", approximate(&options::CLAMP, is_clamped)),
         ("fresnel", approximate(&options::FRESNEL, has_glass)),
@@ -364,7 +364,7 @@ pub(super) fn decide(
         ("probe_slot", either(&probed, "slots/probe", "null/probe_slot")),
         ("queue_of_hits", either(&queue_of_hits, "slots/sort_by_material", "null/sort")),
         ("queue_of_events", either(&queue_why, "slots/sort_by_material", "null/sort")),
-        ("queue_turn", either(&queue_why, "slots/queue_turn", "null/queue_turn")),
+        ("queued_slot", either(&queue_why, "slots/queued_slot", "null/queued_slot")),
     ];
     // What `//@ each` goes through.
     let lists = [
@@ -396,9 +396,9 @@ pub(super) fn decide(
         // The last background, and those before it.
         ("own_background", own_background),
         ("other_background", other_background),
-        ("path_plane", numbered(places.planes)),
-        ("path_word", numbered(places.words)),
-        ("other_path_word", numbered(places.others)),
+        ("path_plane", numbered(layout.planes)),
+        ("path_word", numbered(layout.words)),
+        ("other_path_word", numbered(layout.others)),
     ];
     // The numbers behind `${…}`.
     let values = [

@@ -1,4 +1,4 @@
-//! A plan in words and numbers: what is there, how large, and which object of the scene or option asked for it.
+//! A plan in words and numbers: what is there, how large, and which object of the scene or option needs it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,9 +15,9 @@ use crate::options::{Integrator, Scatter, default_of};
 /// A plan in words and numbers.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// The features of the scene that are linked, by name, each with what asked for it.
+    /// The features of the scene that are linked, by name, each with the object that needs it.
     pub features: Vec<(String, String)>,
-    /// What a scene can ask for and this one does not.
+    /// Features that this scene does not need.
     pub left_out: Vec<String>,
     pub choices: Vec<Choice>,
     /// Whether rays are sent to lights, and why not.
@@ -66,8 +66,8 @@ pub struct Module {
     pub name: String,
     /// The module that uses it; nothing of the kernel's root.
     pub used_by: Option<String>,
-    /// The scene's object or the option that asked for it; nothing of what serves all renders.
-    pub asked_by: Option<String>,
+    /// The object of the scene or the option that needs it; `None` for modules of all renders.
+    pub reason: Option<String>,
 }
 
 /// A number that is part of the kernels' code, known when they are compiled.
@@ -76,7 +76,7 @@ pub struct Constant {
     pub name: String,
     pub value: String,
     pub what: String,
-    pub asked_by: String,
+    pub reason: String,
     /// Whether it is an override constant; else it stands in the text.
     pub is_override: bool,
     pub kernels: Vec<String>,
@@ -94,7 +94,7 @@ pub struct Buffer {
     pub binding: &'static str,
     /// The most bytes that the device allows it.
     pub limit: u64,
-    pub asked_by: String,
+    pub reason: String,
 }
 
 impl Buffer {
@@ -131,7 +131,7 @@ impl Report {
         let linked: BTreeSet<&String> = kernels.iter().flat_map(|kernel| &kernel.linked.modules).collect();
         let known = known_features(features);
         let (there, left_out): (Vec<_>, Vec<_>) = known.iter().partition(|known| linked.contains(&known.module));
-        let asked = |known: &&Known<'_>| Some((known.name.clone(), known.asked_by?.to_string()));
+        let with_reason = |known: &&Known<'_>| Some((known.name.clone(), known.reason?.to_string()));
         let choices: BTreeMap<_, _> = kernels
             .iter()
             .flat_map(|kernel| &kernel.linked.choices)
@@ -143,7 +143,7 @@ impl Report {
             why: kernel.why.clone(),
             features: there
                 .iter()
-                .filter(|known| known.asked_by.is_some() && kernel.linked.modules.contains(&known.module))
+                .filter(|known| known.reason.is_some() && kernel.linked.modules.contains(&known.module))
                 .map(|known| known.name.clone())
                 .collect(),
             modules: modules(kernel),
@@ -160,10 +160,10 @@ impl Report {
             size: spec.size.clone(),
             binding: spec.binding(),
             limit: spec.limit(limits),
-            asked_by: why_buffer(&kernels, spec.name).to_string(),
+            reason: why_buffer(&kernels, spec.name).to_string(),
         };
         Report {
-            features: there.iter().filter_map(asked).collect(),
+            features: there.iter().filter_map(with_reason).collect(),
             left_out: left_out.iter().map(|known| known.name.clone()).collect(),
             choices: choices.into_iter().map(|(name, module)| Choice { name, module: module.clone() }).collect(),
             integrator: integrator_words(features, plan.options.integrator),
@@ -213,14 +213,14 @@ impl Report {
     }
 }
 
-/// Something that a scene can ask for: its name, what asked for it, and the module that is there just for it.
+/// A feature that a scene can need: its name, the object that needs it, and the module that is linked only for it.
 struct Known<'a> {
     name: String,
-    asked_by: Option<&'a str>,
+    reason: Option<&'a str>,
     module: String,
 }
 
-/// Everything that a scene can ask for.
+/// All features that a scene can need.
 fn known_features(features: &Features) -> Vec<Known<'_>> {
     fn kinds<'a>(
         names: &[&'static str],
@@ -230,13 +230,13 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     ) -> Vec<Known<'a>> {
         let known = |(name, used): (&&str, &'a Option<String>)| Known {
             name: format!("{name}{suffix}"),
-            asked_by: used.as_deref(),
+            reason: used.as_deref(),
             module: format!("{folder}/{name}"),
         };
         names.iter().zip(used).map(known).collect()
     }
     fn one<'a>(name: &str, used: &'a Option<String>, module: &str) -> Known<'a> {
-        Known { name: name.to_string(), asked_by: used.as_deref(), module: module.to_string() }
+        Known { name: name.to_string(), reason: used.as_deref(), module: module.to_string() }
     }
     let mut all = kinds(PRIMITIVES, &features.primitives, "geometry", "");
     all.push(one("smooth shading", &features.smooth, "scene/smooth_shading"));
@@ -253,7 +253,7 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("sky light", &features.emitting_sky, "light/sky"));
     all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));
     all.push(one("thin lens", &features.thin_lens, "camera/thin_lens"));
-    all.push(one("camera axes", &features.turned, "scene/camera_axes"));
+    all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));
     all
 }
 
@@ -271,7 +271,7 @@ fn modules(kernel: &Kernel) -> Vec<Module> {
         ordered.push(Module {
             name: name.to_string(),
             used_by: user.map(str::to_string),
-            asked_by: Some(why_module(kernel, name)).filter(|why| **why != Reason::EveryRender).map(Reason::to_string),
+            reason: Some(why_module(kernel, name)).filter(|why| **why != Reason::EveryRender).map(Reason::to_string),
         });
         let mut used = users.remove(name).unwrap_or_default();
         used.sort_unstable_by(|a, b| b.cmp(a));
@@ -288,10 +288,10 @@ fn path_fields(kernel: &Kernel, plan: &Plan<'_>) -> Vec<PathField> {
     plan.kernels.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
 }
 
-/// Why a module is in a kernel: what asked for the module, or else for the kernel.
+/// The reason for a module of a kernel: its own, or else that of the kernel.
 fn why_module<'a>(kernel: &'a Kernel, module: &str) -> &'a Reason {
     let own = kernel.linked.why.get(module).filter(|why| **why != Reason::EveryRender);
-    own.unwrap_or(&kernel.asked_by)
+    own.unwrap_or(&kernel.reason)
 }
 
 /// Why there is a buffer: the reason of a kernel that has it in every render, or else of the first that has it.
@@ -299,7 +299,7 @@ fn why_buffer<'a>(kernels: &[&'a Kernel], name: &str) -> &'a Reason {
     // What sorts slots into queues also reads tables that are there without queues.
     let rank = |why: &&Reason| match why {
         Reason::EveryRender => 0,
-        Reason::Asked(by) => 1 + u8::from(by == QUEUES),
+        Reason::Requested(by) => 1 + u8::from(by == QUEUES),
     };
     let having = kernels.iter().filter(|kernel| kernel.bindings.contains_key(name));
     let reasons = having.map(|kernel| why_module(kernel, &format!("bind/{name}")));
@@ -323,8 +323,8 @@ fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
     {
         Some(known) => known.kernels.push(kernel.name.clone()),
         None => {
-            let (what, asked_by) = (about_constant(&name), why_module(kernel, module).to_string());
-            found.push(Constant { name, value, what, asked_by, is_override, kernels: vec![kernel.name.clone()] });
+            let (what, reason) = (about_constant(&name), why_module(kernel, module).to_string());
+            found.push(Constant { name, value, what, reason, is_override, kernels: vec![kernel.name.clone()] });
         }
     };
     for kernel in kernels {
@@ -333,14 +333,14 @@ fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
             let value = if name == "WORKGROUP_SIZE" { Some(u64::from(tuning.workgroup)) } else { default };
             let value = value.map_or_else(|| "?".to_string(), |value| value.to_string());
             let begins = format!("override {name}:");
-            let place = linked.text.lines().zip(&linked.lines).find(|(line, _)| line.starts_with(&begins));
-            let module = place.map_or(&linked.root, |(_, (module, _))| module);
+            let line = linked.text.lines().zip(&linked.lines).find(|(line, _)| line.starts_with(&begins));
+            let module = line.map_or(&linked.root, |(_, (module, _))| module);
             add(kernel, name, value, module, true);
         }
     }
     for kernel in kernels {
         for (name, (value, module)) in &kernel.linked.values {
-            // How a table is bound is told with the buffers; the steps of a walk are an override's value.
+            // How a table is bound is listed with the buffers; the steps of a walk are an override's value.
             if !name.starts_with("space_of_") && *name != "most_steps" && !value.is_empty() {
                 add(kernel, name.to_string(), value.trim_start_matches([',', ' ']).to_string(), module, false);
             }
@@ -361,7 +361,7 @@ fn about_constant(name: &str) -> String {
         "stack_size" => "what waits at most in a walk through the hierarchy",
         "boundary_stack_size" => "the same in a mesh that bounds a medium",
         "media" => "media that rays cross",
-        "sky_light" => "the place of the sky among the lights",
+        "sky_light" => "the index of the sky among the lights",
         "sky_columns" => "columns of the grid that directions to the sky are drawn from",
         "sky_rows" => "rows of that grid",
         "run_length" => "samples of a run at most",
@@ -376,8 +376,8 @@ fn about_constant(name: &str) -> String {
 
 fn integrator_words(features: &Features, integrator: Integrator) -> String {
     let left = features.not_sampled.as_ref().map_or(String::new(), |left| {
-        let NotSampled { lights, wanted, asked_by } = left;
-        format!("{lights} of {wanted} lights are left to chance, {asked_by}: {MOST_LIGHTS} at most are sampled")
+        let NotSampled { lights, total, reason } = left;
+        format!("{lights} of {total} lights are left to chance, {reason}: {MOST_LIGHTS} at most are sampled")
     });
     match features.lights {
         0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),

@@ -15,8 +15,8 @@ pub struct PathField {
     /// As `shaders/slots` spells it.
     pub name: String,
     pub words: u32,
-    /// The vector that it stands behind, where the two are read and written as one.
-    pub behind: Option<&'static str>,
+    /// The vector with which it shares a vec4, as its fourth word.
+    pub w_of: Option<&'static str>,
     pub what: String,
     /// What asked for it.
     pub why: String,
@@ -48,9 +48,9 @@ impl PathField {
 
     /// Whether a kernel that has declarations of these names reads or writes it.
     pub fn is_used(&self, has: impl Fn(&str) -> bool) -> bool {
-        match (self.words, self.behind) {
+        match (self.words, self.w_of) {
             (1, None) => has(&format!("load_{}", self.name)) || has(&format!("store_{}", self.name)),
-            _ => has(&format!("PLANE_OF_{}", self.behind.unwrap_or(&self.name))),
+            _ => has(&format!("PLANE_OF_{}", self.w_of.unwrap_or(&self.name))),
         }
     }
 
@@ -141,22 +141,22 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     let (lights, meshes, mesh_lights) = (staged(&needs.light), staged(&needs.mesh), staged(&needs.emitting_mesh));
     // Without a surface or a medium nobody asks how far it is.
     let events = (needs.is_staged && needs.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
-    let row = |why: &Option<String>, group, name: &str, words, behind, member: &str, code, what: &str| {
+    let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {
         let (name, member, what) = (name.to_string(), member.to_string(), what.to_string());
-        (PathField { name, words, behind, what, why: String::new(), group, member, code }, why.clone())
+        (PathField { name, words, w_of, what, why: String::new(), group, member, code }, why.clone())
     };
     let vector =
         |why, group, name: &str, member: &str, what: &str| row(why, group, name, 3, None, member, Code::Float, what);
-    let behind =
+    let packed =
         |why, group, vector, name: &str, code, what: &str| row(why, group, name, 1, Some(vector), name, code, what);
     let word = |why, group, name: &str, code, what: &str| row(why, group, name, 1, None, name, code, what);
     use Code::{Depth, Float, Word};
     let mut all = vec![
         vector(&always, "ray", "ORIGIN", "ray.origin", "where the ray starts"),
         vector(&always, "ray", "DIRECTION", "ray.direction", "its direction"),
-        behind(&always, "ray", "DIRECTION", "status", Word, "what the path is doing, or what its ray has hit"),
+        packed(&always, "ray", "DIRECTION", "status", Word, "what the path is doing, or what its ray has hit"),
         vector(&always, "throughput", "THROUGHPUT", "throughput", "the factor of the light that its ray finds"),
-        behind(
+        packed(
             &always,
             "throughput",
             "THROUGHPUT",
@@ -165,7 +165,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "scattering events so far, and which of them had narrow lobes",
         ),
         vector(&always, "run", "SUM", "sum.sum", "radiance of the run's samples"),
-        behind(&always, "run", "SUM", "rays", Word, "their rays"),
+        packed(&always, "run", "SUM", "rays", Word, "their rays"),
         vector(&always, "run", "EXCESS", "sum.excess", "the compensation term of that sum"),
         vector(&always, "run", "SQUARES", "squares", "squared deviations of the run's samples from their mean"),
         vector(
@@ -175,7 +175,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "radiance",
             "radiance of the sample so far, by lights that were sampled and surfaces that emit and scatter",
         ),
-        behind(
+        packed(
             &words(&needs.sampled_light),
             "radiance",
             "RADIANCE",
@@ -185,7 +185,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         ),
         vector(&words(&needs.aov_direct), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
         vector(&lights, "shadow", "SHADOW_ORIGIN", "shadow.origin", "where the ray to a light starts"),
-        behind(&lights, "shadow", "SHADOW_ORIGIN", "light", Word, "the light"),
+        packed(&lights, "shadow", "SHADOW_ORIGIN", "light", Word, "the light"),
         vector(&lights, "shadow", "SHADOW_DIRECTION", "shadow.direction", "the direction of that ray"),
         vector(
             &lights,
@@ -194,7 +194,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "light_weight",
             "its contribution per radiance of the light, if nothing is between",
         ),
-        behind(
+        packed(
             &staged(&needs.probed),
             "light_weight",
             "LIGHT_WEIGHT",
@@ -216,7 +216,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         word(&meshes, "hit", "instance", Word, "the instance whose mesh the ray has hit"),
         word(&mesh_lights, "shadow", "light_instance", Word, "the instance whose mesh the light is a face of"),
     ];
-    for (place, (sum, name)) in aovs.sum_components().enumerate() {
+    for (index, (sum, name)) in aovs.sum_components().enumerate() {
         let (why, group) = match sum.finder() {
             Finder::Hit => (&needs.aov_hit, "aov_hit"),
             Finder::Surface => (&needs.aov_surface, "aov_surface"),
@@ -224,7 +224,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         };
         let what = format!("sum of {name} over the run's samples");
         let field = format!("sum_of_{}", name.replace('.', "_"));
-        all.push(row(&words(why), group, &field, 1, None, &format!("{AOV}[{place}]"), Float, &what));
+        all.push(row(&words(why), group, &field, 1, None, &format!("{AOV}[{index}]"), Float, &what));
     }
     all
 }
@@ -257,16 +257,16 @@ pub fn slots_module(fields: &[PathField]) -> String {
     let mut text = String::from("//@ use slots/memory\n//@ use data/path\n//@ use choice/probe\n");
     for group in GROUPS {
         let (mut load, mut store) = (String::new(), String::new());
-        for field in fields.iter().filter(|field| field.group == group && field.behind.is_none()) {
+        for field in fields.iter().filter(|field| field.group == group && field.w_of.is_none()) {
             let PathField { name, member, words, .. } = field;
             if *words == 1 {
                 let _ = writeln!(load, "    {}", field.taken_from(&format!("load_{name}(slot)")));
                 let _ = writeln!(store, "    store_{name}(slot, {});", field.as_word());
                 continue;
             }
-            let _ = writeln!(load, "    let words_of_{name} = paths[place(PLANE_OF_{name}, slot)];");
+            let _ = writeln!(load, "    let words_of_{name} = paths[index_of(PLANE_OF_{name}, slot)];");
             let _ = writeln!(load, "    (*path).{member} = vector_of(words_of_{name});");
-            let last = fields.iter().find(|other| other.behind == Some(name.as_str()));
+            let last = fields.iter().find(|other| other.w_of == Some(name.as_str()));
             let _ = match last {
                 Some(last) => {
                     let _ = writeln!(load, "    {}", last.taken_from(&format!("words_of_{name}.w")));
@@ -280,12 +280,12 @@ pub fn slots_module(fields: &[PathField]) -> String {
             let _ = write!(text, "\nfn {verb}_{group}(slot: u32, path: ptr<function, Path>) {{\n{body}}}\n");
         }
     }
-    for PathField { name, behind, .. } in fields {
-        if let Some(vector) = behind {
+    for PathField { name, w_of, .. } in fields {
+        if let Some(vector) = w_of {
             let _ = write!(
                 text,
-                "\nfn load_{name}(slot: u32) -> u32 {{\n    return paths[place(PLANE_OF_{vector}, slot)].w;\n}}\n\n\
-                 fn store_{name}(slot: u32, word: u32) {{\n    paths[place(PLANE_OF_{vector}, slot)].w = word;\n}}\n"
+                "\nfn load_{name}(slot: u32) -> u32 {{\n    return paths[index_of(PLANE_OF_{vector}, slot)].w;\n}}\n\n\
+                 fn store_{name}(slot: u32, word: u32) {{\n    paths[index_of(PLANE_OF_{vector}, slot)].w = word;\n}}\n"
             );
         }
     }
@@ -294,7 +294,7 @@ pub fn slots_module(fields: &[PathField]) -> String {
 
 /// Where the fields lie: names and numbers.
 #[derive(Clone, Debug, Default)]
-pub struct Places {
+pub struct PathLayout {
     /// Vectors, by plane.
     pub planes: Vec<(String, u32)>,
     /// Words in planes: four times the plane, and the component.
@@ -305,28 +305,28 @@ pub struct Places {
 
 /// Vectors have a plane each. Words without a vector of their own stand behind those that have none, then four to a plane; what is left
 /// fills no plane.
-pub fn places(fields: &[PathField]) -> Places {
+pub fn path_layout(fields: &[PathField]) -> PathLayout {
     let vectors: Vec<&PathField> = fields.iter().filter(|field| field.words > 1).collect();
-    let alone = |vector: &&PathField| !fields.iter().any(|field| field.behind == Some(vector.name.as_str()));
+    let alone = |vector: &&PathField| !fields.iter().any(|field| field.w_of == Some(vector.name.as_str()));
     let free: Vec<u32> =
         (0..).zip(&vectors).filter(|(_, vector)| alone(vector)).map(|(plane, _)| plane * 4 + 3).collect();
-    let loose = fields.iter().filter(|field| field.words == 1 && field.behind.is_none());
+    let loose = fields.iter().filter(|field| field.words == 1 && field.w_of.is_none());
     let mut loose = loose.map(|field| field.name.clone());
-    let mut words: Vec<_> = free.into_iter().zip(loose.by_ref()).map(|(place, name)| (name, place)).collect();
+    let mut words: Vec<_> = free.into_iter().zip(loose.by_ref()).map(|(word, name)| (name, word)).collect();
     let rest: Vec<String> = loose.collect();
     let (full, others) = rest.split_at(rest.len() / 4 * 4);
     words.extend(full.iter().cloned().zip(vectors.len() as u32 * 4..));
-    Places {
+    PathLayout {
         planes: vectors.iter().map(|vector| vector.name.clone()).zip(0..).collect(),
         words,
         others: others.iter().cloned().zip(0..).collect(),
     }
 }
 
-impl Places {
+impl PathLayout {
     /// Bytes of a slot's planes: more than their fields, where vectors without a companion are more than the words that are left.
     pub fn plane_bytes(&self) -> u64 {
-        let planes = self.words.iter().map(|(_, place)| place / 4 + 1);
+        let planes = self.words.iter().map(|(_, word)| word / 4 + 1);
         16 * u64::from(planes.max().unwrap_or(0).max(self.planes.len() as u32))
     }
 
@@ -340,16 +340,16 @@ impl Places {
 mod tests {
     use super::*;
 
-    /// Each vector and word has a place of its own within the bytes that a slot is given, however many there are of either.
+    /// No two vectors or words overlap, and all lie within the bytes that a slot is given, however many there are of either.
     #[test]
-    fn every_field_has_a_place_of_its_own() {
+    fn every_field_has_words_of_its_own() {
         let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
         for vectors in 0..5 {
             for words in 0..10 {
                 let field = |name: &str, words| PathField {
                     name: name.to_string(),
                     words,
-                    behind: None,
+                    w_of: None,
                     what: String::new(),
                     why: String::new(),
                     group: "ray",
@@ -359,13 +359,13 @@ mod tests {
                 let vectors_of = ["A", "B", "C", "D"].into_iter().take(vectors).map(|name| field(name, 3));
                 let fields: Vec<_> =
                     vectors_of.chain(names.into_iter().take(words).map(|name| field(name, 1))).collect();
-                let places = places(&fields);
-                let of_vectors = places.planes.iter().flat_map(|(_, plane)| (0..3).map(move |i| 4 * plane + i));
-                let mut taken: Vec<u32> = of_vectors.chain(places.words.iter().map(|(_, place)| *place)).collect();
-                assert!(taken.iter().all(|place| u64::from(*place) * 4 < places.plane_bytes()), "{places:?}");
+                let layout = path_layout(&fields);
+                let of_vectors = layout.planes.iter().flat_map(|(_, plane)| (0..3).map(move |i| 4 * plane + i));
+                let mut taken: Vec<u32> = of_vectors.chain(layout.words.iter().map(|(_, word)| *word)).collect();
+                assert!(taken.iter().all(|word| u64::from(*word) * 4 < layout.plane_bytes()), "{layout:?}");
                 taken.sort_unstable();
                 taken.dedup();
-                assert_eq!(taken.len() + places.others.len(), 3 * vectors + words, "{places:?}");
+                assert_eq!(taken.len() + layout.others.len(), 3 * vectors + words, "{layout:?}");
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::shape::{self, KINDS, ShapeKind};
 const OTHER_UNIFORMS: u32 = 2;
 
 /// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
-/// a storage binding; real GPUs serialise lanes that read a uniform at different places.
+/// a storage binding; real GPUs serialise lanes that read a uniform at different indices.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UniformTables {
     /// Elements of the uniform array, by the table's name; the others are storage.

@@ -15,7 +15,7 @@ impl Report {
     pub fn text(&self) -> String {
         let mut out = String::new();
         out += "\nasked for\n";
-        out += &table(self.features.iter().map(|(name, asked_by)| vec![name.clone(), asked_by.clone()]), &[]);
+        out += &table(self.features.iter().map(|(name, reason)| vec![name.clone(), reason.clone()]), &[]);
         let answers =
             self.choices.iter().map(|choice| format!("{} {}", choice.name.replace('_', " "), choice.answer()));
         out += &paragraph("chosen", answers);
@@ -60,7 +60,7 @@ impl Report {
         );
         let row = |module: &Module| {
             let indent = "  ".repeat(depth(modules, module));
-            vec![format!("{indent}{}", module.name), module.asked_by.clone().unwrap_or_default()]
+            vec![format!("{indent}{}", module.name), module.reason.clone().unwrap_or_default()]
         };
         out += &table(modules.iter().map(row), &[]);
 
@@ -169,7 +169,7 @@ fn constant_table(constants: &[&Constant]) -> String {
     let row = |constant: &&Constant| {
         let value = values.remove(constant.name.as_str())?.join(", ");
         let name = constant.name.to_lowercase().replace('_', " ");
-        Some(vec![name, value, constant.what.clone(), constant.asked_by.clone()])
+        Some(vec![name, value, constant.what.clone(), constant.reason.clone()])
     };
     let rows: Vec<_> = constants.iter().filter(|constant| !is_table(constant)).filter_map(row).collect();
     let tables = constants.iter().filter(is_table);
@@ -194,7 +194,7 @@ fn buffer_row(buffer: &Buffer, kind: Option<&str>) -> Vec<String> {
         buffer.size.clone(),
         // Of the table of spheres nobody needs to be told that it holds spheres.
         if buffer.what == buffer.name { String::new() } else { buffer.what.to_string() },
-        format!("{}{over}", buffer.asked_by),
+        format!("{}{over}", buffer.reason),
     ]
 }
 

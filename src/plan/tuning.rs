@@ -26,7 +26,7 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// What was asked for, and for the rest what suits the device.
+    /// The requested sizes; the others are chosen for the device.
     pub fn new(device: DeviceClass, job: &Job, options: &RenderOptions) -> Tuning {
         let runs = job.runs().unwrap_or(u64::MAX);
         // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its

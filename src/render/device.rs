@@ -110,7 +110,7 @@ struct Report {
 /// A submission that the device has not reported on yet.
 struct Flight {
     submission: wgpu::SubmissionIndex,
-    /// Its place among the reports.
+    /// Its index among the reports.
     report: usize,
     bounces: u32,
     begin: Instant,
@@ -279,7 +279,7 @@ impl<'a> DeviceRenderer<'a> {
             if shared.finish(blocks, taken.end) {
                 let begin = Instant::now();
                 self.hand_over(shared)?;
-                shared.show_whole(begin);
+                shared.show_complete(begin);
             }
         }
         // Other devices may show the film before this one renders again.
@@ -291,7 +291,7 @@ impl<'a> DeviceRenderer<'a> {
         let mut state = shared.state();
         match state.caller.probe {
             Some(PaceProbe { is_dropped: true }) => self.drop_film(),
-            _ => self.bring_film(state.caller.film)?,
+            _ => self.read_film(state.caller.film)?,
         }
         Ok(())
     }
@@ -339,8 +339,8 @@ impl<'a> DeviceRenderer<'a> {
                     wants_snapshot = false;
                     let begin = Instant::now();
                     let mut state = shared.state();
-                    self.bring_film(state.caller.film)?;
-                    state.caller.ask(Some((begin, false)));
+                    self.read_film(state.caller.film)?;
+                    state.caller.notify(Some((begin, false)));
                 }
                 None => break,
             }
@@ -369,7 +369,7 @@ impl<'a> DeviceRenderer<'a> {
     }
 
     /// Adds the totals of the device's film to the film on the host.
-    pub fn bring_film(&mut self, film: &mut Film) -> Result<()> {
+    pub fn read_film(&mut self, film: &mut Film) -> Result<()> {
         let DeviceFilm { size, aovs, readback, tile, received, is_stale, .. } = &mut self.film;
         if *received == Totals::default() {
             return Ok(());
@@ -383,7 +383,7 @@ impl<'a> DeviceRenderer<'a> {
             readback.copy(&mut encoder, self.buffers.get("film")?, u64::from(first - tile.start) * each, bytes);
             let submission = self.device.queue.submit([encoder.finish()]);
             readback.read(self.device, submission, bytes, |bytes| {
-                let indices = (first..end).map(|place| pixel_in_order(place, *size));
+                let indices = (first..end).map(|rank| pixel_in_order(rank, *size));
                 film.add_from_device(indices, bytes);
             })?;
         }
@@ -452,8 +452,8 @@ impl<'a> DeviceRenderer<'a> {
     /// The most bounces of a submission. They leave room for the records of all finished runs: a slot finishes the run that it has, and then
     /// at most one for each bounce of its samples. There is also a timestamp for each pass, if passes are timed.
     fn most_bounces(&self, samples: &Range<u32>) -> u32 {
-        let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
-        let shortest = match whole {
+        let has_full_runs = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
+        let shortest = match has_full_runs {
             true => RUN_LENGTH,
             false => {
                 let blocks = blocks(samples.clone());

@@ -12,28 +12,28 @@ use crate::film::{Film, Totals};
 use crate::job::{Goal, Job};
 use crate::samples::Samples;
 
-/// The samples at which a render until an error looks first.
-pub const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
-/// The samples at which it gives up where more are of no use: nothing bounds the error, because pixels are too few or have no light; or
-/// the noise is small, and paths still do not find light that is there.
-pub const LAST_LOOK: u32 = 1 << 14;
+/// The samples of a pixel at the first check of a render until an error.
+pub const FIRST_CHECK: u32 = 2 * RUN_LENGTH;
+/// The samples of a pixel from which on it gives up if more are of no use: the error has no bound, because pixels are too few or have no light;
+/// or the noise is small, and paths still do not find light that is there.
+pub const LAST_CHECK: u32 = 1 << 14;
 
-/// The samples at which a render until an error looks at it, after so many looks: 16, 32, 48, 64, and from there on at each quarter of a
-/// doubling. Both halves of a pixel then have as many samples.
-pub fn look_after(looks: u32) -> u32 {
-    match looks.checked_sub(4) {
-        None => FIRST_LOOK * (looks + 1),
-        Some(later) => FIRST_LOOK.saturating_mul(5 + later % 4).saturating_mul(2u32.saturating_pow(later / 4)),
+/// The samples of a pixel at a check of the error, after `checks` earlier ones: 16, 32, 48, 64, then each quarter of a doubling. The two
+/// halves of a pixel have equally many samples then.
+pub fn samples_at_check(checks: u32) -> u32 {
+    match checks.checked_sub(4) {
+        None => FIRST_CHECK * (checks + 1),
+        Some(later) => FIRST_CHECK.saturating_mul(5 + later % 4).saturating_mul(2u32.saturating_pow(later / 4)),
     }
 }
 
-/// The result of a look at a film with so many samples of a pixel, after so many looks; and whether the render ends here.
-pub fn look_at(film: &Film, samples: u32, looks: u32, error: f64) -> (Noise, bool) {
-    let verdict = film.verdict(level_after(looks));
+/// Checks the error of a film with `samples` samples per pixel, after `checks` earlier checks. Returns the result, and whether the render ends.
+pub fn check_error(film: &Film, samples: u32, checks: u32, error: f64) -> (Noise, bool) {
+    let verdict = film.verdict(level_after(checks));
     let bound = verdict.error.map_or(f64::INFINITY, |found| found.bound);
-    let noise = Noise { looks: looks.saturating_add(1), reached: bound < error && !verdict.lacks_light() };
+    let noise = Noise { checks: checks.saturating_add(1), reached: bound < error && !verdict.lacks_light() };
     let is_hopeless = bound == f64::INFINITY || bound < error;
-    (noise, noise.reached || (is_hopeless && samples >= LAST_LOOK))
+    (noise, noise.reached || (is_hopeless && samples >= LAST_CHECK))
 }
 
 fn seconds_until(deadline: Instant) -> f64 {
@@ -115,18 +115,18 @@ impl Renderer<'_> {
         Ok(done)
     }
 
-    /// Renders until the relative error is below the one asked.
+    /// Renders until the relative error is below the requested one.
     ///
-    /// The film is looked at again and again ([`look_after`]). To stop at the first look that pleases would favour those that are too low by
-    /// chance: each look has a share of the probability of being wrong that all have together ([`level_after`]), by the union bound.
-    /// Samples that have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
+    /// The error is checked several times ([`samples_at_check`]), and each check may pass by chance. So each has a share of the probability
+    /// of being wrong that all have together ([`level_after`]), by the union bound. All samples stay in the film, and the image is that of
+    /// `--spp` with their number.
     ///
-    /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
+    /// The error of a few pixels is never known with such confidence, nor that of an image without light. Such renders end without it.
     pub(super) fn render_noise(&mut self, job: &Job, caller: &mut Caller<'_>) -> Result<()> {
-        let Goal::Noise { error, deadline, end, begun, looks } = job.goal else { return Ok(()) };
+        let Goal::Noise { error, deadline, end, begun, checks } = job.goal else { return Ok(()) };
         let most = job.first_sample..end;
         let mut done = most.start;
-        let mut noise = Noise { looks, reached: false };
+        let mut noise = Noise { checks, reached: false };
         caller.outcome.noise = Some(noise);
         let mut timed = None;
         if let Some(deadline) = deadline {
@@ -135,11 +135,11 @@ impl Renderer<'_> {
                 None => return Ok(()),
             }
         }
-        // A render that goes on with another looks where that one would have looked next.
-        let aim = |look: u32| begun.saturating_add(look_after(look));
-        let mut look = (looks..).find(|look| aim(*look) >= done).unwrap_or(looks);
+        // A resumed render checks where the earlier one would have checked next.
+        let aim = |check: u32| begun.saturating_add(samples_at_check(check));
+        let mut check = (checks..).find(|check| aim(*check) >= done).unwrap_or(checks);
         loop {
-            let end = most.end.min(aim(look));
+            let end = most.end.min(aim(check));
             done = match &mut timed {
                 Some((deadline, pace)) => self.fill(done..end, *deadline, pace, caller)?,
                 None => {
@@ -150,14 +150,14 @@ impl Renderer<'_> {
             if caller.outcome.interrupted {
                 return Ok(());
             }
-            self.bring_film(caller.film)?;
+            self.read_film(caller.film)?;
             let ends;
-            (noise, ends) = look_at(caller.film, done - begun, noise.looks, error);
+            (noise, ends) = check_error(caller.film, done - begun, noise.checks, error);
             caller.outcome.noise = Some(noise);
             if ends || done < end || done == most.end {
                 return Ok(());
             }
-            look += 1;
+            check += 1;
         }
     }
 }

@@ -63,26 +63,26 @@ impl Outcome {
 /// What came of a render until an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// How often the error has been compared with the one asked, in all renders that this one goes on with.
-    pub looks: u32,
-    /// Whether the bound was below the error asked.
+    /// How often the error has been compared with the requested one, in all renders that this one goes on with.
+    pub checks: u32,
+    /// Whether the bound was below the requested error.
     pub reached: bool,
 }
 
-/// The probability that a render until an error ends with a larger one, over all its looks.
+/// The probability that a render until an error ends with a larger one, over all its checks.
 pub const NOISE_LEVEL: f64 = 0.05;
 
-/// The probability that a look has for finding the error below its bound by chance, after so many looks: of the k-th look a share of
+/// The probability that a check has for finding the error below its bound by chance, after so many checks: of the k-th check a share of
 /// 1 / (k (k + 1)), so that all have [`NOISE_LEVEL`] together.
-pub fn level_after(looks: u32) -> f64 {
-    let number = f64::from(looks) + 1.0;
+pub fn level_after(checks: u32) -> f64 {
+    let number = f64::from(checks) + 1.0;
     NOISE_LEVEL / (number * (number + 1.0))
 }
 
 impl Noise {
-    /// The probability that was left to the last look.
+    /// The probability that was left to the last check.
     pub fn level(&self) -> f64 {
-        level_after(self.looks.saturating_sub(1))
+        level_after(self.checks.saturating_sub(1))
     }
 }
 

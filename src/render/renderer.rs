@@ -44,7 +44,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Has submissions take so long, so that the caller is asked as often what it wants next.
-    pub fn ask_every(&mut self, time: Duration) {
+    pub fn set_submission_time(&mut self, time: Duration) {
         self.devices.iter_mut().for_each(|device| device.aim_at(time));
     }
 
@@ -63,13 +63,13 @@ impl<'a> Renderer<'a> {
         self.devices.iter_mut().for_each(|device| device.begin(job));
         let first = job.first_sample;
         let mut caller =
-            Caller { film: &mut *film, watch, start, outcome: &mut outcome, wants_whole: false, probe: None };
+            Caller { film: &mut *film, watch, start, outcome: &mut outcome, wants_complete: false, probe: None };
         match job.goal {
             Goal::Samples(end) => self.render_samples(first..end, &mut caller)?,
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut caller)?,
             Goal::Noise { .. } => self.render_noise(job, &mut caller)?,
         }
-        self.bring_film(film)?;
+        self.read_film(film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
         outcome.host_seconds += processor.elapsed().as_secs_f64();
         for (name, seconds) in self.devices.iter().flat_map(|device| &device.stages().seconds) {
@@ -99,8 +99,8 @@ impl<'a> Renderer<'a> {
     }
 
     /// Brings what the devices have rendered to the film.
-    pub(super) fn bring_film(&mut self, film: &mut Film) -> Result<()> {
-        self.devices.iter_mut().try_for_each(|device| device.bring_film(film))
+    pub(super) fn read_film(&mut self, film: &mut Film) -> Result<()> {
+        self.devices.iter_mut().try_for_each(|device| device.read_film(film))
     }
 
     /// Drops what the devices' films have received.

@@ -18,7 +18,7 @@ pub struct Caller<'a> {
     pub start: Instant,
     pub outcome: &'a mut Outcome,
     /// Whether a snapshot of the whole film is asked for.
-    pub wants_whole: bool,
+    pub wants_complete: bool,
     /// Set while a sample is rendered only to learn its pace. It is in no snapshot.
     pub probe: Option<PaceProbe>,
 }
@@ -32,11 +32,11 @@ pub struct PaceProbe {
 
 impl Caller<'_> {
     /// Asks what is wanted next. A snapshot has the time when it began, and whether the film is whole.
-    pub fn ask(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
-        let snapshot = snapshot.map(|(begin, is_whole)| Snapshot { film: self.film, begin, is_whole });
+    pub fn notify(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
+        let snapshot = snapshot.map(|(begin, is_complete)| Snapshot { film: self.film, begin, is_complete });
         let next = (self.watch)(self.outcome, snapshot);
         let next = if self.probe.is_some() && !matches!(next, Next::Stop | Next::Drop) { Next::GoOn } else { next };
-        self.wants_whole |= next == Next::WholeSnapshot;
+        self.wants_complete |= next == Next::CompleteSnapshot;
         self.outcome.interrupted |= next == Next::Stop;
         next
     }
@@ -47,7 +47,7 @@ impl Caller<'_> {
         if self.outcome.first_pass == 0.0 {
             self.outcome.first_pass = self.start.elapsed().as_secs_f64();
         }
-        self.ask(None)
+        self.notify(None)
     }
 }
 
@@ -76,7 +76,7 @@ pub struct State<'a, 'b> {
 impl State<'_, '_> {
     /// Whether devices are to end with the block of samples that has been started.
     pub fn ends_early(&self) -> bool {
-        self.caller.wants_whole || self.ends()
+        self.caller.wants_complete || self.ends()
     }
 
     /// Whether nobody is to begin anything.
@@ -124,24 +124,24 @@ impl<'a, 'b> SampleRange<'a, 'b> {
         let mut state = self.state();
         let rest = rendered.end..end;
         if !rest.is_empty() {
-            let place = state.left.partition_point(|blocks| blocks.start < rest.start);
-            state.left.insert(place, rest);
+            let index = state.left.partition_point(|blocks| blocks.start < rest.start);
+            state.left.insert(index, rest);
         }
         let start = (rendered.start * RUN_LENGTH).max(self.samples.start);
         let end = (rendered.end * RUN_LENGTH).min(self.samples.end);
         state.caller.outcome.samples.add(start..end);
-        state.caller.wants_whole
+        state.caller.wants_complete
     }
 
     /// Waits until all devices have brought their films, and one of them has shown it.
-    pub fn show_whole(&self, begin: Instant) {
+    pub fn show_complete(&self, begin: Instant) {
         let mut state = self.state();
         let snapshots = state.snapshots;
         state.waiting += 1;
         while state.snapshots == snapshots && !state.failed {
             if state.waiting == state.working {
-                state.caller.wants_whole = false;
-                state.caller.ask(Some((begin, true)));
+                state.caller.wants_complete = false;
+                state.caller.notify(Some((begin, true)));
                 state.snapshots += 1;
                 self.changed.notify_all();
             } else {

@@ -52,12 +52,12 @@ impl Schedule {
 
 /// The index (row 0 on top, `y * width + x`) of the pixel at a place in the order in which pixels are handed out, as shaders/step/pixel_order.wgsl
 /// has it.
-pub fn pixel_in_order(place: u32, (width, height): (u32, u32)) -> usize {
+pub fn pixel_in_order(rank: u32, (width, height): (u32, u32)) -> usize {
     // In 32 bits, which divide faster: this is called for each pixel. A strip that they do not hold is the only one.
     let strip = STRIP_ROWS.saturating_mul(width);
-    let first_row = place / strip * STRIP_ROWS;
+    let first_row = rank / strip * STRIP_ROWS;
     let rows = STRIP_ROWS.min(height - first_row);
-    let within = place % strip;
+    let within = rank % strip;
     (first_row + within % rows) as usize * width as usize + (within / rows) as usize
 }
 
@@ -74,7 +74,7 @@ mod tests {
             let pixels = size.0 * size.1;
             let mut seen = vec![0; pixels as usize];
             for tile in tiles(pixels, tile) {
-                tile.for_each(|place| seen[pixel_in_order(place, size)] += 1);
+                tile.for_each(|rank| seen[pixel_in_order(rank, size)] += 1);
             }
             assert!(seen.iter().all(|count| *count == 1), "{size:?}, {tile}");
             let (mut schedule, mut left) = (Schedule::new(pixels, tile, false), blocks);

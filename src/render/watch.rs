@@ -11,7 +11,7 @@ pub struct Snapshot<'a> {
     /// When the device became idle for it.
     pub begin: Instant,
     /// True if every pixel has exactly the outcome's samples.
-    pub is_whole: bool,
+    pub is_complete: bool,
 }
 
 /// Called after each submission with the render's outcome so far, and with the film if the last call asked for a snapshot. Each device has a
@@ -25,7 +25,7 @@ pub enum Next {
     /// Bring the film up to date, and show it as a [`Snapshot`]. Runs that are under way are not in it.
     Snapshot,
     /// End the block of samples that has been started, and show the film when it is whole.
-    WholeSnapshot,
+    CompleteSnapshot,
     /// End the block of samples that has been started, and nothing after it.
     Stop,
     /// End at once. Nobody wants the image: the render fails with [`Error::Dropped`].

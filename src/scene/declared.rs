@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::shape::mesh::MeshShape;
 use crate::shape::{self, Shape, ShapeKind};
 use crate::source::declare::declare;
-use crate::source::form::{Checked, Field, Form, PATH, colour, flag, number, other, point, texture, vector, whole};
-use crate::source::{DEGREES, NO_UNIT, Place, Range, SCENE_UNITS};
+use crate::source::form::{Checked, Field, Form, PATH, colour, flag, integer, number, other, point, texture, vector};
+use crate::source::{DEGREES, NO_UNIT, Range, SCENE_UNITS, ValuePath};
 use crate::texture::{Colour, Texture, Use};
 
 /// The most pixels of an image.
 pub const LARGEST_AREA: u64 = 1 << 30;
 
-const SIDE: Field = whole(1, 1 << 16);
+const SIDE: Field = integer(1, 1 << 16);
 const RADIANCE: Field = colour(Use::Radiance.range());
 const ANGLE: Field = number(Range::from_to(0.0, 180.0), DEGREES);
 const TURN: Field = number(Range::ANY, DEGREES);
@@ -352,9 +352,9 @@ declare! {
     #[serde(deny_unknown_fields, default)]
     pub struct RenderDefaults: render, "(samples: 500, max_depth: 50)" {
         /// Samples per pixel; `--spp` overrides it.
-        samples: u32 = whole(1, 1 << 31).or("100");
+        samples: u32 = integer(1, 1 << 31).or("100");
         /// The most scattering events of a path, on surfaces and in media; `--max-depth` overrides it.
-        max_depth: u32 = whole(0, 1_000_000).or("50");
+        max_depth: u32 = integer(0, 1_000_000).or("50");
     }
 }
 

@@ -133,7 +133,7 @@ impl<'a> Explain<'a> {
         (of_value, true)
     }
 
-    /// For a # in the place of a comment, with the cursor at it or before it.
+    /// For a # instead of a comment, with the cursor at it or before it.
     fn hash(&self) -> Option<Error> {
         let text = self.source.text();
         let at = skip_space(text, self.cursor).ok().filter(|&at| text.as_bytes().get(at) == Some(&b'#'))?;
@@ -228,7 +228,7 @@ impl<'a> Explain<'a> {
         self.expected(id, &self.path(id, true), "")
     }
 
-    /// For an element too many, or a token in the place of a bracket, with the cursor at it.
+    /// For an element too many, or a token instead of a bracket, with the cursor at it.
     fn too_many(&self) -> Error {
         let id = self.at(self.cursor);
         let starts_here = id.is_some_and(|id| self.source.spans.entry_start(id) as usize == self.cursor);
@@ -239,10 +239,10 @@ impl<'a> Explain<'a> {
         self.expected(id, &self.path(id, true), "")
     }
 
-    /// For a missing comma or closing bracket, with the cursor at its place.
+    /// For a missing comma or closing bracket, with the cursor where it should be.
     fn comma(&self) -> (Error, bool) {
         match self.at(self.cursor) {
-            // The cursor is in the middle of a word: `640.5` in the place of a whole number, or `5px`.
+            // The cursor is in the middle of a word: `640.5` instead of an integer, or `5px`.
             Some(id) if self.is_word(id) && (self.source.spans.value(id).start as usize) < self.cursor => {
                 (self.expected(Some(id), &self.path(Some(id), false), ""), true)
             }
@@ -272,7 +272,7 @@ impl<'a> Explain<'a> {
 
     fn too_deep(&self) -> Error {
         let mut path = self.path(self.at(self.cursor), false);
-        // The whole path would fill a page of the terminal.
+        // The complete path would fill a page of the terminal.
         path.truncate(2);
         let message = "nested too deeply (objects may hold objects some 60 deep): flatten the groups and transforms";
         self.source.error_at(self.cursor, &path, message)

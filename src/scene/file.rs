@@ -14,7 +14,7 @@ pub const LONGEST: u64 = 1 << 30;
 /// What is read of the files that a scene names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
-    Whole,
+    Complete,
     /// Nothing: whether they are there is all that counts.
     IfThere,
 }

@@ -34,7 +34,7 @@ pub use camera::framing;
 pub use contents::{OBJECT, OPTIONS, Reading, bounds};
 pub use error::{GltfError, Result};
 pub use light::sun;
-use nodes::Placed;
+use nodes::SceneNode;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
 const LONGEST_JSON: usize = 1 << 28;
@@ -75,8 +75,8 @@ impl File {
         if bytes.is_empty() {
             return Err("the file is empty: expected a glTF file".to_owned().into());
         }
-        let whole = bytes.len() as u64;
-        progress(path, 0, whole);
+        let length = bytes.len() as u64;
+        progress(path, 0, length);
         let incomplete = "expected a GLB file of version 2: it is not complete";
         let (json, binary) = match bytes.starts_with(b"glTF") {
             true => {
@@ -96,19 +96,19 @@ impl File {
         check(&root)?;
         drop(json);
         drop(bytes);
-        let room = file::LONGEST.saturating_sub(whole);
+        let room = file::LONGEST.saturating_sub(length);
         let buffers = buffers(&root, binary, path, room)?;
-        progress(path, whole, whole);
+        progress(path, length, length);
         let nodes = nodes::nodes(&root)?;
         let document = Document::from_json_without_validation(root);
         Ok(File { path: path.to_owned(), document, buffers, nodes })
     }
 
     /// The nodes of the default scene: each before its children.
-    pub fn nodes(&self) -> impl Iterator<Item = Placed<'_>> {
+    pub fn nodes(&self) -> impl Iterator<Item = SceneNode<'_>> {
         self.nodes
             .iter()
-            .filter_map(|&(index, to_scene)| Some(Placed { index, node: self.root().nodes.get(index)?, to_scene }))
+            .filter_map(|&(index, to_scene)| Some(SceneNode { index, node: self.root().nodes.get(index)?, to_scene }))
     }
 
     fn root(&self) -> &Root {
@@ -271,8 +271,8 @@ fn read_uri(uri: &str, path: &Path, what: &str, room: u64) -> std::result::Resul
         let (_, text) = data.split_once(";base64,").ok_or("expected ;base64, in its data")?;
         return BASE64.decode(text).map_err(|error| format!("expected base64: {error}"));
     }
-    let beside = path.parent().unwrap_or(Path::new("")).join(path_of_uri(uri)?);
-    file::read(&beside, what, room).map_err(|reason| format!("{}: {reason}", beside.display()))
+    let file = path.parent().unwrap_or(Path::new("")).join(path_of_uri(uri)?);
+    file::read(&file, what, room).map_err(|reason| format!("{}: {reason}", file.display()))
 }
 
 /// The path of the file that a uri names, relative to the glTF file.

@@ -36,7 +36,7 @@ impl fmt::Display for Part {
 }
 
 impl Part {
-    /// Its place in the JSON.
+    /// Its path in the JSON.
     pub fn to_json(self) -> String {
         match self {
             Part::OfMesh { mesh, primitive } => format!("meshes[{mesh}].primitives[{primitive}]"),
@@ -48,8 +48,8 @@ impl Part {
 
 /// The file that a path names, and the part of it behind the number sign.
 pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
-    let whole = (Cow::Borrowed(path), None);
-    let Some((file, part)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole };
+    let whole_file = (Cow::Borrowed(path), None);
+    let Some((file, part)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole_file };
     let words: Vec<&str> = part.split('/').collect();
     let part = match *words {
         ["meshes", mesh, "primitives", primitive] => {
@@ -63,7 +63,7 @@ pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
     };
     match part.filter(|_| is_gltf(Path::new(file))) {
         Some(part) => (Cow::Owned(PathBuf::from(file)), Some(part)),
-        None => whole,
+        None => whole_file,
     }
 }
 

@@ -21,7 +21,7 @@ use super::types::*;
 use crate::bitmap::Decoding;
 use crate::error::Result;
 use crate::guard::guarded;
-use crate::source::Place;
+use crate::source::ValuePath;
 use budget::{Budget, Wanted};
 
 /// The memory that a decoder may take for what comes before the pixels. A PNG's colour profile is the largest of it.
@@ -64,7 +64,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     loader.bitmaps
 }
 
-/// The images of a scene, once for each place that names one.
+/// The images of a scene, once for each value that names one.
 fn images_of(scene: &Scene) -> impl Iterator<Item = (&String, Decoding)> {
     let background = match &scene.background {
         Background::Image { path } => Some((path, Decoding::Colour)),
@@ -87,7 +87,7 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    fn load(&mut self, at: &Place, path: &str, decoding: Decoding, tint: Colour, usage: Use) -> Result<()> {
+    fn load(&mut self, at: &ValuePath, path: &str, decoding: Decoding, tint: Colour, usage: Use) -> Result<()> {
         let file = self.scene.source.resolve(path);
         let (name, part) = split(&file);
         let broken = |GltfError { at: part, reason }| at.error_in(&name, &part, &reason);
@@ -99,7 +99,7 @@ impl Loader<'_> {
             let files = self.assets.stamp_files(&file);
             match self.reading {
                 Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,
-                Reading::Whole => {
+                Reading::Complete => {
                     let decodings = self.wanted.remove(path).unwrap_or_default();
                     for (decoding, bitmap) in self.read(&file, files, &decodings).map_err(broken)? {
                         self.budget.add(path, &bitmap);

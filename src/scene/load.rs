@@ -49,7 +49,7 @@ const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour:
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
     ///
-    /// Every error is an [`Error::Scene`], or several of them. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
+    /// Every error is an [`Error::Scene`], or several of them. Errors about all of the file (it is missing, it is a folder) point at 1:1.
     pub fn load(path: &Path) -> Result<Scene> {
         Scene::load_as(path, &GltfOptions::default(), &mut |_, _, _| {}, &mut Assets::default())
     }
@@ -269,7 +269,7 @@ fn of_gltf(
         let ticked =
             if is_of_blender { "; Blender's exporter writes them if Cameras is ticked under Include" } else { "" };
         scene.notes.push(note(&format!("it has no camera: one that sees all of it is used{ticked}")));
-        (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.placed, &scene.meshes));
+        (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.meshes, &scene.meshes));
     }
     Ok(scene)
 }
@@ -305,7 +305,7 @@ fn emits(scene: &Scene) -> bool {
 fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, assets: &mut Assets) -> Result<()> {
     validate::validate(scene, &mut findings);
     // Large files are not read for a scene that is refused, but all that are missing are named.
-    let reading = if findings.is_empty() { Reading::Whole } else { Reading::IfThere };
+    let reading = if findings.is_empty() { Reading::Complete } else { Reading::IfThere };
     scene.bitmaps = image_files::load_all(scene, reading, &mut findings, assets);
     scene.meshes = mesh_files::load_all(scene, reading, &mut findings, progress, assets);
     assets.close();

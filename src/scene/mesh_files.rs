@@ -46,7 +46,7 @@ pub fn load_all(
         let file = scene.source.resolve(path);
         let files = assets.stamp_files(&file);
         let loaded = match reading {
-            Reading::Whole => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
+            Reading::Complete => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
                 Some((mesh, taken)) => Ok(Some((mesh, room - taken))),
                 None => load(&file, room, progress, assets).map(|loaded| {
                     let (mesh, left) = loaded?;
@@ -116,8 +116,8 @@ fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result
     if bytes.is_empty() {
         return Err(format!("the file is empty: expected {format}"));
     }
-    let whole = bytes.len();
-    let mut tell = |done: usize| progress(path, done as u64, whole as u64);
+    let total = bytes.len();
+    let mut tell = |done: usize| progress(path, done as u64, total as u64);
     tell(0);
     let mut draft = Draft::new(room);
     parse(path, &mut Input::new(&bytes, &mut tell), &mut draft)?;

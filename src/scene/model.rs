@@ -1,4 +1,4 @@
-//! A scene, with the place of every value in its file.
+//! A scene, with the location of every value in its file.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use super::types::*;
 use super::visit;
 use crate::error::{Error, Location};
 use crate::shape::mesh::Mesh;
-use crate::source::{Place, Source, Step};
+use crate::source::{Source, Step, ValuePath};
 
 /// A scene that has been read and validated, with its images decoded and its meshes read.
 #[derive(Clone, Debug)]
@@ -43,20 +43,20 @@ impl Scene {
 
     /// The location of an object in the scene file, also of one inside other objects.
     pub fn location_of(&self, object: &Object) -> Location {
-        self.place_of(object, |steps| self.location(steps))
+        self.with_steps_to(object, |steps| self.location(steps))
     }
 
     /// An [`Error::Scene`] about an object, also about one inside other objects.
     pub fn error_of(&self, object: &Object, message: &str) -> Error {
-        self.place_of(object, |steps| self.error(steps, message))
+        self.with_steps_to(object, |steps| self.error(steps, message))
     }
 
-    /// What `tell` says of the steps to an object.
-    fn place_of<T>(&self, object: &Object, tell: impl Fn(&[Step<'_>]) -> T) -> T {
+    /// Calls `tell` with the steps to an object.
+    fn with_steps_to<T>(&self, object: &Object, tell: impl Fn(&[Step<'_>]) -> T) -> T {
         let mut found = None;
         self.visit_objects(&mut |at, inner| {
             if std::ptr::eq(inner, object) {
-                // The visited place is that of the variant; the object is one step above.
+                // The visited path is that of the variant; the object is one step above.
                 let mut steps = at.steps();
                 steps.pop();
                 found = Some(tell(&steps));
@@ -70,9 +70,9 @@ impl Scene {
         self.location(&[Step::Field("materials"), Step::Key(name)])
     }
 
-    /// Calls `visitor` with every object, also those inside others, in the file's order. The place is that of the variant, as in
+    /// Calls `visitor` with every object, also those inside others, in the file's order. The path is that of the variant, as in
     /// `objects[3].Group[0].Sphere`.
-    pub fn visit_objects<'a>(&'a self, visitor: &mut dyn FnMut(&Place, &'a Object)) {
+    pub fn visit_objects<'a>(&'a self, visitor: &mut dyn FnMut(&ValuePath, &'a Object)) {
         let top = self.top();
         let objects = top.field("objects");
         for (index, object) in self.objects.iter().enumerate() {
@@ -81,7 +81,7 @@ impl Scene {
     }
 
     /// The top of the scene file, where the checks start.
-    pub(super) fn top(&self) -> Place<'_> {
-        Place::top(&self.source)
+    pub(super) fn top(&self) -> ValuePath<'_> {
+        ValuePath::top(&self.source)
     }
 }

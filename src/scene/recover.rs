@@ -48,7 +48,7 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
         return Parts::default();
     }
     let mut blanks = Blanks::default();
-    let mut whole = Blanks::default();
+    let mut object_blanks = Blanks::default();
     let mut tries = (MOST_BYTES / source.text().len().max(1)).clamp(1, 4 * MOST);
     let mut listed = 0;
     loop {
@@ -64,10 +64,10 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
         tries -= 1;
         let entry = id.and_then(|id| entry_of(source, id)).filter(|_| tries > 0 && listed < MOST);
         let Some(entry) = entry.filter(|&entry| blanks.add_entry(source, entry)) else { return Parts::default() };
-        whole.add(source, unit_of(source, entry));
+        object_blanks.add(source, unit_of(source, entry));
     }
     // The text without the objects around the entries. If it does not parse, nothing in it is checked.
-    let Ok(parts) = options().from_str::<Parts>(&whole.applied(source, true)) else { return Parts::default() };
+    let Ok(parts) = options().from_str::<Parts>(&object_blanks.applied(source, true)) else { return Parts::default() };
     let absent = [
         ("image", parts.image.is_none()),
         ("camera", parts.camera.is_none()),

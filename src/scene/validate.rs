@@ -1,4 +1,4 @@
-//! Refuses values that parse but are invalid. Every error points at the value's own place.
+//! Refuses values that parse but are invalid. Every error points at the value's own location.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -13,9 +13,9 @@ use crate::error::{Error, Result};
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
-use crate::source::{LARGEST, Place, SMALLEST, Step, parallel, vector};
+use crate::source::{LARGEST, SMALLEST, Step, ValuePath, parallel, vector};
 
-/// Checks the whole scene, in the order of the format's description, except for the files that it names.
+/// Checks all of the scene, in the order of the format's description, except for the files that it names.
 pub fn validate(scene: &Scene, findings: &mut Findings) {
     let top = scene.top();
     image(&top.field("image"), &scene.image, findings);
@@ -39,11 +39,11 @@ pub fn objects(scene: &Scene, findings: &mut Findings) {
     };
     let top = scene.top();
     for (index, value) in scene.objects.iter().enumerate() {
-        object(&known, &top.field("objects").index(index), value, Reach::IDENTITY, findings);
+        object(&known, &top.field("objects").index(index), value, TransformBound::IDENTITY, findings);
     }
 }
 
-fn image(at: &Place, image: &ImageSize, findings: &mut Findings) {
+fn image(at: &ValuePath, image: &ImageSize, findings: &mut Findings) {
     let sides = image.check_fields(at);
     let area = u64::from(image.width) * u64::from(image.height);
     if sides.is_empty() && area > LARGEST_AREA {
@@ -53,14 +53,14 @@ fn image(at: &Place, image: &ImageSize, findings: &mut Findings) {
     findings.record_all(sides);
 }
 
-fn camera(at: &Place, camera: &Camera, findings: &mut Findings) {
+fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
     if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| vector(at, v).is_ok()) {
         findings.record(directions(at, camera));
     }
     findings.record_all(camera.check_fields(at));
 }
 
-fn directions(at: &Place, camera: &Camera) -> Result<()> {
+fn directions(at: &ValuePath, camera: &Camera) -> Result<()> {
     let view = camera.look_at - camera.look_from;
     if view == DVec3::ZERO {
         return Err(at.field("look_at").error("look_at and look_from are the same point"));
@@ -83,7 +83,7 @@ fn directions(at: &Place, camera: &Camera) -> Result<()> {
     Ok(())
 }
 
-fn background(at: &Place, background: &Background) -> Result<()> {
+fn background(at: &ValuePath, background: &Background) -> Result<()> {
     match background {
         Background::Solid(c) => Use::Radiance.check(&at.variant("Solid"), *c),
         Background::Gradient { bottom, top } => {
@@ -97,19 +97,19 @@ fn background(at: &Place, background: &Background) -> Result<()> {
 
 /// A bound of the transforms around an object: they take a distance x from the origin to at most `scale` x + `shift`.
 #[derive(Clone, Copy)]
-struct Reach {
+struct TransformBound {
     scale: f64,
     shift: f64,
 }
 
-impl Reach {
-    const IDENTITY: Reach = Reach { scale: 1.0, shift: 0.0 };
+impl TransformBound {
+    const IDENTITY: TransformBound = TransformBound { scale: 1.0, shift: 0.0 };
 
     /// The bound with one more transform, inside all others.
-    fn after(self, inner: &Transform) -> Reach {
+    fn after(self, inner: &Transform) -> TransformBound {
         match inner {
-            Transform::Translate(by) => Reach { shift: self.shift + self.scale * by.length(), ..self },
-            Transform::Scale(factor) => Reach { scale: self.scale * factor, ..self },
+            Transform::Translate(by) => TransformBound { shift: self.shift + self.scale * by.length(), ..self },
+            Transform::Scale(factor) => TransformBound { scale: self.scale * factor, ..self },
             _ => self,
         }
     }
@@ -121,26 +121,26 @@ impl Reach {
     }
 }
 
-const OUT_OF_REACH: &str = "the transforms around this place take it out of the range of numbers, \
+const OUT_OF_RANGE: &str = "the transforms around this place take it out of the range of numbers, \
                             1e-100 to 1e100";
 
-fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, findings: &mut Findings) {
+fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformBound, findings: &mut Findings) {
     if findings.is_full() {
         return;
     }
     let at = &at.variant(object.name());
     match object {
         Object::Transformed { by, object: inner } => {
-            let reach = transforms(&at.field("by"), by, reach, findings);
-            self::object(known, &at.field("object"), inner, reach, findings);
+            let bound = transforms(&at.field("by"), by, bound, findings);
+            self::object(known, &at.field("object"), inner, bound, findings);
         }
         Object::Group(objects) | Object::Gltf { objects, .. } => {
             for (index, inner) in objects.iter().enumerate() {
-                self::object(known, &at.index(index), inner, reach, findings);
+                self::object(known, &at.index(index), inner, bound, findings);
             }
         }
         Object::Medium { boundary, albedo, .. } => {
-            self::boundary(known, &at.field("boundary"), boundary, reach, findings);
+            self::boundary(known, &at.field("boundary"), boundary, bound, findings);
             findings.record(match albedo.image() {
                 Some(_) => {
                     let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
@@ -153,41 +153,41 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
         }
         Object::PointLight { .. } | Object::SpotLight { .. } | Object::DirectionalLight { .. } => {
             let Some(light) = object.delta_light() else { return };
-            let is_in_reach = reach.holds(1.0, light.distance());
-            let in_reach = || if is_in_reach { Ok(()) } else { Err(at.error(OUT_OF_REACH)) };
-            findings.record(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_reach()));
+            let is_in_range = bound.holds(1.0, light.distance());
+            let in_range = || if is_in_range { Ok(()) } else { Err(at.error(OUT_OF_RANGE)) };
+            findings.record(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_range()));
         }
         _ => {
-            findings.record(shape(known, at, object, reach));
+            findings.record(shape(known, at, object, bound));
             findings.record(known.check_material(at, object));
         }
     }
 }
 
 /// Checks the numbers of a shape, but not its material. A mesh is checked once its file has been read.
-fn shape(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn shape(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformBound) -> Result<()> {
     first(object.check_fields(at))?;
     let Some(shape) = object.shape(known.meshes) else { return Ok(()) };
     shape.check(at)?;
     let (size, distance) = shape.span();
-    if !reach.holds(size, distance) {
-        return Err(at.error(OUT_OF_REACH));
+    if !bound.holds(size, distance) {
+        return Err(at.error(OUT_OF_RANGE));
     }
     Ok(())
 }
 
 /// Checks the boundary of a medium.
-fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach, findings: &mut Findings) {
+fn boundary(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformBound, findings: &mut Findings) {
     let inside = &at.variant(object.name());
     if let Object::Transformed { by, object } = object {
-        let reach = transforms(&inside.field("by"), by, reach, findings);
-        return boundary(known, &inside.field("object"), object, reach, findings);
+        let bound = transforms(&inside.field("by"), by, bound, findings);
+        return boundary(known, &inside.field("object"), object, bound, findings);
     }
     if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
         findings.record::<()>(Err(at.unexpected(boundaries("", ", Transformed or not"))));
         return;
     }
-    findings.record(shape(known, inside, object, reach));
+    findings.record(shape(known, inside, object, bound));
     if object.material().is_some() {
         let message = "a medium's boundary has no surface, and so no material: remove the material, or list the object \
                        outside the medium, too";
@@ -206,22 +206,22 @@ pub fn boundaries(after_each: &str, transformed: &str) -> String {
 }
 
 /// Checks a list of transforms and adds them to those around them. The last in the list is the outermost.
-fn transforms(at: &Place, by: &[Transform], mut reach: Reach, findings: &mut Findings) -> Reach {
+fn transforms(at: &ValuePath, by: &[Transform], mut bound: TransformBound, findings: &mut Findings) -> TransformBound {
     for (index, transform) in by.iter().enumerate().rev() {
         let at = at.index(index);
         if findings.record(self::transform(&at, transform)).is_none() {
             continue;
         }
-        let wider = reach.after(transform);
+        let wider = bound.after(transform);
         match (SMALLEST..=LARGEST).contains(&wider.scale) && wider.shift <= LARGEST {
-            true => reach = wider,
-            false => _ = findings.record::<()>(Err(at.error(OUT_OF_REACH))),
+            true => bound = wider,
+            false => _ = findings.record::<()>(Err(at.error(OUT_OF_RANGE))),
         }
     }
-    reach
+    bound
 }
 
-fn transform(at: &Place, transform: &Transform) -> Result<()> {
+fn transform(at: &ValuePath, transform: &Transform) -> Result<()> {
     let at = at.variant(transform.name());
     match transform {
         Transform::Translate(by) => vector(&at, *by),
@@ -256,7 +256,7 @@ struct KnownNames<'a> {
 
 impl KnownNames<'_> {
     /// Checks that the object names a material, that the material exists, and that it fits the object.
-    fn check_material(&self, above: &Place, object: &Object) -> Result<()> {
+    fn check_material(&self, above: &ValuePath, object: &Object) -> Result<()> {
         let names = || self.scene.materials.iter().map(|(name, _)| name.as_str());
         let at = above.field("material");
         let Some(name) = object.material() else {

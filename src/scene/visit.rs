@@ -1,11 +1,11 @@
-//! A walk over all objects with their places.
+//! A walk over all objects with their paths.
 
 use super::types::Object;
-use crate::source::Place;
+use crate::source::ValuePath;
 
-/// Calls the visitor with an object and all objects inside it, in the file's order. The place is that of the variant, as in
+/// Calls the visitor with an object and all objects inside it, in the file's order. The path is that of the variant, as in
 /// `objects[3].Group[0].Sphere`.
-pub fn visit<'a>(at: &Place, object: &'a Object, visitor: &mut dyn FnMut(&Place, &'a Object)) {
+pub fn visit<'a>(at: &ValuePath, object: &'a Object, visitor: &mut dyn FnMut(&ValuePath, &'a Object)) {
     let at = &at.variant(object.name());
     visitor(at, object);
     match object {

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::model::Scene;
 use super::types::*;
-use crate::source::Place;
+use crate::source::ValuePath;
 
 impl Scene {
     /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a
@@ -27,13 +27,13 @@ impl Scene {
             let message = "there are 0 objects, so that the image shows only the background: add objects";
             warnings.push(top.field("objects").warning(message));
         }
-        let mut told = HashSet::new();
+        let mut reported = HashSet::new();
         self.visit_objects(&mut |at, object| match object {
             Object::Medium { density: 0.0, .. } => {
                 let message = "a density of 0 means that the medium has no effect: remove it or raise its density";
                 warnings.push(at.field("density").warning(message));
             }
-            Object::Mesh { path, .. } if told.insert(path) => {
+            Object::Mesh { path, .. } if reported.insert(path) => {
                 let flat = ["none of its faces has an area: it is left out".to_owned()];
                 let about = self.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
@@ -58,7 +58,7 @@ impl Scene {
 }
 
 /// The warning that an angle is surely written in radians.
-fn radians(at: &Place) -> Option<String> {
+fn radians(at: &ValuePath) -> Option<String> {
     let text = at.text();
     let degrees = degrees_of_radians(text)?;
     let message = format!("{text} is {degrees} degrees in radians, and angles are in degrees: write {degrees}");

@@ -83,9 +83,9 @@ fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
 
 /// The path of a file as a scene in a folder names it.
 pub fn relative(folder: &Path, file: &Path) -> PathBuf {
-    let whole = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    let absolute = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let (Ok(folder), Ok(file)) = (whole(folder), whole(file)) else { return file.to_owned() };
+    let (Ok(folder), Ok(file)) = (absolute(folder), absolute(file)) else { return file.to_owned() };
     let shared = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
     if shared == 0 {
         // Another drive.

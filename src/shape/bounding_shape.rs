@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// A simple bounding volume of a placed shape.
+/// A simple bounding volume of a transformed shape.
 #[derive(Clone, Copy)]
 pub enum BoundingShape {
     Ball { center: DVec3, radius: f64 },
@@ -12,7 +12,7 @@ pub enum BoundingShape {
 
 impl BoundingShape {
     /// The centre of a ball or box; the corner of a parallelogram.
-    pub fn place(&self) -> DVec3 {
+    pub fn position(&self) -> DVec3 {
         match *self {
             BoundingShape::Ball { center, .. } | BoundingShape::Cuboid { center, .. } => center,
             BoundingShape::Parallelogram { corner, .. } => corner,
@@ -65,17 +65,17 @@ impl BoundingShape {
 
     /// The corners of the box around it along the axes: lowest and highest coordinates.
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        let (center, reach) = match *self {
+        let (center, extent) = match *self {
             BoundingShape::Ball { center, radius } => (center, DVec3::splat(radius)),
             BoundingShape::Parallelogram { corner, u, v } => (corner + 0.5 * (u + v), 0.5 * (u.abs() + v.abs())),
-            BoundingShape::Cuboid { center, half, axes } => (center, reach_of(half, &axes)),
+            BoundingShape::Cuboid { center, half, axes } => (center, half_extent_of(half, &axes)),
         };
-        (center - reach, center + reach)
+        (center - extent, center + extent)
     }
 }
 
 /// Half the extent of a rotated box along each axis of space.
-pub fn reach_of(half: DVec3, axes: &DMat3) -> DVec3 {
+pub fn half_extent_of(half: DVec3, axes: &DMat3) -> DVec3 {
     half.x * axes.x_axis.abs() + half.y * axes.y_axis.abs() + half.z * axes.z_axis.abs()
 }
 

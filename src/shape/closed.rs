@@ -13,14 +13,14 @@ impl Mesh {
     /// Vertices at the same position count as one. A mesh is closed if along every edge as many faces run in one
     /// direction as in the other. Solids that share an edge are therefore closed, too.
     pub fn open_edges(&self) -> Option<OpenEdges> {
-        let places = self.places();
-        let place = |corner: u32| places.get(corner as usize).copied().unwrap_or_default();
+        let numbers = self.position_numbers();
+        let number = |corner: u32| numbers.get(corner as usize).copied().unwrap_or_default();
         // One entry for each edge of each triangle: the positions' numbers, the lower first, and the triangle. Sorting brings both
         // directions of an edge together.
         let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * self.triangles.len());
         for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                let (from, to) = (place(from), place(to));
+                let (from, to) = (number(from), number(to));
                 let key = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
                 // There are at most 2^28 triangles: the lowest bit is free for the direction.
                 edges.push((key, (triangle as u32) << 1 | u32::from(from > to)));
@@ -45,7 +45,7 @@ impl Mesh {
         self.signed_volume().0 > 0.0
     }
 
-    /// Whether a closed mesh encloses a volume. Two sheets in one place do not.
+    /// Whether a closed mesh encloses a volume. Two coincident sheets do not.
     pub fn has_volume(&self) -> bool {
         let (volume, rounding) = self.signed_volume();
         volume.abs() > rounding
@@ -76,18 +76,18 @@ impl Mesh {
     }
 
     /// For each vertex the number of its position. Vertices at the same position share the number.
-    fn places(&self) -> Vec<u32> {
+    fn position_numbers(&self) -> Vec<u32> {
         let mut order: Vec<(DVec3, u32)> = self.positions.iter().copied().zip(0..).collect();
         order.sort_unstable_by(|(a, _), (b, _)| compare(*a, *b));
-        let mut places = vec![0; self.positions.len()];
+        let mut numbers = vec![0; self.positions.len()];
         for (number, same) in order.chunk_by(|(a, _), (b, _)| a == b).enumerate() {
             for &(_, vertex) in same {
-                if let Some(place) = places.get_mut(vertex as usize) {
-                    *place = number as u32;
+                if let Some(own) = numbers.get_mut(vertex as usize) {
+                    *own = number as u32;
                 }
             }
         }
-        places
+        numbers
     }
 }
 

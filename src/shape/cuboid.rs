@@ -4,10 +4,10 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
-use super::space::{Aabb, Placement, error_bound, padded};
+use super::space::{Aabb, ObjectTransform, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
-use crate::source::{Place, SMALLEST};
+use crate::source::{SMALLEST, ValuePath};
 
 pub const KIND: ShapeKind = ShapeKind {
     name: Some("Box"),
@@ -31,7 +31,7 @@ impl Cuboid {
 }
 
 impl Geometry for Cuboid {
-    fn check(&self, at: &Place) -> Result<()> {
+    fn check(&self, at: &ValuePath) -> Result<()> {
         let Cuboid { min, max } = *self;
         for (axis, (low, high)) in ["x", "y", "z"].into_iter().zip(min.to_array().into_iter().zip(max.to_array())) {
             if high - low < SMALLEST {
@@ -47,15 +47,15 @@ impl Geometry for Cuboid {
         ((self.max - self.min).min_element(), self.min.length().max(self.max.length()))
     }
 
-    fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
+    fn texture_frame(&self, _: &DMat3) -> (DVec3, DMat3) {
         (self.min, DMat3::from_diagonal(self.max - self.min))
     }
 
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let center = at.point(self.middle()).as_vec3();
         let half = (0.5 * (self.max - self.min) * at.to_world.scale * at.space.scale).as_vec3();
         let axes = at.to_world.rotation;
-        let reach = half.x * axes.x_axis.as_vec3().abs()
+        let extent = half.x * axes.x_axis.as_vec3().abs()
             + half.y * axes.y_axis.as_vec3().abs()
             + half.z * axes.z_axis.as_vec3().abs();
         let error = error_bound(&[center, Vec3::splat(half.x + half.y + half.z)]);
@@ -69,10 +69,10 @@ impl Geometry for Cuboid {
             y_axis: f32s(axes.y_axis),
             light: 0,
         });
-        padded(center - reach, center + reach, error)
+        padded(center - extent, center + extent, error)
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
+    fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Cuboid { min, max } = *self;
         let d = (max - min) * at.scale();
         vec![Emitter {
@@ -88,7 +88,7 @@ impl Geometry for Cuboid {
         tables.cuboids[index].light = light;
     }
 
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         let half = 0.5 * at.scale() * (self.max - self.min);
         BoundingShape::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }
     }

@@ -7,10 +7,10 @@ use glam::{DMat3, DVec3, Vec3};
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::quad::Quad;
-use super::space::{Aabb, Placement, padded};
+use super::space::{Aabb, ObjectTransform, padded};
 use crate::data;
 use crate::error::Result;
-use crate::source::{Place, SMALLEST, parallel};
+use crate::source::{SMALLEST, ValuePath, parallel};
 
 pub const KIND: ShapeKind = ShapeKind {
     name: Some("Disk"),
@@ -40,15 +40,15 @@ impl Disk {
     }
 
     /// The box around it in render space.
-    fn bounds(&self, at: &Placement) -> Aabb {
+    fn bounds(&self, at: &ObjectTransform) -> Aabb {
         let (center, normal) = (at.point(self.center), at.to_world.vector(self.normal).normalize());
-        let reach = self.radius * at.scale() * (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
-        Aabb { min: center - reach, max: center + reach }
+        let extent = self.radius * at.scale() * (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
+        Aabb { min: center - extent, max: center + extent }
     }
 }
 
 impl Geometry for Disk {
-    fn check(&self, at: &Place) -> Result<()> {
+    fn check(&self, at: &ValuePath) -> Result<()> {
         if self.normal.length() < SMALLEST {
             let message = "the normal has no length: expected a direction such as (0, 1, 0)";
             return Err(at.field("normal").error(message));
@@ -60,18 +60,18 @@ impl Geometry for Disk {
         (self.radius, self.center.length() + self.radius)
     }
 
-    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
-        self.square().texture_place(rotation)
+    fn texture_frame(&self, rotation: &DMat3) -> (DVec3, DMat3) {
+        self.square().texture_frame(rotation)
     }
 
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let square = self.square().on_device(at, element);
         let bounds = self.bounds(at);
         tables.disks.push(square);
         padded(bounds.min.as_vec3(), bounds.max.as_vec3(), square.error)
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
+    fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![Emitter {
             code,
             instance: data::NO_INSTANCE,
@@ -85,7 +85,7 @@ impl Geometry for Disk {
         tables.disks[index].light = light;
     }
 
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         self.square().bounding_shape(at)
     }
 }

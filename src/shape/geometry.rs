@@ -4,14 +4,14 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
-use super::space::{Aabb, Placement};
+use super::space::{Aabb, ObjectTransform};
 use crate::data;
 use crate::error::Result;
-use crate::source::Place;
+use crate::source::ValuePath;
 
 /// The properties that all shapes of a kind share.
 pub struct ShapeKind {
-    /// Its name in scene files. One without a name is chosen by the host in place of one that they have.
+    /// Its name in scene files. One without a name is chosen by the host instead of one that they have.
     pub name: Option<&'static str>,
     /// The name of its files under shaders/geometry and shaders/light.
     pub shader: &'static str,
@@ -86,7 +86,7 @@ pub struct Tables {
     pub disks: Vec<data::Quad>,
 }
 
-/// The place of a mesh in the device's tables.
+/// Where a mesh lies in the device's tables.
 #[derive(Clone, Copy, Default)]
 pub struct MeshLayout {
     /// The code of its hierarchy's root.
@@ -104,8 +104,8 @@ pub struct Element {
     pub order: u32,
     pub material: u32,
     pub frame: u32,
-    /// Of a mesh, its place in the device's tables.
-    pub laid: MeshLayout,
+    /// Of a mesh, where it lies in the device's tables.
+    pub layout: MeshLayout,
 }
 
 /// A surface that can be sampled as a light.
@@ -122,23 +122,23 @@ pub struct Emitter {
 /// What every shape implements on the host.
 pub trait Geometry {
     /// Checks its numbers, each of which is in its own range.
-    fn check(&self, at: &Place) -> Result<()>;
+    fn check(&self, at: &ValuePath) -> Result<()>;
 
     /// Its smallest size, and a bound of its farthest distance from the origin. They limit the transforms of the shape.
     fn span(&self) -> (f64, f64);
 
-    /// The map from texture coordinates to the shape's own space: base + columns · local.
-    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3);
+    /// The frame of its texture coordinates in its own space: the origin, and the axes as columns.
+    fn texture_frame(&self, rotation: &DMat3) -> (DVec3, DMat3);
 
     /// Adds its element to its table. Returns the lowest and the highest corner of a box around it in render space.
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3);
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3);
 
-    /// The lights that it consists of; `index` is its place in its table, and `code` its code.
-    fn emitters(&self, at: &Placement, index: u32, code: u32, laid: MeshLayout) -> Vec<Emitter>;
+    /// The lights that it consists of; `index` is its index in its table, and `code` its code.
+    fn emitters(&self, at: &ObjectTransform, index: u32, code: u32, layout: MeshLayout) -> Vec<Emitter>;
 
     /// Writes into its element the index of its first light among all lights, or `NOT_SAMPLED`.
-    fn set_light(&self, tables: &mut Tables, index: usize, laid: MeshLayout, light: u32);
+    fn set_light(&self, tables: &mut Tables, index: usize, layout: MeshLayout, light: u32);
 
     /// A simple bounding volume, for the warnings about sizes and distances.
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape;
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape;
 }

@@ -9,11 +9,11 @@ use glam::{DMat3, DVec3, Vec3};
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::similarity::Similarity;
-use super::space::{Placement, error_bound, padded};
+use super::space::{ObjectTransform, error_bound, padded};
 use super::sphere::{self, Sphere};
 use crate::data::{self, f32s};
 use crate::error::Result;
-use crate::source::Place;
+use crate::source::ValuePath;
 
 pub const KIND: ShapeKind = ShapeKind {
     name: None,
@@ -65,13 +65,13 @@ impl LargeSphere {
     }
 
     /// From the eye to the nearest point, in the world.
-    fn way(&self, to_world: &Similarity) -> DVec3 {
+    fn offset(&self, to_world: &Similarity) -> DVec3 {
         to_world.vector(self.height * self.inward)
     }
 
     /// The point nearest to the eye, in the world.
     pub fn nearest(&self, to_world: &Similarity, eye: DVec3) -> DVec3 {
-        eye + self.way(to_world)
+        eye + self.offset(to_world)
     }
 
     /// The unit normal at that point, in the sphere's own space.
@@ -80,7 +80,7 @@ impl LargeSphere {
     }
 
     /// The distance from the eye to that point in the world, but at least so much that render space can hold the radius.
-    pub fn reach(&self, to_world: &Similarity) -> f64 {
+    pub fn extent(&self, to_world: &Similarity) -> f64 {
         to_world.scale * self.height.abs().max(self.sphere.radius / LARGEST_RADIUS)
     }
 
@@ -91,7 +91,7 @@ impl LargeSphere {
 }
 
 impl Geometry for LargeSphere {
-    fn check(&self, _: &Place) -> Result<()> {
+    fn check(&self, _: &ValuePath) -> Result<()> {
         Ok(())
     }
 
@@ -100,13 +100,13 @@ impl Geometry for LargeSphere {
     }
 
     /// The coordinates of a large sphere's point are its offset from the nearest point, in radii.
-    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
+    fn texture_frame(&self, rotation: &DMat3) -> (DVec3, DMat3) {
         (self.eye + self.height * self.inward, rotation.transpose() * self.sphere.radius)
     }
 
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let inward = at.to_world.rotation * self.inward;
-        let nearest = at.space.scale * self.way(at.to_world);
+        let nearest = at.space.scale * self.offset(at.to_world);
         let radius = at.scale() * self.sphere.radius;
         let Element { order, material, frame, .. } = element;
         tables.large_spheres.push(data::LargeSphere {
@@ -123,7 +123,7 @@ impl Geometry for LargeSphere {
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
+    fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![self.sphere.emitter(at, code)]
     }
 
@@ -131,7 +131,7 @@ impl Geometry for LargeSphere {
         tables.large_spheres[index].light = light;
     }
 
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         self.sphere.bounding_shape(at)
     }
 }

@@ -1,4 +1,4 @@
-//! A mesh: triangles in a space of their own, placed in the scene any number of times.
+//! A mesh: triangles in a space of their own, instanced in the scene any number of times.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -7,10 +7,10 @@ use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
-use super::space::{Aabb, Placement, binary_exponent, error_bound, exp2, padded};
+use super::space::{Aabb, ObjectTransform, binary_exponent, error_bound, exp2, padded};
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
-use crate::source::Place;
+use crate::source::ValuePath;
 
 /// Rays hit the triangles, so that the shader files are those of the triangle.
 pub const KIND: ShapeKind = ShapeKind {
@@ -72,7 +72,7 @@ impl Mesh {
     }
 }
 
-/// A mesh of the scene. Objects place it.
+/// A mesh of the scene. Objects are instances of it.
 pub struct MeshShape<'a> {
     /// Its index among the scene's meshes.
     pub number: usize,
@@ -104,7 +104,7 @@ impl<'a> MeshShape<'a> {
     }
 
     /// Checks that it has the texture coordinates that the images of a material of this name need, up to this set of them.
-    pub fn check_image(&self, at: &Place, material: &str, uv_set: u32) -> Result<()> {
+    pub fn check_image(&self, at: &ValuePath, material: &str, uv_set: u32) -> Result<()> {
         if !self.mesh.uvs.is_empty() {
             let has = 1 + self.mesh.further_uvs.len();
             if (uv_set as usize) < has {
@@ -127,7 +127,7 @@ impl<'a> MeshShape<'a> {
     }
 
     /// Checks that it is closed.
-    pub fn check_closed(&self, at: &Place) -> Result<()> {
+    pub fn check_closed(&self, at: &ValuePath) -> Result<()> {
         let Some(open) = self.open_edges() else { return Ok(()) };
         let edges = if open.count == 1 { "edge" } else { "edges" };
         Err(at.field("path").error(format!(
@@ -146,7 +146,7 @@ impl<'a> MeshShape<'a> {
 
 impl<'a> Geometry for &'a MeshShape<'a> {
     /// Nothing to check: the numbers were checked when the file was read.
-    fn check(&self, _: &Place) -> Result<()> {
+    fn check(&self, _: &ValuePath) -> Result<()> {
         Ok(())
     }
 
@@ -155,33 +155,33 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         ((max - min).max_element(), min.abs().max(max.abs()).length())
     }
 
-    fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
+    fn texture_frame(&self, _: &DMat3) -> (DVec3, DMat3) {
         (self.around.center(), DMat3::from_diagonal(DVec3::splat(self.unit())))
     }
 
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let scale = at.to_world.scale * self.unit() * at.space.scale;
-        let place = at.point(self.around.center());
+        let translation = at.point(self.around.center());
         let axes = at.to_world.rotation;
-        let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
-        let placed = Aabb::around(self.around.corners().map(|p| at.point(p)));
+        let error = error_bound(&[translation.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
+        let bounds = Aabb::around(self.around.corners().map(|p| at.point(p)));
         tables.instances.push(data::Instance {
             x_axis: f32s(axes.x_axis),
             order: element.order,
             y_axis: f32s(axes.y_axis),
             material: element.material,
-            place: f32s(place),
+            translation: f32s(translation),
             frame: element.frame,
             scale: scale as f32,
             to_light: 0,
-            root: element.laid.root,
-            to_uvs: element.laid.to_uvs,
+            root: element.layout.root,
+            to_uvs: element.layout.to_uvs,
         });
-        padded(placed.min.as_vec3(), placed.max.as_vec3(), error)
+        padded(bounds.min.as_vec3(), bounds.max.as_vec3(), error)
     }
 
     /// Each triangle is a light.
-    fn emitters(&self, at: &Placement, index: u32, _: u32, laid: MeshLayout) -> Vec<Emitter> {
+    fn emitters(&self, at: &ObjectTransform, index: u32, _: u32, layout: MeshLayout) -> Vec<Emitter> {
         let face = |(face, corners): (u32, &[u32; 3])| {
             let [a, b, c] = corners.map(|corner| self.mesh.positions[corner as usize]);
             let across = (b - a).cross(c - a);
@@ -193,17 +193,17 @@ impl<'a> Geometry for &'a MeshShape<'a> {
                 normal: Some(at.to_world.vector(across)),
             }
         };
-        (laid.first_face..).zip(&self.mesh.triangles).map(face).collect()
+        (layout.first_face..).zip(&self.mesh.triangles).map(face).collect()
     }
 
-    fn set_light(&self, tables: &mut Tables, index: usize, laid: MeshLayout, light: u32) {
+    fn set_light(&self, tables: &mut Tables, index: usize, layout: MeshLayout, light: u32) {
         tables.instances[index].to_light = match light {
             NOT_SAMPLED => NOT_SAMPLED,
-            _ => light.wrapping_sub(laid.first_face),
+            _ => light.wrapping_sub(layout.first_face),
         };
     }
 
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         let half = 0.5 * at.scale() * (self.around.max - self.around.min);
         BoundingShape::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }
     }

@@ -4,10 +4,10 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
-use super::space::{Aabb, Placement, error_bound, padded};
+use super::space::{Aabb, ObjectTransform, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
-use crate::source::{Place, SMALLEST, parallel};
+use crate::source::{SMALLEST, ValuePath, parallel};
 
 pub const KIND: ShapeKind = ShapeKind {
     name: Some("Quad"),
@@ -27,7 +27,7 @@ pub struct Quad {
 
 impl Quad {
     /// As kernels read it.
-    pub(super) fn on_device(&self, at: &Placement, element: Element) -> data::Quad {
+    pub(super) fn on_device(&self, at: &ObjectTransform, element: Element) -> data::Quad {
         let (corner, u, v) = (at.point(self.corner), at.vector(self.u), at.vector(self.v));
         let (normal, a_axis, b_axis) = quad_axes(u, v);
         data::Quad {
@@ -48,7 +48,7 @@ impl Quad {
 }
 
 impl Geometry for Quad {
-    fn check(&self, at: &Place) -> Result<()> {
+    fn check(&self, at: &ValuePath) -> Result<()> {
         for (name, edge) in [("u", self.u), ("v", self.v)] {
             if edge.length() < SMALLEST {
                 return Err(at.field(name).error(format!("the quad has no extent along {name}")));
@@ -65,11 +65,11 @@ impl Geometry for Quad {
         (u.min(v), self.corner.length() + u + v)
     }
 
-    fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
+    fn texture_frame(&self, _: &DMat3) -> (DVec3, DMat3) {
         (self.corner, DMat3::from_cols(self.u, self.v, DVec3::ZERO))
     }
 
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let quad = self.on_device(at, element);
         let (corner, u, v) = (at.point(self.corner), at.vector(self.u), at.vector(self.v));
         let around = Aabb::around([corner, corner + u, corner + v, corner + u + v]);
@@ -77,7 +77,7 @@ impl Geometry for Quad {
         padded(around.min.as_vec3(), around.max.as_vec3(), quad.error)
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
+    fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Quad { corner, u, v } = *self;
         let corners = [corner, corner + u, corner + v, corner + u + v];
         vec![Emitter {
@@ -93,7 +93,7 @@ impl Geometry for Quad {
         tables.quads[index].light = light;
     }
 
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         BoundingShape::Parallelogram { corner: at.point(self.corner), u: at.vector(self.u), v: at.vector(self.v) }
     }
 }
@@ -104,8 +104,8 @@ impl Geometry for Quad {
 /// difference, its product with a rounded normal, and two sums (5 of both). One more of the corner and of both for the
 /// rounding of their sum. The length of a floor does not count, because its normal has no component along it.
 fn error_across(corner: Vec3, u: Vec3, v: Vec3, normal: DVec3) -> f32 {
-    let reach = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
-    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(reach)
+    let sum = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
+    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(sum)
 }
 
 /// The unit normal u × v, and two vectors whose dot products with a point's offset from the corner are the point's

@@ -48,8 +48,8 @@ impl Similarity {
 fn rotation_about(axis: DVec3, degrees: f64) -> DMat3 {
     // Divided by its largest component first, because the squares of a short axis would underflow.
     let axis = (axis / axis.abs().max_element()).normalize();
-    let turn = degrees.rem_euclid(360.0);
-    let (quarter, rest) = ((turn / 90.0).floor(), turn % 90.0);
+    let degrees = degrees.rem_euclid(360.0);
+    let (quarter, rest) = ((degrees / 90.0).floor(), degrees % 90.0);
     let (s, c) = rest.to_radians().sin_cos();
     let (s, c) = match quarter as i32 {
         1 => (c, -s),

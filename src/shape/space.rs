@@ -1,4 +1,4 @@
-//! Placements of shapes, and bounding boxes.
+//! Transforms of objects to render space, and bounding boxes.
 
 use glam::{DVec3, Vec3};
 
@@ -19,12 +19,12 @@ impl RenderSpace {
 
 /// The transform from a shape's own space to render space, or (with a scale of 1) to a space with the world's lengths.
 #[derive(Clone, Copy)]
-pub struct Placement<'a> {
+pub struct ObjectTransform<'a> {
     pub to_world: &'a Similarity,
     pub space: RenderSpace,
 }
 
-impl Placement<'_> {
+impl ObjectTransform<'_> {
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.space.point(self.to_world.point(p))
     }

@@ -6,10 +6,10 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
-use super::space::{Aabb, Placement, error_bound, padded};
+use super::space::{Aabb, ObjectTransform, error_bound, padded};
 use crate::data;
 use crate::error::Result;
-use crate::source::Place;
+use crate::source::ValuePath;
 
 pub const KIND: ShapeKind = ShapeKind {
     name: Some("Sphere"),
@@ -28,17 +28,17 @@ pub struct Sphere {
 
 impl Sphere {
     /// As a light with this code.
-    pub fn emitter(&self, at: &Placement, code: u32) -> Emitter {
+    pub fn emitter(&self, at: &ObjectTransform, code: u32) -> Emitter {
         let (middle, radius) = (at.point(self.center), self.radius * at.scale());
-        let reach = DVec3::splat(radius);
+        let extent = DVec3::splat(radius);
         let area = 4.0 * PI * radius.powi(2);
-        let around = Aabb::around([middle - reach, middle + reach]);
+        let around = Aabb::around([middle - extent, middle + extent]);
         Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }
     }
 }
 
 impl Geometry for Sphere {
-    fn check(&self, _: &Place) -> Result<()> {
+    fn check(&self, _: &ValuePath) -> Result<()> {
         Ok(())
     }
 
@@ -47,11 +47,11 @@ impl Geometry for Sphere {
     }
 
     /// The texture coordinates of a sphere's point are the components of its normal in the world.
-    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
+    fn texture_frame(&self, rotation: &DMat3) -> (DVec3, DMat3) {
         (self.center, rotation.transpose() * self.radius)
     }
 
-    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+    fn lay_out(&self, at: &ObjectTransform, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let center = at.point(self.center).as_vec3();
         let radius = (at.to_world.scale * self.radius * at.space.scale) as f32;
         let Element { order, material, frame, .. } = element;
@@ -59,7 +59,7 @@ impl Geometry for Sphere {
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
     }
 
-    fn emitters(&self, at: &Placement, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
+    fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![self.emitter(at, code)]
     }
 
@@ -67,7 +67,7 @@ impl Geometry for Sphere {
         tables.spheres[index].light = light;
     }
 
-    fn bounding_shape(&self, at: &Placement) -> BoundingShape {
+    fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         BoundingShape::Ball { center: at.point(self.center), radius: at.scale() * self.radius }
     }
 }

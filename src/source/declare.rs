@@ -56,8 +56,8 @@ macro_rules! declare {
                 match self { $(Self::$variant { .. } => stringify!($variant)),* }
             }
 
-            /// The errors of the numbers that have names; `at` is the place of the variant.
-            pub fn check_fields(&self, at: &Place) -> Vec<Error> {
+            /// The errors of the numbers that have names; `at` is the path of the variant.
+            pub fn check_fields(&self, at: &ValuePath) -> Vec<Error> {
                 let checks = match self { $(
                     Self::$variant { $($($field,)*)? .. } => vec![$($($field.check_as(&$module::FIELDS.$field, at)),*)?]
                 ),* };
@@ -88,8 +88,8 @@ macro_rules! declare {
         pub struct $struct { $($(#[doc = $meaning])* $(#[serde $serde])? pub $field: $type),* }
 
         impl $struct {
-            /// The errors of its numbers; `at` is its place.
-            pub fn check_fields(&self, at: &Place) -> Vec<Error> {
+            /// The errors of its numbers; `at` is its path.
+            pub fn check_fields(&self, at: &ValuePath) -> Vec<Error> {
                 let checks = [$(self.$field.check_as(&$module::FIELDS.$field, at)),*];
                 checks.into_iter().filter_map(Result::err).collect()
             }

@@ -1,7 +1,7 @@
 //! The notation of the scene file: its forms, their fields and what these take, each declared once. The checks of numbers, the words
 //! of error messages and docs/scene.md are made from the declarations.
 
-use super::Place;
+use super::ValuePath;
 use super::numbers::{DEGREES, NO_UNIT, Range};
 use crate::error::Result;
 use glam::DVec3;
@@ -19,8 +19,8 @@ pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Nois
 pub enum Takes {
     /// A number, with its unit.
     Number(Range, &'static str),
-    /// A whole number, from the first to the last.
-    Whole(u32, u32),
+    /// An integer, from the first to the last.
+    Integer(u32, u32),
     Point,
     Vector,
     /// A colour; the range is that of each channel.
@@ -46,7 +46,7 @@ impl Takes {
                     range => format!("{number} {range}"),
                 }
             }
-            Takes::Whole(least, most) => format!("a whole number from {least} to {most}"),
+            Takes::Integer(least, most) => format!("a whole number from {least} to {most}"),
             Takes::Point => POINT.to_owned(),
             Takes::Vector => VECTOR.to_owned(),
             Takes::Colour(_) => COLOUR.to_owned(),
@@ -91,13 +91,13 @@ impl Field {
         Field { default, ..self }
     }
 
-    /// Checks a number; `above` is the place of the form.
-    pub fn check(&self, above: &Place, x: f64) -> Result<()> {
+    /// Checks a number; `above` is the path of the form.
+    pub fn check(&self, above: &ValuePath, x: f64) -> Result<()> {
         self.check_at(&above.field(self.name), x)
     }
 
-    /// Checks a number that is written without its name; `at` is its own place.
-    pub fn check_at(&self, at: &Place, x: f64) -> Result<()> {
+    /// Checks a number that is written without its name; `at` is its own path.
+    pub fn check_at(&self, at: &ValuePath, x: f64) -> Result<()> {
         match self.takes {
             Takes::Number(range, unit) => range.check(at, self.name, unit, x),
             Takes::Varying(range) => range.check(at, self.name, NO_UNIT, x),
@@ -105,10 +105,10 @@ impl Field {
         }
     }
 
-    /// Checks a whole number.
-    pub fn check_whole(&self, above: &Place, x: u32) -> Result<()> {
+    /// Checks an integer.
+    pub fn check_integer(&self, above: &ValuePath, x: u32) -> Result<()> {
         match self.takes {
-            Takes::Whole(least, most) if !(least..=most).contains(&x) => {
+            Takes::Integer(least, most) if !(least..=most).contains(&x) => {
                 Err(above.field(self.name).unexpected(format!("{}: {}", self.name, self.takes.words())))
             }
             _ => Ok(()),
@@ -120,8 +120,8 @@ pub const fn number(range: Range, unit: &'static str) -> Field {
     Field::taking(Takes::Number(range, unit))
 }
 
-pub const fn whole(least: u32, most: u32) -> Field {
-    Field::taking(Takes::Whole(least, most))
+pub const fn integer(least: u32, most: u32) -> Field {
+    Field::taking(Takes::Integer(least, most))
 }
 
 pub const fn point() -> Field {
@@ -156,33 +156,33 @@ pub const fn other(words: &'static str) -> Field {
 
 /// A value of a field. Only numbers have ranges that are checked as they stand.
 pub trait Checked {
-    /// Refuses a number out of the field's range; `above` is the place of the form.
-    fn check_as(&self, _field: &Field, _above: &Place) -> Result<()> {
+    /// Refuses a number out of the field's range; `above` is the path of the form.
+    fn check_as(&self, _field: &Field, _above: &ValuePath) -> Result<()> {
         Ok(())
     }
 }
 
 impl Checked for f64 {
-    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+    fn check_as(&self, field: &Field, above: &ValuePath) -> Result<()> {
         field.check(above, *self)
     }
 }
 
 impl Checked for u32 {
-    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
-        field.check_whole(above, *self)
+    fn check_as(&self, field: &Field, above: &ValuePath) -> Result<()> {
+        field.check_integer(above, *self)
     }
 }
 
 impl Checked for DVec3 {
-    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+    fn check_as(&self, field: &Field, above: &ValuePath) -> Result<()> {
         let range = if let Takes::Colour(range) = field.takes { range } else { Range::ANY };
         range.check_each(&above.field(field.name), field.name, *self)
     }
 }
 
 impl<T: Checked> Checked for Option<T> {
-    fn check_as(&self, field: &Field, above: &Place) -> Result<()> {
+    fn check_as(&self, field: &Field, above: &ValuePath) -> Result<()> {
         self.as_ref().map_or(Ok(()), |value| value.check_as(field, above))
     }
 }
@@ -217,7 +217,7 @@ impl Form {
         format!("{}({})", self.name, self.fields.iter().map(write).collect::<Vec<_>>().join(", "))
     }
 
-    /// The words for its content where that is wrong as a whole.
+    /// The words for its content where all of it is wrong.
     pub fn content(&self) -> String {
         match self.fields {
             [only] if self.in_order => only.takes.words(),

@@ -1,10 +1,10 @@
-//! Checks of numbers. Each error points at the number's own place.
+//! Checks of numbers. Each error points at the number's own location.
 
 use std::fmt;
 
 use glam::DVec3;
 
-use super::Place;
+use super::ValuePath;
 use crate::error::Result;
 
 pub const SCENE_UNITS: &str = "scene units";
@@ -55,7 +55,7 @@ impl Range {
     }
 
     /// Refuses a number of this name and unit that is out of range.
-    pub fn check(&self, at: &Place, name: &str, unit: &str, x: f64) -> Result<()> {
+    pub fn check(&self, at: &ValuePath, name: &str, unit: &str, x: f64) -> Result<()> {
         if self.holds(x) {
             return Ok(());
         }
@@ -73,7 +73,7 @@ impl Range {
     }
 
     /// Refuses a colour, a point or a vector with a number out of range.
-    pub fn check_each(&self, at: &Place, name: &str, v: DVec3) -> Result<()> {
+    pub fn check_each(&self, at: &ValuePath, name: &str, v: DVec3) -> Result<()> {
         v.to_array().into_iter().enumerate().try_for_each(|(index, x)| self.check(&at.index(index), name, NO_UNIT, x))
     }
 }
@@ -93,7 +93,7 @@ impl fmt::Display for Range {
     }
 }
 
-pub fn vector(at: &Place, v: DVec3) -> Result<()> {
+pub fn vector(at: &ValuePath, v: DVec3) -> Result<()> {
     Range::ANY.check_each(at, "", v)
 }
 

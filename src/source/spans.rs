@@ -86,7 +86,7 @@ impl Spans {
         scanner.spans
     }
 
-    /// The value of the whole text; `None` if there are only spaces and comments.
+    /// The value of the complete text; `None` if there are only spaces and comments.
     pub fn root(&self) -> Option<Id> {
         self.root
     }
@@ -420,7 +420,7 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    /// Handles a key without a value: the text in the value's place becomes the value.
+    /// Handles a key without a value: the text where the value should be becomes the value.
     fn value_is_missing(&mut self) {
         if !self.key.is_empty() {
             self.add(self.at, (self.at + 1).min(self.text.len()));

@@ -1,4 +1,4 @@
-//! The size of the images that a budget allows, and the scaling of their times and noise to the whole size.
+//! The size of the images that a budget allows, and the scaling of their times and noise to the full size.
 
 use std::time::{Duration, Instant};
 
@@ -21,9 +21,9 @@ pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
     (time.as_secs_f64() / (round * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
 }
 
-/// Measurements of the defaults at the whole size.
+/// Measurements of the defaults at full size.
 #[derive(Clone, Debug)]
-pub struct Whole {
+pub struct FullSize {
     /// Ratios of the seconds of a sample, and of the relative MSE of the noise, to those at the sweep's size. All settings
     /// are assumed to change by the same factors.
     pub slower: f64,
@@ -35,16 +35,16 @@ pub struct Whole {
     pub seconds_to_denoise: f64,
 }
 
-impl Whole {
-    /// For a sweep that is itself at the whole size.
-    pub fn of_sweep(sweep: &Sweep<'_>) -> Whole {
+impl FullSize {
+    /// For a sweep that is itself at full size.
+    pub fn of_sweep(sweep: &Sweep<'_>) -> FullSize {
         let images = sweep.subjects.first().map_or(Vec::new(), |defaults| defaults.images(LEVEL));
-        Whole { slower: 1.0, noisier: 1.0, size: sweep.size, images, seconds_to_denoise: 0.0 }
+        FullSize { slower: 1.0, noisier: 1.0, size: sweep.size, images, seconds_to_denoise: 0.0 }
     }
 
-    /// For a whole size that was not measured: the time is assumed to grow with the number of pixels.
-    pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> Whole {
-        Whole {
+    /// For a full size that was not measured: the time is assumed to grow with the number of pixels.
+    pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> FullSize {
+        FullSize {
             slower: pixels_ratio(size, sweep.size),
             noisier: 1.0,
             size,
@@ -70,29 +70,29 @@ impl Whole {
 const USUAL: f64 = 0.1;
 
 /// The ratio of two noises: the measured logarithm and the prior, weighted by their certainties.
-fn ratio(whole: Estimate, small: Estimate) -> f64 {
-    let error = (whole.error / whole.value).hypot(small.error / small.value);
+fn ratio(full: Estimate, small: Estimate) -> f64 {
+    let error = (full.error / full.value).hypot(small.error / small.value);
     let believed = USUAL * USUAL / (USUAL * USUAL + error * error);
-    let ratio = (believed * (whole.value / small.value).ln()).exp();
+    let ratio = (believed * (full.value / small.value).ln()).exp();
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }
 
-/// The most samples of an image of the whole size.
+/// The most samples of an image of the full size.
 const MOST_SAMPLES: u32 = LEVEL;
 
-/// Measures the defaults at the whole size; none if the time is too short.
-pub fn calibrate(sweep: &mut Sweep<'_>, whole: (u32, u32), until: Instant, stop: Stop<'_>) -> Result<Option<Whole>> {
+/// Measures the defaults at full size; none if the time is too short.
+pub fn calibrate(sweep: &mut Sweep<'_>, full: (u32, u32), until: Instant, stop: Stop<'_>) -> Result<Option<FullSize>> {
     let sweep_seed = sweep.seed;
     let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
     let Some(block) = defaults.blocks_of(LEVEL).last() else { return Ok(None) };
     let (compiling, setting, of_small) = (defaults.seconds_compile, defaults.setting.clone(), block.seconds);
     let left = || until.saturating_duration_since(Instant::now()).as_secs_f64();
     // A pixel of a large image takes less time than one of a small image. One sample measures how much.
-    let of_sample = of_small / f64::from(LEVEL) * pixels_ratio(whole, sweep.size);
+    let of_sample = of_small / f64::from(LEVEL) * pixels_ratio(full, sweep.size);
     if stop() || compiling + of_sample > left() {
         return Ok(None);
     }
-    let mut large = sweep.of_size(whole);
+    let mut large = sweep.of_size(full);
     large.add(setting)?;
     let seed = |image: u32| Sweep::seed_before(sweep_seed, 1 + image);
     let Some(sample) = large.image(0, 1, seed(0), stop)? else { return Ok(None) };
@@ -105,22 +105,22 @@ pub fn calibrate(sweep: &mut Sweep<'_>, whole: (u32, u32), until: Instant, stop:
     let Some(samples) = samples else { return Ok(None) };
     // The two sizes take turns, so that other load on the machine slows both. The small image is timed with as many samples as the
     // measured seconds had: a single sample of it ends before the device is busy.
-    let (mut at_whole, mut at_small, mut slower) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut at_full_size, mut at_small, mut slower) = (Vec::new(), Vec::new(), Vec::new());
     for image in 0..FEWEST_ROUNDS as u32 {
         let seed = seed(image);
         let Some(timed) = sweep.image(0, LEVEL, seed, stop)? else { return Ok(None) };
-        let Some(whole) = large.image(0, samples, seed, stop)? else { return Ok(None) };
+        let Some(full) = large.image(0, samples, seed, stop)? else { return Ok(None) };
         let Some(small) = sweep.image(0, samples, seed, stop)? else { return Ok(None) };
-        slower.push(whole.seconds / f64::from(samples) / (timed.seconds / f64::from(LEVEL)));
+        slower.push(full.seconds / f64::from(samples) / (timed.seconds / f64::from(LEVEL)));
         at_small.push(small.image);
-        at_whole.push(whole.image);
+        at_full_size.push(full.image);
     }
     let noise_of = |images: &[Pixels]| {
         let weights = Weights::of_rounds(images.iter().enumerate().map(|(i, image)| (i, samples, image)))?;
         noise(images, &weights, 1)
     };
-    let noisier = noise_of(&at_whole).zip(noise_of(&at_small)).map_or(1.0, |(whole, small)| ratio(whole, small));
-    Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole, seconds_to_denoise: 0.0 }))
+    let noisier = noise_of(&at_full_size).zip(noise_of(&at_small)).map_or(1.0, |(full, small)| ratio(full, small));
+    Ok(Some(FullSize { slower: median(&slower), noisier, size: full, images: at_full_size, seconds_to_denoise: 0.0 }))
 }
 
 /// The ratio of the numbers of pixels of two sizes.
@@ -128,8 +128,8 @@ pub fn pixels_ratio(a: (u32, u32), b: (u32, u32)) -> f64 {
     f64::from(a.0) * f64::from(a.1) / (f64::from(b.0) * f64::from(b.1))
 }
 
-/// The size of the middle part of an image whose sides have enough divisors. It is the whole image, unless the smallest
-/// image of whole pixels would have sixteen times [`FEWEST_PIXELS`]. If so, both sides become multiples of 15, or of 24
+/// The size of the middle part of an image whose sides have enough divisors. It is all of the image, unless the smallest
+/// image of complete pixels would have sixteen times [`FEWEST_PIXELS`]. If so, both sides become multiples of 15, or of 24
 /// if even. A side keeps its parity, so that the middle of the part is exactly the middle of the image.
 pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
     let (w, h) = size_of((width, height), FEWEST_PIXELS, true);
@@ -150,7 +150,7 @@ pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
 /// show the same view.
 const SIDES: u32 = 4;
 
-/// The whole size, reduced to about `pixels` pixels. If `exact`, both sides are divided by a common divisor.
+/// The full size, reduced to about `pixels` pixels. If `exact`, both sides are divided by a common divisor.
 pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u32) {
     let times = (f64::from(width) * f64::from(height) / pixels).sqrt().max(1.0);
     if exact {
@@ -184,19 +184,19 @@ mod tests {
 
     #[test]
     fn the_middle_of_an_image_has_divisors() {
-        for whole in [(600, 600), (1200, 675), (48, 48), (1, 1), (47, 43)] {
-            assert_eq!(middle_of(whole), whole);
+        for size in [(600, 600), (1200, 675), (48, 48), (1, 1), (47, 43)] {
+            assert_eq!(middle_of(size), size);
         }
-        for (whole, middle) in [
+        for (full, middle) in [
             ((211, 199), (195, 195)),
             ((1000, 667), (990, 645)),
             ((998, 662), (984, 648)),
             ((4001, 16001), (3975, 15975)),
         ] {
-            assert_eq!(middle_of(whole), middle);
-            assert!((whole.0 - middle.0).is_multiple_of(2) && (whole.1 - middle.1).is_multiple_of(2), "{whole:?}");
+            assert_eq!(middle_of(full), middle);
+            assert!((full.0 - middle.0).is_multiple_of(2) && (full.1 - middle.1).is_multiple_of(2), "{full:?}");
             let (w, h) = size_of(middle, FEWEST_PIXELS, true);
-            assert!(u64::from(w) * u64::from(h) * 100 < u64::from(whole.0) * u64::from(whole.1), "{whole:?}: {w}x{h}");
+            assert!(u64::from(w) * u64::from(h) * 100 < u64::from(full.0) * u64::from(full.1), "{full:?}: {w}x{h}");
         }
     }
 }

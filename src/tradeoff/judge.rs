@@ -1,7 +1,7 @@
 //! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and its ranking among the others.
 
-use super::extent::Whole;
-use super::model::{Falling, Model, Ranking, Times, doubt, falling, falling_denoised, samples_to, standings};
+use super::extent::FullSize;
+use super::model::{Falling, Model, Ranking, Times, falling, falling_denoised, rankings, samples_to, tie_ratio};
 use super::pace::{Pace, Timed, paces};
 use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
@@ -27,7 +27,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 pub const RELIABLE: f64 = 0.2;
 
 /// The reason why the loss of detail of an image with fewer pixels is unknown.
-const NOT_AT_WHOLE_SIZE: &str = "its loss of detail is not measured at the whole size, which the budget did not reach";
+const NOT_AT_FULL_SIZE: &str = "its loss of detail is not measured at full size, which the budget did not reach";
 
 /// The findings about a setting.
 #[derive(Clone, Debug)]
@@ -38,12 +38,12 @@ pub struct Measured {
     pub seconds_compile: f64,
     /// Seconds for one sample in every pixel, at the size of the sweep.
     pub seconds_here: f64,
-    /// Half the width of the 95 % interval of the model's seconds, which are those of the whole size.
+    /// Half the width of the 95 % interval of the model's seconds, which are those of full size.
     pub seconds_half_width: f64,
     /// The relative standard error of the model's seconds.
-    pub seconds_doubt: f64,
+    pub seconds_error: f64,
     pub model: Model,
-    /// The relative MSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.
+    /// The relative MSE of the noise for each measured number of samples, at full size; of denoised images that of noise and bias.
     pub noises: Vec<(u32, f64)>,
     /// The FLIP of an image for each measured number of samples, at the size of the sweep.
     pub flips: Vec<(u32, f64)>,
@@ -62,13 +62,13 @@ pub struct Measured {
     /// estimates are too low until paths have found these.
     pub reliable: bool,
     /// Why a render of all its samples would call its error unreliable, as `render` words it.
-    pub doubts: Vec<String>,
+    pub reasons_unreliable: Vec<String>,
     /// The relMSE of its noise over the relative MSE.
     pub relmse_ratio: f64,
     /// Whether the image that its bias refers to is known, or the setting is declared unbiased.
     pub bias_known: bool,
     /// The relative standard error of its noise at the number of samples that reaches the middle target.
-    pub noise_doubt: f64,
+    pub noise_error: f64,
     /// Seconds to the targets.
     pub times: [Option<f64>; TARGETS.len()],
     pub ranking: Ranking,
@@ -100,16 +100,16 @@ impl Measured {
 
     /// Whether it reaches all targets as soon as another setting, or as late, within the error of the timings.
     pub fn is_as_fast_as(&self, other: &Measured) -> bool {
-        let doubt = doubt(self.seconds_doubt, other.seconds_doubt);
+        let tie = tie_ratio(self.seconds_error, other.seconds_error);
         self.times.iter().zip(other.times).all(|(own, theirs)| match (own, theirs) {
-            (Some(own), Some(theirs)) => *own < doubt * theirs && theirs < doubt * own,
+            (Some(own), Some(theirs)) => *own < tie * theirs && theirs < tie * own,
             (own, theirs) => *own == theirs,
         })
     }
 
     /// Its name within a sentence.
     pub fn named(&self) -> String {
-        match self.setting.knob {
+        match self.setting.option {
             None => "the defaults".to_string(),
             Some(_) => format!("`{}`", self.setting.name()),
         }
@@ -151,7 +151,7 @@ impl Measured {
             (false, _) if self.lacks_paths => {
                 words.push("unreliable: it differs by more than noise, as if it had missed rare bright paths");
             }
-            (false, _) if !self.doubts.is_empty() => words.push("unreliable, as `render` says of it"),
+            (false, _) if !self.reasons_unreliable.is_empty() => words.push("unreliable, as `render` says of it"),
             (false, false) => words.push("unreliable: the image that its bias refers to is not known well"),
             (false, true) => words.push("unreliable: rare bright paths, or too few rounds"),
         }
@@ -175,8 +175,8 @@ pub struct Judged {
 ///
 /// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. If the
 /// defaults differ from a given reference, or are not known well, biases are against the reference instead. The loss of
-/// detail with fewer pixels depends on the size of the image, so it is computed from images of the whole size.
-pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, unreached: &str) -> Judged {
+/// detail with fewer pixels depends on the size of the image, so it is computed from images of full size.
+pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullSize, unreached: &str) -> Judged {
     let Some((weights, fixed)) = weights(sweep, reference) else {
         let all: Vec<Setting> = sweep.subjects.iter().map(|subject| subject.setting.clone()).collect();
         all.into_iter().for_each(|setting| sweep.leave_out(setting, unreached));
@@ -193,11 +193,12 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     let mut missing = Vec::new();
     for (i, subject) in sweep.subjects.iter().enumerate() {
         let pace = if timed.contains(&i) { paces.next() } else { None };
-        let own = pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, (&weights, &fixed), whole));
+        let own =
+            pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, (&weights, &fixed), full_size));
         match own {
-            Some(measured) if measured.setting.scale < 1.0 => match whole.lost_detail(measured.setting.scale) {
+            Some(measured) if measured.setting.scale < 1.0 => match full_size.lost_detail(measured.setting.scale) {
                 Some((signed, squared)) => found.push((i, Measured { signed, squared, ..measured })),
-                None => missing.push((subject.setting.clone(), NOT_AT_WHOLE_SIZE)),
+                None => missing.push((subject.setting.clone(), NOT_AT_FULL_SIZE)),
             },
             Some(measured) => found.push((i, measured)),
             None => missing.push((subject.setting.clone(), unreached)),
@@ -222,7 +223,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     let against_reference = of_defaults.map(|found| (found, shows_more(&found.signed, &found.squared)));
     let differs = against_reference.is_some_and(|(_, differs)| differs);
     let defaults_known = found.first().is_some_and(|(_, defaults)| defaults.reliable);
-    let reference_known = against_reference.is_some_and(|(found, _)| found.doubt <= RELIABLE * TARGETS[1]);
+    let reference_known = against_reference.is_some_and(|(found, _)| found.noise_error <= RELIABLE * TARGETS[1]);
     let by_reference = differs || (reference_known && !defaults_known);
     let base_known = if by_reference { reference_known } else { defaults_known };
     for (subject, measured) in &mut found {
@@ -261,9 +262,9 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
             .for_each(|(subject, measured)| measured.flips = flips(&sweep.subjects[*subject], truth, sweep.size));
     }
     let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
-    let times = |m: &Measured| Times { seconds: m.times.to_vec(), doubt: m.seconds_doubt, reliable: m.reliable };
+    let times = |m: &Measured| Times { seconds: m.times.to_vec(), error: m.seconds_error, reliable: m.reliable };
     let all: Vec<Times> = found.iter().map(times).collect();
-    for (measured, ranking) in found.iter_mut().zip(standings(&all)) {
+    for (measured, ranking) in found.iter_mut().zip(rankings(&all)) {
         measured.ranking = ranking;
     }
     // Timings that differ by less than their error are no verdict. So what is as fast as the defaults is one group.
@@ -351,7 +352,7 @@ fn measured(
     pace: Pace,
     common: &[(u32, usize)],
     (weights, fixed): (&Weights, &Weights),
-    whole: &Whole,
+    full_size: &FullSize,
 ) -> Option<Measured> {
     let images = |subject: &Subject<'_>, level: u32| {
         let (_, rounds) = common.iter().find(|(of, _)| *of == level)?;
@@ -378,42 +379,42 @@ fn measured(
         let silent = levels.iter().all(|(_, noise)| noise.value <= 0.0);
         (silent && !levels.is_empty()).then_some(Falling::SILENT)
     })?;
-    let fall = Falling { noise: whole.noisier * fall.noise, ..fall };
-    let noise_doubt = fall.doubt(fall.samples_to(TARGETS[1]));
+    let fall = Falling { noise: full_size.noisier * fall.noise, ..fall };
+    let noise_error = fall.relative_error(fall.samples_to(TARGETS[1]));
     let seconds_here = pace.seconds / f64::from(LEVEL);
-    let seconds = whole.slower * seconds_here;
+    let seconds = full_size.slower * seconds_here;
     let relmse_ratio = match noise(&own_images, fixed, 1).zip(noise(&own_images, weights, 1)) {
         Some((fixed, own)) if own.value > 0.0 => fixed.value / own.value,
         _ => 1.0,
     };
     let verdict = subject.total.verdict(NOISE_LEVEL);
-    let doubts = if verdict.reliable() == Some(false) { verdict.doubts() } else { Vec::new() };
+    let reasons_unreliable = if verdict.reliable() == Some(false) { verdict.reasons_unreliable() } else { Vec::new() };
     Some(Measured {
         setting: subject.setting.clone(),
         rounds: own_images.len(),
         seconds_compile: subject.seconds_compile,
         seconds_here,
         seconds_half_width: seconds * pace.half_width.exp_m1(),
-        seconds_doubt: 0.5 * pace.half_width,
+        seconds_error: 0.5 * pace.half_width,
         model: Model {
             squared_bias: 0.0,
             squared_bias_upper: 0.0,
             noise: fall,
             seconds,
-            seconds_beside: if denoises { whole.seconds_to_denoise } else { 0.0 },
+            fixed_seconds: if denoises { full_size.seconds_to_denoise } else { 0.0 },
         },
         flips: Vec::new(),
-        noises: levels.iter().map(|(samples, noise)| (*samples, whole.noisier * noise.value)).collect(),
+        noises: levels.iter().map(|(samples, noise)| (*samples, full_size.noisier * noise.value)).collect(),
         signed: signed_bias(&own_images, &base_images, &weights.image)?,
         squared: squared_bias(&own_images, &base_images, weights, 1)?,
         biased: false,
         lacks_paths: false,
         against_reference: false,
-        reliable: noise_doubt <= RELIABLE && doubts.is_empty(),
-        doubts,
+        reliable: noise_error <= RELIABLE && reasons_unreliable.is_empty(),
+        reasons_unreliable,
         relmse_ratio,
         bias_known: true,
-        noise_doubt,
+        noise_error,
         times: [None; TARGETS.len()],
         ranking: Ranking::NeverReaches,
     })
@@ -431,9 +432,9 @@ fn soonest(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> b
 pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let best = soonest(found, target, &condition)?;
-    let unsure = |m: &Measured| m.seconds_doubt.hypot(m.model.doubt_to(TARGETS[target]));
-    let near = |m: &&Measured| time(m) < doubt(unsure(m), unsure(best)) * time(best);
-    let defaults = soonest(found, target, |m| m.setting.knob.is_none() && condition(m)).filter(near);
+    let unsure = |m: &Measured| m.seconds_error.hypot(m.model.relative_error_to(TARGETS[target]));
+    let near = |m: &&Measured| time(m) < tie_ratio(unsure(m), unsure(best)) * time(best);
+    let defaults = soonest(found, target, |m| m.setting.option.is_none() && condition(m)).filter(near);
     let faithful = soonest(found, target, |m| m.setting.declared_unbiased() && condition(m)).filter(near);
     Some(defaults.or(faithful).unwrap_or(best))
 }
@@ -462,14 +463,14 @@ mod tests {
         let mean = |of: &dyn Fn(usize) -> f64| (0..values.len()).map(of).sum::<f64>() / values.len() as f64;
         let share = |i: usize| [0.2126, 0.7152, 0.0722][i % 3];
         let mean_luminance = |of: &dyn Fn(usize) -> f64| 3.0 * mean(&|i| share(i) * of(i));
-        let whole = mean_luminance(&|i| values[i]);
+        let luminance = mean_luminance(&|i| values[i]);
         let weights = Weights::of_image(weights);
         let of_pixel = |i: usize| values[i] * values[i] + weights.floor;
         let biases: [&dyn Fn(usize) -> f64; 3] =
             [&|i| share(i) * of_pixel(i), &|i| if i == 17 { -1.0 } else { 0.0 }, &|i| (i as f64).sin() - 0.1];
         for (case, bias) in biases.into_iter().enumerate() {
             let squared = mean(&|i| bias(i) * bias(i) / of_pixel(i));
-            let signed = Estimate { value: mean_luminance(bias) / whole, error: 0.0, degrees: 7.0 };
+            let signed = Estimate { value: mean_luminance(bias) / luminance, error: 0.0, degrees: 7.0 };
             let (least, most) = by_mean(&signed, &weights);
             assert!(least == most && least <= squared * (1.0 + 1e-9) && least > 0.0, "{case}: {least} {squared}");
             assert!(case > 0 || (least / squared - 1.0).abs() < 1e-9, "{least} {squared}");

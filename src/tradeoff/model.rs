@@ -28,7 +28,7 @@ impl Falling {
     }
 
     /// The relative standard error of [`Falling::at`].
-    pub fn doubt(&self, samples: f64) -> f64 {
+    pub fn relative_error(&self, samples: f64) -> f64 {
         self.error.hypot(self.exponent_error * (samples.ln() - self.middle))
     }
 
@@ -51,8 +51,8 @@ pub struct Model {
     pub noise: Falling,
     /// The seconds for one sample in every pixel.
     pub seconds: f64,
-    /// The seconds that an image takes beside its samples: those of denoising it.
-    pub seconds_beside: f64,
+    /// The seconds of an image that do not depend on its samples: those of denoising it.
+    pub fixed_seconds: f64,
 }
 
 /// The range of plausible exponents. Sobol points reach at most 3, in smooth pixels.
@@ -79,13 +79,13 @@ impl Model {
 
     /// The seconds of this many samples in every pixel.
     pub fn seconds_of(&self, samples: f64) -> f64 {
-        self.seconds_beside + self.seconds * samples
+        self.fixed_seconds + self.seconds * samples
     }
 
     /// The relative standard error of [`Model::seconds_to`] that the noise's makes: d ln N = (d ln c N^-p) / p.
-    pub fn doubt_to(&self, target: f64) -> f64 {
+    pub fn relative_error_to(&self, target: f64) -> f64 {
         let left = target - self.squared_bias_upper;
-        if left > 0.0 { self.noise.doubt(self.noise.samples_to(left)) / self.noise.exponent } else { 0.0 }
+        if left > 0.0 { self.noise.relative_error(self.noise.samples_to(left)) / self.noise.exponent } else { 0.0 }
     }
 }
 
@@ -164,7 +164,7 @@ pub enum Ranking {
 const NO_DIFFERENCE: f64 = 1.15;
 
 /// The ratio of seconds below which two settings count as equally fast: two standard errors of the ratio.
-pub fn doubt(a: f64, b: f64) -> f64 {
+pub fn tie_ratio(a: f64, b: f64) -> f64 {
     (2.0 * a.hypot(b)).exp().max(NO_DIFFERENCE)
 }
 
@@ -174,20 +174,20 @@ pub struct Times {
     /// Seconds to each target, none if it does not reach the target.
     pub seconds: Vec<Option<f64>>,
     /// Their relative standard error.
-    pub doubt: f64,
+    pub error: f64,
     /// Whether noise and bias are known, too. A setting with unknown noise or bias never dominates a setting with known ones.
     pub reliable: bool,
 }
 
 /// The ranking of each setting.
-pub fn standings(all: &[Times]) -> Vec<Ranking> {
+pub fn rankings(all: &[Times]) -> Vec<Ranking> {
     let time = |t: &Option<f64>| t.unwrap_or(f64::INFINITY);
     let beats = |a: &Times, b: &Times| {
         let pairs = || a.seconds.iter().map(time).zip(b.seconds.iter().map(time));
-        let doubt = doubt(a.doubt, b.doubt);
+        let tie = tie_ratio(a.error, b.error);
         (a.reliable || !b.reliable)
-            && pairs().all(|(a, b)| a <= b || (a / b) < doubt)
-            && pairs().any(|(a, b)| a * doubt < b)
+            && pairs().all(|(a, b)| a <= b || (a / b) < tie)
+            && pairs().any(|(a, b)| a * tie < b)
     };
     all.iter()
         .map(|own| match own.seconds.iter().all(Option::is_none) {
@@ -214,17 +214,17 @@ mod tests {
         let found = falling(&levels, Sampler::Sobol).unwrap();
         // The prior has a weight of 100, and three levels known to a percent have 38,000.
         assert!((found.noise / 3.0 - 1.0).abs() < 3e-3 && (found.exponent - 1.3).abs() < 1e-3, "{found:?}");
-        assert!((found.at(16.0) / levels[1].1.value - 1.0).abs() < 1e-3 && found.doubt(16.0) < 0.01);
+        assert!((found.at(16.0) / levels[1].1.value - 1.0).abs() < 1e-3 && found.relative_error(16.0) < 0.01);
         assert!((found.at(found.samples_to(1e-3)) / 1e-3 - 1.0).abs() < 1e-9);
         assert_eq!(falling(&levels[1..2], Sampler::Sobol).map(|found| found.exponent), Some(1.0));
         assert_eq!(falling(&[], Sampler::Sobol), None);
         // Independent samples have an exponent of 1, whatever chance says of it.
         let independent = falling(&levels, Sampler::Independent).unwrap();
         assert_eq!((independent.exponent, independent.exponent_half_width()), (1.0, 0.0));
-        assert!((independent.doubt(1e6) / independent.error - 1.0).abs() < 1e-9);
+        assert!((independent.relative_error(1e6) / independent.error - 1.0).abs() < 1e-9);
         let model =
-            Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: found, seconds: 1.0, seconds_beside: 0.0 };
-        assert!(model.doubt_to(1e-6) > model.doubt_to(1e-1) && found.exponent_half_width() > 0.0);
+            Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: found, seconds: 1.0, fixed_seconds: 0.0 };
+        assert!(model.relative_error_to(1e-6) > model.relative_error_to(1e-1) && found.exponent_half_width() > 0.0);
         // An uncertain level has little effect: two levels known to a percent have a weight of 9,600.
         let mut unsure = levels;
         unsure[2].1 = Estimate { value: 10.0 * unsure[2].1.value, error: 1e3, degrees: 2.0 };
@@ -260,15 +260,15 @@ mod tests {
         let levels = [4, 16, 64].map(|n: u32| rough(level(n, f64::from(n).powf(-0.6))));
         let found = falling(&levels, Sampler::Sobol).unwrap();
         assert!((0.8..0.95).contains(&found.exponent), "{found:?}");
-        let doubts = [16.0, 1024.0].map(|samples| found.doubt(samples));
-        assert!((0.15..0.2).contains(&doubts[0]) && doubts[1] > 1.5 * doubts[0], "{doubts:?}");
+        let errors = [16.0, 1024.0].map(|samples| found.relative_error(samples));
+        assert!((0.15..0.2).contains(&errors[0]) && errors[1] > 1.5 * errors[0], "{errors:?}");
     }
 
     #[test]
     fn seconds_to_a_target_know_of_the_bias() {
         let noise = Falling { noise: 0.8, ..Falling::SILENT };
-        let model = Model { squared_bias: 1e-3, squared_bias_upper: 2e-3, noise, seconds: 0.5, seconds_beside: 0.0 };
-        let with_denoising = Model { seconds_beside: 3.0, ..model };
+        let model = Model { squared_bias: 1e-3, squared_bias_upper: 2e-3, noise, seconds: 0.5, fixed_seconds: 0.0 };
+        let with_denoising = Model { fixed_seconds: 3.0, ..model };
         assert!((with_denoising.seconds_to(1e-2).unwrap() - 3.0 - 0.5 * 100.0).abs() < 1e-9);
         assert!((model.seconds_to(1e-2).unwrap() - 0.5 * 100.0).abs() < 1e-9);
         assert_eq!(model.seconds_to(2e-3), None);
@@ -289,17 +289,17 @@ mod tests {
             vec![Some(1.01), Some(10.1), Some(101.0)],
             vec![None, None, None],
         ];
-        let times = |doubt: f64| all.clone().map(|seconds| Times { seconds, doubt, reliable: true });
-        let found = |doubt: f64| standings(&times(doubt));
+        let times = |error: f64| all.clone().map(|seconds| Times { seconds, error, reliable: true });
+        let found = |error: f64| rankings(&times(error));
         use Ranking::*;
         assert_eq!(found(0.001), [Front, Front, Dominated, Front, NeverReaches]);
         // If timings are off by 30 %, a factor of two is no difference in time, but to reach a target or not is one.
         assert_eq!(found(0.3), [Front, Dominated, Front, Front, NeverReaches]);
         // The first and the fourth can dominate the third only if their noise and bias are known.
-        let mut doubtful = times(0.001);
-        (doubtful[0].reliable, doubtful[3].reliable) = (false, false);
-        assert_eq!(standings(&doubtful)[2], Front);
-        doubtful[2].reliable = false;
-        assert_eq!(standings(&doubtful)[2], Dominated);
+        let mut uncertain = times(0.001);
+        (uncertain[0].reliable, uncertain[3].reliable) = (false, false);
+        assert_eq!(rankings(&uncertain)[2], Front);
+        uncertain[2].reliable = false;
+        assert_eq!(rankings(&uncertain)[2], Dominated);
     }
 }

@@ -37,8 +37,8 @@ pub fn paces(settings: &[&[Timed]], clock: &[Timed]) -> Vec<Pace> {
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
         logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>()
     };
-    // The spread of rounds is that of the machine more than that of a setting, so all settings share the estimate at least: three rounds that
-    // agree by chance prove nothing.
+    // The variance between rounds comes from the machine more than from a setting, so no setting has less than the pooled estimate: three
+    // rounds that agree by chance prove nothing.
     let degrees = |logs: &Vec<f64>| logs.len().saturating_sub(1) as f64;
     let all_degrees = relative.iter().map(degrees).sum::<f64>();
     let pooled = relative.iter().map(|logs| squares(logs)).sum::<f64>() / all_degrees;
@@ -136,11 +136,11 @@ mod tests {
     fn sweep(machine: &mut Machine, own: &[f64], stays: f64) -> (Vec<Vec<Timed>>, Vec<Timed>) {
         let (mut blocks, mut clock) = (vec![Vec::new(); own.len()], Vec::new());
         for round in 0..ROUNDS {
-            for turn in 0..own.len() {
-                if turn % 3 == 0 {
+            for position in 0..own.len() {
+                if position % 3 == 0 {
                     clock.push(machine.block(own[0], stays));
                 }
-                let setting = (turn + round) % own.len();
+                let setting = (position + round) % own.len();
                 let block = machine.block(own[setting], stays);
                 blocks[setting].push(block);
                 clock.extend((setting == 0).then_some(block));
@@ -173,11 +173,11 @@ mod tests {
                 let (blocks, clock) = sweep(&mut Machine::new(1000 + seed), &[1.0; SETTINGS], stays);
                 wrong += differing(&paces_of_blocks(&blocks, &clock));
                 let mut machine = Machine::new(1000 + seed);
-                let in_turn: Vec<Vec<Timed>> =
+                let one_by_one: Vec<Vec<Timed>> =
                     (0..SETTINGS).map(|_| (0..ROUNDS).map(|_| machine.block(1.0, stays)).collect()).collect();
-                planted += differing(&paces_of_blocks(&in_turn, &[in_turn[0][0]]));
+                planted += differing(&paces_of_blocks(&one_by_one, &[one_by_one[0][0]]));
             }
-            println!("load for {stays} s: {wrong} of {count} are told to differ, and without a clock {planted}");
+            println!("load for {stays} s: {wrong} of {count} are found to differ, and without a clock {planted}");
             // 5 %, and three standard errors of that share of 660.
             assert!(wrong as f64 <= 0.075 * count as f64, "load for {stays} s: {wrong}");
             assert!(stays != 30.0 || planted > count / 5, "{planted}");

@@ -64,7 +64,7 @@ fn marked(text: &str) -> String {
     parts.iter().enumerate().map(mark).collect()
 }
 
-/// The whole page: the advice, the plot and the pictures. The rest is folded.
+/// The page: the advice, the plot and the pictures. The rest is folded.
 ///
 /// # Errors
 /// If the plot cannot be drawn.
@@ -117,15 +117,21 @@ fn listed(lines: &[String]) -> String {
     format!("<ul>\n{items}</ul>\n")
 }
 
-/// A sentence for each knob.
+/// A sentence for each option that was swept.
 fn given_up(report: &Findings) -> Vec<String> {
-    let mut told: Vec<&str> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     let mut lines = Vec::new();
     let all = report.measured.iter().map(|m| &m.setting).chain(report.unmeasured.iter().map(|left| &left.setting));
-    for knob in all.filter_map(|setting| setting.knob) {
-        if !told.contains(&knob.name) {
-            told.push(knob.name);
-            lines.push(format!("`--{}` ({}): {} {}", knob.name, class_name(knob.class), knob.about, knob.trade_off));
+    for option in all.filter_map(|setting| setting.option) {
+        if !names.contains(&option.name) {
+            names.push(option.name);
+            lines.push(format!(
+                "`--{}` ({}): {} {}",
+                option.name,
+                class_name(option.class),
+                option.about,
+                option.trade_off
+            ));
         }
     }
     lines
@@ -133,7 +139,7 @@ fn given_up(report: &Findings) -> Vec<String> {
 
 /// The pictures of all settings at equal time.
 fn pictures(report: &Findings) -> String {
-    if report.shown.is_empty() {
+    if report.examples.is_empty() {
         return String::new();
     }
     let mut text = format!(
@@ -141,7 +147,7 @@ fn pictures(report: &Findings) -> String {
          The picture on the right is its FLIP map: the perceived difference, from black (none) to white.</p>\n<div class=\"pictures\">\n",
         report.size.0, report.size.1
     );
-    for picture in &report.shown {
+    for picture in &report.examples {
         let data = |bytes: &[u8]| format!("data:image/png;base64,{}", STANDARD.encode(bytes));
         let name = escaped(&picture.setting);
         let figures = [

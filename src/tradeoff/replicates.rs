@@ -23,9 +23,9 @@ pub const FEWEST_ROUNDS: usize = 3;
 /// these rounds.
 #[derive(Clone, Debug)]
 pub struct Weights {
-    /// The whole r.
+    /// r of all rounds.
     pub image: Pixels,
-    /// f of the whole r, in squared radiance.
+    /// f of that r, in squared radiance.
     pub floor: f64,
     /// The w of each pair of folds, FOLDS times FOLDS, empty if no two rounds form the pair; or a single w for all pairs.
     of_folds: Vec<Vec<f64>>,
@@ -68,10 +68,10 @@ impl Weights {
         }
         let mean = |without: &[usize]| -> Option<Pixels> {
             let kept = || (0..FOLDS).filter(|fold| !without.contains(fold)).map(|fold| &sums[fold]);
-            let whole: f64 = kept().map(|(_, weight)| weight).sum();
-            let pixels = kept().map(|(sum, _)| sum.len()).max().filter(|_| whole > 0.0)?;
+            let total: f64 = kept().map(|(_, weight)| weight).sum();
+            let pixels = kept().map(|(sum, _)| sum.len()).max().filter(|_| total > 0.0)?;
             let value = |at: usize, c: usize| kept().filter_map(|(sum, _)| sum.get(at)).map(|p| p[c]).sum::<f64>();
-            Some((0..pixels).map(|at| std::array::from_fn(|c| (value(at, c) / whole) as f32)).collect())
+            Some((0..pixels).map(|at| std::array::from_fn(|c| (value(at, c) / total) as f32)).collect())
         };
         let image = mean(&[])?;
         let floor = floor_of(&image);
@@ -185,11 +185,11 @@ pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights, 
 /// The signed bias of the mean luminance, relative to that of the reference. Pairs share their random numbers, so that
 /// noise that the two settings have in common cancels.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
-    let whole = mean_luminance(reference);
+    let mean = mean_luminance(reference);
     let off = |(a, b): (&Pixels, &Pixels)| match mean_luminance(a) - mean_luminance(b) {
         // Two black images have no bias.
         0.0 => 0.0,
-        off => off / whole,
+        off => off / mean,
     };
     let each: Vec<f64> = setting.iter().zip(baseline).map(off).collect();
     Estimate::of_values(&each).filter(|estimate| estimate.value.is_finite())
@@ -274,7 +274,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn opposite_differences_in_two_places_are_a_bias() {
+    fn opposite_differences_of_two_pixels_are_a_bias() {
         let mut random = Random(5);
         let baseline = random.images(8, 0.5, 0.01);
         let moved = |image: &Pixels| {
@@ -289,7 +289,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_same_images_are_no_bias_without_doubt() {
+    fn the_same_images_have_no_bias_and_no_error() {
         let images = Random(9).images(4, 0.5, 0.1);
         let found = [signed_bias(&images, &images, &mean()), squared_bias(&images, &images, &reference(), 1)];
         for estimate in found {

@@ -18,8 +18,8 @@ pub struct Findings {
     pub driver: String,
     pub size: (u32, u32),
     /// The size of the scene's image, or of the reference.
-    pub whole_size: (u32, u32),
-    /// Ratios, for the defaults, of the seconds of a sample and of the relative MSE of the noise at the whole size to those
+    pub full_size: (u32, u32),
+    /// Ratios, for the defaults, of the seconds of a sample and of the relative MSE of the noise at full size to those
     /// at the measured size; none if they were not measured.
     pub calibration: Option<(f64, f64)>,
     pub seed: u32,
@@ -43,12 +43,12 @@ pub struct Findings {
     pub unmeasured: Vec<Unmeasured>,
     /// The size of the reference, if only its middle is measured.
     pub middle_of: Option<(u32, u32)>,
-    pub shown: Vec<Shown>,
+    pub examples: Vec<Example>,
 }
 
 /// A picture of a setting, rendered in the same time as all pictures.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct Example {
     pub setting: String,
     pub samples: u32,
     pub seconds: f64,
@@ -220,9 +220,9 @@ impl Findings {
     /// has those that it leaves out because they are as fast as the defaults within the error of the timings.
     pub fn drawn(&self) -> (Vec<&Measured>, Vec<&Measured>) {
         let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
-        let as_defaults = |measured: &&Measured| measured.setting.knob.is_some() && measured.is_as_fast_as(defaults);
+        let as_defaults = |measured: &&Measured| measured.setting.option.is_some() && measured.is_as_fast_as(defaults);
         let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = self.sorted().into_iter().partition(as_defaults);
-        others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.ranking != Ranking::Front));
+        others.sort_by_key(|measured| (measured.setting.option.is_some(), measured.ranking != Ranking::Front));
         (others, same)
     }
 
@@ -244,12 +244,12 @@ impl Findings {
     pub fn advice(&self) -> Vec<String> {
         let sentence = |(index, best): (usize, Option<&Measured>)| {
             let target = target_words(TARGETS[index]);
-            let doubtful = preferred(&self.measured, index, Measured::is_faithful);
+            let unreliable = preferred(&self.measured, index, Measured::is_faithful);
             let Some(best) = best else {
                 if self.measured.is_empty() {
                     return format!("{target}: nothing was measured");
                 }
-                let words = doubtful.map_or(String::new(), |m| {
+                let words = unreliable.map_or(String::new(), |m| {
                     format!("; {} would take {}, or longer if light was missed", m.named(), time_text(m.times[index]))
                 });
                 return format!("{target}: no reliable setting reaches it{words}");
@@ -257,7 +257,7 @@ impl Findings {
             let time = time_text(best.times[index]);
             let cost = cost_text(best);
             let what = best.named();
-            let besides = match (sooner_with_bias(&self.measured, index, best), doubtful) {
+            let besides = match (sooner_with_bias(&self.measured, index, best), unreliable) {
                 (Some(other), _) => {
                     let time = time_text(other.times[index]);
                     format!("; with a bias, {}: {time}, {}", other.named(), cost_text(other))
@@ -287,7 +287,7 @@ impl Findings {
             time(self.measured.first()?),
             time(denoised),
             denoised.named(),
-            time_text(Some(denoised.model.seconds_beside))
+            time_text(Some(denoised.model.fixed_seconds))
         ))
     }
 
@@ -309,14 +309,14 @@ impl Findings {
             self.driver,
             self.measured.first().map_or(0, |defaults| defaults.rounds)
         )];
-        let (w, h) = self.whole_size;
+        let (w, h) = self.full_size;
         if let Some((width, height)) = self.middle_of {
             lines.push(format!(
                 "only the middle {w}x{h} pixels of the reference's {width}x{height} are measured, because their sides divide into those of smaller images"
             ));
         }
         match self.calibration {
-            _ if self.whole_size == self.size => {}
+            _ if self.full_size == self.size => {}
             Some((slower, noisier)) => lines.push(format!(
                 "all seconds are for {w}x{h}: a sample of the defaults takes {slower:.1} times as long there and has {noisier:.2} times the noise, \
                  both measured; the other settings are assumed to change by the same factors"
@@ -331,16 +331,16 @@ impl Findings {
             let so = if known { "" } else { "; so no bias is known, and no biased setting is recommended" };
             let noise = format!(
                 "the noise of the defaults is known to {:.0} % only, because paths are rare and bright, or rounds are too few",
-                100.0 * defaults.noise_doubt
+                100.0 * defaults.noise_error
             );
-            let doubts: Vec<String> = match defaults.doubts.is_empty() {
+            let reasons: Vec<String> = match defaults.reasons_unreliable.is_empty() {
                 true => vec![noise],
                 false => {
-                    let doubt = |doubt: &String| format!("the relative error of the defaults is unreliable: {doubt}");
-                    defaults.doubts.iter().map(doubt).collect()
+                    let words = |reason: &String| format!("the relative error of the defaults is unreliable: {reason}");
+                    defaults.reasons_unreliable.iter().map(words).collect()
                 }
             };
-            lines.extend(doubts.iter().map(|doubt| format!("{doubt}{so}")));
+            lines.extend(reasons.iter().map(|reason| format!("{reason}{so}")));
         }
         lines.extend(self.measured_against());
         if self.interrupted {
@@ -466,10 +466,10 @@ impl Findings {
         let row = |setting: &Setting, measured: bool, verdict: String| {
             json!({
                 "setting": setting.name(),
-                "knob": setting.knob.map(|knob| knob.name),
+                "knob": setting.option.map(|option| option.name),
                 "value": setting.value,
                 "class": class_name(setting.class()),
-                "gives_up": setting.knob.map(|knob| knob.trade_off),
+                "gives_up": setting.option.map(|option| option.trade_off),
                 "measured": measured,
                 "verdict": verdict,
             })
@@ -481,7 +481,7 @@ impl Findings {
                 "rounds": measured.rounds,
                 "seconds_compile": measured.seconds_compile,
                 "seconds_per_sample": model.seconds,
-                "seconds_doubt": measured.seconds_doubt,
+                "seconds_doubt": measured.seconds_error,
                 "seconds_half_width": measured.seconds_half_width,
                 "variance_1spp": model.noise.noise,
                 "exponent": model.noise.exponent,
@@ -494,11 +494,11 @@ impl Findings {
                 "squared_bias_upper": measured.squared.upper(),
                 "biased": measured.biased,
                 "reliable": measured.reliable,
-                "doubts": measured.doubts,
+                "doubts": measured.reasons_unreliable,
                 "relmse_ratio": measured.relmse_ratio,
-                "noise_doubt": measured.noise_doubt,
+                "noise_doubt": measured.noise_error,
                 "seconds_to": times.map(|(target, time)| json!({"relative_mse": target, "relmse": target * measured.relmse_ratio, "seconds": time})).collect::<Vec<_>>(),
-                "seconds_beside": model.seconds_beside,
+                "seconds_beside": model.fixed_seconds,
                 "flip": measured.flips.iter().map(|(samples, flip)| json!({"samples": samples, "flip": flip})).collect::<Vec<_>>(),
                 "seconds_to_flip": measured.seconds_to_flip(),
                 "efficiency": measured.efficiency(),
@@ -525,7 +525,7 @@ impl Findings {
                     "relmse": best[i].map(|measured| target * measured.relmse_ratio),
                     "setting": best[i].map(|measured| measured.setting.name()),
                     "seconds": best[i].and_then(|measured| measured.times[i]),
-                    "samples": best[i].and_then(|m| Some((m.times[i]? - m.model.seconds_beside) / m.model.seconds)),
+                    "samples": best[i].and_then(|m| Some((m.times[i]? - m.model.fixed_seconds) / m.model.seconds)),
                     "words": words,
                 })
             })
@@ -536,8 +536,8 @@ impl Findings {
             "driver": self.driver,
             "width": self.size.0,
             "height": self.size.1,
-            "whole_width": self.whole_size.0,
-            "whole_height": self.whole_size.1,
+            "whole_width": self.full_size.0,
+            "whole_height": self.full_size.1,
             "seed": self.seed,
             "budget": self.budget,
             "seconds": self.seconds,
@@ -556,13 +556,13 @@ impl Findings {
             "left_out": self.left_out(),
             "settings": self.rows(),
             "recommendations": recommendations,
-            "equal_time": self.shown.iter().map(|shown| json!({
-                "setting": shown.setting,
-                "samples": shown.samples,
-                "seconds": shown.seconds,
-                "relative_mse": shown.error,
-                "relmse": shown.relmse,
-                "flip": shown.flip,
+            "equal_time": self.examples.iter().map(|example| json!({
+                "setting": example.setting,
+                "samples": example.samples,
+                "seconds": example.seconds,
+                "relative_mse": example.error,
+                "relmse": example.relmse,
+                "flip": example.flip,
             })).collect::<Vec<_>>(),
         })
     }

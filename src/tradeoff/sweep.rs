@@ -42,12 +42,12 @@ pub const SAMPLES_OF_ROUND: f64 =
 /// The cost of the fewest rounds, in samples per pixel.
 pub const SAMPLES_OF_FEWEST: f64 = FEWEST_ROUNDS as f64 * (LEVELS[0] + 2 * LEVEL) as f64 + LEVELS[2] as f64;
 
-/// The defaults with one knob changed, or the defaults themselves.
+/// The defaults with one option changed, or the defaults themselves.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// None for the defaults.
-    pub knob: Option<&'static OptionSpec>,
-    /// The knob's value, as the command line writes it.
+    pub option: Option<&'static OptionSpec>,
+    /// The option's value, as the command line writes it.
     pub value: String,
     pub options: RenderOptions,
     pub max_depth: u32,
@@ -60,15 +60,15 @@ pub struct Setting {
 impl Setting {
     /// `--clamp 10`, or `defaults`.
     pub fn name(&self) -> String {
-        self.knob.map_or("defaults".to_string(), |knob| knob.option(&self.value))
+        self.option.map_or("defaults".to_string(), |option| option.option(&self.value))
     }
 
-    /// The class that its knob declares.
+    /// The class that its option declares.
     pub fn class(&self) -> Class {
-        self.knob.map_or(Class::Exact, |knob| knob.class)
+        self.option.map_or(Class::Exact, |option| option.class)
     }
 
-    /// Whether its knob is declared to keep the expectation.
+    /// Whether its option is declared to keep the expectation.
     pub fn declared_unbiased(&self) -> bool {
         matches!(self.class(), Class::Exact | Class::Noise)
     }
@@ -274,7 +274,7 @@ impl<'a> Sweep<'a> {
     pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: Stop<'_>) -> Result<Option<Block>> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
-        let whole = self.size;
+        let full_size = self.size;
         let Subject { renderer, film, size, setting, .. } = &mut self.subjects[subject];
         film.clear();
         let begin = self.began.elapsed().as_secs_f64();
@@ -287,7 +287,7 @@ impl<'a> Sweep<'a> {
             Some(denoiser) => Layers::from_film(film).denoised(denoiser, *size)?,
             None => film.develop().rgb,
         };
-        Ok(Some(Block { image: enlarged(&image, *size, whole), seconds: outcome.seconds, at }))
+        Ok(Some(Block { image: enlarged(&image, *size, full_size), seconds: outcome.seconds, at }))
     }
 
     /// The seconds that denoising an image of some size takes; none if no setting denoises. They do not depend on what the image shows. It is timed
@@ -330,14 +330,14 @@ impl<'a> Sweep<'a> {
                 // No two blocks of a sweep share a seed, and none has the seed of --seed's own image.
                 let seed = self.seed.wrapping_add(1 + (round * LEVELS.len() + i) as u32);
                 let is_timed = level == LEVEL && self.subjects.len() > 1;
-                for turn in 0..=self.subjects.len() {
-                    let is_last = turn == self.subjects.len();
-                    let subject = (turn + round) % self.subjects.len();
+                for position in 0..=self.subjects.len() {
+                    let is_last = position == self.subjects.len();
+                    let subject = (position + round) % self.subjects.len();
                     progress(round, &self.subjects[subject].setting.name());
                     if stop() || Instant::now() + self.expected(subject, level) > until {
                         return Ok(());
                     }
-                    if is_timed && (is_last || turn % BLOCKS_A_CLOCK == 0) {
+                    if is_timed && (is_last || position % BLOCKS_A_CLOCK == 0) {
                         let Some(block) = self.image(0, level, seed, stop)? else { return Ok(()) };
                         self.clock.push(block.timed());
                     }
@@ -458,9 +458,9 @@ fn enlarged(image: &Pixels, (width, height): (u32, u32), to: (u32, u32)) -> Pixe
     if (width, height) == to {
         return image.clone();
     }
-    let place = |at: u32, from: u32, to: u32| (u64::from(at) * u64::from(from) / u64::from(to)) as usize;
-    let rows = (0..to.1).map(|y| place(y, height, to.1) * width as usize);
-    rows.flat_map(|row| (0..to.0).map(move |x| image[row + place(x, width, to.0)])).collect()
+    let source = |at: u32, from: u32, to: u32| (u64::from(at) * u64::from(from) / u64::from(to)) as usize;
+    let rows = (0..to.1).map(|y| source(y, height, to.1) * width as usize);
+    rows.flat_map(|row| (0..to.0).map(move |x| image[row + source(x, width, to.0)])).collect()
 }
 
 #[cfg(test)]
@@ -468,7 +468,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn seeds_of_a_sweep_are_told_from_others() {
+    fn seeds_of_a_sweep_are_recognised() {
         for seed in [0u32, 7, u32::MAX - 3] {
             let rounds = (MOST_ROUNDS * LEVELS.len()) as u32;
             let used = |offset: i64| Sweep::uses(seed, (i64::from(seed) + offset) as u32);

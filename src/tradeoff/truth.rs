@@ -23,7 +23,7 @@ pub struct Distance {
     /// The relative MSE minus the expected contribution of the truth's own noise.
     pub squared: Estimate,
     /// The standard error of that contribution.
-    pub doubt: f64,
+    pub noise_error: f64,
 }
 
 impl Truth {
@@ -73,14 +73,14 @@ impl Truth {
             }
         }
         let [a, b] = weights;
-        let whole = a + b;
-        let mean = |(x, y): (&[f64; 3], &[f64; 3])| std::array::from_fn(|c| ((x[c] + y[c]) / whole) as f32);
+        let total = a + b;
+        let mean = |(x, y): (&[f64; 3], &[f64; 3])| std::array::from_fn(|c| ((x[c] + y[c]) / total) as f32);
         // Var X = σ²/a and Var Y = σ²/b. The variance of their mean is σ²/(a + b) = ab/(a + b)² E (X - Y)².
         let variance = |(x, y): (&[f64; 3], &[f64; 3])| {
-            std::array::from_fn(|c| ((x[c] / a - y[c] / b).powi(2) * a * b / (whole * whole)) as f32)
+            std::array::from_fn(|c| ((x[c] / a - y[c] / b).powi(2) * a * b / (total * total)) as f32)
         };
         let pixels = || sums[0].iter().zip(&sums[1]);
-        (whole > 0.0).then(|| Truth {
+        (total > 0.0).then(|| Truth {
             image: pixels().map(mean).collect(),
             variance: (a > 0.0 && b > 0.0).then(|| pixels().map(variance).collect()),
         })
@@ -144,7 +144,7 @@ impl Truth {
                 degrees_of_sum(own, own2),
             ),
             // The variance of an estimate with one degree of freedom is 2 σ⁴, two thirds of the expectation of its square.
-            doubt: (2.0 / 3.0 * own2).sqrt() / count,
+            noise_error: (2.0 / 3.0 * own2).sqrt() / count,
         })
     }
 }
@@ -167,8 +167,8 @@ fn shrunk(image: &[[f32; 3]], width: u32, by: u32) -> Pixels {
         let sum = pixels.fold([0.0f64; 3], |sum, p| std::array::from_fn(|c| sum[c] + f64::from(p[c])));
         sum.map(|v| (v / (by * by) as f64) as f32)
     };
-    let places = (0..image.len() / width / by).flat_map(|y| (0..width / by).map(move |x| (x, y)));
-    places.map(|(x, y)| block(x, y)).collect()
+    let blocks = (0..image.len() / width / by).flat_map(|y| (0..width / by).map(move |x| (x, y)));
+    blocks.map(|(x, y)| block(x, y)).collect()
 }
 
 #[cfg(test)]

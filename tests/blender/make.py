@@ -565,25 +565,25 @@ def main():
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--to", type=pathlib.Path, default=FOLDER, help="another folder")
     arguments.add_argument("--no-render", action="store_true", help="only the .glb")
-    asked = arguments.parse_args()
-    for name in asked.scenes or [*SCENES, *USERS]:
-        glb, exr = (asked.to / f"{name}.{ending}" for ending in ("glb", "exr"))
-        spp = asked.spp or SPP.get(name, OTHER_SPP)
+    options = arguments.parse_args()
+    for name in options.scenes or [*SCENES, *USERS]:
+        glb, exr = (options.to / f"{name}.{ending}" for ending in ("glb", "exr"))
+        spp = options.spp or SPP.get(name, OTHER_SPP)
         if name in USERS:
             bpy.ops.wm.read_homefile(use_factory_startup=True)
             bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = SMALL_SIZE
             USERS[name]()
             export_as_user(glb)
-            if not asked.no_render:
-                render(exr, spp, asked.threads, settings={})
+            if not options.no_render:
+                render(exr, spp, options.threads, settings={})
             continue
         empty()
         what_no_file_says = SCENES[name]()
         export(glb)
         if what_no_file_says:
             what_no_file_says()
-        if not asked.no_render:
-            render(exr, spp, asked.threads)
+        if not options.no_render:
+            render(exr, spp, options.threads)
 
 
 if __name__ == "__main__":

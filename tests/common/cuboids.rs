@@ -10,14 +10,14 @@ use super::vectors::{U, decades, exact, unit};
 
 /// Boxes turned any way, with a longest edge of 1e-4 to 1e5 and, of half of them, the others down to 10^-`aspect` of it, their centres
 /// at distances from the origin of space within these decades of such an edge. Every fourth is not turned.
-pub fn assorted(random: &mut Random, count: usize, aspect: f64, place: (f64, f64)) -> Vec<Cuboid> {
+pub fn assorted(random: &mut Random, count: usize, aspect: f64, distance: (f64, f64)) -> Vec<Cuboid> {
     let texts: Vec<String> = (0..count)
         .map(|i| {
             let size = decades(random, -4.0, 5.0);
             let mut edge = |from: f64| size * decades(random, from, 0.0);
             let from = if i % 2 == 0 { 0.0 } else { -aspect };
             let edges = DVec3::new(edge(from), edge(from), edge(from));
-            let low = size * decades(random, place.0, place.1) * unit(random);
+            let low = size * decades(random, distance.0, distance.1) * unit(random);
             let cuboid = format!("Box(min: {}, max: {}, material: \"m\")", triple(low), triple(low + edges));
             if i % 4 == 0 {
                 return cuboid;
@@ -88,8 +88,8 @@ pub fn within(o: DVec3, d: DVec3, low: DVec3, high: DVec3, from: f64) -> Option<
 /// Rays at points in and a little outside boxes, from outside and inside.
 pub fn rays_at(random: &mut Random, cuboids: &[Cuboid], count: usize) -> Vec<In> {
     let mut cube = |reach: f64| (2.0 * DVec3::new(random.uniform(), random.uniform(), random.uniform()) - 1.0) * reach;
-    let places: Vec<(DVec3, DVec3)> = (0..count).map(|_| (cube(1.05), cube(0.95))).collect();
-    places
+    let pairs: Vec<(DVec3, DVec3)> = (0..count).map(|_| (cube(1.05), cube(0.95))).collect();
+    pairs
         .into_iter()
         .enumerate()
         .map(|(i, (target, inside))| {

@@ -42,7 +42,7 @@ pub fn index() -> &'static str {
 fn index_among(adapters: &Adapters) -> String {
     let index = match std::env::var("GPU_RT_TEST_DEVICE") {
         // Another device, by index or name, for running the suite on a GPU.
-        Ok(wish) => adapters.index_of_choice(Some(&wish)).expect("GPU_RT_TEST_DEVICE names no device"),
+        Ok(name) => adapters.index_of_choice(Some(&name)).expect("GPU_RT_TEST_DEVICE names no device"),
         Err(_) => adapters
             .names()
             .iter()

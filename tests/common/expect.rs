@@ -84,7 +84,7 @@ impl Expectations {
             if let Some(rest) = line.strip_prefix("let ") {
                 let (name, value) =
                     rest.split_once('=').ok_or_else(|| wrong("expected `let NAME = EXPRESSION`".into()))?;
-                let value = Parser::whole(value).map_err(wrong)?;
+                let value = Parser::full(value).map_err(wrong)?;
                 all.lets.push((name.trim().to_owned(), value));
             } else if let Some(rest) = line.strip_prefix("expect") {
                 all.list.push(Expectation::parse(line, rest).map_err(wrong)?);
@@ -125,8 +125,8 @@ impl Expectations {
 
     /// What is expected of every pixel of an image of this size, at the scene's own depth.
     pub fn of_every(&self, (width, height): (u32, u32), camera: &Camera) -> Vec<[f64; 3]> {
-        let whole = |e: &&Expectation| (e.depth, e.area, e.within) == (None, Area::Every, None);
-        let expectation = self.list.iter().find(whole).expect("it expects something of every pixel");
+        let full = |e: &&Expectation| (e.depth, e.area, e.within) == (None, Area::Every, None);
+        let expectation = self.list.iter().find(full).expect("it expects something of every pixel");
         self.image(expectation, &Picture { width, height, ..Picture::default() }, camera)
     }
 
@@ -143,8 +143,8 @@ impl Expectations {
         for e in self.list.iter().filter(every) {
             let [x0, y0, x1, y1] = e.bounds(&shot.picture);
             let columns = x0..x1;
-            let places = (y0..y1).flat_map(|y| columns.clone().map(move |x| (x, y)));
-            let area: Vec<Wanted> = places.zip(self.image(e, &shot.picture, camera)).collect();
+            let pixels = (y0..y1).flat_map(|y| columns.clone().map(move |x| (x, y)));
+            let area: Vec<Wanted> = pixels.zip(self.image(e, &shot.picture, camera)).collect();
             let sum = |tile: &[Wanted]| tile.iter().flat_map(|wanted| wanted.1).sum::<f64>();
             bright.extend(tiles(&area).iter().map(|(corner, tile)| (*corner, sum(tile))));
         }
@@ -252,8 +252,8 @@ impl Expectation {
     }
 
     fn bounds(&self, picture: &Picture) -> [u32; 4] {
-        let whole = [0, 0, picture.width, picture.height];
-        let bounds = self.within.unwrap_or(whole);
+        let full = [0, 0, picture.width, picture.height];
+        let bounds = self.within.unwrap_or(full);
         assert!(bounds[2] <= picture.width && bounds[3] <= picture.height, "{}: outside the image", self.line);
         bounds
     }
@@ -261,8 +261,8 @@ impl Expectation {
     fn check(&self, shot: &Shot, expected: &[[f64; 3]]) -> Result<(), String> {
         let [x0, y0, x1, y1] = self.bounds(&shot.picture);
         let columns = x0..x1;
-        let places = (y0..y1).flat_map(|y| columns.clone().map(move |x| (x, y)));
-        let area: Vec<Wanted> = places.zip(expected.iter().copied()).collect();
+        let pixels = (y0..y1).flat_map(|y| columns.clone().map(move |x| (x, y)));
+        let area: Vec<Wanted> = pixels.zip(expected.iter().copied()).collect();
         if shot.sampler == Sampler::Sobol {
             return self.check_defaults(shot, &area);
         }
@@ -495,7 +495,7 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn whole(text: &'a str) -> Result<Expr, String> {
+    fn full(text: &'a str) -> Result<Expr, String> {
         let mut parser = Parser { rest: text };
         let expr = parser.sum()?;
         parser.end()?;

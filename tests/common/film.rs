@@ -13,13 +13,19 @@ pub struct Run {
     pub counts: u32,
     pub rays: u32,
     /// The squared deviations of the accepted samples from their mean, summed.
-    pub spread: Rgb<f32>,
+    pub squared_deviations: Rgb<f32>,
 }
 
 impl Run {
     /// As the device has it.
     pub fn record(&self) -> RunRecord {
-        let Run { sum: [sum_r, sum_g, sum_b], pixel, counts, rays, spread: [squares_r, squares_g, squares_b] } = *self;
+        let Run {
+            sum: [sum_r, sum_g, sum_b],
+            pixel,
+            counts,
+            rays,
+            squared_deviations: [squares_r, squares_g, squares_b],
+        } = *self;
         RunRecord { sum_r, sum_g, sum_b, pixel, counts, rays, squares_r, squares_g, squares_b }
     }
 
@@ -32,7 +38,7 @@ impl Run {
         let mut pixel = PixelTotals::default();
         let unsigned = self.sum.map(|value| if signed { value.abs() } else { value });
         // A NaN fails this too.
-        if !unsigned.iter().chain(&self.spread).all(|value| *value >= 0.0) {
+        if !unsigned.iter().chain(&self.squared_deviations).all(|value| *value >= 0.0) {
             rejected.refused += u64::from(accepted);
         } else if unsigned.iter().any(|value| value.is_infinite()) {
             rejected.infinite += u64::from(accepted);
@@ -41,7 +47,7 @@ impl Run {
             for channel in 0..3 {
                 let values = [
                     (3 * half + channel, self.sum[channel], SUM_FRACTION),
-                    (6 + channel, self.spread[channel], SQUARE_FRACTION),
+                    (6 + channel, self.squared_deviations[channel], SQUARE_FRACTION),
                 ];
                 for (sum, value, fraction) in values {
                     match to_fixed(f64::from(value), fraction as i32) {

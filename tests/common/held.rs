@@ -4,7 +4,7 @@ use gpu_rt::film::ErrorEstimate;
 use gpu_rt::render::{NOISE_LEVEL, level_after};
 use gpu_rt::scene::Scene;
 
-use super::render::{Ask, Change, render_with};
+use super::render::{Change, Request, render_with};
 
 /// A floor under a quad lamp, and a bulb smaller than a pixel: two pixels hold nearly all of the noise.
 pub const BULB: &str = "Scene(
@@ -25,17 +25,17 @@ pub const BULB: &str = "Scene(
 )";
 
 /// One seed's image after so many samples.
-struct Look {
+struct Replicate {
     image: Vec<[f64; 3]>,
     error: ErrorEstimate,
-    /// Its bound at the level that `--noise` has left at this look.
-    bound_of_look: f64,
+    /// Its bound at the level that `--noise` has left at this check.
+    bound_of_check: f64,
 }
 
 /// Images of many seeds, each after so many samples.
-pub struct Looks {
+pub struct Replicates {
     samples: Vec<u32>,
-    seeds: Vec<Vec<Look>>,
+    seeds: Vec<Vec<Replicate>>,
 }
 
 /// Of the seeds of one number of samples.
@@ -68,14 +68,14 @@ impl Held {
     }
 }
 
-impl Looks {
+impl Replicates {
     /// Renders; the numbers of samples rise.
-    pub fn new(scene: &Scene, ask: &Ask, change: &Change<'_>, seeds: u32, samples: &[u32]) -> Looks {
+    pub fn new(scene: &Scene, request: &Request, change: &Change<'_>, seeds: u32, samples: &[u32]) -> Replicates {
         let starts = std::iter::once(&0).chain(samples);
         let ranges: Vec<_> = starts.zip(samples).map(|(start, end)| *start..*end).collect();
         let wanted = (0..seeds).flat_map(|seed| ranges.iter().map(move |range| (seed, range.clone())));
         let (mut all, mut of_seed, mut film) = (Vec::new(), Vec::new(), None);
-        render_with(scene, ask, wanted, change, |shot| {
+        render_with(scene, request, wanted, change, |shot| {
             let so_far = match film.take() {
                 Some(mut before) => {
                     gpu_rt::film::Film::merge(&mut before, &shot.film).expect("films of one image");
@@ -84,44 +84,44 @@ impl Looks {
                 None => shot.film,
             };
             let level = level_after(of_seed.len() as u32);
-            of_seed.push(Look {
+            of_seed.push(Replicate {
                 image: so_far.develop().rgb.iter().map(|rgb| rgb.map(f64::from)).collect(),
                 error: so_far.error_estimate(NOISE_LEVEL).expect("there is light"),
-                bound_of_look: so_far.error_estimate(level).expect("there is light").bound,
+                bound_of_check: so_far.error_estimate(level).expect("there is light").bound,
             });
             match of_seed.len() == samples.len() {
                 true => all.push(std::mem::take(&mut of_seed)),
                 false => film = Some(so_far),
             }
         });
-        Looks { samples: samples.to_vec(), seeds: all }
+        Replicates { samples: samples.to_vec(), seeds: all }
     }
 
     /// The true errors: of each seed, after each number of samples. What an image is compared with are the last images of all other seeds.
     fn truths(&self) -> Vec<Vec<f64>> {
-        let last = |looks: &Vec<Look>| looks.last().expect("one at least").image.clone();
+        let last = |images: &Vec<Replicate>| images.last().expect("one at least").image.clone();
         let images: Vec<Vec<[f64; 3]>> = self.seeds.iter().map(last).collect();
         let pixels = images[0].len();
         let sum: Vec<[f64; 3]> =
             (0..pixels).map(|p| [0, 1, 2].map(|c| images.iter().map(|image| image[p][c]).sum())).collect();
         let others = images.len() as f64 - 1.0;
         let luminance = |rgb: &[f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        let of_seed = |(looks, own): (&Vec<Look>, &Vec<[f64; 3]>)| {
+        let of_seed = |(images, own): (&Vec<Replicate>, &Vec<[f64; 3]>)| {
             let reference: Vec<[f64; 3]> =
                 (0..pixels).map(|p| [0, 1, 2].map(|c| (sum[p][c] - own[p][c]) / others)).collect();
             let floor = 0.01 * (reference.iter().map(luminance).sum::<f64>() / pixels as f64).powi(2);
-            let error = |look: &Look| {
-                let pairs = look.image.as_flattened().iter().zip(reference.as_flattened());
+            let error = |replicate: &Replicate| {
+                let pairs = replicate.image.as_flattened().iter().zip(reference.as_flattened());
                 (pairs.map(|(i, r)| (i - r).powi(2) / (r * r + floor)).sum::<f64>() / (3 * pixels) as f64).sqrt()
             };
-            looks.iter().map(error).collect()
+            images.iter().map(error).collect()
         };
         self.seeds.iter().zip(&images).map(of_seed).collect()
     }
 
     /// The errors that all images state.
     pub fn errors(&self) -> impl Iterator<Item = &ErrorEstimate> {
-        self.seeds.iter().flatten().map(|look| &look.error)
+        self.seeds.iter().flatten().map(|replicate| &replicate.error)
     }
 
     /// The share of images whose error is below another figure of theirs, by the number of samples.
@@ -129,7 +129,7 @@ impl Looks {
         let truths = self.truths();
         let held = |k: usize| {
             let count =
-                self.seeds.iter().zip(&truths).filter(|(looks, truths)| truths[k] <= figure(&looks[k].error)).count();
+                self.seeds.iter().zip(&truths).filter(|(images, truths)| truths[k] <= figure(&images[k].error)).count();
             count as f64 / self.seeds.len() as f64
         };
         (0..self.samples.len()).map(held).collect()
@@ -140,11 +140,11 @@ impl Looks {
         let truths = self.truths();
         let share = |of: &[bool]| of.iter().filter(|held| **held).count() as f64 / of.len() as f64;
         let of_samples = |(k, samples): (usize, &u32)| {
-            let looks = self.seeds.iter().zip(&truths).map(|(looks, truths)| (&looks[k].error, truths[k]));
+            let images = self.seeds.iter().zip(&truths).map(|(images, truths)| (&images[k].error, truths[k]));
             let held: Vec<(bool, bool)> =
-                looks.clone().map(|(error, truth)| (truth <= error.bound, error.reliable)).collect();
+                images.clone().map(|(error, truth)| (truth <= error.bound, error.reliable)).collect();
             let reliable: Vec<bool> = held.iter().filter(|(_, reliable)| *reliable).map(|(held, _)| *held).collect();
-            let mut widths: Vec<f64> = looks.map(|(error, truth)| error.bound / truth).collect();
+            let mut widths: Vec<f64> = images.map(|(error, truth)| error.bound / truth).collect();
             widths.sort_by(f64::total_cmp);
             Held {
                 samples: *samples,
@@ -158,12 +158,12 @@ impl Looks {
         self.samples.iter().enumerate().map(of_samples).collect()
     }
 
-    /// The share of seeds for which `--noise error`, which looks at these numbers of samples, ends with a larger error; and the share that it
+    /// The share of seeds for which `--noise error`, which checks the error at these numbers of samples, ends with a larger error; and the share that it
     /// ends for.
     pub fn noise_is_wrong(&self, error: f64) -> (f64, f64) {
         let (mut wrong, mut ended) = (0, 0);
-        for (looks, truths) in self.seeds.iter().zip(self.truths()) {
-            if let Some(k) = looks.iter().position(|look| look.bound_of_look < error) {
+        for (images, truths) in self.seeds.iter().zip(self.truths()) {
+            if let Some(k) = images.iter().position(|replicate| replicate.bound_of_check < error) {
                 ended += 1;
                 wrong += usize::from(truths[k] > error);
             }

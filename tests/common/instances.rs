@@ -20,7 +20,7 @@ pub struct In {
     pub origin: [f32; 3],
     pub root: u32,
     pub direction: [f32; 3],
-    pub ask: u32,
+    pub request: u32,
     pub leaving: [f32; 3],
     pub padding: u32,
 }
@@ -32,7 +32,7 @@ pub type Hit = [u32; 4];
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct Out {
     pub walked: Hit,
-    pub asked: Hit,
+    pub brute_force: Hit,
     pub point: [f32; 3],
     pub again: f32,
     pub normal: [f32; 3],

@@ -93,9 +93,9 @@ const POINTS: &[Point] = &[
          Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"more\"), Box(min: (0, 2, 0), max: (0.1, 2.1, 0.1), material: \"more\"),
          Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),",
     ),
-    point("a surface that emits and scatters", DARK, GLOW, BALL),
+    point("a surface that emits and scatters", DARK, EMISSIVE, BALL),
     point("numbers that vary, under a lamp", DARK, VARYING, VARYING_OBJECTS),
-    point("a surface that emits and scatters, a lamp and glass", DARK, GLOW_AND_GLASS, GLOW_OBJECTS),
+    point("a surface that emits and scatters, a lamp and glass", DARK, EMISSIVE_AND_GLASS, EMISSIVE_OBJECTS),
     point("a transparent quad", GRADIENT, "\"more\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, alpha: Image(path: \"image.png\", channel: G)),", QUAD),
     point("a transparent mesh that emits", DARK, "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2), alpha: 0.4),", FLAT),
     point("a light without size", DARK, GREY, POINT_LIGHT),
@@ -150,11 +150,11 @@ const VARYING_OBJECTS: &str = "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, mate
     Quad(corner: (-1.5, 0.1, -0.5), u: (1, 0, 0.3), v: (0, 1.2, 0), material: \"more\"),
     Box(min: (-0.3, 0, 0), max: (0.3, 0.5, 0.4), material: \"steel\"),
     Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"lamp\"),";
-const GLOW: &str = "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)),";
-const GLOW_AND_GLASS: &str =
+const EMISSIVE: &str = "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)),";
+const EMISSIVE_AND_GLASS: &str =
     "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)), \"glass\": Dielectric(ior: 1.5),
     \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),";
-const GLOW_OBJECTS: &str = "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"glass\"),
+const EMISSIVE_OBJECTS: &str = "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"glass\"),
     Quad(corner: (-1.5, 0.1, -0.5), u: (1, 0, 0.3), v: (0, 1.2, 0), material: \"more\"),
     Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"lamp\"),";
 const POINT_LIGHT: &str = "PointLight(at: (1, 2, 1), intensity: (3, 2, 1)),";

@@ -146,7 +146,7 @@ fn replace_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
 /// Claims a size, in formats whose sizes stand at a known place.
 pub fn claim_size(name: &str, bytes: &mut [u8], random: &mut Random) {
     let behind = |mark: &[u8]| bytes.windows(mark.len()).position(|window| window == mark).map(|at| at + mark.len());
-    let (place, length, is_big_endian) = match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
+    let (offset, length, is_big_endian) = match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
         "png" => (Some(16), 4, true),
         "jpg" => (behind(&[0xff, 0xc0, 0, 17, 8]).or(behind(&[0xff, 0xc2, 0, 17, 8])), 2, true),
         "bmp" => (Some(18), 4, false),
@@ -155,7 +155,7 @@ pub fn claim_size(name: &str, bytes: &mut [u8], random: &mut Random) {
         "exr" => (behind(b"dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0"), 4, false),
         _ => return,
     };
-    for at in [0, 1].map(|number| place.unwrap_or(bytes.len()) + number * length) {
+    for at in [0, 1].map(|number| offset.unwrap_or(bytes.len()) + number * length) {
         let number = NUMBERS[random.below(NUMBERS.len())];
         let word = if is_big_endian { (number << (32 - 8 * length)).to_be_bytes() } else { number.to_le_bytes() };
         if let Some(to) = bytes.get_mut(at..at + length) {

@@ -14,7 +14,7 @@ pub fn quad_text(corner: DVec3, u: DVec3, v: DVec3) -> String {
 
 /// Parallelograms with a longer side of 1e-4 to 1e5, half of them up to 10^`aspect` times as long as wide, their angles from 30 to 150
 /// degrees, and their corners at distances from the origin within these decades of the longer side.
-pub fn assorted(random: &mut Random, count: usize, aspect: f64, place: (f64, f64)) -> Vec<Quad> {
+pub fn assorted(random: &mut Random, count: usize, aspect: f64, distance: (f64, f64)) -> Vec<Quad> {
     let texts: Vec<String> = (0..count)
         .map(|i| {
             let longer = decades(random, -4.0, 5.0);
@@ -23,7 +23,7 @@ pub fn assorted(random: &mut Random, count: usize, aspect: f64, place: (f64, f64
             let sideways = u.cross(unit(random)).normalize();
             let skew = (2.0 * random.uniform() - 1.0) * 0.866;
             let v = skew * u + (1.0 - skew * skew).sqrt() * sideways;
-            let corner = longer * decades(random, place.0, place.1) * unit(random);
+            let corner = longer * decades(random, distance.0, distance.1) * unit(random);
             match i % 3 {
                 0 => quad_text(corner, longer * u, shorter * v),
                 _ => quad_text(corner, shorter * u, longer * v),

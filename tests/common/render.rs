@@ -19,7 +19,7 @@ use super::stats::{sidak, student_two_sided};
 
 /// What is asked of a render; what is absent is the scene's own.
 #[derive(Clone, Debug)]
-pub struct Ask {
+pub struct Request {
     pub size: Option<(u32, u32)>,
     pub samples: Option<Range<u32>>,
     pub max_depth: Option<u32>,
@@ -40,51 +40,51 @@ pub fn plain() -> RenderOptions {
     }
 }
 
-impl Default for Ask {
-    fn default() -> Ask {
-        Ask { size: None, samples: None, max_depth: None, seed: 0, options: plain(), storage_tables: false }
+impl Default for Request {
+    fn default() -> Request {
+        Request { size: None, samples: None, max_depth: None, seed: 0, options: plain(), storage_tables: false }
     }
 }
 
-impl Ask {
-    pub fn spp(samples: u32) -> Ask {
-        Ask { samples: Some(0..samples), ..Ask::default() }
+impl Request {
+    pub fn spp(samples: u32) -> Request {
+        Request { samples: Some(0..samples), ..Request::default() }
     }
 
-    pub fn seed(self, seed: u32) -> Ask {
-        Ask { seed, ..self }
+    pub fn seed(self, seed: u32) -> Request {
+        Request { seed, ..self }
     }
 
-    pub fn with(mut self, change: impl FnOnce(&mut RenderOptions)) -> Ask {
+    pub fn with(mut self, change: impl FnOnce(&mut RenderOptions)) -> Request {
         change(&mut self.options);
         self
     }
 
-    pub fn sobol(self) -> Ask {
+    pub fn sobol(self) -> Request {
         self.with(|options| options.sampler = Sampler::Sobol)
     }
 
     /// With light sampling.
-    pub fn mis(self) -> Ask {
+    pub fn mis(self) -> Request {
         self.with(|options| options.integrator = Integrator::Mis)
     }
 
     /// With Russian roulette.
-    pub fn roulette(self) -> Ask {
+    pub fn roulette(self) -> Request {
         self.with(|options| options.roulette = Switch::On)
     }
 
     /// Its stages linked this way.
-    pub fn scatter(self, scatter: Scatter) -> Ask {
+    pub fn scatter(self, scatter: Scatter) -> Request {
         self.with(|options| options.scatter = Some(scatter))
     }
 
-    pub fn size(self, width: u32, height: u32) -> Ask {
-        Ask { size: Some((width, height)), ..self }
+    pub fn size(self, width: u32, height: u32) -> Request {
+        Request { size: Some((width, height)), ..self }
     }
 
-    pub fn depth(self, max_depth: u32) -> Ask {
-        Ask { max_depth: Some(max_depth), ..self }
+    pub fn depth(self, max_depth: u32) -> Request {
+        Request { max_depth: Some(max_depth), ..self }
     }
 }
 
@@ -129,39 +129,41 @@ pub fn diagnostics(scene: &Scene) -> Vec<String> {
 }
 
 /// Renders the scene.
-pub fn render(scene: &Scene, ask: &Ask) -> Shot {
-    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
-    let mut shots = render_each(scene, ask, &[samples]);
+pub fn render(scene: &Scene, request: &Request) -> Shot {
+    let samples = request.samples.clone().unwrap_or(0..scene.render.samples);
+    let mut shots = render_each(scene, request, &[samples]);
     shots.remove(0)
 }
 
 /// Renders several ranges of samples, one after the other by the same kernels and buffers, each onto a film of its own. The samples
 /// that are asked for elsewhere do not count.
-pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot> {
+pub fn render_each(scene: &Scene, request: &Request, ranges: &[Range<u32>]) -> Vec<Shot> {
     let mut shots = Vec::new();
-    render_all(scene, ask, ranges.iter().map(|samples| (ask.seed, samples.clone())), |shot| shots.push(shot));
+    render_all(scene, request, ranges.iter().map(|samples| (request.seed, samples.clone())), |shot| shots.push(shot));
     shots
 }
 
 /// Renders several seeds and ranges; each shot is handed over when it is there.
 pub fn render_all(
     scene: &Scene,
-    ask: &Ask,
+    request: &Request,
     wanted: impl Iterator<Item = (u32, Range<u32>)>,
     mut take: impl FnMut(Shot),
 ) {
-    let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    render_with(scene, ask, wanted, &Change::default(), |shot| {
-        shot.check(size, ask.options.filter);
+    let size = request.size.unwrap_or((scene.image.width, scene.image.height));
+    render_with(scene, request, wanted, &Change::default(), |shot| {
+        shot.check(size, request.options.filter);
         take(shot);
     });
 }
 
 /// Renders with kernels that are linked from another library, in which errors can be planted; the caller checks the counts.
-pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
+pub fn render_linked(scene: &Scene, request: &Request, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
     let mut shots = Vec::new();
-    let wanted = ranges.iter().map(|samples| (ask.seed, samples.clone()));
-    render_with(scene, ask, wanted, &Change { library: Some(library), ..Change::default() }, |shot| shots.push(shot));
+    let wanted = ranges.iter().map(|samples| (request.seed, samples.clone()));
+    render_with(scene, request, wanted, &Change { library: Some(library), ..Change::default() }, |shot| {
+        shots.push(shot)
+    });
     shots
 }
 
@@ -177,28 +179,28 @@ pub struct Change<'a> {
 }
 
 /// Renders a scene that was changed.
-pub fn render_changed(scene: &Scene, ask: &Ask, change: &Change<'_>) -> Shot {
-    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
+pub fn render_changed(scene: &Scene, request: &Request, change: &Change<'_>) -> Shot {
+    let samples = request.samples.clone().unwrap_or(0..scene.render.samples);
     let mut shots = Vec::new();
-    render_with(scene, ask, std::iter::once((ask.seed, samples)), change, |shot| shots.push(shot));
+    render_with(scene, request, std::iter::once((request.seed, samples)), change, |shot| shots.push(shot));
     shots.remove(0)
 }
 
 pub fn render_with(
     scene: &Scene,
-    ask: &Ask,
+    request: &Request,
     wanted: impl Iterator<Item = (u32, Range<u32>)>,
     change: &Change<'_>,
     mut take: impl FnMut(Shot),
 ) {
-    let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    let mut flat = flatten(scene, size, &ask.options).expect("the scene flattens");
+    let size = request.size.unwrap_or((scene.image.width, scene.image.height));
+    let mut flat = flatten(scene, size, &request.options).expect("the scene flattens");
     if let Some(change) = change.flat {
         change(&mut flat);
     }
     let job = |seed: u32, samples: &Range<u32>| Job {
         size,
-        max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
+        max_depth: request.max_depth.unwrap_or(scene.render.max_depth),
         seed,
         first_sample: samples.start,
         goal: Goal::Samples(samples.end),
@@ -208,18 +210,19 @@ pub fn render_with(
     let (seed, samples) = wanted.peek().expect("something is asked for");
     let first = job(*seed, samples);
     let mut class = device.class();
-    if ask.storage_tables {
+    if request.storage_tables {
         class.max_uniform_bytes = 0;
     }
-    let mut plan = Plan::new(&flat, &ask.options, class, &first).expect("the kernels link");
+    let mut plan = Plan::new(&flat, &request.options, class, &first).expect("the kernels link");
     relink(&mut plan.kernels, change);
     let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
         let job = job(seed, &samples);
-        let mut film = empty_film(&flat, size, &ask.options).expect("the film fits");
+        let mut film = empty_film(&flat, size, &request.options).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
-        let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.look(outcome)).expect("the device renders");
-        take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });
+        let outcome =
+            renderer.run(&job, &mut film, &mut |outcome, _| watch.observe(outcome)).expect("the device renders");
+        take(Shot { picture: film.develop(), film, outcome, sampler: request.options.sampler });
     }
 }
 
@@ -266,9 +269,9 @@ fn render_flat(
 }
 
 /// Renders by kernels from another library.
-pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
-    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
-    render_linked(scene, ask, &[samples], library).remove(0)
+pub fn render_planted(scene: &Scene, request: &Request, library: &dyn Library) -> Shot {
+    let samples = request.samples.clone().unwrap_or(0..scene.render.samples);
+    render_linked(scene, request, &[samples], library).remove(0)
 }
 
 /// Links the kernels of a plan another way.
@@ -311,7 +314,7 @@ impl Watchdog {
         Watchdog { patience: u64::from(RUN_LENGTH) * (u64::from(max_depth) + 1) + 16, idle: 0, paths: 0 }
     }
 
-    fn look(&mut self, outcome: &Outcome) -> Next {
+    fn observe(&mut self, outcome: &Outcome) -> Next {
         let paths = outcome.totals.paths;
         self.idle = if paths > self.paths { 0 } else { self.idle + 1 };
         self.paths = paths;
@@ -436,7 +439,7 @@ impl Shot {
 pub fn same_expectation(a: &Shot, b: &Shot, rounding: f64, alpha: f64) -> Result<(), String> {
     let worst = worst_difference(a, b, rounding);
     match worst.p < sidak(alpha, worst.compared) {
-        true => Err(worst.place),
+        true => Err(worst.tile),
         false => Ok(()),
     }
 }
@@ -449,7 +452,7 @@ pub struct Difference {
     pub z: f64,
     /// How many comparisons there were.
     pub compared: usize,
-    pub place: String,
+    pub tile: String,
 }
 
 /// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the whole image, each by Welch's test of the
@@ -463,7 +466,7 @@ pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
     let corners = (0..height / TILE).flat_map(|y| (0..width / TILE).map(move |x| (x, y)));
     let tiles = corners.map(|(x, y)| (x * TILE..(x + 1) * TILE, y * TILE..(y + 1) * TILE));
     let areas: Vec<_> = std::iter::once((0..width, 0..height)).chain(tiles).collect();
-    let mut worst = Difference { p: 1.0, z: 0.0, compared: 3 * areas.len(), place: "nowhere".to_string() };
+    let mut worst = Difference { p: 1.0, z: 0.0, compared: 3 * areas.len(), tile: "nowhere".to_string() };
     for (columns, rows) in areas {
         let (mean_a, mean_b) = (a.mean(columns.clone(), rows.clone()), b.mean(columns.clone(), rows.clone()));
         for channel in 0..3 {
@@ -478,10 +481,10 @@ pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
             // No number is worse than any.
             let (p, z) = if z.is_nan() { (0.0, f64::INFINITY) } else { (student_two_sided(z, degrees), z) };
             if p < worst.p {
-                let place = format!(
+                let tile = format!(
                     "columns {columns:?}, rows {rows:?}, channel {channel}: {va} and {vb}, z = {z:.2}, p = {p:.1e}"
                 );
-                worst = Difference { p, z, place, ..worst };
+                worst = Difference { p, z, tile, ..worst };
             }
         }
     }

@@ -6,7 +6,7 @@ use gpu_rt::data::Material;
 /// What tests/shaders/scatter.wgsl takes: a ray that meets a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Met {
+pub struct SurfaceHit {
     pub incoming: [f32; 3],
     pub front: u32,
     pub normal: [f32; 3],

@@ -45,8 +45,8 @@ fn differences(rows: &BTreeSet<String>, objects: &[Value]) -> Vec<String> {
     let found: BTreeSet<String> = objects.iter().flat_map(paths).map(|path| path[1..].to_owned()).collect();
     let missing = found.iter().filter(|path| row_of(rows, path).is_none());
     let missing = missing.map(|path| format!("no row has {path}"));
-    let told: BTreeSet<_> = found.iter().filter_map(|path| row_of(rows, path)).collect();
-    let idle = rows.iter().filter(|row| !told.contains(row)).map(|row| format!("nothing has {row}"));
+    let listed: BTreeSet<_> = found.iter().filter_map(|path| row_of(rows, path)).collect();
+    let idle = rows.iter().filter(|row| !listed.contains(row)).map(|row| format!("nothing has {row}"));
     missing.chain(idle).collect()
 }
 

@@ -18,7 +18,7 @@ tests_on() {
 }
 skipped_on() {
     case $1 in
-        swiftshader) echo estimators features knobs narrow_lobes references sobol warnings ;;
+        swiftshader) echo estimators features narrow_lobes references sobol trade_offs warnings ;;
         *) echo tradeoff ;;
     esac
 }

@@ -1,7 +1,7 @@
 //! Rooms from which light finds out after a thousand events, or after none.
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::render::{Request, Shot, render, render_planted, scene};
 use crate::common::vectors::U;
 use crate::table::{Cell, Row};
 
@@ -50,7 +50,7 @@ pub fn cells() -> Vec<Cell> {
             0.0,
             "a surface that reflects nothing is black.",
         )
-        .achieved(render(&scene(&room(0.0, 0.5)), &Ask::spp(16).mis()).mean_of_all().value[0]),
+        .achieved(render(&scene(&room(0.0, 0.5)), &Request::spp(16).mis()).mean_of_all().value[0]),
     ];
     all.extend(by_scattering());
     all.extend(shallow());
@@ -63,10 +63,10 @@ pub fn cells() -> Vec<Cell> {
 /// Every path meets the lamp, and brings a^k of it after k events: nothing is left to chance but the k.
 fn by_scattering() -> Vec<Cell> {
     let r = 0.5;
-    let dimmed = render(&scene(&room(0.999, r)), &Ask::spp(64)).mean_of_all().value[0];
+    let dimmed = render(&scene(&room(0.999, r)), &Request::spp(64)).mean_of_all().value[0];
     [1.0, 1.0 - U, 1.0 - 1e-6]
         .map(|albedo| {
-            let (error, _) = error(&render(&scene(&room(albedo, r)), &Ask::spp(64)), wall(albedo, r, 1000));
+            let (error, _) = error(&render(&scene(&room(albedo, r)), &Request::spp(64)), wall(albedo, r, 1000));
             // 1 / f = 4 events on average, the deviation as much; the albedo as f32, a rounding an event, the sum of a run.
             let events = 1.0 / (r * r);
             let noise = NOISE * (1.0 - albedo) * events / (64.0f64 * 256.0).sqrt();
@@ -90,7 +90,7 @@ fn by_scattering() -> Vec<Cell> {
 fn shallow() -> Vec<Cell> {
     let (albedo, r) = (0.8, 0.5);
     let scene = scene(&room(albedo, r));
-    let at = |depth: u32| render(&scene, &Ask::spp(64).depth(depth));
+    let at = |depth: u32| render(&scene, &Request::spp(64).depth(depth));
     [1, 2, 3]
         .map(|depth| {
             let expected = wall(albedo, r, depth);
@@ -112,11 +112,11 @@ fn shallow() -> Vec<Cell> {
 /// A lamp so small that a third of the paths is cut at depth 1000.
 fn deep() -> Vec<Cell> {
     let r = 0.001f64.sqrt();
-    let shallow = render(&scene(&room(1.0, r)), &Ask::spp(16).depth(500)).mean_of_all().value[0];
+    let shallow = render(&scene(&room(1.0, r)), &Request::spp(16).depth(500)).mean_of_all().value[0];
     [1.0, 0.999]
         .map(|albedo| {
             let expected = wall(albedo, r, 1000);
-            let (achieved, noise) = error(&render(&scene(&room(albedo, r)), &Ask::spp(32)), expected);
+            let (achieved, noise) = error(&render(&scene(&room(albedo, r)), &Request::spp(32)), expected);
             Cell::new(
                 Row::Albedo,
                 format!("albedo {albedo}, lamp of (r/R)² = 0.001, depth 1000"),
@@ -136,11 +136,11 @@ fn roulette() -> Vec<Cell> {
     let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);
     [0.1, 0.5, 0.9, 0.99]
         .map(|albedo| {
-            let ask = Ask::spp(256).mis().roulette();
+            let request = Request::spp(256).mis().roulette();
             let scene = scene(&room(albedo, r));
             let expected = wall(albedo, r, 1000);
-            let (achieved, noise) = error(&render(&scene, &ask), expected);
-            let planted = &render_planted(&scene, &ask, &unweighted);
+            let (achieved, noise) = error(&render(&scene, &request), expected);
+            let planted = &render_planted(&scene, &request, &unweighted);
             Cell::new(
                 Row::Albedo,
                 format!("albedo {albedo}, lamp of r/R = {r}, depth 1000"),
@@ -168,7 +168,7 @@ fn media() -> Vec<Cell> {
 )",
             0.5 * depth
         ));
-        let shot = render(&scene, &Ask::spp(16));
+        let shot = render(&scene, &Request::spp(16));
         shot.picture.rgb.iter().flatten().fold(0.0f64, |worst, &v| worst.max((f64::from(v) - 1.0).abs()))
     };
     [0.1, 1.0, 10.0]

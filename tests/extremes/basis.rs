@@ -15,7 +15,7 @@ struct Out {
     padding0: u32,
     bitangent: [f32; 3],
     padding1: u32,
-    place: [f32; 3],
+    point: [f32; 3],
     padding2: u32,
 }
 
@@ -23,7 +23,7 @@ struct Out {
 /// and the largest error of a place in the basis.
 fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
     let rows: Vec<[f32; 4]> = normals.iter().map(|n| rounded(*n)).map(|[x, y, z]| [x, y, z, 0.0]).collect();
-    let (mut angle, mut place) = (0.0f64, 0.0f64);
+    let (mut angle, mut point) = (0.0f64, 0.0f64);
     for ([x, y, z, _], out) in rows.iter().zip(kernel.run::<_, Out>(&rows)) {
         let (n, t, b) = (exact([*x, *y, *z]), exact(out.tangent), exact(out.bitangent));
         let off = [t.length() - 1.0, b.length() - 1.0, t.dot(b), t.dot(n), b.dot(n)];
@@ -31,15 +31,15 @@ fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
         if t.cross(b).dot(n) <= 0.0 {
             angle = f64::INFINITY;
         }
-        place = place.max((exact(out.place) - (t + 2.0 * b + 3.0 * n)).length());
+        point = point.max((exact(out.point) - (t + 2.0 * b + 3.0 * n)).length());
     }
-    (angle, place)
+    (angle, point)
 }
 
-/// Unit vectors so far beside the pole at z.
-fn beside(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
-    let beside = |at: DVec3| DVec3::new(at.x, at.y, z * (1.0 - at.x * at.x - at.y * at.y).sqrt());
-    (0..200).map(|_| beside(across * unit(random))).collect()
+/// Unit vectors `across` from the pole at z.
+fn near_pole(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
+    let at_height = |at: DVec3| DVec3::new(at.x, at.y, z * (1.0 - at.x * at.x - at.y * at.y).sqrt());
+    (0..200).map(|_| at_height(across * unit(random))).collect()
 }
 
 /// The table's cells of bases.
@@ -68,7 +68,7 @@ pub fn cells() -> Vec<Cell> {
     ];
     for z in [1.0, -1.0] {
         for exponent in [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20] {
-            let normals = beside(&mut random, z, 10f64.powi(-exponent));
+            let normals = near_pole(&mut random, z, 10f64.powi(-exponent));
             let found = cell(format!("z near {z}, xy = 1e-{exponent}"), &normals);
             // 1 + z cancels; and where z counts as -1, the basis is that of the pole itself.
             all.push(match z < 0.0 && exponent <= 6 {

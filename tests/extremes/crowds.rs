@@ -11,7 +11,7 @@ use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{UniformTables, choices_of};
 
 use crate::common::kernel::{Kernel, Overlay, Setup, array};
-use crate::common::render::{Ask, diagnostics, render, render_planted, scene_in};
+use crate::common::render::{Request, diagnostics, render, render_planted, scene_in};
 use crate::common::scenes::flat;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -35,7 +35,7 @@ fn few() -> Vec<Cell> {
     let one = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
     [("0", "", 1.0), ("1", one, 0.5)]
         .map(|(range, objects, expected)| {
-            let shot = render(&scene(CAMERA, 1.0, objects), &Ask::spp(64));
+            let shot = render(&scene(CAMERA, 1.0, objects), &Request::spp(64));
             let figure = "Largest difference from the radiance of the sky, or of a convex body of albedo 0.5";
             let because = "none, because every path contributes the same radiance.";
             Cell::new(Row::Objects, range, figure, 0.0, because).achieved(farthest(&shot, expected))
@@ -57,14 +57,14 @@ fn coincident() -> Vec<Cell> {
         // A walk may take 48,000 steps where loops are limited, and through each of these it takes some ten.
         ("meshes", 2000, "Transformed(by: [Scale(1.1)], object: Mesh(path: \"ball.obj\", material: \"ITS\"))"),
     ];
-    let mut all: Vec<Cell> = bodies.map(|(name, count, body)| in_one_place(name, count, body)).into();
+    let mut all: Vec<Cell> = bodies.map(|(name, count, body)| coincident_cell(name, count, body)).into();
     all.push(too_many(10_000, bodies[3].2));
     all
 }
 
-fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
+fn coincident_cell(name: &str, count: usize, body: &str) -> Cell {
     let pixels = |count: usize, first: &str| {
-        let shot = render(&scene(CAMERA, 1.0, &crowd(body, count, first)), &Ask::spp(8).size(8, 8));
+        let shot = render(&scene(CAMERA, 1.0, &crowd(body, count, first)), &Request::spp(8).size(8, 8));
         shot.picture.rgb.into_flattened()
     };
     let one = pixels(1, "grey");
@@ -84,7 +84,7 @@ fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
 /// cuts, and the scene is warned of.
 fn too_many(count: usize, body: &str) -> Cell {
     let scene = scene(CAMERA, 1.0, &crowd(body, count, "grey"));
-    let shot = render_planted(&scene, &Ask::spp(8).size(8, 8), &Overlay::new(&[]));
+    let shot = render_planted(&scene, &Request::spp(8).size(8, 8), &Overlay::new(&[]));
     let totals = shot.film.totals();
     Cell::new(
         Row::Objects,
@@ -94,7 +94,7 @@ fn too_many(count: usize, body: &str) -> Cell {
         "none, because a walk may take 48,000 steps if the driver limits loops, and 262,144 steps if not.",
     )
     .achieved(totals.rejected.cut as f64 / totals.paths as f64)
-    .told(diagnostics(&scene))
+    .warns(diagnostics(&scene))
 }
 
 /// A plate of 2^20 triangles with its vertices moved about within it, all of it a lamp: no ray passes between them.
@@ -135,7 +135,7 @@ fn triangles() -> Cell {
          background: Solid((0, 0, 0)), materials: { \"both\": DiffuseLight(emit: Rgb(1, 1, 1)) },
          objects: [Transformed(by: [RotateX(10)], object: Mesh(path: \"plate.ply\", material: \"both\"))])",
     );
-    let shot = render(&scene, &Ask::spp(8));
+    let shot = render(&scene, &Request::spp(8));
     Cell::new(
         Row::Objects,
         "2^20 triangles of a mesh",

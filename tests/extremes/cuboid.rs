@@ -9,9 +9,9 @@ use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row};
 
 /// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
 /// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.
-fn leave(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -> f64 {
+fn leave(kernel: &Kernel, aspect: f64, distance: (f64, f64), cosines: (f64, f64)) -> f64 {
     let mut random = Random(23);
-    let cuboids = assorted(&mut random, 3000, aspect, place);
+    let cuboids = assorted(&mut random, 3000, aspect, distance);
     let mut rays = rays_at(&mut random, &cuboids, 10_000);
     for ray in &mut rays {
         let cosine = decades(&mut random, cosines.0, cosines.1);
@@ -54,16 +54,16 @@ pub fn cells() -> Vec<Cell> {
     let by_bits = tracer("cuboid", &[("geometry/offset", "test/control/offset_by_bits")]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
-        for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {
+        for (name, distance) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {
             let range = format!("edges down to 1e-{aspect} of the longest, {name} edges from the origin");
             let figure = "Boxes: of 10 000 rays, those that hit their own box again or had a wrong chord inside, with cosines from \
                           0.05 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-1.3, 0.0));
             let mut cell = Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
-                .achieved(leave(&own, aspect, place, cosines))
-                .planted(NO_OFFSET, leave(&without, aspect, place, cosines));
-            if place.0 < 3.0 {
-                cell = cell.planted(OFFSET_BY_BITS, leave(&by_bits, aspect, place, cosines));
+                .achieved(leave(&own, aspect, distance, cosines))
+                .planted(NO_OFFSET, leave(&without, aspect, distance, cosines));
+            if distance.0 < 3.0 {
+                cell = cell.planted(OFFSET_BY_BITS, leave(&by_bits, aspect, distance, cosines));
             }
             all.push(cell);
         }

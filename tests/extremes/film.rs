@@ -7,7 +7,7 @@ use gpu_rt::options::Scatter;
 
 use crate::common::film::{AddRuns, Run};
 use crate::common::kernel::{Kernel, Overlay, Setup};
-use crate::common::render::{Ask, render_planted, scene};
+use crate::common::render::{Request, render_planted, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::U;
 use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
@@ -47,12 +47,12 @@ fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<Run> {
     let length = RUN_LENGTH as usize;
     let settings = [kernel.settings(&Settings::default())];
     let sums = kernel.run_with::<f32, [f32; 2]>(samples, samples.len().div_ceil(length), &settings);
-    let record = |(index, (chunk, [sum, spread])): (usize, (&[f32], [f32; 2]))| Run {
+    let record = |(index, (chunk, [sum, squared_deviations])): (usize, (&[f32], [f32; 2]))| Run {
         sum: [sum; 3],
         pixel: 0,
         counts: chunk.len() as u32 | if index % 2 == 1 { ODD_RUN } else { 0 },
         rays: chunk.len() as u32,
-        spread: [spread; 3],
+        squared_deviations: [squared_deviations; 3],
     };
     samples.chunks(length).zip(sums).enumerate().map(record).collect()
 }
@@ -94,10 +94,10 @@ fn mean_error(samples: &[f32], count: u64, exponent: i32) -> f64 {
         (Film::new(1, 1, exponent).expect("a pixel fits"), Film::new(1, 1, exponent).expect("a pixel fits"));
     let mut exact = 0.0f64;
     let of_all: f64 = samples.iter().map(|x| f64::from(*x)).sum();
-    let (whole, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
+    let (full, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
     // Films that are joined are as if one had got all runs (tests/host/film.rs).
     part.add_runs(&records);
-    for _ in 0..whole {
+    for _ in 0..full {
         film.merge(&part).expect("they are of one image");
         exact += of_all;
     }
@@ -168,7 +168,7 @@ fn constants() -> Vec<Cell> {
         );
         let shot = render_planted(
             &scene(&text),
-            &Ask::spp(BEYOND_F32 as u32).with(|options| options.scatter = scatter),
+            &Request::spp(BEYOND_F32 as u32).with(|options| options.scatter = scatter),
             library,
         );
         shot.picture.rgb[0].map(|x| (f64::from(x) / WORST - 1.0).abs()).into_iter().fold(0.0, f64::max)
@@ -214,12 +214,12 @@ fn variances() -> Vec<Cell> {
         film.add_runs(&runs(&[], samples));
         let found = f64::from(film.develop().variance[0][0]);
         // In f64.
-        let spread = |run: &[f32]| {
+        let squared_deviations = |run: &[f32]| {
             let mean = run.iter().map(|x| f64::from(*x)).sum::<f64>() / run.len() as f64;
             run.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>()
         };
         let count = samples.chunks(8).len() as f64;
-        let expected = samples.chunks(8).map(spread).sum::<f64>() / (7.0 * count * samples.len() as f64);
+        let expected = samples.chunks(8).map(squared_deviations).sum::<f64>() / (7.0 * count * samples.len() as f64);
         let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
         let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
         // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::metal_density;
-use crate::common::render::{Ask, render, scene};
+use crate::common::render::{Request, render, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row};
@@ -71,12 +71,12 @@ fn direction_error(fuzz: f64, replaced: &[(&str, &str)]) -> f64 {
 }
 
 /// The error of directions if the device is told another fuzz.
-fn direction_error_of(fuzz: f64, told: f64, replaced: &[(&str, &str)]) -> f64 {
+fn direction_error_of(fuzz: f64, given: f64, replaced: &[(&str, &str)]) -> f64 {
     let mut random = Random(74);
     let rows: Vec<In> = (0..5000)
         .map(|i| {
             let cos = decades(&mut random, -4.0, 0.0);
-            let row = arriving(&mut random, cos, told);
+            let row = arriving(&mut random, cos, given);
             // Some numbers at the ends of their range.
             let u = |at: u32| match i >> (2 * at) & 3 {
                 0 => 0.0,
@@ -154,7 +154,7 @@ fn in_a_furnace(fuzz: f64) -> f64 {
     ],
 )"
     ));
-    render(&scene, &Ask::spp(64).mis()).mean_of_all().value[0]
+    render(&scene, &Request::spp(64).mis()).mean_of_all().value[0]
 }
 
 /// The table's cells of fuzz.

@@ -6,7 +6,7 @@ use gpu_rt::scene::{Background, Scene};
 
 use crate::common::instances::ball_file;
 use crate::common::kernel::Kernel;
-use crate::common::render::{Ask, Shot, diagnostics, render, scene_in};
+use crate::common::render::{Request, Shot, diagnostics, render, scene_in};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, trace, tracer};
@@ -139,7 +139,7 @@ pub fn gaps() -> Vec<Cell> {
     let mut all = Vec::new();
     for pair in PAIRS {
         let of = |gap: f64, front, back| scene(pair.camera, 0.0, &(pair.objects)(gap, front, back));
-        let shot = |gap: f64, front, back| render(&of(gap, front, back), &Ask::spp(64));
+        let shot = |gap: f64, front, back| render(&of(gap, front, back), &Request::spp(64));
         // Warnings are of what is too near, and not of such pairs.
         let said = diagnostics(&of(0.005, "clear", "lamp"));
         assert!(said.is_empty(), "{}: {said:?}", pair.name);
@@ -175,15 +175,15 @@ pub fn gaps() -> Vec<Cell> {
             };
             let lost = "Largest share of a lamp's light that is lost behind a clear surface in front of it, with a gap that f32 does \
                         not resolve; `check` may warn instead";
-            // Of meshes those are told that are in one place within rounding, and not all that are nearer than rays start.
+            // Of meshes those get a warning that coincide within rounding, and not all that are nearer than rays start.
             if exponent == 7 || !pair.name.contains("meshes") {
                 let cut = cell(lost).achieved(farthest(&shot(gap, "clear", "lamp"), 1.0));
-                all.push(cut.told(diagnostics(&of(gap, "clear", "lamp"))));
+                all.push(cut.warns(diagnostics(&of(gap, "clear", "lamp"))));
             }
             let passes = "Largest share of a lamp's light that passes a grey surface in front of it, with a gap that f32 does not \
                           resolve; `check` may warn instead";
             let cut = cell(passes).achieved(farthest(&shot(gap, "grey", "lamp"), 0.0));
-            all.push(cut.told(diagnostics(&of(gap, "grey", "lamp"))));
+            all.push(cut.warns(diagnostics(&of(gap, "grey", "lamp"))));
         }
     }
     all
@@ -262,12 +262,12 @@ fn ball(center: DVec3, radius: f64, material: &str) -> String {
 /// The table's cells of spheres seen from afar, as whole scenes: an image two diameters high with the ball in its middle.
 pub fn distances() -> Vec<Cell> {
     let mut all = Vec::new();
-    for (place, direction) in DIRECTIONS {
+    for (label, direction) in DIRECTIONS {
         for exponent in 1..=7 {
             let distance = 10f64.powi(exponent);
             let degrees = 2.0 * (2.0 / distance).atan().to_degrees();
             let objects = ball(distance * direction, 1.0, "grey");
-            let shot = render(&scene(&looking(DVec3::ZERO, direction, degrees), 1.0, &objects), &Ask::spp(64));
+            let shot = render(&scene(&looking(DVec3::ZERO, direction, degrees), 1.0, &objects), &Request::spp(64));
             // The cone that touches the ball, in the plane through its middle; the image is 16 square radii.
             let silhouette = std::f64::consts::PI * distance * distance / (distance * distance - 1.0);
             let expected = 1.0 - 0.5 * silhouette / 16.0;
@@ -278,7 +278,7 @@ pub fn distances() -> Vec<Cell> {
             let blur = if direction == DVec3::NEG_Z || exponent > 4 { 0.0 } else { 2.0 * U * distance };
             let cell = Cell::new(
                 Row::Distance,
-                format!("D/r = 1e{exponent}{place}"),
+                format!("D/r = 1e{exponent}{label}"),
                 "Spheres in scenes: error of the mean image radiance of a grey ball in front of the sky",
                 5.0 * noise + blur * silhouette / 16.0,
                 "five standard errors of the 40 pixels on the edge. In general position also the rounding of directions, u D radii, \
@@ -289,7 +289,7 @@ pub fn distances() -> Vec<Cell> {
     }
     for exponent in 6..=8 {
         // In a wide view f32 cannot hold the outline: the warning is the answer.
-        let untold = |exponent: i32| {
+        let without_warning = |exponent: i32| {
             let objects = ball(10f64.powi(exponent) * DIRECTIONS[1].1, 1.0, "grey");
             f64::from(u8::from(
                 diagnostics(&scene(&looking(DVec3::ZERO, DIRECTIONS[1].1, 40.0), 1.0, &objects)).is_empty(),
@@ -302,7 +302,9 @@ pub fn distances() -> Vec<Cell> {
             0.0,
             "none, because the outline is off by 2 u D, more than a tenth of the radius.",
         );
-        all.push(cell.achieved(untold(exponent)).planted("D/r = 1e4, which is no diagnostic", untold(4)));
+        all.push(
+            cell.achieved(without_warning(exponent)).planted("D/r = 1e4, which is no diagnostic", without_warning(4)),
+        );
     }
     for exponent in 2..=7 {
         let distance = 10f64.powi(exponent);
@@ -311,7 +313,7 @@ pub fn distances() -> Vec<Cell> {
             scene(&looking(DVec3::ZERO, DVec3::NEG_Z, degrees), 1.0, &ball(distance * DVec3::NEG_Z, 1.0, "mirror"));
         let mut sloped = scene;
         sloped.background = Background::Gradient { bottom: DVec3::ZERO, top: DVec3::ONE };
-        let shot = render(&sloped, &Ask::spp(1024));
+        let shot = render(&sloped, &Request::spp(1024));
         let half = |rows| shot.mean(0..16, rows).value[0];
         // The mirror sends a ray that meets it at height y and ρ from the axis to 2 y sqrt(1 - ρ²) up: over the upper half of
         // the disk the mean is 1/2, and with the sky around it 1/2 ± (π / 2) / 8 / 4.
@@ -338,7 +340,7 @@ pub fn radii() -> Vec<Cell> {
         let direction = DIRECTIONS[1].1;
         let objects =
             ball(4.0 * radius * direction, radius, "grey") + ", " + &ball(DVec3::new(2.0, 3.0, 1.0), 1.0, "both");
-        let shot = render(&scene(&looking(DVec3::ZERO, direction, 15.0), 1.0, &objects), &Ask::spp(64));
+        let shot = render(&scene(&looking(DVec3::ZERO, direction, 15.0), 1.0, &objects), &Request::spp(64));
         let cell = Cell::new(
             Row::Radius,
             format!("r = 1e{exponent}"),
@@ -352,8 +354,8 @@ pub fn radii() -> Vec<Cell> {
     for exponent in 0..=12 {
         let ground = Ground::new(10f64.powi(exponent));
         let camera = looking(DVec3::ZERO, ground.downs[0], 40.0);
-        let told = diagnostics(&scene(&camera, 1.0, &ground.texts[0].replace("\"m\"", "\"grey\"")));
-        assert!(told.is_empty(), "{told:?}");
+        let warnings = diagnostics(&scene(&camera, 1.0, &ground.texts[0].replace("\"m\"", "\"grey\"")));
+        assert!(warnings.is_empty(), "{warnings:?}");
         let range = format!("r = 1e{exponent}");
         if ground.large_spheres.is_empty() {
             let cell = Cell::new(
@@ -462,7 +464,7 @@ impl Ground {
 pub fn grazing() -> Vec<Cell> {
     let mut all = Vec::new();
     let tilt = DMat3::from_euler(EulerRot::XYZ, 0.4, 0.7, -0.9);
-    for (place, turned) in [("", DMat3::IDENTITY), (", tilted", tilt)] {
+    for (label, turned) in [("", DMat3::IDENTITY), (", tilted", tilt)] {
         for exponent in 1..=7 {
             let angle = 10f64.powi(-exponent);
             // From a height of `angle` over a grey floor that ends 1 ahead: its edge is at `angle` below the horizon,
@@ -477,7 +479,7 @@ pub fn grazing() -> Vec<Cell> {
             let (corner, u, v) = (DVec3::new(-1.0, -angle, -1.0), 1.5 * DVec3::Z, 2.0 * DVec3::X);
             let floor =
                 format!("Quad(corner: {}, u: {}, v: {}, material: \"grey\")", triple(corner), triple(u), triple(v));
-            let shot = render(&scene(&camera, 1.0, &floor), &Ask::spp(64));
+            let shot = render(&scene(&camera, 1.0, &floor), &Request::spp(64));
             let off = |rows: std::ops::Range<u32>, expected: f64| {
                 rows.flat_map(|y| (0..16).map(move |x| (x, y)))
                     .map(|(x, y)| (shot.pixel(x, y)[0] - expected).abs())
@@ -485,7 +487,7 @@ pub fn grazing() -> Vec<Cell> {
             };
             let cell = Cell::new(
                 Row::Grazing,
-                format!("1e-{exponent}{place}"),
+                format!("1e-{exponent}{label}"),
                 "Floors in scenes, by the angle of the view: largest difference from half of the sky's radiance on the floor, and \
                  from the sky's radiance above",
                 0.0,
@@ -504,7 +506,7 @@ pub fn grazing() -> Vec<Cell> {
             2.0 * height
         );
         let camera = looking(height * DVec3::Y, DVec3::NEG_Y, 40.0);
-        let shot = render(&scene(&camera, 0.0, &objects), &Ask::spp(64).mis());
+        let shot = render(&scene(&camera, 0.0, &objects), &Request::spp(64).mis());
         // a/π times the integral of y / d⁴ over the lamp, by Simpson's rule in z, and in y exactly for the smallest part of it.
         let steps = 200;
         let inner = |z: f64| {
@@ -576,7 +578,7 @@ fn on_surfaces() -> Vec<Cell> {
         if name.contains("general") {
             continue;
         }
-        let shot = render(&scene(&looking(DVec3::ZERO, -down, 90.0), 1.0, &objects), &Ask::spp(64));
+        let shot = render(&scene(&looking(DVec3::ZERO, -down, 90.0), 1.0, &objects), &Request::spp(64));
         let cell = Cell::new(
             Row::CameraInside,
             format!("on {name}"),
@@ -593,7 +595,7 @@ fn on_surfaces() -> Vec<Cell> {
             if exponent > 6 && !name.contains("floor") && !(name.contains("sphere") && exponent == 7) {
                 continue;
             }
-            let shot = render(&scene(&looking(DVec3::ZERO, down, 40.0), 1.0, &objects), &Ask::spp(64));
+            let shot = render(&scene(&looking(DVec3::ZERO, down, 40.0), 1.0, &objects), &Request::spp(64));
             let cell = Cell::new(
                 Row::CameraInside,
                 format!("1e-{exponent} above {name}"),
@@ -610,7 +612,7 @@ fn on_surfaces() -> Vec<Cell> {
 fn inside_glass() -> Vec<Cell> {
     let mut all = Vec::new();
     let mut push = |range: String, objects: String, towards: DVec3| {
-        let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Ask::spp(64).depth(1000));
+        let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Request::spp(64).depth(1000));
         let cell = Cell::new(
             Row::CameraInside,
             range,
@@ -621,10 +623,10 @@ fn inside_glass() -> Vec<Cell> {
         all.push(cell.achieved(farthest(&shot, 1.0)));
     };
     let direction = DIRECTIONS[1].1;
-    for place in [0.0, 0.3, 0.6] {
+    for offset in [0.0, 0.3, 0.6] {
         // Farther out some paths are caught by total reflection for ever.
-        let range = format!("in a ball of index 1.5, {place} radii from its middle");
-        push(range, ball(place * direction, 1.0, "glass"), DVec3::NEG_Z);
+        let range = format!("in a ball of index 1.5, {offset} radii from its middle");
+        push(range, ball(offset * direction, 1.0, "glass"), DVec3::NEG_Z);
     }
     for exponent in [1, 2, 3, 4, 5, 6] {
         let depth = 10f64.powi(-exponent);
@@ -644,7 +646,7 @@ fn inside_media() -> Vec<Cell> {
         let boundary = format!("Sphere(center: {}, radius: 1)", triple((1.0 - depth) * DIRECTIONS[1].1));
         let objects = format!("Medium(boundary: {boundary}, density: 2, albedo: Rgb(1, 1, 1))");
         let camera = looking(DVec3::ZERO, DIRECTIONS[1].1, 150.0);
-        let shot = render(&scene(&camera, 1.0, &objects), &Ask::spp(64).depth(1000));
+        let shot = render(&scene(&camera, 1.0, &objects), &Request::spp(64).depth(1000));
         let cell = Cell::new(
             Row::CameraInside,
             format!("in a ball of fog of optical radius 2, 1e-{exponent} below its surface"),

@@ -9,11 +9,11 @@ use glam::DVec3;
 
 /// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again
 /// met the face that they left, met the ball though they left it outwards, or lost the inside though they went in.
-fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
+fn leave(size: f64, distance: f64, replaced: &[(&str, &str)]) -> f64 {
     let random = &mut Random(62);
     const RAYS: usize = 10_000;
     let mesh = ball_file(3, DVec3::ONE);
-    let center = place * unit(random);
+    let center = distance * unit(random);
     let object = format!(
         "Transformed(by: [Rotate(axis: {}, degrees: 77), Scale({size:?}), Translate({})], object: Mesh(path: \"ball.obj\", \
          material: \"m\"))",
@@ -22,7 +22,7 @@ fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
     );
     let flat = flat_around(DVec3::ZERO, &mesh, &[object]);
     let instance = flat.shapes.instances[0];
-    let (at, radius) = (exact(instance.place), f64::from(instance.scale));
+    let (at, radius) = (exact(instance.translation), f64::from(instance.scale));
     let rays: Vec<In> = (0..RAYS)
         .map(|i| {
             let target = at + 0.9 * radius * random.uniform() * unit(random);
@@ -34,27 +34,27 @@ fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
         })
         .collect();
     let found = run(&kernel(&flat, 8 * 64, replaced), &flat, &rays);
-    let (mut rays_met, mut wrong) = (0, 0);
+    let (mut hits, mut wrong) = (0, 0);
     for (out, ray) in found.iter().zip(&rays) {
         if out.walked[0] == NOTHING {
             continue;
         }
         let cosine = exact(ray.leaving).dot(exact(out.normal));
-        rays_met += 1;
+        hits += 1;
         let same = out.again >= 0.0 && out.again_code == out.walked[0];
         let outwards = cosine > 0.0 && out.again >= 0.0;
         // At less than a tenth to the surface, a facet's chord is as short as what rounding moves a point by.
         let lost = cosine < -0.1 && out.again < 0.0;
         wrong += usize::from(same || outwards || lost);
     }
-    assert!(rays_met > RAYS / 2, "{rays_met} rays met the ball");
+    assert!(hits > RAYS / 2, "{hits} rays met the ball");
     wrong as f64
 }
 
 /// The table's cells of instances.
 pub fn cells() -> Vec<Cell> {
     // Beyond a ratio of 1e4 the inside of the ball is some thousand floats wide, and facets' chords near its edge are lost.
-    let places = [
+    let cases = [
         (1.0, 0.0),
         (1e-4, 0.0),
         (1e4, 0.0),
@@ -66,19 +66,19 @@ pub fn cells() -> Vec<Cell> {
         (1e4, 1e8),
     ];
     let mut all = Vec::new();
-    for (size, place) in places {
+    for (size, distance) in cases {
         let cell = Cell::new(
             Row::Leaving,
-            format!("scaled by {size:e}, {place:e} from the eye"),
+            format!("scaled by {size:e}, {distance:e} from the eye"),
             "Instances: of 10 000 rays, those that hit the face or the ball that they left, or missed its far side",
             0.0,
             "none, because the offset exceeds the error within the mesh, plus 16 u of the position in it for the transforms \
              (geometry/instance).",
         )
-        .achieved(leave(size, place, &[]));
+        .achieved(leave(size, distance, &[]));
         let planted = [("geometry/offset", "test/control/offset_none")];
-        all.push(match place > 0.0 {
-            true => cell.planted(NO_OFFSET, leave(size, place, &planted)),
+        all.push(match distance > 0.0 {
+            true => cell.planted(NO_OFFSET, leave(size, distance, &planted)),
             false => cell,
         });
     }

@@ -7,7 +7,7 @@ use gpu_rt::data::Sphere;
 
 use crate::common::kernel::{Overlay, array};
 use crate::common::light_kernel::{DRAWS, In, Out, SHARES, SPHERE, cone, draws, kernel, spheres};
-use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::render::{Request, Shot, render, render_planted, scene};
 use crate::common::scenes::triple;
 use crate::common::stats::mean_and_variance;
 use crate::common::vectors::{U, exact};
@@ -136,10 +136,10 @@ fn floors() -> Vec<Cell> {
     let by_normal = Overlay::new(&[]).rewritten("light/sphere", |own| {
         own.replace("length(ray.origin - sphere.center) > sphere.radius", "dot(ray.direction, normal) < 0.0")
     });
-    let ask = Ask::spp(64).mis();
+    let request = Request::spp(64).mis();
     // Turned, so that no coordinate is exact by chance.
     let (up, across) = (DVec3::new(0.48, 0.64, 0.6), DVec3::new(0.8, -0.6, 0.0));
-    let (place, other) = (DVec3::new(0.3, -0.2, 0.1), up.cross(across));
+    let (middle, other) = (DVec3::new(0.3, -0.2, 0.1), up.cross(across));
     for share in [1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 0.9] {
         for two_sided in [true, false] {
             if two_sided && share > 1e-7 {
@@ -160,14 +160,14 @@ fn floors() -> Vec<Cell> {
         Quad(corner: {}, u: {}, v: {}, material: \"floor\"),
     ],
 )",
-                triple(place + 0.5 * up + 2.0 * other),
-                triple(place),
-                triple(place + up),
-                triple(place - 9.0 * across - 9.0 * other),
+                triple(middle + 0.5 * up + 2.0 * other),
+                triple(middle),
+                triple(middle + up),
+                triple(middle - 9.0 * across - 9.0 * other),
                 triple(18.0 * across),
                 triple(18.0 * other),
             ));
-            let shot = render(&scene, &ask);
+            let shot = render(&scene, &request);
             let expected = 0.5 * share * share;
             let (mean, noise) = mean_and_noise(&shot);
             let noise = if share < 1e-3 { 0.0 } else { noise / expected };
@@ -188,7 +188,7 @@ fn floors() -> Vec<Cell> {
             all.push(if two_sided || share > 1e-8 {
                 cell
             } else {
-                let planted = render_planted(&scene, &ask, &by_normal);
+                let planted = render_planted(&scene, &request, &by_normal);
                 cell.planted("side of a light by the normal where it is met", error(planted.mean_of_all().value[0]))
             });
         }
@@ -229,7 +229,7 @@ fn radiances() -> Vec<Cell> {
     let mut all = Vec::new();
     for exponent in EMISSIONS {
         let emit = 10f64.powi(exponent);
-        let shot = render(&scene(&closed_room(emit, "", "")), &Ask::spp(64));
+        let shot = render(&scene(&closed_room(emit, "", "")), &Request::spp(64));
         all.push(
             Cell::new(
                 Row::Radiance,
@@ -240,7 +240,7 @@ fn radiances() -> Vec<Cell> {
             )
             .achieved(off(&shot, emit)),
         );
-        let shot = render(&scene(&closed_room(emit, "", "")), &Ask::spp(64).mis());
+        let shot = render(&scene(&closed_room(emit, "", "")), &Request::spp(64).mis());
         let (mean, noise) = mean_and_noise(&shot);
         // Where the variance is too small or large for f32 the film overstates it: the deviation is below the radiance.
         let noise = noise.min(NOISE * emit / 64.0);
@@ -266,7 +266,7 @@ fn rooms() -> Vec<Cell> {
     let mut all = Vec::new();
     for exponent in [20, 0, -2, -4, -6, -7, -8, -20] {
         let emit = 10f64.powi(exponent);
-        let shot = render(&scene(&closed_room(emit, OTHER, BRIGHT)), &Ask::spp(64));
+        let shot = render(&scene(&closed_room(emit, OTHER, BRIGHT)), &Request::spp(64));
         // Half of the film's step of 2^-88 of the brightest thing, 2^67, over the sum of a run of eight.
         let rounding = 0.5 * 2f64.powi(-88) * 2f64.powi(67) / (8.0 * emit);
         let range = format!("1e{exponent} beside 1e20");

@@ -21,7 +21,7 @@ mod instance;
 mod lights;
 mod media;
 mod noise;
-mod places;
+mod positions;
 mod quad;
 mod rejection;
 mod roughness;
@@ -56,7 +56,7 @@ const CELLS: &[Filler] = &[
     geometry::grazing,
     geometry::cameras,
     crowds::cells,
-    places::cells,
+    positions::cells,
     views::cells,
     film::cells,
     rejection::cells,
@@ -94,8 +94,8 @@ fn run(fillers: &[Filler]) -> Vec<Cell> {
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
-                while let Some((fill, place)) = take(fillers, &found, next.fetch_add(1, Ordering::Relaxed)) {
-                    *place.lock().expect("nobody panics with it") = fill();
+                while let Some((fill, cell)) = take(fillers, &found, next.fetch_add(1, Ordering::Relaxed)) {
+                    *cell.lock().expect("nobody panics with it") = fill();
                 }
             });
         }

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use crate::common::kernel::{Kernel, Overlay, Setup};
-use crate::common::render::{Ask, diagnostics, render, render_planted, scene};
+use crate::common::render::{Request, diagnostics, render, render_planted, scene};
 use crate::common::stats::{Random, mean_and_variance, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
@@ -196,7 +196,7 @@ fn black_slabs() -> Vec<Cell> {
             let lowest = Overlay::new(&[]).rewritten("step/media", |text| {
                 text.replace("medium == 0u).xy", &format!("medium == 0u).xy >> vec2<u32>({k}u, 0u)"))
             });
-            let through = |text: &str| render_planted(&scene(text), &Ask::spp(64), &lowest).mean_of_all().value[0];
+            let through = |text: &str| render_planted(&scene(text), &Request::spp(64), &lowest).mean_of_all().value[0];
             let expected = 1.0 + 2f64.powi(k) * (-depth).exp_m1();
             Cell::new(
                 Row::OpticalDepth,
@@ -237,7 +237,7 @@ fn bright_slabs() -> Vec<Cell> {
     let expected = 1.0 - (1.0 - ALBEDO).sqrt() * h_of_one(ALBEDO);
     // Dark paths are ended, or each would go on for a thousand events.
     let shot = |depth, distance, thickness| {
-        render(&scene(&slab(depth, ALBEDO, distance, thickness)), &Ask::spp(64).roulette()).mean_of_all()
+        render(&scene(&slab(depth, ALBEDO, distance, thickness)), &Request::spp(64).roulette()).mean_of_all()
     };
     let mut all = Vec::new();
     for (distance, thickness) in [(1.0, 1.0), (30.0, 1.0), (1.0, 0.01)] {
@@ -263,7 +263,7 @@ fn bright_slabs() -> Vec<Cell> {
             );
         }
         // Wrong as the picture is then, a fifth too bright at s = 1.
-        let told = diagnostics(&scene(&slab(1e8, ALBEDO, distance, thickness)));
+        let warnings = diagnostics(&scene(&slab(1e8, ALBEDO, distance, thickness)));
         let mean = shot(1e8, distance, thickness);
         all.push(
             Cell::new(
@@ -277,7 +277,7 @@ fn bright_slabs() -> Vec<Cell> {
                 "4.9 standard errors, and a hundredth, as with a position that f32 resolves.",
             )
             .achieved((mean.value[0] / expected - 1.0).abs())
-            .told(told),
+            .warns(warnings),
         );
     }
     all
@@ -358,8 +358,8 @@ fn cosines() -> Vec<Cell> {
                 if g < 0.0 {
                     expected.reverse();
                 }
-                for (told, expected) in out.from_one.iter().zip(expected) {
-                    let error = (f64::from(*told) - expected).abs();
+                for (found, expected) in out.from_one.iter().zip(expected) {
+                    let error = (f64::from(*found) - expected).abs();
                     let relative = if error == 0.0 { 0.0 } else { error / expected };
                     worst[0] = if relative.is_nan() { f64::MAX } else { worst[0].max(relative) };
                 }

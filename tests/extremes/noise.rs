@@ -141,7 +141,7 @@ fn far_objects() -> Vec<Cell> {
         ));
         let flat = flatten(&scene, (16, 16), &crate::common::render::plain()).expect("the test's scene is small");
         let to_render = f64::from(flat.shapes.spheres[0].radius);
-        let (mut rays, mut places) = (Vec::new(), Vec::new());
+        let (mut rays, mut points) = (Vec::new(), Vec::new());
         for (index, center) in (0u32..).zip(&centers) {
             for _ in 0..200 {
                 let n = unit(&mut random);
@@ -151,7 +151,7 @@ fn far_objects() -> Vec<Cell> {
                     direction: rounded(-n),
                     padding: 0,
                 });
-                places.push((*center, n));
+                points.push((*center, n));
             }
         }
         let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
@@ -165,16 +165,16 @@ fn far_objects() -> Vec<Cell> {
         let found = kernel.run_with::<_, [f32; 4]>(&rays, rays.len(), &buffers);
         // The place as it is, and as it would be in f32: cells are counted in integers in both.
         let worst = |in_f32: bool| {
-            places.iter().zip(&found).fold(0.0f64, |worst, ((center, n), out)| {
+            points.iter().zip(&found).fold(0.0f64, |worst, ((center, n), out)| {
                 // The period, taken off in integers, leaves the place its digits in f64 too.
-                let whole = (SCALE * *center).to_array().map(|x| x.rem_euclid(256.0));
-                let p = SCALE * *n + DVec3::from_array(whole);
+                let full = (SCALE * *center).to_array().map(|x| x.rem_euclid(256.0));
+                let p = SCALE * *n + DVec3::from_array(full);
                 let expected = 0.5 * (1.0 + perlin(p));
-                let told = match in_f32 {
+                let reduced = match in_f32 {
                     true => 0.5 * (1.0 + perlin(exact(rounded(SCALE * (*center + *n))))),
                     false => f64::from(out[0]),
                 };
-                worst.max((told - expected).abs())
+                worst.max((reduced - expected).abs())
             })
         };
         // The point on the sphere is off by 4 u of its radius and distance, the ray's by 8 u, reduced places up to 256 by u.
@@ -187,7 +187,7 @@ fn far_objects() -> Vec<Cell> {
              the position.",
         )
         .achieved(worst(false));
-        all.push(if far >= 1e6 { cell.planted("place in f32, not reduced by the host", worst(true)) } else { cell });
+        all.push(if far >= 1e6 { cell.planted("position in f32, not reduced by the host", worst(true)) } else { cell });
     }
     all
 }

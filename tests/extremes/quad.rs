@@ -200,9 +200,9 @@ fn worst_of_tilted(kernel: &Kernel, quads: &[Quad], rays: &[In]) -> f64 {
 
 /// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer
 /// side, and leave them on either side at cosines within these decades: the share that met them again.
-fn again(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -> f64 {
+fn again(kernel: &Kernel, aspect: f64, distance: (f64, f64), cosines: (f64, f64)) -> f64 {
     let mut random = Random(14);
-    let quads = assorted(&mut random, 3000, aspect, place);
+    let quads = assorted(&mut random, 3000, aspect, distance);
     let mut rays = rays_at(&mut random, &quads, 10_000, (-2.0, 0.0), (-1.0, 1.0));
     for ray in &mut rays {
         let cosine = decades(&mut random, cosines.0, cosines.1);
@@ -222,14 +222,14 @@ fn leavings(kernel: &Kernel) -> Vec<Cell> {
     let without = tracer("quad", &[("geometry/offset", "test/control/offset_none")]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
-        for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e3", (2.9, 3.1)), ("1e6", (5.9, 6.1))] {
+        for (name, distance) in [("up to 1", (-2.0, 0.0)), ("1e3", (2.9, 3.1)), ("1e6", (5.9, 6.1))] {
             let range = format!("1e{aspect} times as long as wide, {name} lengths from the origin");
             let figure = "Quads: of 10 000 rays, those that hit their own quad again, with cosines from 0.01 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-2.0, 0.0));
             all.push(
                 Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
-                    .achieved(again(kernel, aspect, place, cosines))
-                    .planted(NO_OFFSET, again(&without, aspect, place, cosines)),
+                    .achieved(again(kernel, aspect, distance, cosines))
+                    .planted(NO_OFFSET, again(&without, aspect, distance, cosines)),
             );
         }
     }

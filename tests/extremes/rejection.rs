@@ -8,7 +8,7 @@ use gpu_rt::output::exr::{read_exr, write_exr};
 
 use crate::common::device;
 use crate::common::kernel::{Kernel, Overlay, Setup};
-use crate::common::render::{Ask, render_planted, scene};
+use crate::common::render::{Request, render_planted, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::decades;
 use crate::table::{COMPARED_NAN, Cell, Row};
@@ -37,8 +37,8 @@ fn broken_sky(scatter: Scatter, more: &[(&str, &str)]) -> Film {
          objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])",
         (COLOUR[0], COLOUR[1], COLOUR[2])
     );
-    let ask = Ask::spp(SAMPLES).sobol().scatter(scatter);
-    render_planted(&scene(&text), &ask, &Overlay::new(&[&PLANTED[..], more].concat())).film
+    let request = Request::spp(SAMPLES).sobol().scatter(scatter);
+    render_planted(&scene(&text), &request, &Overlay::new(&[&PLANTED[..], more].concat())).film
 }
 
 /// Samples that are counted under a reason that is not theirs, or not counted at all.
@@ -141,8 +141,8 @@ fn injected_samples_are_dropped_and_counted_by_reason_and_pixel() {
         let totals = film.totals();
         assert_eq!(totals.paths, u64::from(WIDTH * HEIGHT * SAMPLES));
         assert_eq!(misplaced(totals), 0.0, "{scatter:?}: {totals:?}");
-        let place = tempfile::tempdir().expect("a temporary folder");
-        let file = place.path().join("sky.exr");
+        let sandbox = tempfile::tempdir().expect("a temporary folder");
+        let file = sandbox.path().join("sky.exr");
         write_exr(&file, &film.develop(), &[]).expect("it is written");
         let image = read_exr(&file).expect("it is read");
         let by_pixel = |left: u32, right: u32| {

@@ -7,7 +7,7 @@ use crate::common::kernel::Overlay;
 use crate::common::microfacets::{
     ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, frosted, kept, kernel, pane, uniforms, visible,
 };
-use crate::common::render::{Ask, render, render_planted, scene};
+use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, Row};
@@ -88,10 +88,10 @@ fn in_a_furnace(material: &str, cos: f64, planted: bool) -> f64 {
 )",
         -(1.0 - cos * cos).sqrt()
     ));
-    let ask = Ask::spp(512).mis();
+    let request = Request::spp(512).mis();
     let shot = match planted {
-        true => render_planted(&scene, &ask, &Overlay::new(&[TEXTBOOK])),
-        false => render(&scene, &ask),
+        true => render_planted(&scene, &request, &Overlay::new(&[TEXTBOOK])),
+        false => render(&scene, &request),
     };
     shot.mean_of_all().value[0]
 }

@@ -28,11 +28,11 @@ fn roots(ray: &In, sphere: &Sphere) -> Roots {
     Roots { impact: perpendicular / r, near: k - h, far: k + h }
 }
 
-/// A sphere with its centre `place` radii from the origin of space, and a ray from `distance` radii away that passes its
+/// A sphere with its centre `offset` radii from the origin of space, and a ray from `distance` radii away that passes its
 /// centre at `impact` radii.
-fn aimed(random: &mut Random, index: usize, place: f64, distance: f64, impact: f64) -> (Sphere, In) {
+fn aimed(random: &mut Random, index: usize, offset: f64, distance: f64, impact: f64) -> (Sphere, In) {
     let radius = decades(random, -3.0, 3.0);
-    let center = radius * place * unit(random);
+    let center = radius * offset * unit(random);
     let towards = unit(random);
     let sideways = towards.cross(unit(random)).normalize();
     let sphere = Sphere { center: rounded(center), radius: radius as f32, ..Sphere::default() };

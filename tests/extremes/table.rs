@@ -37,8 +37,8 @@ pub enum Row {
 
 /// The rows, with what each is called.
 pub const ROWS: &[(Row, &str)] = &[
-    (Row::Scale, "scale of the whole scene"),
-    (Row::Offset, "place of the whole scene"),
+    (Row::Scale, "scale of the scene"),
+    (Row::Offset, "position of the scene"),
     (Row::Distance, "distance over radius, D/r"),
     (Row::Radius, "radius"),
     (Row::Leaving, "rays that leave a surface"),
@@ -107,7 +107,7 @@ pub struct Cell {
     /// What was measured.
     pub achieved: f64,
     /// What `check` says of the objects of such a scene, where f32 cannot hold it: the figure may then be over its limit.
-    pub told: Vec<String>,
+    pub warnings: Vec<String>,
     /// What a known wrong form would have achieved in its place, by name. Each must be above the limit.
     pub planted: Vec<(&'static str, f64)>,
 }
@@ -121,7 +121,7 @@ impl Cell {
             limit,
             because,
             achieved: f64::NAN,
-            told: Vec::new(),
+            warnings: Vec::new(),
             planted: Vec::new(),
         }
     }
@@ -130,8 +130,8 @@ impl Cell {
         Cell { achieved, ..self }
     }
 
-    pub fn told(self, told: Vec<String>) -> Cell {
-        Cell { told, ..self }
+    pub fn warns(self, warnings: Vec<String>) -> Cell {
+        Cell { warnings, ..self }
     }
 
     /// Adds a wrong form with its figure.
@@ -148,16 +148,16 @@ impl Cell {
 
     /// What is wrong with the cell. A figure that is no number holds nothing.
     fn faults(&self) -> Vec<String> {
-        let place = format!("{:?}, {}: {}", self.row, self.range, self.figure);
+        let cell = format!("{:?}, {}: {}", self.row, self.range, self.figure);
         let mut all = Vec::new();
         let holds = |figure: f64| figure <= self.limit;
-        if self.achieved.is_nan() || !holds(self.achieved) && self.told.is_empty() {
-            all.push(format!("{place}: {:e} is over the limit of {:e}", self.achieved, self.limit));
+        if self.achieved.is_nan() || !holds(self.achieved) && self.warnings.is_empty() {
+            all.push(format!("{cell}: {:e} is over the limit of {:e}", self.achieved, self.limit));
         }
         for (form, figure) in &self.planted {
             // What is no number is not found either: nothing was measured.
             if figure.is_nan() || holds(*figure) {
-                all.push(format!("{place}: the {form} is not found: {figure:e} is not above {:e}", self.limit));
+                all.push(format!("{cell}: the {form} is not found: {figure:e} is not above {:e}", self.limit));
             }
         }
         all
@@ -165,7 +165,7 @@ impl Cell {
 }
 
 /// The places of a document's cells: row, figure and range each.
-fn places(document: &str) -> Vec<(&str, &str, &str)> {
+fn cells_of(document: &str) -> Vec<(&str, &str, &str)> {
     let (mut row, mut figure, mut all) = ("", "", Vec::new());
     for line in document.lines() {
         match (line.strip_prefix("## "), line.strip_prefix("| ")) {
@@ -189,19 +189,19 @@ fn heading(name: &str) -> String {
 /// a form that none has. Empty where all is well.
 pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> Vec<String> {
     let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
-    let (there, wanted) = (places(text), places(wanted_text));
+    let (there, wanted) = (cells_of(text), cells_of(wanted_text));
     let missing = |of: &[(&str, &str, &str)], from: &[(&str, &str, &str)], fault: &str| -> Vec<String> {
         let from: BTreeSet<_> = from.iter().collect();
-        let places = of.iter().filter(|place| !from.contains(place));
-        places.map(|(row, figure, range)| format!("{row}, {range}: {figure}: {fault}")).collect()
+        let without = of.iter().filter(|cell| !from.contains(cell));
+        without.map(|(row, figure, range)| format!("{row}, {range}: {figure}: {fault}")).collect()
     };
     all.extend(missing(&wanted, &there, "in docs/extremes.md, and there is no such cell"));
     all.extend(missing(&there, &wanted, "the cell is not in docs/extremes.md, which `GPU_RT_RENEW=1` writes anew"));
     if BTreeSet::from_iter(&there).len() < there.len() {
-        all.push("two cells have one place".to_string());
+        all.push("two cells are the same".to_string());
     }
     for (row, name) in ROWS {
-        if !wanted.iter().any(|place| place.0 == heading(name)) {
+        if !wanted.iter().any(|cell| cell.0 == heading(name)) {
             all.push(format!("{row:?} ({name}) has no cell"));
         }
     }
@@ -299,14 +299,14 @@ mod tests {
 
     #[test]
     fn a_cell_that_check_warns_of_may_exceed_its_limit_and_must_be_a_number() {
-        let told = |achieved, warnings: &[&str]| {
+        let faults_of = |achieved, warnings: &[&str]| {
             let mut cells = full();
             cells[3].achieved = achieved;
-            cells[3].told = warnings.iter().map(|warning| warning.to_string()).collect();
+            cells[3].warnings = warnings.iter().map(|warning| warning.to_string()).collect();
             own_faults(&cells, &[]).len()
         };
-        assert_eq!((told(1.1, &["too near"]), told(f64::INFINITY, &["too near"])), (0, 0));
-        assert_eq!((told(1.1, &[]), told(f64::NAN, &["too near"])), (1, 1));
+        assert_eq!((faults_of(1.1, &["too near"]), faults_of(f64::INFINITY, &["too near"])), (0, 0));
+        assert_eq!((faults_of(1.1, &[]), faults_of(f64::NAN, &["too near"])), (1, 1));
     }
 
     #[test]

@@ -21,8 +21,8 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
             let (one, other) = (i / 2 % 3, (i / 2 + 1) % 3);
             corners[one] = corners[other] + decades(&mut random, -5.0, 0.0) * (corners[one] - corners[other]);
         }
-        let place = far * size * decades(&mut random, -3.0, 0.0) * unit(&mut random);
-        let corners = Corners::new(corners.map(|p| p + place));
+        let translation = far * size * decades(&mut random, -3.0, 0.0) * unit(&mut random);
+        let corners = Corners::new(corners.map(|p| p + translation));
         let [a, b, c] = corners.exact();
         let normal = (b - a).cross(c - a).normalize_or(unit(&mut random));
         let (v, w) = (random.uniform(), random.uniform());

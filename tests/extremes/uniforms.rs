@@ -6,7 +6,7 @@ use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
 
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
-use crate::common::render::{Ask, render_linked, scene};
+use crate::common::render::{Request, render_linked, scene};
 use crate::common::rows::Words;
 use crate::common::vectors::{U, exact};
 use crate::table::{Cell, Row};
@@ -122,13 +122,13 @@ fn forced() -> Vec<Cell> {
     for (sampler, name, module) in
         [(Sampler::Independent, "independent", "sampler/independent"), (Sampler::Sobol, "sobol", "sampler/sobol")]
     {
-        let ask = Ask::default().mis().roulette().with(|options| options.sampler = sampler);
+        let request = Request::default().mis().roulette().with(|options| options.sampler = sampler);
         let runs = |block: u32| block * CODES * RUN_LENGTH..(block + 1) * CODES * RUN_LENGTH;
         let ranges: Vec<_> = (0..5).map(runs).collect();
         // By codes, so that a pixel's value is the mean of one code's samples.
         let codes: Vec<_> =
             ranges.iter().flat_map(|range| range.clone().step_by(8)).map(|first| first..first + RUN_LENGTH).collect();
-        let shots = render_linked(&scene, &ask, &codes, &forced_sampler(module));
+        let shots = render_linked(&scene, &request, &codes, &forced_sampler(module));
         for (block, shots) in BLOCKS.iter().zip(shots.chunks(CODES as usize)) {
             let rejected: u64 = shots.iter().map(|shot| shot.film.totals().rejected.total()).sum();
             let paths: u64 = shots.iter().map(|shot| shot.film.totals().paths).sum();

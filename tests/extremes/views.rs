@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, render, render_planted, scene};
+use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::scenes::triple;
 use crate::common::vectors::U;
-use crate::places::chance_limit;
+use crate::positions::chance_limit;
 use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
 
 /// Samples of a pixel.
@@ -59,17 +59,17 @@ impl Oblique {
 /// The mean of a function over each pixel of an image of `size`, by 32 x 32 places: of the direction (x, y, -1) in the
 /// camera's space.
 fn integrated((width, height): (u32, u32), vertical_fov: f64, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
-    const PLACES: u32 = 32;
+    const GRID: u32 = 32;
     let pixel = 2.0 * (0.5 * vertical_fov).to_radians().tan() / f64::from(height);
     let of_pixel = |column: u32, row: u32| {
         let mut sum = 0.0;
-        for place in 0..PLACES * PLACES {
-            let at = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES);
-            let x = (f64::from(column) + at(place % PLACES) - 0.5 * f64::from(width)) * pixel;
-            let y = (0.5 * f64::from(height) - f64::from(row) - at(place / PLACES)) * pixel;
+        for ray in 0..GRID * GRID {
+            let at = |i: u32| (f64::from(i) + 0.5) / f64::from(GRID);
+            let x = (f64::from(column) + at(ray % GRID) - 0.5 * f64::from(width)) * pixel;
+            let y = (0.5 * f64::from(height) - f64::from(row) - at(ray / GRID)) * pixel;
             sum += f(DVec3::new(x, y, -1.0));
         }
-        sum / f64::from(PLACES * PLACES)
+        sum / f64::from(GRID * GRID)
     };
     (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).map(|(x, y)| of_pixel(x, y)).collect()
 }
@@ -95,7 +95,7 @@ fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, repl
         camera.text(distance, rendered_fov),
         triple(camera.point(beside)),
     );
-    let shot = render_planted(&scene(&text), &Ask::spp(SAMPLES), &Overlay::new(replaced));
+    let shot = render_planted(&scene(&text), &Request::spp(SAMPLES), &Overlay::new(replaced));
     let found: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
     // Inside where the line passes the centre within a radius.
     let covered = integrated((48, 48), vertical_fov, |d| {
@@ -174,7 +174,7 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
         camera.text(distance, vertical_fov),
         triple(camera.point(center)),
     );
-    let shot = render(&scene(&text), &Ask::spp(16 * SAMPLES));
+    let shot = render(&scene(&text), &Request::spp(16 * SAMPLES));
     let found: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
     let expected = integrated((24, 24), vertical_fov, |d| {
         let d = d.normalize();
@@ -219,7 +219,7 @@ fn lenses() -> Vec<Cell> {
              objects: [Quad(corner: (-{size:?}, -{size:?}, -5), u: ({size:?}, 0, 0), v: (0, {height:?}, 0), material: \"lamp\")])",
             rendered.0, rendered.1
         );
-        let shot = render_planted(&scene(&text), &Ask::spp(SAMPLES), &Overlay::new(replaced));
+        let shot = render_planted(&scene(&text), &Request::spp(SAMPLES), &Overlay::new(replaced));
         let found: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
         let expected = integrated((16, 16), fov, |d| match reach {
             0.0 => f64::from(u8::from(d.x < 0.0)),
@@ -259,7 +259,7 @@ fn sizes() -> Vec<Cell> {
             "Scene(image: (width: {width}, height: {height}), background: Gradient(bottom: (0, 0, 0), top: (1, 1, 1)),
              camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), up: (1, 0, 0), vertical_fov: {fov:?}), materials: {{}}, objects: [])"
         );
-        render(&scene(&text), &Ask::spp(samples))
+        render(&scene(&text), &Request::spp(samples))
     };
     // Up is to the right of the scene's x: y falls or rises along the picture's width alone.
     let radiance = |x: f64, y: f64| 0.5 * (1.0 - x / (1.0 + x * x + y * y).sqrt());
@@ -294,7 +294,7 @@ fn sizes() -> Vec<Cell> {
         let [one, aside] = [1, 2].map(|width| f64::from(render_sky(width, 1, fov, samples).picture.rgb[0][0]));
         let half = (0.5 * fov).to_radians().tan();
         let expected = integrated((1, 1), fov, |d| radiance(d.x, d.y))[0];
-        let spread = half.min(1.0) / 2.0;
+        let deviation = half.min(1.0) / 2.0;
         all.push(
             Cell::new(
                 Row::ImageSize,
@@ -303,8 +303,8 @@ fn sizes() -> Vec<Cell> {
                 chance_limit(1),
                 "a normal variate exceeds it once in 1e6.",
             )
-            .achieved((one - expected).abs() / (spread / f64::from(samples).sqrt()))
-            .planted("half a pixel aside", (aside - expected).abs() / (spread / f64::from(samples).sqrt())),
+            .achieved((one - expected).abs() / (deviation / f64::from(samples).sqrt()))
+            .planted("half a pixel aside", (aside - expected).abs() / (deviation / f64::from(samples).sqrt())),
         );
     }
     all

@@ -157,7 +157,7 @@ fn parts_import_what_they_may() {
 #[test]
 fn a_planted_import_is_found() {
     let module = |path: &str| path.split('/').map(str::to_string).collect::<Vec<_>>();
-    for (place, text) in [
+    for (path, text) in [
         ("gpu/link", "use crate::scene::Scene;\n"),
         ("gpu/link", "use crate::{error::Result, plan::{Plan, Kernel}};\n"),
         ("gpu/link", "use crate::{\n    error::Error,\n    render,\n};\n"),
@@ -172,16 +172,16 @@ fn a_planted_import_is_found() {
         ("render", "use crate::commands::render;\n"),
         ("timing", "use crate::commands;\n"),
     ] {
-        assert_eq!(violations(&module(place), text).len(), 1, "{place}: {text}");
+        assert_eq!(violations(&module(path), text).len(), 1, "{path}: {text}");
     }
-    for (place, text) in [
+    for (path, text) in [
         ("gpu/link", "// use crate::scene::Scene;\nuse crate::error::Result;\n"),
         ("gpu/link", "use super::render::Other;\n"),
         ("gpu/link", "use other_crate::scene::Scene;\n"),
         ("main", "use gpu_rt::commands;\n"),
         ("commands/render", "use crate::{gpu, scene, commands::plan};\n"),
     ] {
-        assert_eq!(violations(&module(place), text), Vec::<String>::new(), "{place}: {text}");
+        assert_eq!(violations(&module(path), text), Vec::<String>::new(), "{path}: {text}");
     }
 }
 

@@ -326,7 +326,7 @@ fn all_bad() -> Vec<Bad> {
 }
 
 #[test]
-fn every_error_has_its_place_field_and_words() {
+fn every_error_has_its_location_field_and_words() {
     let cases = all_bad();
     assert!(cases.len() >= 60);
     let mut failures = Vec::new();
@@ -343,7 +343,7 @@ fn every_error_has_its_place_field_and_words() {
 }
 
 #[test]
-fn the_comparator_rejects_a_wrong_place_field_or_word() {
+fn the_comparator_rejects_a_wrong_location_field_or_word() {
     let path = Path::new(FILE);
     for Bad { text, field, words } in all_bad() {
         let Err(error) = parse(&unmarked(&text)) else {
@@ -425,11 +425,11 @@ fn every_feature_of_the_format_parses() {
     assert_eq!(by.len(), 6);
     assert_eq!(by[2], Transform::RotateY(15.0));
     assert!(matches!(&**object, Object::Group(objects) if objects.len() == 3));
-    assert_places_hold(&scene, GOOD);
+    assert_locations_hold(&scene, GOOD);
 }
 
 /// Every object and material stands where the scene says it does.
-fn assert_places_hold(scene: &Scene, text: &str) {
+fn assert_locations_hold(scene: &Scene, text: &str) {
     let lines: Vec<&str> = text.split('\n').collect();
     let check = |at: Location, name: &str| {
         let rest: String = lines[at.line - 1].chars().skip(at.column - 1).collect();
@@ -444,7 +444,7 @@ fn assert_places_hold(scene: &Scene, text: &str) {
 }
 
 #[test]
-fn places_inside_objects_are_found() {
+fn locations_inside_objects_are_found() {
     let scene = parse(GOOD).unwrap();
     let steps = [
         Step::Field("objects"),
@@ -487,7 +487,7 @@ fn line_ends_byte_order_marks_and_struct_names_do_not_matter() {
         assert_eq!(scene.objects, plain.objects);
         assert_eq!(scene.materials, plain.materials);
         assert_eq!(scene.camera, plain.camera);
-        assert_places_hold(&scene, text.trim_start_matches('\u{feff}'));
+        assert_locations_hold(&scene, text.trim_start_matches('\u{feff}'));
     }
     // The byte order mark takes no column, and a struct's name is no part of a field's path.
     let error = parse("\u{feff}(imag: 1)").unwrap_err().to_string();
@@ -533,7 +533,7 @@ fn numbers_at_the_ends_of_their_ranges_are_accepted() {
 }
 
 #[test]
-fn warnings_name_the_place_and_the_number() {
+fn warnings_name_the_location_and_the_number() {
     let warnings = |text: &str| parse(text).unwrap().warnings();
     assert_eq!(warnings(&material("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))")).len(), 1);
     let near = warnings(&material("Dielectric(ior: 1.0000001)"));
@@ -561,7 +561,7 @@ fn warnings_name_the_place_and_the_number() {
 }
 
 #[test]
-fn files_that_cannot_be_read_have_a_place() {
+fn files_that_cannot_be_read_have_a_location() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| -> PathBuf {
         let path = folder.path().join(name);
@@ -586,17 +586,17 @@ fn files_that_cannot_be_read_have_a_place() {
 }
 
 /// A scene whose material "it" or background names `file`, at the mark.
-fn naming(file: &str, place: &str) -> String {
+fn naming(file: &str, value: &str) -> String {
     let image = format!("Image(path: §{file:?})");
-    match place {
+    match value {
         "background" => scene(IMAGE, CAMERA, &image, ""),
-        place => material(&place.replace("..", &image)),
+        value => material(&value.replace("..", &image)),
     }
 }
 
 /// The error, or the decoded image, of that scene.
-fn with_image(folder: &Path, file: &str, place: &str) -> Result<Bitmap, Error> {
-    let scene = Scene::parse(&unmarked(&naming(file, place)), &folder.join("scene.ron"))?;
+fn with_image(folder: &Path, file: &str, value: &str) -> Result<Bitmap, Error> {
+    let scene = Scene::parse(&unmarked(&naming(file, value)), &folder.join("scene.ron"))?;
     Ok(scene.bitmaps.colours(file).expect("it is loaded").clone())
 }
 
@@ -629,8 +629,8 @@ fn images_become_linear() {
         ("float.exr", 0.5),
     ];
     for (file, grey) in cases {
-        for place in [ALBEDO, EMIT, "background"] {
-            let bitmap = with_image(folder.path(), file, place).unwrap();
+        for value in [ALBEDO, EMIT, "background"] {
+            let bitmap = with_image(folder.path(), file, value).unwrap();
             assert_eq!((bitmap.width, bitmap.height), (3, 1), "{file}");
             for (texel, light) in bitmap.texels().zip([0.0, grey, 1.0]) {
                 assert!(texel.iter().all(|c| (c - light).abs() < 1e-6), "{file}: {texel:?}");
@@ -679,13 +679,13 @@ fn images_that_cannot_be_used_are_refused_at_their_path() {
         ("bright.exr", "Metal(albedo: ..)", &["albedo", of_texel]),
         ("huge.exr", EMIT, &["1e30", of_texel]),
     ];
-    for (file, place, words) in cases {
-        let field = match place {
+    for (file, value, words) in cases {
+        let field = match value {
             "background" => "background.Image.path".to_owned(),
-            place => format!("materials[\"it\"].{}.Image.path", place.replace('(', ".").replace(": ..)", "")),
+            value => format!("materials[\"it\"].{}.Image.path", value.replace('(', ".").replace(": ..)", "")),
         };
-        let error = with_image(folder.path(), file, place).unwrap_err();
-        assert_eq!(compare(&error, &at("scene.ron"), &naming(file, place), &field, words), Ok(()), "{file} {place}");
+        let error = with_image(folder.path(), file, value).unwrap_err();
+        assert_eq!(compare(&error, &at("scene.ron"), &naming(file, value), &field, words), Ok(()), "{file} {value}");
     }
     // More than 1 is no fault of a light.
     assert!(with_image(folder.path(), "bright.exr", EMIT).is_ok());
@@ -758,7 +758,7 @@ fn mutated(text: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 #[test]
-fn no_mutated_scene_panics_or_loses_its_place() {
+fn no_mutated_scene_panics_or_loses_its_location() {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let (mut accepted, mut refused) = (0, 0);
     for _ in 0..20_000 {
@@ -767,7 +767,7 @@ fn no_mutated_scene_panics_or_loses_its_place() {
         let unmarked = text.strip_prefix('\u{feff}').unwrap_or(&text);
         match parse(&text) {
             Ok(scene) => {
-                assert_places_hold(&scene, unmarked);
+                assert_locations_hold(&scene, unmarked);
                 assert!(scene.warnings().iter().all(|warning| warning.starts_with(FILE)));
                 accepted += 1;
             }
@@ -852,11 +852,11 @@ fn marks(text: &str) -> Vec<(usize, usize)> {
 #[track_caller]
 fn all_at_marks(text: &str) -> Error {
     let error = parse(&unmarked(text)).expect_err("the scene is bad");
-    let place = |error: &Error| match error {
+    let location = |error: &Error| match error {
         Error::Scene { location, .. } => (location.line, location.column),
         other => panic!("{other}"),
     };
-    assert_eq!(error.each().iter().map(place).collect::<Vec<_>>(), marks(text), "{error}");
+    assert_eq!(error.each().iter().map(location).collect::<Vec<_>>(), marks(text), "{error}");
     error
 }
 

@@ -4,10 +4,10 @@
 
 use crate::common::stats;
 use crate::common::stats::Random;
-use gpu_rt::data::SampleSpread;
+use gpu_rt::data::SampleVariance;
 use gpu_rt::metrics::difference::{Difference, ErrorSource, difference};
 use gpu_rt::metrics::estimate::{CONFIDENCE, LEVEL};
-use gpu_rt::metrics::images::{Images, Spreads};
+use gpu_rt::metrics::images::{Images, SampleVariances};
 use gpu_rt::metrics::pixels::Pixels;
 use gpu_rt::metrics::verdict::verdict;
 
@@ -84,14 +84,15 @@ fn poisson(random: &mut Random, mean: f64) -> f64 {
 
 fn compare((width, height): (usize, usize), a: &Noisy, b: &Noisy, layers: bool) -> Difference {
     let variances = layers.then_some([a.variance.as_slice(), b.variance.as_slice()]);
-    difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads: None }).expect("all is finite")
+    difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, sample_variances: None })
+        .expect("all is finite")
 }
 
 impl Noisy {
-    /// Scaled where `place` holds.
-    fn scaled(mut self, width: usize, factor: f32, place: impl Fn(usize, usize) -> bool) -> Noisy {
+    /// Scaled where `contains` holds.
+    fn scaled(mut self, width: usize, factor: f32, contains: impl Fn(usize, usize) -> bool) -> Noisy {
         for (pixel, (rgb, variance)) in self.rgb.iter_mut().zip(&mut self.variance).enumerate() {
-            if place(pixel % width, pixel / width) {
+            if contains(pixel % width, pixel / width) {
                 *rgb = rgb.map(|v| v * factor);
                 *variance = variance.map(|v| v * factor * factor);
             }
@@ -189,7 +190,7 @@ fn noise_is_called_noise() {
 
 /// Half a percent, where the standard error of the mean is 0.13 %: 3.9 of these, at a level that takes 2.8.
 #[test]
-fn a_difference_on_the_whole_is_found() {
+fn a_difference_of_the_means_is_found() {
     for (factor, word) in [(0.995, "darker"), (1.005, "brighter")] {
         for layers in [true, false] {
             let mut random = Random(77);
@@ -209,7 +210,7 @@ fn a_difference_on_the_whole_is_found() {
 /// One pixel hides what the mean of the others shows, and so it is left out, and that is said. Where its two halves agree by chance, in
 /// one of 30, nothing is found.
 #[test]
-fn a_difference_beside_a_pixel_that_rules_the_noise_is_found() {
+fn a_difference_next_to_a_pixel_that_rules_the_noise_is_found() {
     let mut random = Random(78);
     let size = (16, 16);
     let mut found = 0;
@@ -280,8 +281,8 @@ fn noise_that_neighbours_share_is_called_noise() {
             (0..width * height).map(blurred).collect::<Vec<_>>()
         };
         let (a, b) = (image(), image());
-        let found =
-            difference(&Images { width, height, a: &a, b: &b, variances: None, spreads: None }).expect("all is finite");
+        let found = difference(&Images { width, height, a: &a, b: &b, variances: None, sample_variances: None })
+            .expect("all is finite");
         alarms += usize::from(found.p < LEVEL);
     }
     println!("{alarms} alarms of 100");
@@ -307,13 +308,16 @@ fn any_images_have_a_verdict() {
         }
     }
     let (nan, one) = ([[f32::NAN; 3]; 4], [[1.0; 3]; 4]);
-    assert!(difference(&Images { width: 2, height: 2, a: &nan, b: &one, variances: None, spreads: None }).is_none());
+    assert!(
+        difference(&Images { width: 2, height: 2, a: &nan, b: &one, variances: None, sample_variances: None })
+            .is_none()
+    );
     // Without noise, what differs differs, but for rounding.
     let constant = |value: f32| vec![[value; 3]; 64];
     let of = |a: f32| {
         let (a, b) = (constant(a), constant(0.5));
         verdict(
-            &difference(&Images { width: 8, height: 8, a: &a, b: &b, variances: None, spreads: None })
+            &difference(&Images { width: 8, height: 8, a: &a, b: &b, variances: None, sample_variances: None })
                 .expect("all is finite"),
         )
     };
@@ -364,12 +368,13 @@ impl Samples {
 /// An image of so many samples a pixel, with all that a film knows of them.
 struct Sampled {
     noisy: Noisy,
-    spreads: Vec<SampleSpread>,
+    sample_variances: Vec<SampleVariance>,
 }
 
 impl Sampled {
     fn new(random: &mut Random, (width, height): (usize, usize), kind: Samples, count: u32) -> Sampled {
-        let mut image = Sampled { noisy: Noisy { rgb: Vec::new(), variance: Vec::new() }, spreads: Vec::new() };
+        let mut image =
+            Sampled { noisy: Noisy { rgb: Vec::new(), variance: Vec::new() }, sample_variances: Vec::new() };
         for pixel in 0..width * height {
             let brightness = 0.2 + (pixel % width) as f64 / width as f64;
             let samples: Vec<f64> = (0..count).map(|_| brightness * kind.draw(random)).collect();
@@ -377,13 +382,13 @@ impl Sampled {
             let squares: f64 =
                 samples.chunks(8).map(|run| run.iter().map(|s| (s - mean(run)).powi(2)).sum::<f64>()).sum();
             let half = samples.len() / 2;
-            let (whole, apart) = (mean(&samples), 0.5 * (mean(&samples[..half]) - mean(&samples[half..])));
+            let (centre, apart) = (mean(&samples), 0.5 * (mean(&samples[..half]) - mean(&samples[half..])));
             let degrees = count - count.div_ceil(8);
             let colour = [1.0, 0.8, 0.5];
-            image.noisy.rgb.push(colour.map(|c| (c * whole) as f32));
+            image.noisy.rgb.push(colour.map(|c| (c * centre) as f32));
             image.noisy.variance.push(colour.map(|c: f64| (c * c * apart * apart) as f32));
             let variance = colour.map(|c: f64| (c * c * squares / f64::from(degrees)) as f32);
-            image.spreads.push(SampleSpread { variance, degrees, samples: count });
+            image.sample_variances.push(SampleVariance { variance, degrees, samples: count });
         }
         image
     }
@@ -391,8 +396,9 @@ impl Sampled {
     fn against(&self, other: &Sampled, (width, height): (usize, usize), alike: bool) -> Difference {
         let (a, b) = (&self.noisy, &other.noisy);
         let variances = Some([a.variance.as_slice(), b.variance.as_slice()]);
-        let spreads = Some(Spreads { images: [&self.spreads, &other.spreads], alike });
-        difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads }).expect("all is finite")
+        let sample_variances =
+            Some(SampleVariances { images: [&self.sample_variances, &other.sample_variances], alike });
+        difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, sample_variances }).expect("all is finite")
     }
 
     /// Whether a pixel differs by the variance of its two halves, with one degree of freedom: the rule that such a variance suggests.
@@ -490,15 +496,15 @@ fn differing_pixels_beside_equal_ones_are_found() {
     let one = |x: usize, y: usize| (x, y) == (24, 39);
     let block = |x: usize, y: usize| (24..26).contains(&x) && (38..40).contains(&y);
     let edge = |_: usize, y: usize| y == height - 1;
-    type Place<'a> = (&'a str, usize, &'a dyn Fn(usize, usize) -> bool);
-    let places: [Place<'_>; 3] = [("(24, 39)", 1, &one), ("(2", 4, &block), ("(", width, &edge)];
+    type Region<'a> = (&'a str, usize, &'a dyn Fn(usize, usize) -> bool);
+    let regions: [Region<'_>; 3] = [("(24, 39)", 1, &one), ("(2", 4, &block), ("(", width, &edge)];
     for (b, layers) in [(&b, true), (&b, false), (&spiky, true), (&spiky, false), (&halves, false)] {
-        for (at, count, place) in places {
+        for (at, count, contains) in regions {
             for channels in [0..3, 0..1, 2..3] {
                 for factor in [100.0, 2.0, 1.01, 0.5, 0.0] {
                     let mut a = Noisy { rgb: b.rgb.clone(), variance: b.variance.clone() };
                     for (pixel, rgb) in a.rgb.iter_mut().enumerate() {
-                        if place(pixel % width, pixel / width) {
+                        if contains(pixel % width, pixel / width) {
                             rgb[channels.clone()].iter_mut().for_each(|v| *v *= factor);
                         }
                     }

@@ -24,8 +24,8 @@ fn log(deep: &str) -> String {
 
 /// The matrix's lines and faults, and whether all is well.
 fn judge(driver: &str, log: &str) -> (String, bool) {
-    let place = tempfile::tempdir().expect("a temporary folder");
-    let [known, written] = ["known.txt", "log"].map(|name| place.path().join(name));
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    let [known, written] = ["known.txt", "log"].map(|name| sandbox.path().join(name));
     fs::write(&known, KNOWN).expect("it is written");
     fs::write(&written, log).expect("it is written");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/drivers/matrix.sh");

@@ -7,15 +7,15 @@ use gpu_rt::film::{Film, UNKNOWN_VARIANCE};
 use gpu_rt::output::exr::{read_exr, write_exr};
 
 fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> Run {
-    Run { sum, pixel, counts: accepted, rays: 2 * accepted, spread: [0.0; 3] }
+    Run { sum, pixel, counts: accepted, rays: 2 * accepted, squared_deviations: [0.0; 3] }
 }
 
 /// The run of these samples, alike in all channels.
 fn run_of(pixel: u32, samples: &[f64]) -> Run {
     let sum: f64 = samples.iter().sum();
     let mean = sum / samples.len() as f64;
-    let spread: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
-    Run { spread: [spread as f32; 3], ..run(pixel, [sum as f32; 3], samples.len() as u32) }
+    let squared_deviations: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
+    Run { squared_deviations: [squared_deviations as f32; 3], ..run(pixel, [sum as f32; 3], samples.len() as u32) }
 }
 
 /// The run of a number: odd or even.
@@ -45,8 +45,8 @@ fn assorted_runs(seed: u64) -> Vec<Run> {
             let accepted = random.below(7) as u32;
             let parity = if random.below(2) == 1 { ODD_RUN } else { 0 };
             let counts = accepted | nan << 8 | infinite << 16 | parity;
-            let spread = [sum[1] * sum[2], sum[0] * sum[0], 0.0];
-            Run { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32, spread }
+            let squared_deviations = [sum[1] * sum[2], sum[0] * sum[0], 0.0];
+            Run { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32, squared_deviations }
         })
         .collect()
 }
@@ -224,9 +224,12 @@ fn variance_of_halves_follows_the_formula() {
     assert!((f64::from(picture.variance[0][0]) / (0.16 * 0.25) - 1.0).abs() < 1e-7);
     // The halves say nothing about the variance of independent samples.
     let runs = |records: &[Run]| self::film(1, 1, records).develop();
-    let spread = records.map(|record| Run { spread: [2.0; 3], ..record });
-    assert!(runs(&spread) == runs(&spread.map(|record| Run { counts: record.counts ^ ODD_RUN, ..record })));
-    assert_ne!(runs(&spread).variance, picture.variance);
+    let squared_deviations = records.map(|record| Run { squared_deviations: [2.0; 3], ..record });
+    assert!(
+        runs(&squared_deviations)
+            == runs(&squared_deviations.map(|record| Run { counts: record.counts ^ ODD_RUN, ..record }))
+    );
+    assert_ne!(runs(&squared_deviations).variance, picture.variance);
     // One half alone tells nothing, nor do halves that are equal tell of an error.
     assert_eq!(film_of_halves(1, &[records[0], records[2]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
     assert_eq!(film_of_halves(1, &[records[1], records[1]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
@@ -363,7 +366,7 @@ fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
                         });
                         let record = numbered(index, run_of(pixel, &samples));
                         film.add_runs(&[record]);
-                        of_halves.add_runs(&[Run { spread: [0.0; 3], ..record }]);
+                        of_halves.add_runs(&[Run { squared_deviations: [0.0; 3], ..record }]);
                     }
                 }
                 let means: Vec<f64> =
@@ -458,7 +461,7 @@ fn few_pixels_that_make_the_error_are_unreliable() {
 }
 
 #[test]
-fn unknown_variance_can_be_told_from_none() {
+fn unknown_variance_is_distinguished_from_none() {
     let records = [run(1, [0.5; 3], 8), run(2, [0.5; 3], 8), odd(run(2, [0.5; 3], 8))];
     let picture = film(3, 1, &records).develop();
     assert_eq!(picture.variance, [[UNKNOWN_VARIANCE; 3], [UNKNOWN_VARIANCE; 3], [0.0; 3]]);
@@ -493,8 +496,8 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
         run(0, [f32::NAN, 1.0, 1.0], 8),
         run(0, [1.0, -1e-30, 1.0], 8),
         run(0, [1.0, f32::NEG_INFINITY, 1.0], 8),
-        Run { spread: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
-        Run { spread: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
+        Run { squared_deviations: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
+        Run { squared_deviations: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
     ];
     for record in bad {
         let mut film = film(2, 1, &good);
@@ -538,7 +541,7 @@ fn large_and_small_values_keep_their_precision() {
 #[test]
 fn totals_saturate_to_unknown_in_any_order() {
     // Squares overflow first: the mean is still right.
-    let mut records = vec![Run { spread: [1e12; 3], ..run(0, [1e6; 3], 8) }; 10];
+    let mut records = vec![Run { squared_deviations: [1e12; 3], ..run(0, [1e6; 3], 8) }; 10];
     records.extend(vec![odd(run(0, [8.0; 3], 8)); 10]);
     let bright = film(1, 1, &records);
     let picture = bright.develop();
@@ -650,7 +653,8 @@ fn nothing_that_is_not_finite_is_written_whatever_the_film_got() {
         for (pixel, value) in
             [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-45, 0.0].into_iter().enumerate()
         {
-            let record = Run { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
+            let record =
+                Run { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, squared_deviations: [0.0; 3] };
             film.add_runs(&[record; 9]);
         }
         write_exr(&path, &film.develop(), &[]).unwrap();

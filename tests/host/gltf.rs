@@ -138,10 +138,10 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     };
     assert_eq!(glass(0.0), written("ThinDielectric(ior: 1.4)"));
     assert_eq!(glass(0.5), written("ThinDielectric(ior: 1.4, roughness: 0.5)"));
-    let glow = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
+    let emissive = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}));
     let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), roughness: 0, emission: Image(path: \"room.glb#images/0\", tint: (2, 0, 4)))";
-    assert_eq!(glow, written(expected));
+    assert_eq!(emissive, written(expected));
     // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
     let textured =
         steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
@@ -304,7 +304,7 @@ fn a_camera_is_chosen_by_its_name_or_that_of_its_node() {
 }
 
 #[test]
-fn a_file_without_camera_and_light_gets_both_and_is_told() {
+fn a_file_without_camera_and_light_gets_both_and_a_note() {
     let mut json = changed("/scenes/0/nodes", json!([0, 1]));
     json["nodes"][0]["translation"] = json!([1000.0, 0.0, 0.0]);
     let scene = load(&json).unwrap();
@@ -392,7 +392,7 @@ fn properties_that_the_standard_leaves_open_are_no_errors() {
 }
 
 #[test]
-fn broken_gltf_is_refused_with_its_place_in_the_json() {
+fn broken_gltf_is_refused_with_its_path_in_the_json() {
     for (pointer, value, at, reason) in [
         ("/asset", json!({}), "asset", "missing field `version`"),
         ("/nodes/0/mesh", json!("x"), "nodes[0].mesh", "invalid type: string \"x\""),
@@ -591,7 +591,7 @@ fn lights_of_files_by_blender_are_in_watts_unless_they_are_said_not_to_be() {
     };
     let [standard, lumens, plain] =
         [[1.0; 3], [683.0; 3], [4.0 * std::f64::consts::PI, 4.0 * std::f64::consts::PI, 1.0]];
-    let told = |json: &Value, given| {
+    let reported = |json: &Value, given| {
         let notes = notes_as(json, &watts(given));
         notes.into_iter().filter(|note| note.contains("--watts=off")).collect::<Vec<_>>()
     };
@@ -614,14 +614,14 @@ fn lights_of_files_by_blender_are_in_watts_unless_they_are_said_not_to_be() {
             off.zip(found).map(|(expected, found): (f64, f64)| (found / expected - 1.0).abs()).fold(0.0, f64::max);
         assert!(off < 1e-12, "{given:?}: {found:?}");
         // It is told where nobody asked.
-        let is_told = given.is_none() && expected != standard;
-        assert_eq!(told(json, given).len(), usize::from(is_told), "{given:?}: {:?}", told(json, given));
+        let is_reported = given.is_none() && expected != standard;
+        assert_eq!(reported(json, given).len(), usize::from(is_reported), "{given:?}: {:?}", reported(json, given));
     }
-    let unitless = told(&new, None);
+    let unitless = reported(&new, None);
     assert!(unitless[0].starts_with("asset.generator: ") && unitless[0].contains("\"Unitless\""), "{unitless:?}");
     let mut without = room().0;
     without["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.2.57");
-    assert_eq!(told(&without, None), Vec::<String>::new());
+    assert_eq!(reported(&without, None), Vec::<String>::new());
 
     // An object in a scene file has a field for it, and the warning names that.
     let folder = tempfile::tempdir().unwrap();
@@ -656,38 +656,38 @@ fn lit_by(material: Value) -> Value {
 #[test]
 fn a_sky_is_added_only_where_nothing_emits() {
     let base = |colour: Value| json!({"baseColorFactor": colour, "metallicFactor": 0});
-    let glow = json!([1, 0.5, 0]);
+    let emissive = json!([1, 0.5, 0]);
     let strength = |strength: f64| json!({"KHR_materials_emissive_strength": {"emissiveStrength": strength}});
     let [grey, black] = [json!([0.5, 0.5, 0.5, 1]), json!([0, 0, 0, 1])].map(base);
     let invisible = base(json!([0.5, 0.5, 0.5, 0]));
     let solid = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
-    let emits = |json: &Value, told: bool| {
+    let emits = |json: &Value, reported: bool| {
         let scene = load(json).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(notes(json).join("\n").contains("nothing in it emits light"), told, "{json}");
-        assert_eq!(matches!(scene.background, Background::Gradient { .. }), told, "{json}");
-        if !told {
+        assert_eq!(notes(json).join("\n").contains("nothing in it emits light"), reported, "{json}");
+        assert_eq!(matches!(scene.background, Background::Gradient { .. }), reported, "{json}");
+        if !reported {
             assert_eq!(scene.background, Background::Solid(DVec3::ZERO));
         }
     };
     for (material, does) in [
-        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": grey}), true),
-        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": black}), true),
-        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), true),
-        (json!({"emissiveFactor": glow}), true),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": grey}), true),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black}), true),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), true),
+        (json!({"emissiveFactor": emissive}), true),
         (json!({"emissiveFactor": [0.001, 0, 0], "extensions": strength(1e-3)}), true),
-        (json!({"emissiveFactor": glow, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), true),
+        (json!({"emissiveFactor": emissive, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), true),
         (
-            json!({"emissiveFactor": glow, "alphaMode": "MASK", "alphaCutoff": 0, "pbrMetallicRoughness": invisible}),
+            json!({"emissiveFactor": emissive, "alphaMode": "MASK", "alphaCutoff": 0, "pbrMetallicRoughness": invisible}),
             true,
         ),
         // None of it is left.
         (json!({"emissiveFactor": [0, 0, 0], "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveFactor": glow, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": emissive, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), false),
         (json!({"emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveFactor": glow, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), false),
-        (json!({"emissiveFactor": glow, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), false),
+        (json!({"emissiveFactor": emissive, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), false),
+        (json!({"emissiveFactor": emissive, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), false),
         // Glass does not emit, and it is said.
-        (json!({"emissiveFactor": glow, "extensions": solid, "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": emissive, "extensions": solid, "pbrMetallicRoughness": grey}), false),
     ] {
         emits(&lit_by(material), !does);
     }
@@ -696,7 +696,7 @@ fn a_sky_is_added_only_where_nothing_emits() {
     let black = image::RgbImage::new(2, 2);
     black.write_to(&mut std::io::Cursor::new(&mut pixels), image::ImageFormat::Png).unwrap();
     let mut json =
-        lit_by(json!({"emissiveFactor": glow, "emissiveTexture": {"index": 1}, "pbrMetallicRoughness": grey}));
+        lit_by(json!({"emissiveFactor": emissive, "emissiveTexture": {"index": 1}, "pbrMetallicRoughness": grey}));
     let encoded = base64::engine::general_purpose::STANDARD.encode(&pixels);
     json["images"] = json!([{"bufferView": 5}, {"uri": format!("data:image/png;base64,{encoded}")}]);
     json["textures"] = json!([{"source": 0}, {"source": 1}]);
@@ -729,12 +729,12 @@ fn a_mesh_without_a_material_is_that_of_its_program() {
     json["meshes"][2]["primitives"][0].as_object_mut().unwrap().remove("material");
     let default =
         |json: &Value| load(json).unwrap().materials.into_iter().find(|(name, _)| name == "default").unwrap().1;
-    let told = |json: &Value| notes(json).join("\n").matches("without a material are grey plastic").count();
-    assert_eq!((default(&json), told(&json)), (written("Pbr()"), 0));
+    let reported = |json: &Value| notes(json).join("\n").matches("without a material are grey plastic").count();
+    assert_eq!((default(&json), reported(&json)), (written("Pbr()"), 0));
     json["asset"]["generator"] = json!("Khronos glTF Blender I/O v5.0.21");
     let grey = written("Pbr(base_color: Rgb(0.8, 0.8, 0.8), metallic: 0, roughness: 0.5)");
-    assert_eq!((default(&json), told(&json)), (grey, 1));
-    assert_eq!(told(&room().0), 0);
+    assert_eq!((default(&json), reported(&json)), (grey, 1));
+    assert_eq!(reported(&room().0), 0);
 }
 
 #[test]
@@ -761,7 +761,7 @@ fn a_file_by_blender_without_lamps_or_cameras_says_what_to_tick() {
 }
 
 #[test]
-fn a_sun_is_added_where_it_is_asked_for() {
+fn a_sun_is_added_on_request() {
     let sun = GltfOptions { sun: Some((30.0, 90.0)), ..GltfOptions::default() };
     let scene = load_as(&changed("/scenes/0/nodes", json!([0, 4])), &sun).unwrap();
     let Some(&Object::DirectionalLight { direction, irradiance }) = scene.objects.last() else { panic!() };
@@ -805,9 +805,9 @@ fn a_gltf_file_is_an_object_with_materials_of_its_own() {
     json["nodes"][0]["mesh"] = json!(9);
     fs::write(folder.path().join("models/room.gltf"), gltf(&json, &binary)).unwrap();
     let error = scene_with(folder.path(), room).unwrap_err().to_string();
-    let place = error.split_once("scene.ron:").unwrap().1;
-    assert!(place.starts_with("2:56: objects[0].Gltf.path: "), "{error}");
-    assert!(place.ends_with("models/room.gltf: nodes[0].mesh: there is no mesh 9"), "{error}");
+    let location = error.split_once("scene.ron:").unwrap().1;
+    assert!(location.starts_with("2:56: objects[0].Gltf.path: "), "{error}");
+    assert!(location.ends_with("models/room.gltf: nodes[0].mesh: there is no mesh 9"), "{error}");
     for (path, reason) in [("a.obj", "ends in .gltf or .glb"), ("gone.glb", "cannot read the glTF file")] {
         let error = scene_with(folder.path(), &format!("Gltf(path: {path:?})")).unwrap_err().to_string();
         assert!(error.contains("objects[0].Gltf.path") && error.contains(reason), "{error}");

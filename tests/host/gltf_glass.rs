@@ -129,8 +129,8 @@ fn load_as((json, binary): &(Value, Vec<u8>), thin: Thin) -> Scene {
 fn read_as(file: &(Value, Vec<u8>), thin: Thin) -> (Vec<(String, &'static str)>, Vec<String>) {
     let scene = load_as(file, thin);
     let kinds = scene.materials.iter().map(|(name, material)| (name.clone(), material.name())).collect();
-    let told = scene.warnings().into_iter().filter(|note| note.contains(SOLID) || note.contains(PANE)).collect();
-    (kinds, told)
+    let reported = scene.warnings().into_iter().filter(|note| note.contains(SOLID) || note.contains(PANE)).collect();
+    (kinds, reported)
 }
 
 /// Whether one mesh of clear glass is solid, which is told.
@@ -140,10 +140,13 @@ fn is_solid(parts: &[Part], what: &str) -> bool {
 }
 
 fn of_file(file: &(Value, Vec<u8>), what: &str) -> bool {
-    let (kinds, told) = read_as(file, Thin::Auto);
+    let (kinds, reported) = read_as(file, Thin::Auto);
     let (_, kind) = kinds.iter().find(|(name, _)| name == "Glass").unwrap_or_else(|| panic!("{what}: {kinds:?}"));
     let says = |expected: &str| {
-        assert!(told.len() == 1 && told[0].contains(expected) && told[0].contains("(\"Glass\")"), "{what}: {told:?}");
+        assert!(
+            reported.len() == 1 && reported[0].contains(expected) && reported[0].contains("(\"Glass\")"),
+            "{what}: {reported:?}"
+        );
     };
     match *kind {
         "Dielectric" => says(SOLID),
@@ -197,7 +200,7 @@ fn closed_meshes_of_files_by_blender_are_solid_glass() {
 }
 
 #[test]
-fn all_forms_of_meshes_are_looked_at() {
+fn all_forms_of_meshes_are_examined() {
     // A tetrahedron as a strip, and a pyramid of a fan and a square.
     let tetrahedron = vec![[0., 0., 0.], [0., 1., 0.], [1., 0., 0.], [0., 0., 1.]];
     let strip = Part { positions: tetrahedron, indices: Some(vec![0, 1, 2, 3, 0, 1]), mode: 5, material: 0 };
@@ -261,8 +264,8 @@ fn glass_of_a_file_is_what_it_says_and_else_what_its_shape_says() {
     let read = |parts: &[Part], more: Value, generator: &str, thin| {
         let mut file = file(&[parts], &[glass("Glass", more)]);
         file.0["asset"]["generator"] = generator.into();
-        let (kinds, told) = read_as(&file, thin);
-        (kinds[0].1, told.len())
+        let (kinds, reported) = read_as(&file, thin);
+        (kinds[0].1, reported.len())
     };
     const SOLID: &str = "Dielectric";
     const PANE: &str = "ThinDielectric";
@@ -358,12 +361,12 @@ fn both_surfaces_of_blenders_glass_have_its_colour_together() {
         }
     };
     let thick = || json!({"extensions": {"KHR_materials_volume": {"thicknessFactor": 1}}});
-    let (root, whole) = (Some([0.5, 0.8, 1.0]), Some([0.25, 0.64, 1.0]));
+    let (root, full) = (Some([0.5, 0.8, 1.0]), Some([0.25, 0.64, 1.0]));
     assert_eq!(transmittance(json!({}), BLENDER, Thin::Auto), root);
     assert_eq!(transmittance(thick(), BLENDER, Thin::Auto), root);
-    assert_eq!(transmittance(json!({}), BLENDER, Thin::Pane), whole);
-    assert_eq!(transmittance(thick(), BLENDER, Thin::Pane), whole);
-    assert_eq!(transmittance(thick(), "another program", Thin::Auto), whole);
+    assert_eq!(transmittance(json!({}), BLENDER, Thin::Pane), full);
+    assert_eq!(transmittance(thick(), BLENDER, Thin::Pane), full);
+    assert_eq!(transmittance(thick(), "another program", Thin::Auto), full);
 }
 
 #[test]

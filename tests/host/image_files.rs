@@ -33,9 +33,9 @@ fn damaged(file: &str, bytes: &[u8]) -> [Vec<u8>; 2] {
 /// The lengths at which a truncated file is accepted with another picture than the whole file has.
 fn accepted_in_part(file: &str, bytes: &[u8]) -> Vec<usize> {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let whole = image(folder.path(), file, bytes).unwrap_or_else(|error| panic!("{error}"));
+    let full = image(folder.path(), file, bytes).unwrap_or_else(|error| panic!("{error}"));
     let is_wrong = |&length: &usize| match image(folder.path(), file, &bytes[..length]) {
-        Ok(part) => part != whole,
+        Ok(part) => part != full,
         Err(error) => {
             assert!(error.to_string().contains(file), "{error}");
             false
@@ -55,7 +55,7 @@ fn no_truncated_image_is_accepted_in_part() {
         .iter()
         .map(|(file, bytes)| (file, accepted_in_part(file, bytes), bytes.len()))
         .filter(|(_, lengths, _)| !lengths.is_empty())
-        .map(|(file, lengths, whole)| format!("{file}: of {whole} bytes the first {lengths:?}"))
+        .map(|(file, lengths, full)| format!("{file}: of {full} bytes the first {lengths:?}"))
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -181,7 +181,7 @@ fn obj_files_are_read_as_they_are_written() {
 const PLAIN: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 2 0 0\n";
 
 #[test]
-fn faces_without_area_are_left_out_and_told() {
+fn faces_without_area_are_left_out_and_reported() {
     // Two corners at one place; three on a line, which stays; a polygon of which a part stays.
     let text = format!("{PLAIN}f 1 2 3\nf 1 4 2\nf 1 2 5\nf 1 4 2 3\nf 3 3 3\n");
     let scene = scene_of("flat.obj", text.as_bytes()).unwrap();
@@ -202,7 +202,7 @@ fn vertices_that_no_face_uses_may_be_anything() {
 }
 
 #[test]
-fn broken_normals_are_dropped_and_told() {
+fn broken_normals_are_dropped_and_reported() {
     let with = |normal: &str| {
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1e-30\nvn {normal}\nf 1//1 2//1 3//2\n");
         mesh("normals.obj", text.as_bytes())
@@ -222,7 +222,7 @@ fn broken_normals_are_dropped_and_told() {
 
 /// Numbers that are not finite are named with their place, in every list of every format, and not told as missing.
 #[test]
-fn numbers_that_are_not_finite_are_named_with_their_place() {
+fn numbers_that_are_not_finite_are_named_with_their_location() {
     for (written, found) in [("nan", "NaN"), ("NaN", "NaN"), ("inf", "inf"), ("-inf", "-inf"), ("1e999", "inf")] {
         let obj = |v: &str, vt: &str, vn: &str| {
             let text = format!(
@@ -232,8 +232,8 @@ fn numbers_that_are_not_finite_are_named_with_their_place() {
             scene_of("a.obj", text.as_bytes()).map(|scene| scene.meshes["a.obj"].clone())
         };
         // Entries that no face uses may be anything.
-        let whole = obj("1", "1", "0").unwrap_or_else(|reason| panic!("{reason}"));
-        assert!(whole.warnings.is_empty() && whole.uvs.len() == 3 && whole.normals.len() == 3, "{:?}", whole.warnings);
+        let full = obj("1", "1", "0").unwrap_or_else(|reason| panic!("{reason}"));
+        assert!(full.warnings.is_empty() && full.uvs.len() == 3 && full.normals.len() == 3, "{:?}", full.warnings);
         let error = obj(written, "1", "0").expect_err("a vertex is not finite").to_string();
         let expected = format!("line 4: expected finite numbers of at most 1e100 in magnitude, found {written:?}");
         assert!(error.contains(&expected), "{error}");
@@ -284,9 +284,9 @@ fn numbers_that_are_not_finite_are_named_with_their_place() {
             read(&[("TEXCOORD_0", 2, &uvs), ("NORMAL", 3, &normals), ("COLOR_0", 3, &colours)]).expect("it is read");
         for (attribute, vertex) in [("NORMAL", 0), ("TEXCOORD_0", 2)] {
             let at = format!("meshes[0].primitives[0].attributes.{attribute}: expected finite numbers, found ");
-            let is_told =
+            let is_reported =
                 |words: &String| words.starts_with(&at) && words.contains(&format!(" at vertex {vertex}: all "));
-            assert!(warnings.iter().any(is_told), "{warnings:#?}");
+            assert!(warnings.iter().any(is_reported), "{warnings:#?}");
         }
         let mut colours = colours;
         colours[4] = bad;
@@ -467,15 +467,15 @@ fn a_file_named_often_is_read_once_and_tells_how_far_it_is() {
     let header = "(image: (width: 4, height: 3), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
                   background: Solid((1, 1, 1)), materials: {\"grey\": Dielectric(ior: 1)}, objects: [";
     fs::write(&path, format!("{header}{object}])")).unwrap();
-    let mut told = Vec::new();
-    let mut progress = |file: &Path, done, whole| {
-        assert_eq!((file, whole), (folder.path().join("big.obj").as_path(), text.len() as u64));
-        told.push(done);
+    let mut reported = Vec::new();
+    let mut progress = |file: &Path, done, full| {
+        assert_eq!((file, full), (folder.path().join("big.obj").as_path(), text.len() as u64));
+        reported.push(done);
     };
     let scene = Scene::load_as(&path, &GltfOptions::default(), &mut progress, &mut Assets::default());
     assert_eq!(scene.unwrap().meshes.len(), 1);
-    assert_eq!(told.len(), 2, "at the start and after a MiB: {told:?}");
-    assert!(told[0] == 0 && told[1] > 1 << 20);
+    assert_eq!(reported.len(), 2, "at the start and after a MiB: {reported:?}");
+    assert!(reported[0] == 0 && reported[1] > 1 << 20);
 }
 
 #[test]

@@ -5,14 +5,14 @@ use gpu_rt::options::{RenderOptions, TRADE_OFFS};
 use gpu_rt::tradeoff::judge::Measured;
 use gpu_rt::tradeoff::model::{Falling, Model, Ranking};
 use gpu_rt::tradeoff::page::html;
-use gpu_rt::tradeoff::report::{Findings, Shown};
+use gpu_rt::tradeoff::report::{Example, Findings};
 use gpu_rt::tradeoff::sweep::{Setting, Unmeasured};
 
-fn setting(knob: Option<(&str, &str)>) -> Setting {
-    let (name, value) = knob.unzip();
-    let knob = name.map(|name| *TRADE_OFFS.iter().find(|knob| knob.name == name).expect("a knob"));
+fn setting(option: Option<(&str, &str)>) -> Setting {
+    let (name, value) = option.unzip();
+    let option = name.map(|name| *TRADE_OFFS.iter().find(|option| option.name == name).expect("a declared option"));
     let value = value.unwrap_or_default().to_string();
-    Setting { knob, value, options: RenderOptions::default(), max_depth: 50, scale: 1.0, denoise: false }
+    Setting { option, value, options: RenderOptions::default(), max_depth: 50, scale: 1.0, denoise: false }
 }
 
 /// A setting whose noise was measured with these numbers of samples.
@@ -26,8 +26,8 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         seconds_compile: 0.1,
         seconds_here: 0.1,
         seconds_half_width: 0.002,
-        seconds_doubt: 0.01,
-        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise, seconds: 0.1, seconds_beside: 0.0 },
+        seconds_error: 0.01,
+        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise, seconds: 0.1, fixed_seconds: 0.0 },
         flips: samples.iter().map(|&samples| (samples, 0.5 / f64::from(samples).sqrt())).collect(),
         noises: samples.iter().map(|&samples| (samples, noise.at(f64::from(samples)))).collect(),
         signed: none,
@@ -36,10 +36,10 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         lacks_paths: false,
         against_reference: false,
         reliable: true,
-        doubts: Vec::new(),
+        reasons_unreliable: Vec::new(),
         relmse_ratio: 0.5,
         bias_known: true,
-        noise_doubt: 0.01,
+        noise_error: 0.01,
         times: [1e-1, 1e-2, 1e-3].map(seconds_to),
         ranking: Ranking::Front,
     }
@@ -53,7 +53,7 @@ fn findings(samples: &[u32]) -> Findings {
         device: "a device".into(),
         driver: "its driver".into(),
         size: (64, 64),
-        whole_size: (64, 64),
+        full_size: (64, 64),
         calibration: None,
         seed: 0,
         budget: 60.0,
@@ -67,7 +67,7 @@ fn findings(samples: &[u32]) -> Findings {
         measured: vec![measured(setting(None), samples)],
         unmeasured: vec![Unmeasured { setting: setting(Some(("clamp", "10"))), why: "no time".into() }],
         middle_of: None,
-        shown: vec![Shown {
+        examples: vec![Example {
             setting: "defaults".into(),
             samples: 16,
             seconds: 1.6,

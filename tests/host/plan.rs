@@ -108,13 +108,13 @@ fn modules_of(report: &Report) -> String {
     let mut bindings: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for kernel in &report.kernels {
         for module in &kernel.modules {
-            let asked_by = module.asked_by.as_deref().unwrap_or("");
-            modules.entry(&module.name).or_insert((Vec::new(), asked_by)).0.push(&kernel.name);
+            let reason = module.reason.as_deref().unwrap_or("");
+            modules.entry(&module.name).or_insert((Vec::new(), reason)).0.push(&kernel.name);
         }
         kernel.bindings.iter().for_each(|(name, _)| bindings.entry(name).or_default().push(&kernel.name));
     }
-    let module = |(name, (kernels, asked_by)): (&&str, &(Vec<&str>, &str))| {
-        format!("  {name}  [{}]  {asked_by}", kernels.join(" ")).trim_end().to_string() + "\n"
+    let module = |(name, (kernels, reason)): (&&str, &(Vec<&str>, &str))| {
+        format!("  {name}  [{}]  {reason}", kernels.join(" ")).trim_end().to_string() + "\n"
     };
     let binding = |(name, kernels): (&&str, &Vec<&str>)| format!("  {name}  [{}]\n", kernels.join(" "));
     modules.iter().map(module).collect::<String>() + "\nbindings\n" + &bindings.iter().map(binding).collect::<String>()
@@ -162,11 +162,11 @@ fn plans_are_as_their_snapshots_say() {
     assert_eq!(names("tests/plans", "txt"), SNAPSHOTS.map(String::from).into(), "tests/plans");
     for name in SNAPSHOTS {
         let text = snapshot(&format!("scenes/{name}.ron"), &shipped(name));
-        let place = root().join(format!("tests/plans/{name}.txt"));
+        let path = root().join(format!("tests/plans/{name}.txt"));
         if crate::common::renew() {
-            std::fs::write(&place, &text).expect("a snapshot can be written");
+            std::fs::write(&path, &text).expect("a snapshot can be written");
         }
-        let expected = std::fs::read_to_string(&place).expect("the snapshot can be read");
+        let expected = std::fs::read_to_string(&path).expect("the snapshot can be read");
         if let Some(difference) = first_difference(&expected.replace('\r', ""), &text) {
             panic!("the plan of scenes/{name}.ron differs from tests/plans/{name}.txt in {difference}\n{renew}");
         }
@@ -456,7 +456,7 @@ fn the_background_asks_for_its_texels() {
         let texels = report.buffers.iter().find(|buffer| buffer.name == "texels").expect("an image");
         let background = asker(&report, "image background");
         assert!(background.starts_with("background at"), "{background}");
-        assert_eq!(texels.asked_by, background, "{integrator}");
+        assert_eq!(texels.reason, background, "{integrator}");
     }
 }
 
@@ -580,7 +580,7 @@ fn scenes_without_surfaces_are_fused_too() {
 }
 
 #[test]
-fn words_of_identifiers_are_told_apart() {
+fn words_of_identifiers_are_distinguished() {
     let split = |text: &str| words(text);
     assert_eq!(split("WORD_OF_LIGHT"), ["word", "of", "light"]);
     assert_eq!(split("LightNode"), ["light", "node"]);
@@ -635,13 +635,13 @@ fn a_glass_sphere_adds_its_material_and_nothing_else() {
             added,
             [
                 "bind/queue_args",
-                "bind/queue_turns",
+                "bind/queue_lengths",
                 "bind/queues",
                 "data/queue",
                 "lib/fresnel",
                 "lib/refraction",
                 "material/dielectric",
-                "slots/queue_turn",
+                "slots/queued_slot",
                 "slots/sort_by_material",
                 "stage/dispatch",
             ]
@@ -669,7 +669,7 @@ fn everything_in_a_plan_has_a_reason() {
                     let (plan, report) = planned_with(&flat, &class, scatter, options(features));
                     let at = format!("{name} {features} {} {scatter:?}", class.name);
                     for constant in &report.constants {
-                        assert!(!constant.what.is_empty() && !constant.asked_by.is_empty(), "{at}: {constant:?}");
+                        assert!(!constant.what.is_empty() && !constant.reason.is_empty(), "{at}: {constant:?}");
                         assert!(constant.value.parse::<u64>().is_ok(), "{at}: {constant:?}");
                     }
                     // Who asked is the scene, an option, or every render.
@@ -687,14 +687,14 @@ fn everything_in_a_plan_has_a_reason() {
                         assert!(users.count() > 0, "{at}: nobody uses {field:?}");
                     }
                     for buffer in &report.buffers {
-                        assert!(!buffer.size.is_empty() && known(&buffer.asked_by), "{at}: {buffer:?}");
+                        assert!(!buffer.size.is_empty() && known(&buffer.reason), "{at}: {buffer:?}");
                         assert!(report.kernels.iter().any(|kernel| kernel.bindings.iter().any(|b| b.0 == buffer.name)));
                     }
                     for (kernel, planned) in report.kernels.iter().zip(plan.kernels()) {
                         let listed: BTreeSet<&String> = kernel.modules.iter().map(|module| &module.name).collect();
                         assert_eq!(listed, planned.linked.modules.iter().collect(), "{at}: {}", kernel.name);
                         for module in &kernel.modules {
-                            assert!(module.asked_by.as_deref().is_none_or(known), "{at}: {module:?}");
+                            assert!(module.reason.as_deref().is_none_or(known), "{at}: {module:?}");
                             // The chain of users ends at the entry point.
                             let user = |name: &String| {
                                 let user = kernel.modules.iter().find(|module| module.name == *name);
@@ -829,13 +829,13 @@ fn the_linker_notes_users_reasons_choices_and_values() {
         ("leaf", "fn leaf() {\n}\n"),
         ("last", "fn last() {\n}\n"),
     ]);
-    let asked = |by: &str| Reason::Asked(by.to_string());
+    let requested = |by: &str| Reason::Requested(by.to_string());
     let chosen = |module, why| Chosen { module, why };
-    let entry = Entry { name: "entry".to_string(), number: 0, closes: true, why: asked("an object") };
+    let entry = Entry { name: "entry".to_string(), number: 0, closes: true, why: requested("an object") };
     let choices = Choices {
-        conditions: BTreeMap::from([("asked", Some(asked("an option"))), ("absent", None)]),
+        conditions: BTreeMap::from([("asked", Some(requested("an option"))), ("absent", None)]),
         modules: BTreeMap::from([
-            ("x", chosen("chosen", asked("a choice"))),
+            ("x", chosen("chosen", requested("a choice"))),
             ("y", chosen("other", Reason::EveryRender)),
             ("z", chosen("last", Reason::EveryRender)),
         ]),
@@ -860,8 +860,8 @@ fn the_linker_notes_users_reasons_choices_and_values() {
     let reasons = linked.why.iter().map(|(module, why)| (module.clone(), why.to_string())).collect();
     let every = |module| (module, "every render");
     // `last` was chosen for whoever uses it: what asked for `entry` asked for it.
-    let asked = [("entry", "an object"), ("leaf", "an option"), ("last", "an object")];
-    assert_eq!(pairs(&[["root", "deep", "long", "chosen"].map(every).as_slice(), &asked].concat()), reasons);
+    let others = [("entry", "an object"), ("leaf", "an option"), ("last", "an object")];
+    assert_eq!(pairs(&[["root", "deep", "long", "chosen"].map(every).as_slice(), &others].concat()), reasons);
     let z = ("z", "last".to_string());
     assert_eq!(linked.choices, BTreeMap::from([("x", "chosen".to_string()), z]));
     assert_eq!(linked.values, BTreeMap::from([("kept", ("2".to_string(), "chosen".to_string()))]));

@@ -119,7 +119,7 @@ fn read<T: DeserializeOwned>(text: &str) -> Result<T, Ron> {
 /// A value that a field reads.
 fn sample(takes: &Takes) -> &'static str {
     match takes {
-        Takes::Number(..) | Takes::Whole(..) | Takes::Varying(_) => "7",
+        Takes::Number(..) | Takes::Integer(..) | Takes::Varying(_) => "7",
         Takes::Point | Takes::Vector | Takes::Colour(_) => "(7, 8, 9)",
         Takes::Texture(_) => "Rgb(7, 8, 9)",
         Takes::Other("true or false") => "true",

@@ -10,7 +10,7 @@ use gpu_rt::scene::Scene;
 use image::{Rgba, RgbaImage};
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Mean, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{Mean, Request, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 /// Standard errors that a mean is off by once in 1e6.
@@ -47,12 +47,12 @@ fn sheets_let_the_rest_of_the_light_pass() {
         let text = format!("Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(2, 2, 2), alpha: {alpha})");
         let left = (1.0f64 - alpha).powi(count);
         let expected = [1.0, 2.0, 3.0].map(|sky| left * sky + (1.0 - left) * 2.0);
-        for (max_depth, ask) in [
-            (0, Ask::default()),
-            (2, Ask::default().roulette().scatter(Scatter::Linked)),
-            (2, Ask::default().sobol().mis().roulette()),
+        for (max_depth, request) in [
+            (0, Request::default()),
+            (2, Request::default().roulette().scatter(Scatter::Linked)),
+            (2, Request::default().sobol().mis().roulette()),
         ] {
-            let shot = render(&scene(&sheets(&text, count as usize, max_depth, "")), &ask.seed(3));
+            let shot = render(&scene(&sheets(&text, count as usize, max_depth, "")), &request.seed(3));
             is_near(&shot.mean_of_all(), expected).unwrap_or_else(|error| panic!("{count} x {alpha}: {error}"));
         }
     }
@@ -69,8 +69,8 @@ fn a_sheet_is_mixed_with_what_is_behind() {
         ("Lambertian(albedo: Rgb(0.8, 0.5, 0.2)", ", alpha_cutoff: 0.36"),
     ] {
         let sheet = |alpha: &str| scene(&sheets(&format!("{material}{alpha})"), 1, 4, lamp));
-        let ask = |seed| Ask::default().mis().sobol().seed(seed);
-        let [opaque, mixed] = ["", &format!(", alpha: 0.35{cutoff}")].map(|alpha| render(&sheet(alpha), &ask(1)));
+        let request = |seed| Request::default().mis().sobol().seed(seed);
+        let [opaque, mixed] = ["", &format!(", alpha: 0.35{cutoff}")].map(|alpha| render(&sheet(alpha), &request(1)));
         let share = match cutoff {
             "" => 0.35,
             ", alpha_cutoff: 0.35" => 1.0,
@@ -102,17 +102,17 @@ fn shadow(alpha: f64, sheets: usize, height: f64) -> String {
 /// From below the sheets, the floor has lost what shadow rays lose; from above, what rays to it lose, too.
 #[test]
 fn shadow_rays_pass_as_other_rays_do() {
-    let ask = Ask::default().mis().sobol();
+    let request = Request::default().mis().sobol();
     for (height, sheets, passed) in [(1.0, 1, 1), (1.0, 3, 3), (3.0, 1, 2)] {
-        let bare = render(&scene(&shadow(1.0, 0, height)), &ask).mean_of_all();
-        let look = |alpha: f64| render(&scene(&shadow(alpha, sheets, height)), &ask.clone().seed(5)).mean_of_all();
+        let bare = render(&scene(&shadow(1.0, 0, height)), &request).mean_of_all();
+        let mean = |alpha: f64| render(&scene(&shadow(alpha, sheets, height)), &request.clone().seed(5)).mean_of_all();
         let expected = bare.value.map(|lit| 0.7f64.powi(passed) * lit);
-        is_near(&look(0.3), expected).unwrap_or_else(|error| panic!("{height}, {sheets}: {error}"));
-        assert!(is_near(&look(0.31), expected).is_err(), "{height}, {sheets}: another alpha is not found");
+        is_near(&mean(0.3), expected).unwrap_or_else(|error| panic!("{height}, {sheets}: {error}"));
+        assert!(is_near(&mean(0.31), expected).is_err(), "{height}, {sheets}: another alpha is not found");
         // A shadow ray draws numbers of its own.
         let line = "begin_walk(path, DIMENSION_LIGHT);";
         let planted = Overlay::new(&[]).rewritten("step/light", |own| own.replace(line, ""));
-        let planted = render_planted(&scene(&shadow(0.3, sheets, height)), &ask, &planted).mean_of_all();
+        let planted = render_planted(&scene(&shadow(0.3, sheets, height)), &request, &planted).mean_of_all();
         assert!(height == 1.0 || is_near(&planted, expected).is_err(), "numbers that are drawn twice are not found");
     }
 }
@@ -144,10 +144,10 @@ fn room() -> String {
 #[test]
 fn light_sampling_changes_no_expectation_where_lamps_have_an_alpha() {
     let room = scene(&room());
-    let bsdf = render(&room, &Ask::default().seed(1));
-    let mis = Ask::default().seed(2).mis();
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Ask::default().seed(3).mis().sobol());
+    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
     assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
@@ -167,8 +167,8 @@ fn light_sampling_changes_no_expectation_where_lamps_have_an_alpha() {
 fn the_bytes_do_not_depend_on_the_hierarchy() {
     let room = scene(&room());
     let bits = |quality: Quality| {
-        let ask = Ask::spp(16).seed(7).mis().sobol().with(|options| options.build = quality);
-        render(&room, &ask).picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
+        let request = Request::spp(16).seed(7).mis().sobol().with(|options| options.build = quality);
+        render(&room, &request).picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     assert!(bits(Quality::Medium) == bits(Quality::Best));
 }
@@ -188,11 +188,11 @@ fn a_sheet_that_lets_all_pass_is_as_none() {
     let sheet = "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"sheet\"),";
     for integrator in [Integrator::Bsdf, Integrator::Mis] {
         let list = "albedo,normal,depth,position,object,material,direct,indirect";
-        let ask = Ask::default().with(|options| {
+        let request = Request::default().with(|options| {
             options.integrator = integrator;
             options.aov.set(Aovs::parse(list).expect("they are names"));
         });
-        let [with, without] = [sheet, ""].map(|sheet| render(&scene(&text(sheet)), &ask).film);
+        let [with, without] = [sheet, ""].map(|sheet| render(&scene(&text(sheet)), &request).film);
         for channel in with.aovs().channels() {
             let values = |film: &gpu_rt::film::Film| {
                 (0..64).map(|pixel| film.channel(pixel, &channel).to_bits()).collect::<Vec<_>>()
@@ -229,12 +229,12 @@ fn a_cut_out_surface_is_as_geometry() {
         cut_out(folder.path(), &format!("Lambertian(albedo: Rgb(0.8, 0.3, 0.2), {alpha})"), 2.0)
     };
     let half = cut_out(folder.path(), "Lambertian(albedo: Rgb(0.8, 0.3, 0.2))", 1.0);
-    let ask = Ask::default().mis();
-    let half = render(&half, &ask.clone().seed(1));
-    let found = same_expectation(&half, &render(&cut(0.5), &ask.clone().seed(2)), 1e-4, ALPHA);
+    let request = Request::default().mis();
+    let half = render(&half, &request.clone().seed(1));
+    let found = same_expectation(&half, &render(&cut(0.5), &request.clone().seed(2)), 1e-4, ALPHA);
     found.unwrap_or_else(|error| panic!("{error}"));
     // The alpha rises from 0 to 1 over a quarter of the width, so that this moves the edge by a tenth of the half.
-    let moved = render(&cut(0.3), &ask.seed(2));
+    let moved = render(&cut(0.3), &request.seed(2));
     assert!(same_expectation(&half, &moved, 1e-4, ALPHA).is_err(), "another edge is not found");
 }
 
@@ -246,7 +246,7 @@ fn an_image_of_one_alpha_is_as_its_number() {
     image.save(folder.path().join("veil.png")).expect("the image is written");
     let of = |alpha: &str| {
         let material = format!("Pbr(base_color: Rgb(0.8, 0.3, 0.2), metallic: 0, alpha: {alpha})");
-        render(&cut_out(folder.path(), &material, 2.0), &Ask::spp(32).mis().sobol()).picture.rgb
+        render(&cut_out(folder.path(), &material, 2.0), &Request::spp(32).mis().sobol()).picture.rgb
     };
     assert!(of("Image(path: \"veil.png\", channel: A)") == of("0.4"));
     assert!(of("Image(path: \"veil.png\", channel: A, tint: (0.5, 1, 1))") == of("0.2"));

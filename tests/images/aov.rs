@@ -8,13 +8,13 @@ use gpu_rt::options::{Filter, Scatter};
 use gpu_rt::scene::Scene;
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::render::{Request, Shot, render, render_planted, scene};
 
 const ALL: &str = "albedo,normal,depth,position,object,material,direct,indirect";
 
-fn asked(ask: Ask, list: &str) -> Ask {
+fn with_channels(request: Request, list: &str) -> Request {
     let list = Aovs::parse(list).expect("they are names");
-    ask.with(|options| options.aov.set(list))
+    request.with(|options| options.aov.set(list))
 }
 
 /// A channel of a film by its name, for each pixel.
@@ -62,11 +62,11 @@ fn wall(camera: &str, more: &str, background: &str) -> String {
 /// The depth of a wall across the axis is its distance in every pixel, at the image's corners too, through any lens; its position lies in its plane,
 /// on average where the pixel's middle sees it; its normal faces the camera.
 #[test]
-fn a_wall_has_its_depth_its_place_and_its_normal() {
+fn a_wall_has_its_depth_its_position_and_its_normal() {
     for camera in ["", ", aperture: 0.5, focus_distance: 3"] {
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-            let ask = asked(Ask::spp(32).scatter(scatter), ALL);
-            let film = render(&scene(&wall(camera, "", "(1, 1, 1)")), &ask).film;
+            let request = with_channels(Request::spp(32).scatter(scatter), ALL);
+            let film = render(&scene(&wall(camera, "", "(1, 1, 1)")), &request).film;
             // Rays, distances and sums are rounded by a few 2^-24 each.
             assert!(channel(&film, "Z").iter().all(|z| near(*z, 7.0, 7.0 * 1e-6)), "{:?}", channel(&film, "Z"));
             assert!(vectors(&film, ["N.X", "N.Y", "N.Z"]).iter().all(|n| *n == [0.0, 0.0, 1.0]));
@@ -141,22 +141,22 @@ fn a_ball_has_its_normals_in_the_axes_of_the_world() {
             )"
         )
     };
-    let ask = asked(Ask::spp(1024), "normal");
+    let request = with_channels(Request::spp(1024), "normal");
     let upright = scene(&text("(0, 0, 3)", "(0, 0, 0)", "(0, 1, 0)"));
-    ball(&render(&upright, &ask).film).unwrap();
+    ball(&render(&upright, &request).film).unwrap();
     // A kernel that forgets to turn the normal to the ray's side, or another normal, is found.
     let planted = Overlay::new(&[])
         .rewritten("aov/surface", |text| text.replace("* share, normal)", "* share, -(*path).ray.direction)"));
-    assert!(ball(&render_planted(&upright, &ask, &planted).film).is_err());
+    assert!(ball(&render_planted(&upright, &request, &planted).film).is_err());
     // From the side, what was x is -z.
-    let aside = render(&scene(&text("(3, 0, 0)", "(0, 0, 0)", "(0, 1, 0)")), &ask).film;
+    let aside = render(&scene(&text("(3, 0, 0)", "(0, 0, 0)", "(0, 1, 0)")), &request).film;
     for (number, [x, _, z]) in vectors(&aside, ["N.X", "N.Y", "N.Z"]).into_iter().enumerate() {
         let [across, _, towards] = normal_of_ball(number % 16, number / 16);
         assert!(near(z, -across, 6.0 / 32.0) && near(x, towards, 6.0 / 32.0), "pixel {number}");
     }
     // A view so narrow that render space has the camera's axes: all of it sees the ball's pole.
     let narrow = scene(&text("(3e6, 0, 0)", "(0, 0, 0)", "(0, 1, 0)").replace("fov: 60", "fov: 0.000001"));
-    let film = render(&narrow, &asked(Ask::spp(8), "normal,position,depth")).film;
+    let film = render(&narrow, &with_channels(Request::spp(8), "normal,position,depth")).film;
     for [x, y, z] in vectors(&film, ["N.X", "N.Y", "N.Z"]) {
         assert!(near(x, 1.0, 1e-3) && y.abs() < 0.05 && z.abs() < 0.05, "{x} {y} {z}");
     }
@@ -174,9 +174,9 @@ fn the_albedo_is_that_of_the_first_rough_surface() {
     let glass = "Sphere(center: (100, 20, 3), radius: 1, material: \"glass\"),
         Box(min: (0, -80, -1), max: (200, 120, 100), material: \"wall\"),";
     let middle = |text: &str, surface, names: [&str; 3]| {
-        let ask =
-            asked(Ask::spp(64).depth(64), "albedo,normal,object,depth").with(|options| options.aov.surface = surface);
-        let film = render(&scene(text), &ask).film;
+        let request = with_channels(Request::spp(64).depth(64), "albedo,normal,object,depth")
+            .with(|options| options.aov.surface = surface);
+        let film = render(&scene(text), &request).film;
         vectors(&film, names)[5 * 16 + 7]
     };
     let albedo = ["albedo.R", "albedo.G", "albedo.B"];
@@ -202,7 +202,7 @@ fn the_albedo_is_that_of_the_first_rough_surface() {
 fn light_fog_and_nothing_have_stated_values() {
     let lamp = "Quad(corner: (90, 10, 6), u: (20, 0, 0), v: (0, 20, 0), material: \"lamp\"),";
     let pixel = |text: &str| {
-        let film = render(&scene(text), &asked(Ask::spp(64), ALL)).film;
+        let film = render(&scene(text), &with_channels(Request::spp(64), ALL)).film;
         let names = film.aovs().channels();
         names.into_iter().map(|channel| (channel.name.clone(), film.channel(5 * 16 + 7, &channel))).collect::<Vec<_>>()
     };
@@ -234,19 +234,20 @@ fn light_fog_and_nothing_have_stated_values() {
 
 /// The direct radiance is that of a render whose paths scatter once at the most, and with the indirect one it is all of it.
 #[test]
-fn direct_and_indirect_radiance_are_the_whole() {
+fn direct_and_indirect_radiance_add_up_to_the_radiance() {
     let direct = ["direct.R", "direct.G", "direct.B"];
     for name in ["cornell-smoke", "glass", "weekend", "lights"] {
         let scene = scene_file(name);
         for scatter in [Scatter::Fused, Scatter::Linked] {
-            let ask = asked(Ask::spp(8).mis().roulette().size(24, 24).scatter(scatter), "direct,indirect");
-            let whole = render(&scene, &ask);
-            let once = render(&scene, &ask.clone().depth(1));
-            let indirect = vectors(&whole.film, ["indirect.R", "indirect.G", "indirect.B"]);
-            let found = vectors(&whole.film, direct);
+            let request =
+                with_channels(Request::spp(8).mis().roulette().size(24, 24).scatter(scatter), "direct,indirect");
+            let full = render(&scene, &request);
+            let once = render(&scene, &request.clone().depth(1));
+            let indirect = vectors(&full.film, ["indirect.R", "indirect.G", "indirect.B"]);
+            let found = vectors(&full.film, direct);
             for (pixel, direct) in found.iter().enumerate() {
                 for c in 0..3 {
-                    let (all, once) = (f64::from(whole.picture.rgb[pixel][c]), f64::from(once.picture.rgb[pixel][c]));
+                    let (all, once) = (f64::from(full.picture.rgb[pixel][c]), f64::from(once.picture.rgb[pixel][c]));
                     // Eight samples of a few contributions, each rounded by 2^-24.
                     let rounding = 1e-6 * all.max(once);
                     assert!(
@@ -269,19 +270,22 @@ fn channels_are_exact_and_leave_the_radiance_as_it_is() {
     let scene = scene_file("materials");
     let words = |shot: &Shot| (0..20 * 20).map(|pixel| shot.film.words(pixel)).collect::<Vec<_>>();
     for filter in [Filter::Box, Filter::Mitchell] {
-        let plain = Ask::spp(32).mis().roulette().sobol().size(20, 20).with(|options| options.filter = filter);
-        let ask = asked(plain.clone(), ALL);
-        let whole = render(&scene, &ask);
-        let expected = words(&whole);
+        let plain = Request::spp(32).mis().roulette().sobol().size(20, 20).with(|options| options.filter = filter);
+        let request = with_channels(plain.clone(), ALL);
+        let full = render(&scene, &request);
+        let expected = words(&full);
         for scatter in [Scatter::Linked, Scatter::Queues] {
-            assert!(words(&render(&scene, &ask.clone().scatter(scatter))) == expected, "{scatter}");
+            assert!(words(&render(&scene, &request.clone().scatter(scatter))) == expected, "{scatter}");
         }
-        let mut joined = render(&scene, &Ask { samples: Some(0..8), ..ask.clone() });
-        joined.film.merge(&render(&scene, &Ask { samples: Some(8..32), ..ask.clone() }).film).expect("they fit");
+        let mut joined = render(&scene, &Request { samples: Some(0..8), ..request.clone() });
+        joined
+            .film
+            .merge(&render(&scene, &Request { samples: Some(8..32), ..request.clone() }).film)
+            .expect("they fit");
         assert!(words(&joined) == expected);
         let without = render(&scene, &plain);
         let of_radiance = words(&without)[0].len();
         assert!(words(&without).iter().zip(&expected).all(|(a, b)| *a == b[..of_radiance]));
-        assert!(without.film.clone().merge(&whole.film).is_err());
+        assert!(without.film.clone().merge(&full.film).is_err());
     }
 }

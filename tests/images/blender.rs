@@ -8,7 +8,7 @@ use gpu_rt::metrics::flip::error_map;
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::{Background, GltfOptions, Material, Object, Scene, Texture, Thin};
 
-use crate::common::render::{Ask, render};
+use crate::common::render::{Request, render};
 
 /// Blocks along a row and along a column of an image.
 const BLOCKS: (usize, usize) = (8, 6);
@@ -67,26 +67,26 @@ struct Distance {
 
 impl Distance {
     fn measure(scene: &Scene, spp: u32, name: &str) -> Distance {
-        let (expected, whole_size) = reference(name);
-        let (all_columns, all_rows) = whole_size;
-        let ask = Ask::spp(spp).mis().sobol().roulette().size(all_columns as u32, all_rows as u32);
-        let image = render(scene, &ask).picture.rgb;
+        let (expected, full_size) = reference(name);
+        let (all_columns, all_rows) = full_size;
+        let request = Request::spp(spp).mis().sobol().roulette().size(all_columns as u32, all_rows as u32);
+        let image = render(scene, &request).picture.rgb;
         let grey = |rgb: &[f32; 3]| rgb.iter().copied().map(f64::from).sum::<f64>() / 3.0;
         let mean = |image: &[[f32; 3]], (x, y): (usize, usize), (width, height): (usize, usize)| {
             let pixels = (y..y + height).flat_map(|y| (x..x + width).map(move |x| y * all_columns + x));
             pixels.map(|pixel| grey(&image[pixel])).sum::<f64>() / (width * height) as f64
         };
-        let whole = mean(&expected, (0, 0), whole_size);
+        let full = mean(&expected, (0, 0), full_size);
         let block_size = (all_columns / BLOCKS.0, all_rows / BLOCKS.1);
         let corners = (0..BLOCKS.0 * BLOCKS.1).map(|at| (at % BLOCKS.0 * block_size.0, at / BLOCKS.0 * block_size.1));
         let blocks = corners.map(|corner| {
             let [found, expected] = [&image, &expected].map(|image| mean(image, corner, block_size));
-            ((found - expected) / expected.max(0.5 * whole), corner)
+            ((found - expected) / expected.max(0.5 * full), corner)
         });
         let (block, corner) = blocks.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).expect("there are blocks");
         let map = error_map(all_columns, &image, &expected);
         let flip = map.iter().copied().map(f64::from).sum::<f64>() / map.len() as f64;
-        Distance { mean: mean(&image, (0, 0), whole_size) / whole - 1.0, flip, block, corner }
+        Distance { mean: mean(&image, (0, 0), full_size) / full - 1.0, flip, block, corner }
     }
 
     /// A block may differ by more than a mean: the box of "lights" does so by 9 %, and docs/gltf.md says why.
@@ -110,7 +110,7 @@ fn converted_scenes_render_to_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let load = |path: &Path| Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
     let bits = |scene: &Scene| {
-        let shot = render(scene, &Ask::spp(4).mis().sobol().roulette().size(16, 12));
+        let shot = render(scene, &Request::spp(4).mis().sobol().roulette().size(16, 12));
         shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     for name in SCENES.map(|(name, _)| name).into_iter().chain(USERS.map(|user| user.name)) {
@@ -173,15 +173,15 @@ struct User {
     /// Adds what no glTF file has and docs/gltf.md says how to bring back: the world, and area lamps.
     bring_back: Planted,
     /// The differences that docs/gltf.md tells: of the mean, and the largest of a block.
-    told: (f64, f64),
+    declared: (f64, f64),
     /// The standard deviations of both over 16 seeds, or more.
     noise: (f64, f64),
 }
 
 impl User {
     /// With the noise of scenes without caustics.
-    const fn new(name: &'static str, bring_back: Planted, told: (f64, f64)) -> User {
-        User { name, options: GltfOptions::default, bring_back, told, noise: (0.001, 0.006) }
+    const fn new(name: &'static str, bring_back: Planted, declared: (f64, f64)) -> User {
+        User { name, options: GltfOptions::default, bring_back, declared, noise: (0.001, 0.006) }
     }
 
     fn scene(&self) -> Scene {
@@ -190,11 +190,11 @@ impl User {
         scene
     }
 
-    /// A difference that is not told is more than five standard deviations of noise, and half a digit.
-    fn is_as_told(&self, scene: &Scene) -> Result<Distance, Distance> {
+    /// A difference that is not declared is more than five standard deviations of noise, and half a digit.
+    fn is_as_declared(&self, scene: &Scene) -> Result<Distance, Distance> {
         let found = Distance::measure(scene, 128, self.name);
-        let is_near = (found.mean - self.told.0).abs() <= 5.0 * self.noise.0 + 0.0005;
-        let has_blocks = found.block.abs() <= self.told.1.abs() + 5.0 * self.noise.1 + 0.0005;
+        let is_near = (found.mean - self.declared.0).abs() <= 5.0 * self.noise.0 + 0.0005;
+        let has_blocks = found.block.abs() <= self.declared.1.abs() + 5.0 * self.noise.1 + 0.0005;
         if is_near && has_blocks { Ok(found) } else { Err(found) }
     }
 }
@@ -239,11 +239,11 @@ fn user(name: &str) -> User {
 }
 
 #[test]
-fn scenes_of_users_differ_from_blender_by_what_is_told() {
+fn scenes_of_users_differ_from_blender_as_declared() {
     for user in USERS {
-        let found = user.is_as_told(&user.scene());
+        let found = user.is_as_declared(&user.scene());
         println!("{}: {found:?}", user.name);
-        found.unwrap_or_else(|found| panic!("{}: {found:?}, told {:?}", user.name, user.told));
+        found.unwrap_or_else(|found| panic!("{}: {found:?}, declared {:?}", user.name, user.declared));
     }
 }
 
@@ -256,7 +256,7 @@ fn scenes_of_users_that_are_read_otherwise_are_found() {
         let mut scene = scene_with(name, &options);
         (user.bring_back)(&mut scene);
         plant(&mut scene);
-        let found = user.is_as_told(&scene);
+        let found = user.is_as_declared(&scene);
         println!("{name}: {found:?}");
         assert!(found.is_err(), "{name}: {found:?}");
     };

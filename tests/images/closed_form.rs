@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::expect::Expectations;
-use crate::common::render::{Ask, Shot, render, same_expectation, scene, scene_folder, scene_in};
+use crate::common::render::{Request, Shot, render, same_expectation, scene, scene_folder, scene_in};
 use crate::common::stats::{sidak, student_two_sided};
 use glam::DVec3;
 use gpu_rt::data::Sampler;
@@ -51,22 +51,22 @@ fn every_scene_file_is_tested() {
 fn test_scene(name: &str) {
     let text = fs::read_to_string(scene_folder().join(name).with_extension("ron")).expect("the scene is there");
     let expectations = Expectations::parse(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
-    for (way, ask) in ways() {
-        test_way(&format!("{name} by {way}"), &text, &expectations, &ask);
+    for (way, request) in ways() {
+        test_way(&format!("{name} by {way}"), &text, &expectations, &request);
     }
 }
 
 /// Ways to render all scenes, by name. The seeds are two: quads reach out by the bound of their rounding, and one camera ray of some 5000 in the
 /// pixels beside the edge of lens_sharp meets the lamp by that, whichever the sampler is. Neither image has such a one.
-fn ways() -> [(&'static str, Ask); 2] {
-    let plain = Ask { seed: 1, ..Ask::default() };
-    let defaults = Ask::default().seed(2).mis().sobol().roulette();
+fn ways() -> [(&'static str, Request); 2] {
+    let plain = Request { seed: 1, ..Request::default() };
+    let defaults = Request::default().seed(2).mis().sobol().roulette();
     [("scattered rays alone", plain), ("the program's defaults", defaults)]
 }
 
-fn test_way(name: &str, text: &str, expectations: &Expectations, ask: &Ask) {
+fn test_way(name: &str, text: &str, expectations: &Expectations, request: &Request) {
     let camera = scene(text).camera;
-    let shots = shots(text, expectations, ask);
+    let shots = shots(text, expectations, request);
     check(expectations, &shots, &camera).unwrap_or_else(|error| panic!("{name}: {error}"));
 
     // From here on, errors are planted.
@@ -100,21 +100,22 @@ fn test_way(name: &str, text: &str, expectations: &Expectations, ask: &Ask) {
         let (comment, body) = text.split_at(start);
         assert!(body.contains(old), "{name}: `{old}` is not in the scene");
         let planted = format!("{comment}{}", body.replacen(old, new, 1));
-        finds(&format!("`{new}` for `{old}`"), &self::shots(&planted, expectations, ask));
+        finds(&format!("`{new}` for `{old}`"), &self::shots(&planted, expectations, request));
     }
 }
 
 /// Renders by the depths at which something is expected.
 type Shots = Vec<(Option<u32>, Shot)>;
 
-fn shots(text: &str, expectations: &Expectations, ask: &Ask) -> Shots {
+fn shots(text: &str, expectations: &Expectations, request: &Request) -> Shots {
     let scene = scene(text);
     // Sobol points with rays to lights know as much by a fourth of the samples, but for media.
-    let samples = match ask.options.sampler == Sampler::Sobol && !text.contains("Medium(") {
+    let samples = match request.options.sampler == Sampler::Sobol && !text.contains("Medium(") {
         true => scene.render.samples.div_ceil(4).max(32),
         false => scene.render.samples,
     };
-    let shot = |max_depth| (max_depth, render(&scene, &Ask { max_depth, samples: Some(0..samples), ..ask.clone() }));
+    let shot =
+        |max_depth| (max_depth, render(&scene, &Request { max_depth, samples: Some(0..samples), ..request.clone() }));
     expectations.depths().into_iter().map(shot).collect()
 }
 
@@ -131,8 +132,8 @@ fn v(x: f64, y: f64, z: f64) -> DVec3 {
 /// A checker as the scene file writes it and as docs/light-transport.md defines it: the parity of the sum of floor(p / scale).
 fn checker(scale: f64, even: [f64; 3], odd: [f64; 3]) -> (String, Colour) {
     let text = format!("Checker(scale: {scale}, even: {}, odd: {})", triple(even), triple(odd));
-    let colour = move |place: &Place| {
-        let cell = (place.point / scale).floor();
+    let colour = move |hit: &Hit| {
+        let cell = (hit.point / scale).floor();
         Some(if (cell.x + cell.y + cell.z).rem_euclid(2.0) == 0.0 { even } else { odd })
     };
     (text, Box::new(colour))
@@ -176,14 +177,14 @@ fn quarters() -> (tempfile::TempDir, String) {
     (folder, "Image(path: \"quarters.png\")".to_owned())
 }
 
-fn quarter(place: &Place) -> Option<[f64; 3]> {
-    block(QUARTERS, place.uv.0, place.uv.1)
+fn quarter(hit: &Hit) -> Option<[f64; 3]> {
+    block(QUARTERS, hit.uv.0, hit.uv.1)
 }
 
 /// Renders the things and compares; then the flipped image, and the image of things moved otherwise, must fail.
 fn test_things(folder: &Path, things: &Things, colours: usize) {
     let scene = scene_in(folder, &things.text());
-    let shot = render(&scene, &Ask { seed: 2, ..Ask::default() });
+    let shot = render(&scene, &Request { seed: 2, ..Request::default() });
     things.check(&shot, &scene.camera, colours).unwrap_or_else(|error| panic!("{error}\n{}", things.text()));
     for flip in [(true, false), (false, true), (true, true)] {
         assert!(things.check(&shot.flipped(flip), &scene.camera, colours).is_err(), "flipped: {flip:?}");
@@ -198,7 +199,7 @@ fn test_things(folder: &Path, things: &Things, colours: usize) {
             Transform::Rotate { degrees, .. } => *degrees += 12.0,
         };
         plant(first_transform(&mut other.objects[which]));
-        let planted = render(&other, &Ask { seed: 2, ..Ask::default() });
+        let planted = render(&other, &Request { seed: 2, ..Request::default() });
         assert!(things.check(&planted, &scene.camera, colours).is_err(), "thing {which} moved");
     }
 }
@@ -365,7 +366,7 @@ fn image_skies_stand_upright_with_minus_z_in_the_middle() {
             }],
         };
         let scene = scene_in(folder.path(), &things.text());
-        let shot = render(&scene, &Ask { seed: 3, ..Ask::default() });
+        let shot = render(&scene, &Request { seed: 3, ..Request::default() });
         things.check(&shot, &scene.camera, colours).unwrap_or_else(|error| panic!("{camera}: {error}"));
         for flip in [(true, false), (false, true), (true, true)] {
             assert!(things.check(&shot.flipped(flip), &scene.camera, colours).is_err(), "{camera}: {flip:?}");
@@ -408,18 +409,18 @@ fn index_one_is_invisible() {
                           Box(min: (-1.2, -1.2, {ball}), max: (-0.5, -0.7, {ball}.5), material: \"ball\")])"
         ))
     };
-    let ask = Ask::spp(32).seed(4);
-    let (with, without) = (render(&sky("0"), &ask), render(&sky("9"), &ask));
+    let request = Request::spp(32).seed(4);
+    let (with, without) = (render(&sky("0"), &request), render(&sky("9"), &request));
     assert!(with.picture.rgb == without.picture.rgb, "the ball shows before the sky");
 
     // In a room, within noise, as the path's random numbers are others after two more events. Deviations of pixels are some 50 % a
     // sample: the mean of 32 x 32 x 256 has a standard error of 0.1 %, a tile's 0.4 %, so that an index of 1.1 is found by far.
     let ball = "Sphere(center: (0.3, 0.9, 0.5), radius: 0.8, material: \"ball\"),";
-    let ask = |seed| Ask::spp(256).seed(seed).depth(52);
-    let empty = render(&scene(&room(1.0, "")), &ask(5));
-    let with = render(&scene(&room(1.0, ball)), &ask(6));
+    let request = |seed| Request::spp(256).seed(seed).depth(52);
+    let empty = render(&scene(&room(1.0, "")), &request(5));
+    let with = render(&scene(&room(1.0, ball)), &request(6));
     same_expectation(&with, &empty, 1e-6, 1e-6).expect("a ball of index 1 is invisible");
-    let with = render(&scene(&room(1.1, ball)), &ask(6));
+    let with = render(&scene(&room(1.1, ball)), &request(6));
     assert!(same_expectation(&with, &empty, 1e-6, 1e-6).is_err(), "a ball of index 1.1 is visible");
 }
 
@@ -441,7 +442,7 @@ fn a_small_lamp_lights_a_hollow_sphere() {
     render: (samples: 512, max_depth: 400),
 )",
     );
-    let shot = render(&scene, &Ask::default().seed(3).mis().sobol().roulette());
+    let shot = render(&scene, &Request::default().seed(3).mis().sobol().roulette());
     let found = shot.mean_of_all();
     let p = |factor: f64, c: usize| {
         let a = [0.9, 0.75, 0.5][c];

@@ -1,7 +1,7 @@
 //! Coloured glass: what surfaces let pass, what the inside absorbs, and thin panes.
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{Request, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -11,7 +11,7 @@ fn through(materials: &str, objects: &str) -> [f64; 3] {
         "Scene(image: (width: 1, height: 1), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 0.001),
         background: Solid((1, 1, 1)), materials: {{{materials}}}, objects: [{objects}], render: (samples: 4, max_depth: 9))"
     );
-    render(&scene(&text), &Ask::default()).pixel(0, 0)
+    render(&scene(&text), &Request::default()).pixel(0, 0)
 }
 
 fn near(found: [f64; 3], expected: [f64; 3]) {
@@ -52,7 +52,7 @@ fn absorption_is_per_scene_unit() {
             objects: [Sphere(center: (0, 0, 0), radius: {unit}, material: \"glass\")], render: (samples: 4, max_depth: 9))",
             5.0 * unit
         );
-        near(render(&scene(&text), &Ask::default()).pixel(0, 0), [(-1.0_f64).exp(), 1.0, 1.0]);
+        near(render(&scene(&text), &Request::default()).pixel(0, 0), [(-1.0_f64).exp(), 1.0, 1.0]);
     }
 }
 
@@ -75,7 +75,7 @@ fn a_pane_reflects_as_one_surface_and_passes_the_rest_straight() {
     let (c, s2) = (0.5_f64, 0.75_f64);
     let g = (2.25 - s2).sqrt();
     let reflectance = 0.5 * (((c - g) / (c + g)).powi(2) + ((2.25 * c - g) / (2.25 * c + g)).powi(2));
-    let shot = render(&scene(&pane(0.0, 4096)), &Ask::default());
+    let shot = render(&scene(&pane(0.0, 4096)), &Request::default());
     let mean = shot.mean_of_all();
     for (channel, share) in [0.5, 1.0, 0.25].into_iter().enumerate() {
         let (expected, noise) = (share * (1.0 - reflectance), 4.9 * mean.variance[channel].sqrt());
@@ -111,8 +111,8 @@ fn light_sampling_changes_no_expectation_behind_coloured_glass() {
     let ball = crate::common::instances::smooth_ball_file(1);
     std::fs::write(folder.path().join("ball.obj"), ball).expect("it is written");
     let room = scene_in(folder.path(), ROOM);
-    let bsdf = render(&room, &Ask::default().seed(1));
-    let mis = Ask::default().seed(2).mis();
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     same_expectation(&bsdf, &render(&room, &mis.clone().seed(3).sobol()), 1e-5, ALPHA)
         .unwrap_or_else(|error| panic!("{error}"));

@@ -7,7 +7,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::options::{Integrator, RenderOptions, Scatter};
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene};
+use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene};
 use crate::common::scenes::triple;
 use crate::common::vectors::U;
 
@@ -44,17 +44,17 @@ fn lights() -> Vec<(String, f64, f64)> {
     let mut found = Vec::new();
     // What the picture's width adds: a pixel is 1e-6 across.
     let off = 64.0 * U + 2e-5;
-    for place in [[0.0, 1.0, 0.0], [0.5, 0.3, -0.2], [-0.9, 0.05, 0.4], [3.0, 40.0, 5.0], [0.0, 0.02, 0.0]] {
-        let place = DVec3::from(place);
-        let irradiance = 7.0 * place.y / place.length().powi(3);
-        let at = triple(place);
-        let width = 4e-6 / place.length();
+    for position in [[0.0, 1.0, 0.0], [0.5, 0.3, -0.2], [-0.9, 0.05, 0.4], [3.0, 40.0, 5.0], [0.0, 0.02, 0.0]] {
+        let position = DVec3::from(position);
+        let irradiance = 7.0 * position.y / position.length().powi(3);
+        let at = triple(position);
+        let width = 4e-6 / position.length();
         found.push((format!("PointLight(at: {at}, intensity: (1, 7, 2))"), irradiance, off + 6.0 * width));
         // The origin lies at these angles from the beam's middle.
         for angle in [0.0, 10.0, 20.1, 25.0, 29.0, 30.1, 80.0] {
-            let to_origin = -place.normalize();
+            let to_origin = -position.normalize();
             let (x, _) = to_origin.any_orthonormal_pair();
-            let towards = place + f64::to_radians(angle).cos() * to_origin + f64::to_radians(angle).sin() * x;
+            let towards = position + f64::to_radians(angle).cos() * to_origin + f64::to_radians(angle).sin() * x;
             let [cos, inner, outer] = [angle, 20.0, 30.0].map(|degrees: f64| degrees.to_radians().cos());
             let share = ((cos - outer) / (inner - outer)).clamp(0.0, 1.0);
             let light = format!(
@@ -85,12 +85,12 @@ fn a_floor_is_lit_as_the_definitions_say() {
     for (light, irradiance, off) in lights() {
         let expected = 0.5 / PI * irradiance;
         let scene = scene(&floor(&light));
-        let ask = Ask::spp(16).mis();
-        let shot = render(&scene, &ask);
+        let request = Request::spp(16).mis();
+        let shot = render(&scene, &request);
         assert!(is_expected(&shot, expected, off), "{light}: {}, expected {expected} to {off:e}", mean(&shot));
-        planted += usize::from(!is_expected(&render_planted(&scene, &ask, &linear), expected, off));
+        planted += usize::from(!is_expected(&render_planted(&scene, &request, &linear), expected, off));
         for scatter in [Scatter::Linked, Scatter::Queues] {
-            let other = render(&scene, &ask.clone().scatter(scatter));
+            let other = render(&scene, &request.clone().scatter(scatter));
             assert_eq!(mean(&other), mean(&shot), "{light}: {scatter:?}");
         }
     }
@@ -120,7 +120,7 @@ fn shadow_rays_end_at_the_light_and_are_weakened_by_media() {
         (sun, fog("(0, 2, 0)", 0.5), (-3.0f64).exp()),
     ];
     for (light, other, share) in cases {
-        let shot = render(&scene(&floor(&format!("{light}, {other}"))), &Ask::spp(16).depth(1).mis());
+        let shot = render(&scene(&floor(&format!("{light}, {other}"))), &Request::spp(16).depth(1).mis());
         assert!(
             is_expected(&shot, expected * share, 1e-4),
             "{light}, {other}: {}, expected {}",
@@ -165,7 +165,7 @@ fn media_scatter_the_light_of_lights_without_size() {
         ("PointLight(at: (0, 3, 0), intensity: (5, 5, 5))", along(&point)),
         ("DirectionalLight(direction: (0, -1, 0), irradiance: (5, 5, 5))", along(&sun)),
     ] {
-        let shot = render(&of(light), &Ask::default().mis());
+        let shot = render(&of(light), &Request::default().mis());
         let all = shot.mean_of_all();
         let noise = NOISE * all.variance[0].sqrt();
         assert!(noise < 0.02 * expected, "{light}: the test finds nothing: {noise} of {expected}");
@@ -201,11 +201,11 @@ fn a_point_light_is_a_small_sphere() {
     let colour = |more: f64| triple(more * cross_section * DVec3::new(6e7, 4e7, 2e7));
     let point = |more: f64| scene(&room(&format!("PointLight(at: (0.3, 1.4, 0.3), intensity: {})", colour(more))));
     let sphere = scene(&room("Sphere(center: (0.3, 1.4, 0.3), radius: 1e-4, material: \"lamp\")"));
-    let ask = |seed: u32| Ask::spp(1024).seed(seed).mis();
-    let sphere = render(&sphere, &ask(1));
-    let own = render(&point(1.0), &ask(2));
+    let request = |seed: u32| Request::spp(1024).seed(seed).mis();
+    let sphere = render(&sphere, &request(1));
+    let own = render(&point(1.0), &request(2));
     same_expectation(&sphere, &own, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let brighter = render(&point(1.03), &ask(2));
+    let brighter = render(&point(1.03), &request(2));
     assert!(same_expectation(&sphere, &brighter, 1e-5, ALPHA).is_err(), "3 % more is not found");
 }
 
@@ -216,10 +216,10 @@ fn a_light_without_size_is_clamped_as_others() {
     let colour = triple(cross_section * DVec3::new(6e7, 4e7, 2e7));
     let point = scene(&room(&format!("PointLight(at: (0.3, 1.4, 0.3), intensity: {colour})")));
     let sphere = scene(&room("Sphere(center: (0.3, 1.4, 0.3), radius: 1e-4, material: \"lamp\")"));
-    let ask = |seed: u32| Ask::default().seed(seed).mis().with(|options| options.clamp = Some(0.01));
-    let (sphere, clamped) = (render(&sphere, &ask(1)), render(&point, &ask(2)));
+    let request = |seed: u32| Request::default().seed(seed).mis().with(|options| options.clamp = Some(0.01));
+    let (sphere, clamped) = (render(&sphere, &request(1)), render(&point, &request(2)));
     same_expectation(&sphere, &clamped, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let usual = render(&point, &Ask::default().seed(2).mis());
+    let usual = render(&point, &Request::default().seed(2).mis());
     assert!(same_expectation(&sphere, &usual, 1e-5, ALPHA).is_err(), "the clamp does nothing");
 }
 
@@ -255,7 +255,7 @@ fn lights_at_the_ends_of_their_ranges() {
     cases.push((under_a_ceiling(1.301), 0.0, 0.0));
     for (text, irradiance, off) in cases {
         // Every sample is finite, or this fails.
-        let shot = render(&scene(&text), &Ask::spp(16).mis());
+        let shot = render(&scene(&text), &Request::spp(16).mis());
         let expected = 0.5 / PI * irradiance;
         let error = (mean(&shot) - expected).abs();
         let scale = if irradiance > 0.0 { expected } else { 1.0 };
@@ -275,11 +275,11 @@ fn under_a_ceiling(height: f64) -> String {
 fn a_light_on_a_ceiling_is_not_behind_it() {
     let scene = scene(&under_a_ceiling(1.3));
     let expected = 0.5 / PI * 1.3 / (0.37f64.powi(2) + 1.3f64.powi(2) + 0.11f64.powi(2)).powf(1.5);
-    let shot = render(&scene, &Ask::spp(16).mis());
+    let shot = render(&scene, &Request::spp(16).mis());
     assert!(is_expected(&shot, expected, 2e-4), "{}, expected {expected}", mean(&shot));
-    let whole = Overlay::new(&[])
+    let full = Overlay::new(&[])
         .rewritten("light/delta", |own| own.replace("max(distance - rounding, 0.5 * distance)", "distance + rounding"));
-    let planted = render_planted(&scene, &Ask::spp(16).mis(), &whole);
+    let planted = render_planted(&scene, &Request::spp(16).mis(), &full);
     assert!(!is_expected(&planted, expected, 2e-4), "rays up to the light are not found");
 }
 

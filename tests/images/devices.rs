@@ -17,23 +17,31 @@ use crate::common::device::software;
 
 const SIZE: (u32, u32) = (29, 21);
 
-/// Renders by so many lanes of the device, with other sizes on each, onto a film.
-fn render(lanes: u32, first_sample: u32, goal: Goal, tile: Option<u32>, film: &mut Film, watch: Watch<'_>) -> Outcome {
+/// Renders onto a film with so many renderers, as on as many devices, each with other sizes.
+fn render(
+    devices: u32,
+    first_sample: u32,
+    goal: Goal,
+    tile: Option<u32>,
+    film: &mut Film,
+    watch: Watch<'_>,
+) -> Outcome {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
     let scene = Scene::load(&file).expect("it ships");
-    let options = |lane: u32| RenderOptions { slots: Some(64 << lane), bounces: Some(3), ..RenderOptions::default() };
+    let options =
+        |device: u32| RenderOptions { slots: Some(64 << device), bounces: Some(3), ..RenderOptions::default() };
     let flat = flatten(&scene, SIZE, &options(0)).expect("the scene flattens");
     if film.totals().paths == 0 {
         let empty = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, options(0).sampler);
         *film = empty.expect("the film fits");
     }
     let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample, goal };
-    let plan = |lane: u32| {
-        let mut plan = Plan::new(&flat, &options(lane), software().class(), &job).expect("the kernels link");
+    let plan = |device: u32| {
+        let mut plan = Plan::new(&flat, &options(device), software().class(), &job).expect("the kernels link");
         plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
         plan
     };
-    let plans: Vec<_> = (0..lanes).map(plan).collect();
+    let plans: Vec<_> = (0..devices).map(plan).collect();
     let pairs: Vec<_> = plans.iter().map(|plan| (software(), plan)).collect();
     let mut renderer = Renderer::of_devices(&pairs, &job, false).expect("the kernels compile and the buffers fit");
     renderer.run(&job, film, watch).expect("the devices render")
@@ -51,41 +59,41 @@ fn by_one(end: u32) -> Film {
 
 #[test]
 fn devices_share_a_film() {
-    let whole = by_one(200);
-    for (lanes, tile) in [(2, None), (3, None), (3, Some(97))] {
+    let full = by_one(200);
+    for (devices, tile) in [(2, None), (3, None), (3, Some(97))] {
         let mut film = empty();
         let mut calls = 0;
-        let outcome = render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |_, _| {
+        let outcome = render(devices, 0, Goal::Samples(200), tile, &mut film, &mut |_, _| {
             calls += 1;
             Next::GoOn
         });
-        assert!(film == whole, "{lanes} lanes, {tile:?}");
+        assert!(film == full, "{devices} devices, {tile:?}");
         assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
         assert!(calls > 0);
     }
     // That films can differ at all is seen of other samples.
-    assert!(by_one(192) != whole);
+    assert!(by_one(192) != full);
 }
 
 /// A whole film that several devices show has just the samples that it says, and changes nothing.
 #[test]
-fn a_whole_film_of_devices_has_whole_samples() {
-    for (lanes, tile) in [(2, None), (3, Some(97))] {
-        let (mut film, mut looks, mut calls) = (empty(), Vec::new(), 0);
-        render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.is_whole) {
+fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
+    for (devices, tile) in [(2, None), (3, Some(97))] {
+        let (mut film, mut snapshots, mut calls) = (empty(), Vec::new(), 0);
+        render(devices, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, snapshot| {
+            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
                 let samples = outcome.samples.count() as u32;
-                assert!(look.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
-                assert_eq!(look.film.totals(), outcome.totals);
-                looks.push((outcome.samples.clone(), look.film.clone()));
+                assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
+                assert_eq!(snapshot.film.totals(), outcome.totals);
+                snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
                 return Next::GoOn;
             }
             calls += 1;
-            if calls % 7 == 0 { Next::WholeSnapshot } else { Next::GoOn }
+            if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
         });
-        assert!(film == by_one(200) && looks.len() > 2, "{} looks", looks.len());
+        assert!(film == by_one(200) && snapshots.len() > 2, "{} snapshots", snapshots.len());
         // What is missing of each is what the render had left.
-        for (samples, mut film) in looks.into_iter().step_by(3) {
+        for (samples, mut film) in snapshots.into_iter().step_by(3) {
             for gap in samples.missing(0..200).ranges() {
                 render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
             }
@@ -96,7 +104,7 @@ fn a_whole_film_of_devices_has_whole_samples() {
 
 /// Wherever several devices are stopped, each pixel has the samples that the outcome says, in whole runs.
 #[test]
-fn devices_that_are_stopped_leave_whole_samples() {
+fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
     for stop in [1, 2, 5, 9, 20] {
         let (mut film, mut calls) = (empty(), 0);
         let outcome = render(3, 0, Goal::Samples(4096), None, &mut film, &mut |_, _| {
@@ -121,8 +129,8 @@ fn devices_reach_goals() {
     let deadline = Instant::now() + Duration::from_millis(1500);
     for goal in [
         Goal::Until { deadline, end: 100 },
-        Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, looks: 0 },
-        Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, looks: 0 },
+        Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
+        Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
     ] {
         let mut film = empty();
         let outcome = render(2, 0, goal, None, &mut film, &mut |_, _| Next::GoOn);

@@ -9,7 +9,9 @@ use std::path::Path;
 
 use crate::common::instances::{ball_file, smooth_ball_file};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_expectation, scene, worst_difference};
+use crate::common::render::{
+    Request, Shot, render, render_all, render_planted, same_expectation, scene, worst_difference,
+};
 use crate::common::stats::{same_expectation_paired, sidak, welch_t};
 use glam::DVec3;
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
@@ -244,9 +246,9 @@ fn sending_rays_to_lights_changes_no_expectation() {
         let short = cut.then(|| (format!("{name} at depth 1"), Some(1), 4096));
         for (what, depth, samples) in std::iter::once((name.to_string(), None, 8192)).chain(short) {
             let seed = 2 * u32::from(depth.is_some());
-            let shot = |ask: Ask| render(&scene, &Ask { max_depth: depth, ..ask.sobol() });
-            let bsdf = shot(Ask::spp(samples).seed(seed + 1));
-            let mis = shot(Ask::spp(1024).seed(seed + 2).mis());
+            let shot = |request: Request| render(&scene, &Request { max_depth: depth, ..request.sobol() });
+            let bsdf = shot(Request::spp(samples).seed(seed + 1));
+            let mis = shot(Request::spp(1024).seed(seed + 2).mis());
             known(&what, &bsdf, &mis);
             same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{what}: {error}"));
             let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
@@ -256,8 +258,8 @@ fn sending_rays_to_lights_changes_no_expectation() {
                 let wrong = Overlay::new(&[]).rewritten("scene/lights", |text| {
                     text.replace("* ${name}_light_pdf(from_point", "* 1.1 * ${name}_light_pdf(from_point")
                 });
-                let wrong = render_planted(&scene, &Ask::spp(1024).seed(2).mis().sobol(), &wrong);
-                println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+                let wrong = render_planted(&scene, &Request::spp(1024).seed(2).mis().sobol(), &wrong);
+                println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
                 assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "a density off by a tenth is not found");
             }
         }
@@ -308,8 +310,8 @@ fn aimed_from_the_facet() -> Overlay {
 
 /// Renders a scene of smooth meshes by scattered rays alone, and compares its expectation with that of rays to lights. Planted is 1 % more light.
 fn rendered_as_with_rays_to_lights(name: &str, scene: &Scene) -> Shot {
-    let bsdf = render(scene, &Ask::spp(8192).seed(1).sobol());
-    let mis = render(scene, &Ask::spp(4096).seed(2).mis().sobol());
+    let bsdf = render(scene, &Request::spp(8192).seed(1).sobol());
+    let mis = render(scene, &Request::spp(4096).seed(2).mis().sobol());
     known(name, &bsdf, &mis);
     same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
@@ -323,8 +325,8 @@ fn rendered_as_with_rays_to_lights(name: &str, scene: &Scene) -> Shot {
 fn smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = smooth_bodies();
     let bsdf = rendered_as_with_rays_to_lights("smooth bodies", &scene);
-    let wrong = render_planted(&scene, &Ask::spp(1024).seed(2).mis().sobol(), &aimed_from_the_facet());
-    println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    let wrong = render_planted(&scene, &Request::spp(1024).seed(2).mis().sobol(), &aimed_from_the_facet());
+    println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the facet is not found");
 }
 
@@ -360,8 +362,8 @@ fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
     let bsdf = rendered_as_with_rays_to_lights("frosted bodies", &scene);
     let one_point = Overlay::new(&[])
         .rewritten("scene/both_sides", |text| text.replace("select(point, facet_point, below)", "point"));
-    let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &one_point);
-    println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    let wrong = render_planted(&scene, &Request::spp(4096).seed(2).mis().sobol(), &one_point);
+    println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the near side is not found");
 }
 
@@ -397,8 +399,8 @@ fn a_frosted_slab_under_a_sun_expects_the_same_with_rays_to_lights() {
             "1.1 * select(cell.alias_density, cell.density, own)",
         )
     });
-    let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &wrong);
-    println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    let wrong = render_planted(&scene, &Request::spp(4096).seed(2).mis().sobol(), &wrong);
+    println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "a density off by a tenth is not found");
 }
 
@@ -442,11 +444,11 @@ fn a_smooth_octahedron_beside_a_lamp() {
         println!("{} +- {}, expected {expected}", mean.value[0], mean.variance[0].sqrt());
         mean.value[0]
     };
-    let ask = Ask::spp(512).seed(2).mis();
-    assert!((mean(&render(&scene, &ask)) / expected - 1.0).abs() < 2e-3);
-    assert!(mean(&render_planted(&scene, &ask, &aimed_from_the_facet())) < 0.8 * expected);
+    let request = Request::spp(512).seed(2).mis();
+    assert!((mean(&render(&scene, &request)) / expected - 1.0).abs() < 2e-3);
+    assert!(mean(&render_planted(&scene, &request, &aimed_from_the_facet())) < 0.8 * expected);
     // Scattered rays meet the lamp once in fifty times: 2e6 of them know the mean to 0.5 %.
-    let bsdf = render(&scene, &Ask::spp(8192).seed(3).sobol());
+    let bsdf = render(&scene, &Request::spp(8192).seed(3).sobol());
     assert!((mean(&bsdf) / expected - 1.0).abs() < 0.03);
 }
 
@@ -457,12 +459,12 @@ fn roulette_changes_no_expectation() {
     let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);
     let some = ["a room", "glass", "smoke", "a sky"];
     for (name, scene) in scenes_of(DARK, Some(24)).into_iter().filter(|(name, _)| some.contains(name)) {
-        let ask = Ask::spp(512).seed(5).mis();
-        let off = render(&scene, &ask);
-        let ask = ask.roulette();
-        let on = render(&scene, &ask);
+        let request = Request::spp(512).seed(5).mis();
+        let off = render(&scene, &request);
+        let request = request.roulette();
+        let on = render(&scene, &request);
         let saved = 1.0 - on.film.totals().rays as f64 / off.film.totals().rays as f64;
-        let wrong = render_planted(&scene, &ask, &unweighted);
+        let wrong = render_planted(&scene, &request, &unweighted);
         let lost = 1.0 - wrong.mean_of_all().value[0] / off.mean_of_all().value[0];
         println!("{name}: roulette saves {saved:.3} of the rays; unweighted it loses {lost:.4} of the light");
         assert!(saved > LEAST_SAVED, "{name}: roulette saves {saved:.3} of the rays");
@@ -482,16 +484,16 @@ fn both_samplers_expect_the_same_with_rays_to_lights() {
     const SEEDS: u32 = 16;
     let some = ["microfacets", "lamps of all shapes", "a tree, a sky and smoke"];
     for (name, scene) in scenes().into_iter().filter(|(name, _)| some.contains(name)) {
-        let means = |ask: &Ask, first: u32| -> Vec<Vec<f64>> {
+        let means = |request: &Request, first: u32| -> Vec<Vec<f64>> {
             let seeds = (first..first + SEEDS).map(|seed| (seed, 0..128));
             let mut rows = Vec::new();
-            render_all(&scene, ask, seeds, |shot| {
+            render_all(&scene, request, seeds, |shot| {
                 let tiles = (0..4).map(|i| shot.mean(8 * (i % 2)..8 * (i % 2) + 8, 8 * (i / 2)..8 * (i / 2) + 8));
                 rows.push(tiles.chain([shot.mean_of_all()]).flat_map(|mean| mean.value).collect());
             });
             rows
         };
-        let (drawn, spread) = (means(&Ask::default().mis(), 0), means(&Ask::default().mis().sobol(), 100));
+        let (drawn, spread) = (means(&Request::default().mis(), 0), means(&Request::default().mis().sobol(), 100));
         let worst = |factor: f64| {
             let column =
                 |rows: &[Vec<f64>], i: usize, factor: f64| rows.iter().map(|row| row[i] * factor).collect::<Vec<_>>();
@@ -544,17 +546,17 @@ fn lights_beyond_the_limit_are_found_by_bsdf_sampling() {
     let not_sampled = flat.features.not_sampled.as_ref().expect("something is left out");
     let faces = u64::from(2 * SIDE * SIDE);
     assert!(faces > MOST_LIGHTS as u64);
-    assert_eq!((flat.features.lights, not_sampled.lights, not_sampled.wanted), (8, faces, faces + 8));
+    assert_eq!((flat.features.lights, not_sampled.lights, not_sampled.total), (8, faces, faces + 8));
     assert!(
         flat.warnings
             .iter()
             .any(|warning| warning.contains("materials[\"dim\"]") && warning.contains("left to chance"))
     );
-    let bsdf = render(&scene, &Ask::spp(1024).seed(1));
-    let mis = render(&scene, &Ask::spp(256).seed(2).mis());
+    let bsdf = render(&scene, &Request::spp(1024).seed(1));
+    let mis = render(&scene, &Request::spp(256).seed(2).mis());
     same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let wrong = Overlay::new(&[])
         .rewritten("scene/lights", |text| text.replace("index >= NOT_SAMPLED", "index == 0x7fffffffu"));
-    let wrong = render_planted(&scene, &Ask::spp(256).seed(2).mis(), &wrong);
+    let wrong = render_planted(&scene, &Request::spp(256).seed(2).mis(), &wrong);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "a density of what is not sampled is not found");
 }

@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, HashSet};
 use crate::common::constants::tables_read_at_constants;
 use crate::common::everything::same;
 use crate::common::lattice::Lattice;
-use crate::common::render::{Ask, render};
+use crate::common::render::{Request, render};
 use gpu_rt::aov::Aovs;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
@@ -20,8 +20,8 @@ use naga::compact::{KeepUnused, compact};
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 
 /// As the program renders by default.
-fn usual(scatter: Scatter) -> Ask {
-    Ask::spp(16).sobol().mis().roulette().scatter(scatter)
+fn usual(scatter: Scatter) -> Request {
+    Request::spp(16).sobol().mis().roulette().scatter(scatter)
 }
 
 fn flat(scene: &Scene) -> DeviceScene {
@@ -156,7 +156,7 @@ fn never_loaded(plan: &Kernels) -> Vec<String> {
         .flat_map(|kernel| kernel.linked.text.split("\nfn ").filter(|text| text.starts_with("load_")))
         .map(|text| text.split_once("\n}").map_or(text, |(function, _)| function))
         .collect();
-    let is_loaded = |field: &&PathField| match (field.words, field.behind) {
+    let is_loaded = |field: &&PathField| match (field.words, field.w_of) {
         (1, None) => loads.iter().any(|load| load.starts_with(&format!("load_{}(", field.name))),
         (_, behind) => {
             let plane = format!("PLANE_OF_{},", behind.unwrap_or(&field.name));
@@ -175,9 +175,9 @@ fn every_field_of_the_paths_is_loaded_by_some_kernel() {
             let mut plan = plan(&scene, scatter);
             assert_eq!(never_loaded(&plan), [""; 0], "{name}, {scatter:?}");
             tried += plan.path_fields.len();
-            // One too many is found: a word, a vector, and a word behind a vector.
-            for (field, words, behind) in [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))] {
-                let spare = PathField { name: field.to_string(), words, behind, ..plan.path_fields[0].clone() };
+            // One too many is found: a word, a vector, and a word that shares the vec4 of a vector.
+            for (field, words, w_of) in [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))] {
+                let spare = PathField { name: field.to_string(), words, w_of, ..plan.path_fields[0].clone() };
                 plan.path_fields.push(spare);
             }
             assert_eq!(never_loaded(&plan), ["spare", "SPARE", "spare_too"], "{name}, {scatter:?}");

@@ -6,8 +6,8 @@ use gpu_rt::film::Film;
 use gpu_rt::options::{Filter, Scatter};
 use gpu_rt::scene::Scene;
 
-use crate::common::held::Looks;
-use crate::common::render::{Ask, Change, Shot, render, scene};
+use crate::common::held::Replicates;
+use crate::common::render::{Change, Request, Shot, render, scene};
 use crate::common::stats::{sidak, student_two_sided};
 
 const FILTERS: [Filter; 4] = [Filter::Box, Filter::Tent, Filter::Gauss, Filter::Mitchell];
@@ -23,7 +23,7 @@ const EDGE: &str = "Scene(
 )";
 
 fn filtered(filter: Filter, samples: u32, text: &str) -> Shot {
-    render(&scene(text), &Ask::spp(samples).with(|options| options.filter = filter))
+    render(&scene(text), &Request::spp(samples).with(|options| options.filter = filter))
 }
 
 /// The integral of a filter from half a pixel, and from one and a half, to its end (own integration of the polynomials; the Gaussian's by
@@ -102,17 +102,17 @@ fn no_filter_changes_constant_radiance() {
 /// Pixels below 0 are kept as they are: by every way to cut the work, and through a file's words.
 #[test]
 fn negative_pixels_are_exact_too() {
-    let whole = filtered(Filter::Mitchell, 64, EDGE);
-    assert!(whole.picture.rgb.iter().any(|pixel| pixel[0] < -1e-3));
+    let full = filtered(Filter::Mitchell, 64, EDGE);
+    assert!(full.picture.rgb.iter().any(|pixel| pixel[0] < -1e-3));
     for (scatter, slots) in [(Scatter::Fused, 7), (Scatter::Linked, 97), (Scatter::Queues, 1)] {
-        let cut = Ask::spp(64).with(|options| {
+        let cut = Request::spp(64).with(|options| {
             (options.filter, options.scatter, options.slots) = (Filter::Mitchell, Some(scatter), Some(slots));
         });
-        assert!(render(&scene(EDGE), &cut).film == whole.film, "{scatter} with {slots} slots");
+        assert!(render(&scene(EDGE), &cut).film == full.film, "{scatter} with {slots} slots");
     }
-    let mut read = Film::with_sampler(8, 4, whole.film.exponent(), whole.film.sampler()).expect("it fits");
-    (0..32).for_each(|index| read.add_words(index, &whole.film.words(index)));
-    assert_eq!(read.develop(), whole.film.develop());
+    let mut read = Film::with_sampler(8, 4, full.film.exponent(), full.film.sampler()).expect("it fits");
+    (0..32).for_each(|index| read.add_words(index, &full.film.words(index)));
+    assert_eq!(read.develop(), full.film.develop());
 }
 
 /// With samples of either sign, pixels beside a lamp may be 0, which a bound of the relative error has to allow for. It holds, and is never below the
@@ -120,15 +120,16 @@ fn negative_pixels_are_exact_too() {
 #[test]
 fn the_bound_of_the_error_holds_for_samples_of_either_sign() {
     let cornell = Scene::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell.ron"))).expect("it ships");
-    let ask =
-        |filter: Filter| Ask::default().mis().sobol().roulette().size(32, 24).with(|options| options.filter = filter);
-    let looks = Looks::new(&cornell, &ask(Filter::Mitchell), &Change::default(), 30, &[24, 64, 150]);
-    for held in looks.held() {
+    let request = |filter: Filter| {
+        Request::default().mis().sobol().roulette().size(32, 24).with(|options| options.filter = filter)
+    };
+    let replicates = Replicates::new(&cornell, &request(Filter::Mitchell), &Change::default(), 30, &[24, 64, 150]);
+    for held in replicates.held() {
         println!("mitchell: {held}");
         // Of 30 images at 95 %, less than 24 hold with a probability of 1e-4.
         assert!(held.share >= 0.8, "{held}");
     }
-    assert!(looks.errors().all(|error| error.bound >= error.value));
+    assert!(replicates.errors().all(|error| error.bound >= error.value));
     // The planted error: the estimate for the bound.
-    assert!(looks.held_by(|error| error.value).iter().any(|share| *share < 0.7));
+    assert!(replicates.held_by(|error| error.value).iter().any(|share| *share < 0.7));
 }

@@ -1,7 +1,7 @@
 //! The library's own interface: a scene rendered in memory, and the films that a render takes.
 
 use crate::common::device::{index, software};
-use crate::common::render::{Ask, render, scene};
+use crate::common::render::{Request, render, scene};
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
@@ -27,9 +27,9 @@ fn lit() -> Scene {
 fn a_picture_in_memory_is_that_of_the_program() {
     let settings =
         RenderSettings { size: Some(SIZE), samples: Some(SAMPLES), seed: 3, device: Some(index().to_owned()) };
-    let ask = Ask { options: RenderOptions::default(), ..Ask::spp(SAMPLES).seed(3).size(SIZE.0, SIZE.1) };
+    let request = Request { options: RenderOptions::default(), ..Request::spp(SAMPLES).seed(3).size(SIZE.0, SIZE.1) };
     let picture = render_scene(&lit(), &settings).expect("it renders");
-    assert_eq!(picture, render(&lit(), &ask).picture);
+    assert_eq!(picture, render(&lit(), &request).picture);
     for settings in [
         RenderSettings { size: Some((0, 9)), ..settings.clone() },
         RenderSettings { size: Some((9, 1 << 17)), ..settings.clone() },

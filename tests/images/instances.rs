@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::common::instances::{Faces, obj_file};
-use crate::common::render::{Ask, render, same_expectation, scene_in};
+use crate::common::render::{Request, render, same_expectation, scene_in};
 use glam::{DMat3, DVec3};
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::{BufferSpec, too_large};
@@ -73,11 +73,11 @@ fn a_mesh_of_copies_and_instances_of_one_look_the_same() {
             ),
         )
     };
-    let copies = render(&copies, &Ask::spp(256).seed(1));
+    let copies = render(&copies, &Request::spp(256).seed(1));
     // Two seeds and two tests: the same noise would hide in the same numbers.
-    let same = render(&instances(-2.2), &Ask::spp(256).seed(2));
+    let same = render(&instances(-2.2), &Request::spp(256).seed(2));
     same_expectation(&copies, &same, 1e-6, 1e-6).expect("copies and instances look the same");
-    let moved = render(&instances(-1.8), &Ask::spp(256).seed(2));
+    let moved = render(&instances(-1.8), &Request::spp(256).seed(2));
     assert!(same_expectation(&copies, &moved, 1e-6, 1e-6).is_err(), "an instance is moved by 0.4, some three pixels");
 }
 

@@ -6,7 +6,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::scene::{Material, Scene, Texture};
 
 use crate::common::instances::ball_file;
-use crate::common::render::{Ask, Shot, diagnostics, plain, render, same_expectation, scene_in};
+use crate::common::render::{Request, Shot, diagnostics, plain, render, same_expectation, scene_in};
 use crate::common::scenes::triple;
 
 /// False alarms of each test here.
@@ -66,8 +66,8 @@ const FIVE: &str = "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"grey\")
 /// From 1 above the ground; it fills the view.
 const ABOVE: &str = "(look_from: (0.4, 1, 4), look_at: (0.1, 0, 0.5), vertical_fov: 29)";
 
-fn asked() -> Ask {
-    Ask::spp(64).size(48, 48).mis().seed(3)
+fn request() -> Request {
+    Request::spp(64).size(48, 48).mis().seed(3)
 }
 
 /// The largest difference (below) that rounding makes. The largest that was measured is 0.002, at the edges of a checker.
@@ -83,7 +83,7 @@ fn difference(a: &Shot, b: &Shot) -> f64 {
 
 #[test]
 fn a_ground_of_any_radius_has_the_picture_of_a_plane() {
-    let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &asked());
+    let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &request());
     for exponent in 0..=15 {
         // No ground is warned of.
         let _ = scene(ABOVE, 0.2, &format!("{}, {FIVE}", ground(10f64.powi(exponent), 0.0, "grey")));
@@ -102,13 +102,13 @@ fn a_ground_of_any_radius_has_the_picture_of_a_plane() {
 
 #[test]
 fn a_ground_turned_scaled_and_moved_with_everything_is_the_same() {
-    let camera = |place: &dyn Fn(DVec3) -> DVec3, up: DVec3| {
-        let [from, at] = [DVec3::new(0.4, 1.0, 4.0), DVec3::new(0.1, 0.0, 0.5)].map(place).map(triple);
+    let camera = |transform: &dyn Fn(DVec3) -> DVec3, up: DVec3| {
+        let [from, at] = [DVec3::new(0.4, 1.0, 4.0), DVec3::new(0.1, 0.0, 0.5)].map(transform).map(triple);
         format!("(look_from: {from}, look_at: {at}, up: {}, vertical_fov: 29)", triple(up))
     };
     for radius in [1e6, 1e12] {
         let objects = format!("{}, {FIVE}", ground(radius, 0.0, "grey"));
-        let usual = render(&scene(ABOVE, 0.2, &objects), &asked());
+        let usual = render(&scene(ABOVE, 0.2, &objects), &request());
         // About x by 30 degrees, and by a quarter turn about z.
         let (s, c) = (0.5, 0.75f64.sqrt());
         let turned = |v: DVec3| DVec3::new(-(c * v.y - s * v.z), v.x, s * v.y + c * v.z);
@@ -116,7 +116,7 @@ fn a_ground_turned_scaled_and_moved_with_everything_is_the_same() {
         let by = "RotateX(30), RotateZ(90), Scale(100), Translate((3e5, 0, -1e5))";
         let group = |objects: &str| format!("Transformed(by: [{by}], object: Group([{objects}]))");
         let shot =
-            |objects: &str| render(&scene(&camera(&moved, turned(DVec3::Y)), 0.2, &group(objects)), &asked().seed(4));
+            |objects: &str| render(&scene(&camera(&moved, turned(DVec3::Y)), 0.2, &group(objects)), &request().seed(4));
         same_expectation(&shot(&objects), &usual, 1e-4, ALPHA).unwrap_or_else(|error| panic!("{radius}: {error}"));
         let lowered = objects.replace("Translate((0, 0.0, 0))", "Translate((0, -0.05, 0))");
         assert!(same_expectation(&shot(&lowered), &usual, 1e-4, ALPHA).is_err(), "a lower ground");
@@ -128,7 +128,7 @@ fn small_things_on_a_huge_ground_keep_their_shape() {
     let shrunk = |ground: &str| {
         let camera = "(look_from: (4e-6, 1e-5, 4e-5), look_at: (1e-6, 0, 5e-6), vertical_fov: 29)";
         let five = format!("Transformed(by: [Scale(1e-5)], object: Group([{FIVE}]))");
-        render(&scene(camera, 0.2, &format!("{ground}, {five}")), &asked())
+        render(&scene(camera, 0.2, &format!("{ground}, {five}")), &request())
     };
     let on = |top: f64| shrunk(&ground(1e12, top, "grey"));
     let flat = shrunk(&plane(0.0, "grey").replace("5e3", "5e-2").replace("1e4", "0.1"));
@@ -148,7 +148,7 @@ fn the_horizon_dips_as_the_radius_says() {
             2.0 * (4.0 * dip).atan().to_degrees()
         );
         let scene = scene(&camera, 0.0, &ground(radius, 0.0, "both"));
-        render(&scene, &Ask::spp(64).size(SIZE, SIZE)).mean_of_all().value[0]
+        render(&scene, &Request::spp(64).size(SIZE, SIZE)).mean_of_all().value[0]
     };
     for exponent in [0, 1, 2, 3, 4, 5, 6, 8, 10, 12] {
         let radius = 10f64.powi(exponent);
@@ -184,10 +184,10 @@ fn where_the_two_forms_of_a_sphere_meet_nothing_shows() {
     let check = |name: &str, objects: &dyn Fn(f64) -> String, other: String| {
         let (sphere, large_sphere) = (of(&objects(low)), of(&objects(high)));
         assert_eq!([large_spheres(&sphere), large_spheres(&large_sphere)], [0, 1]);
-        let sphere = render(&sphere, &asked());
-        let found = difference(&render(&large_sphere, &asked()), &sphere);
+        let sphere = render(&sphere, &request());
+        let found = difference(&render(&large_sphere, &request()), &sphere);
         assert!(found < MOST, "{name}: {found}");
-        let found = difference(&render(&of(&other), &asked()), &sphere);
+        let found = difference(&render(&of(&other), &request()), &sphere);
         assert!(found > MOST, "{name}, another one: {found}");
     };
     for material in ["grey", "checker", "noise", "marble", "glass"] {
@@ -215,7 +215,7 @@ fn where_the_two_forms_of_a_sphere_meet_nothing_shows() {
 #[test]
 fn textures_of_a_huge_ground_are_those_of_a_plane() {
     for material in ["checker", "noise", "marble"] {
-        let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &asked());
+        let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &request());
         // In the object's own space at a height at which the checker does not change.
         let sphere = |radius: f64| {
             let center = -radius - 0.125;
@@ -238,7 +238,7 @@ fn a_texture_of_fog_in_a_huge_sphere_is_that_of_fog_in_a_box() {
     let on = |boundary: &str, scale: f64| {
         let albedo = format!("Checker(scale: {scale:?}, even: (0.9, 0.5, 0.1), odd: (0.1, 0.5, 0.9))");
         let fog = format!("Medium(boundary: {boundary}, density: 2, albedo: {albedo})");
-        render(&scene(ABOVE, 0.2, &format!("{fog}, {FIVE}")), &asked())
+        render(&scene(ABOVE, 0.2, &format!("{fog}, {FIVE}")), &request())
     };
     let flat = on("Box(min: (-500, -500, -500), max: (500, -0.125, 500))", 0.3);
     for radius in [1e7, 1e12] {
@@ -263,12 +263,12 @@ fn clear_and_glass_grounds_lose_no_light() {
             "{}, Quad(corner: (-2, -0.5, -2), u: (0, 0, 4), v: (4, 0, 0), material: \"lamp\")",
             ground(radius, 0.0, "clear")
         );
-        assert_eq!(farthest(&render(&scene(down, 0.0, &clear), &Ask::spp(64)), 1.0), 0.0, "a lamp below {radius}");
+        assert_eq!(farthest(&render(&scene(down, 0.0, &clear), &Request::spp(64)), 1.0), 0.0, "a lamp below {radius}");
         let glass = scene(down, 1.0, &ground(radius, 0.0, "glass"));
-        assert_eq!(farthest(&render(&glass, &Ask::spp(64).depth(1000)), 1.0), 0.0, "glass of {radius}");
+        assert_eq!(farthest(&render(&glass, &Request::spp(64).depth(1000)), 1.0), 0.0, "glass of {radius}");
         // From within.
         let within = scene(&down.replace("(0, 1, 0)", "(0, -1, 0)"), 1.0, &ground(radius, 0.0, "clear"));
-        assert_eq!(farthest(&render(&within, &Ask::spp(64)), 1.0), 0.0, "from within {radius}");
+        assert_eq!(farthest(&render(&within, &Request::spp(64)), 1.0), 0.0, "from within {radius}");
     }
 }
 
@@ -286,14 +286,14 @@ fn a_ground_that_emits_lights_what_is_above_it() {
         let of = |square: &str| scene(camera, 0.0, &format!("{}, {square}", ground(radius, 0.0, "lamp")));
         // A sphere in full view (r/D)² lights a surface that faces it.
         let expected = 0.5 * (radius / (radius + 3.0)).powi(2);
-        for ask in [Ask::spp(256), Ask::spp(256).mis(), Ask::spp(256).mis().sobol().roulette()] {
-            let (found, error) = mean(&render(&of(square), &ask));
+        for request in [Request::spp(256), Request::spp(256).mis(), Request::spp(256).mis().sobol().roulette()] {
+            let (found, error) = mean(&render(&of(square), &request));
             // Off the middle, less of the sphere faces the square: at most 3 % of the dip.
             // Few paths miss it.
             let missing = 1.0 - 2.0 * expected;
             let slack = 5.0 * (error + 0.5 * (missing / 65536.0).sqrt()) + 1e-3 * missing;
             assert!((found - expected).abs() < slack, "{radius}: {found} for {expected}");
-            let (dimmer, _) = mean(&render(&of(&square.replace("grey", "blue")), &ask));
+            let (dimmer, _) = mean(&render(&of(&square.replace("grey", "blue")), &request));
             assert!((dimmer - expected).abs() > slack);
         }
     }
@@ -307,12 +307,14 @@ fn a_dome_that_emits_lights_everything_within() {
     for (radius, top) in [(1e4, 0.0), (1e6, 0.0), (1e12, 0.0), (1e9, 1e9)] {
         let of = |material: &str| scene(camera, 0.0, &format!("{}, {ball}", ground(radius, top, material)));
         assert_eq!(large_spheres(&of("both")), usize::from(top == 0.0));
-        assert_eq!(farthest(&render(&of("both"), &Ask::spp(64)), 0.5), 0.0, "{radius}");
-        let (found, error) = mean(&render(&of("both"), &Ask::spp(256).mis()));
+        assert_eq!(farthest(&render(&of("both"), &Request::spp(64)), 0.5), 0.0, "{radius}");
+        let (found, error) = mean(&render(&of("both"), &Request::spp(256).mis()));
         assert!((found - 0.5).abs() < 5.0 * error && error < 0.01, "{radius}: {found} ± {error}");
         // A lamp of one side emits outwards, and `check` says so.
-        let dark =
-            render(&unchecked(camera, 0.0, &format!("{}, {ball}", ground(radius, top, "lamp"))), &Ask::spp(64).mis());
+        let dark = render(
+            &unchecked(camera, 0.0, &format!("{}, {ball}", ground(radius, top, "lamp"))),
+            &Request::spp(64).mis(),
+        );
         assert_eq!(farthest(&dark, 0.0), 0.0, "{radius}");
     }
 }
@@ -326,7 +328,7 @@ fn light_sampling_keeps_the_image_of_grounds_and_domes_that_emit() {
         // Everything stands on its bottom.
         ("a dome", "Sphere(center: (0, 1e7, 0), radius: 1e7, material: \"both\")".to_string()),
     ] {
-        let shot = |ask: Ask, emit: &str| {
+        let shot = |request: Request, emit: &str| {
             let mut scene = scene(ABOVE, 0.0, &format!("{around}, {FIVE}"));
             assert_eq!(large_spheres(&scene), 1);
             for (name, material) in &mut scene.materials {
@@ -336,12 +338,12 @@ fn light_sampling_keeps_the_image_of_grounds_and_domes_that_emit() {
                     *emit = Texture::Rgb(1.03, 1.03, 1.03);
                 }
             }
-            render(&scene, &ask.size(32, 32))
+            render(&scene, &request.size(32, 32))
         };
-        let found = shot(Ask::spp(256).mis().seed(5), "");
-        let plain = shot(Ask::spp(1024).seed(6), "");
+        let found = shot(Request::spp(256).mis().seed(5), "");
+        let plain = shot(Request::spp(1024).seed(6), "");
         same_expectation(&found, &plain, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let brighter = shot(Ask::spp(1024).seed(6), "both");
+        let brighter = shot(Request::spp(1024).seed(6), "both");
         assert!(same_expectation(&found, &brighter, 1e-5, ALPHA).is_err(), "{name}: light that is 3 % brighter");
     }
 }
@@ -354,11 +356,11 @@ fn fog_in_a_huge_sphere_is_as_thick_as_its_distances_say() {
         let of = |density: f64| {
             let boundary = ground(radius, 0.0, "").replace(", material: \"\"", "");
             let fog = format!("Medium(boundary: {boundary}, density: {density:?}, albedo: Rgb(0, 0, 0))");
-            mean(&render(&scene(camera, 1.0, &fog), &Ask::spp(1024)))
+            mean(&render(&scene(camera, 1.0, &fog), &Request::spp(1024)))
         };
         let steps = 200;
-        let place = |i: i32| 2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0;
-        let all = (0..steps).flat_map(|i| (0..steps).map(move |j| (place(i), place(j))));
+        let coordinate = |i: i32| 2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0;
+        let all = (0..steps).flat_map(|i| (0..steps).map(move |j| (coordinate(i), coordinate(j))));
         let expected = all.map(|(x, y)| (-(1.0 + x * x + y * y).sqrt()).exp()).sum::<f64>() / f64::from(steps * steps);
         let (found, error) = of(1.0);
         assert!((found - expected).abs() < 5.0 * error + 1e-3, "{radius}: {found} ± {error} for {expected}");
@@ -375,7 +377,7 @@ fn fog_below_the_horizon_hides_what_is_in_it() {
         let boundary = ground(radius, 0.0, "").replace(", material: \"\"", "");
         let fog = format!("Medium(boundary: {boundary}, density: 1, albedo: Rgb(0, 0, 0))");
         let lamp = "Quad(corner: (-1, -1, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"lamp\")";
-        let (found, error) = mean(&render(&scene(camera, 0.0, &format!("{fog}, {lamp}")), &Ask::spp(1024)));
+        let (found, error) = mean(&render(&scene(camera, 0.0, &format!("{fog}, {lamp}")), &Request::spp(1024)));
         let expected = (-1.0f64).exp();
         assert!((found - expected).abs() < 5.0 * error, "{radius}: {found} ± {error} for {expected}");
         assert!(error < 0.002);

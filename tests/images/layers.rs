@@ -1,6 +1,6 @@
 //! Layers of glTF's material with a share and a colour of their own (KHR_materials_specular).
 
-use crate::common::render::{Ask, render, same_expectation, scene};
+use crate::common::render::{Request, render, same_expectation, scene};
 
 const ALPHA: f64 = 1e-6;
 
@@ -30,8 +30,8 @@ fn wall(specular: f64) -> String {
 /// A layer that reflects nothing leaves the matt body.
 #[test]
 fn without_its_layer_the_material_is_matt() {
-    let matt = render(&scene(&room("Lambertian(albedo: Rgb(0.2, 0.15, 0.1))")), &Ask::default().seed(1).mis());
-    let render_with = |specular: f64| render(&scene(&wall(specular)), &Ask::default().seed(2).mis());
+    let matt = render(&scene(&room("Lambertian(albedo: Rgb(0.2, 0.15, 0.1))")), &Request::default().seed(1).mis());
+    let render_with = |specular: f64| render(&scene(&wall(specular)), &Request::default().seed(2).mis());
     same_expectation(&matt, &render_with(0.0), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     assert!(same_expectation(&matt, &render_with(0.2), 1e-5, ALPHA).is_err(), "a fifth of the layer is not found");
 }
@@ -39,11 +39,11 @@ fn without_its_layer_the_material_is_matt() {
 #[test]
 fn light_sampling_changes_no_expectation_beside_layers() {
     let room = scene(&wall(0.7));
-    let bsdf = render(&room, &Ask::default().seed(1));
-    same_expectation(&bsdf, &render(&room, &Ask::default().seed(2).mis()), 1e-5, ALPHA)
+    let bsdf = render(&room, &Request::default().seed(1));
+    same_expectation(&bsdf, &render(&room, &Request::default().seed(2).mis()), 1e-5, ALPHA)
         .unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Ask::default().seed(3).mis().sobol());
+    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let more = render(&scene(&wall(0.9)), &Ask::default().seed(2).mis());
+    let more = render(&scene(&wall(0.9)), &Request::default().seed(2).mis());
     assert!(same_expectation(&bsdf, &more, 1e-5, ALPHA).is_err(), "a layer of 0.9 is not told from one of 0.7");
 }

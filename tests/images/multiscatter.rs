@@ -2,7 +2,7 @@
 
 use crate::common::kernel::Overlay;
 use crate::common::microfacets::{Facets, kept, masking, schlick, shadowing};
-use crate::common::render::{Ask, render, render_planted, same_expectation, scene};
+use crate::common::render::{Request, render, render_planted, same_expectation, scene};
 
 const ALPHA: f64 = 1e-6;
 /// The most by which the table is off (tests/kernels/rough.rs).
@@ -20,7 +20,7 @@ fn in_a_furnace(material: &str, cos: f64) -> ([f64; 3], [f64; 3]) {
 )",
         -(1.0 - cos * cos).sqrt()
     ));
-    let mean = render(&scene, &Ask::spp(256)).mean_of_all();
+    let mean = render(&scene, &Request::spp(256)).mean_of_all();
     (mean.value, mean.variance.map(f64::sqrt))
 }
 
@@ -85,8 +85,8 @@ const ROOM: &str =
 #[test]
 fn light_sampling_changes_no_expectation_beside_metals_that_lose_nothing() {
     let room = scene(ROOM);
-    let bsdf = render(&room, &Ask::default().seed(1));
-    let mis = Ask::default().seed(2).mis();
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let lossy = Overlay::new(&[])
         .rewritten("material/conductor_eval", |own| own.replace("with_lost_light(single, straight, hit)", "single"));

@@ -7,21 +7,21 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::render::{Ask, render as render_scene, scene};
+use crate::common::render::{Request, render as render_scene, scene};
 use gpu_rt::film::HiddenLight;
 use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::read_exr;
 use serde_json::Value;
 
-/// A floor under a grey sky, a clear ball of radius `ball` about `place`, and a lamp of radius `lamp` above.
-fn text(place: &str, ball: f64, lamp: f64) -> String {
-    with_ball(CLEAR, place, ball, lamp)
+/// A floor under a grey sky, a clear ball of radius `ball` about `position`, and a lamp of radius `lamp` above.
+fn text(position: &str, ball: f64, lamp: f64) -> String {
+    with_ball(CLEAR, position, ball, lamp)
 }
 
 const CLEAR: &str = "Dielectric(ior: 1.5)";
 
 /// The scene with a ball of any material.
-fn with_ball(glass: &str, place: &str, ball: f64, lamp: f64) -> String {
+fn with_ball(glass: &str, position: &str, ball: f64, lamp: f64) -> String {
     let emit = 4.0 / (lamp * lamp);
     format!(
         "Scene(
@@ -35,7 +35,7 @@ fn with_ball(glass: &str, place: &str, ball: f64, lamp: f64) -> String {
     }},
     objects: [
         Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"),
-        Sphere(center: {place}, radius: {ball}, material: \"glass\"),
+        Sphere(center: {position}, radius: {ball}, material: \"glass\"),
         Sphere(center: (0, 3, 0), radius: {lamp}, material: \"lamp\"),
     ],
     render: (samples: 64, max_depth: 10),
@@ -46,8 +46,8 @@ fn with_ball(glass: &str, place: &str, ball: f64, lamp: f64) -> String {
 const ON_THE_FLOOR: &str = "(0, 0.6, 0)";
 const AROUND_THE_LAMP: &str = "(0, 3, 0)";
 
-/// A floor under a sky, what is above it, and at `place` a lamp of radius `lamp`, of which all rays to it miss the floor.
-fn other(background: &str, above: &str, place: &str, lamp: f64) -> String {
+/// A floor under a sky, what is above it, and at `position` a lamp of radius `lamp`, of which all rays to it miss the floor.
+fn other(background: &str, above: &str, position: &str, lamp: f64) -> String {
     let emit = 1.0 / (lamp * lamp);
     format!(
         "Scene(
@@ -64,7 +64,7 @@ fn other(background: &str, above: &str, place: &str, lamp: f64) -> String {
     objects: [
         Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"),
         {above}
-        Sphere(center: {place}, radius: {lamp}, material: \"lamp\"),
+        Sphere(center: {position}, radius: {lamp}, material: \"lamp\"),
     ],
     render: (samples: 64, max_depth: 10),
 )"
@@ -137,13 +137,13 @@ struct Counted {
     missing: f64,
 }
 
-fn counted_by(text: &str, samples: u32, ask: Ask) -> HiddenLight {
-    let ask = Ask { samples: Some(0..samples), ..ask };
-    render_scene(&scene(text), &ask).outcome.totals.hidden_light().times(1.0 / f64::from(32 * 32 * samples))
+fn counted_by(text: &str, samples: u32, request: Request) -> HiddenLight {
+    let request = Request { samples: Some(0..samples), ..request };
+    render_scene(&scene(text), &request).outcome.totals.hidden_light().times(1.0 / f64::from(32 * 32 * samples))
 }
 
 fn counted(text: &str, samples: u32) -> Counted {
-    let light = counted_by(text, samples, Ask::default().mis().depth(50));
+    let light = counted_by(text, samples, Request::default().mis().depth(50));
     Counted { probed: light.probed(), found: light.found(), missing: light.missing() }
 }
 
@@ -153,7 +153,7 @@ fn counted(text: &str, samples: u32) -> Counted {
 /// on edge to lamp and floor. 1024 samples tell each sum to 3 %. Of light that would count twice, or by half, the test would tell.
 #[test]
 fn paths_find_what_probes_find() {
-    let ball = |place, radius| text(place, radius, 0.3);
+    let ball = |position, radius| text(position, radius, 0.3);
     for text in [ball(ON_THE_FLOOR, 0.5), ball(AROUND_THE_LAMP, 1.2), under_a_mirror(0.4), under_a_sky(0.4)] {
         let light = counted(&text, 1024);
         assert!(light.probed > 0.0, "{light:?}\n{text}");
@@ -214,7 +214,7 @@ fn faint_light_is_counted() {
 #[test]
 fn max_depth_ends_both() {
     // The floor, and the ball's two sides: light behind it takes three events.
-    let at = |max_depth| counted_by(&text(AROUND_THE_LAMP, 1.2, 0.3), 64, Ask::default().mis().depth(max_depth));
+    let at = |max_depth| counted_by(&text(AROUND_THE_LAMP, 1.2, 0.3), 64, Request::default().mis().depth(max_depth));
     assert_eq!(at(1), HiddenLight::default());
     let two = at(2);
     assert!(two.found() > 0.0 && two.probed() > 0.0 && (0.7..1.4).contains(&(two.found() / two.probed())), "{two:?}");
@@ -284,8 +284,8 @@ fn images_that_lack_light_are_unreliable() {
 #[test]
 fn no_narrow_lobe_hides_a_lamp_in_silence() {
     let is_reliable = |text: &str, seed: u32, samples: u32| {
-        let ask = Ask::spp(samples).mis().sobol().roulette().seed(seed);
-        render_scene(&scene(text), &ask).film.verdict(0.05).reliable().expect("there is light")
+        let request = Request::spp(samples).mis().sobol().roulette().seed(seed);
+        render_scene(&scene(text), &request).film.verdict(0.05).reliable().expect("there is light")
     };
     for (name, text) in narrow(0.002) {
         for (seed, samples) in [(0, 16), (1, 16), (2, 64), (3, 256)] {
@@ -334,13 +334,13 @@ fn reports_do_not_depend_on_how_stages_are_linked() {
         let [fused, linked, queues] = SCATTERS.map(|scatter| of(scatter, "0"));
         assert_eq!(fused, linked, "{}", scene.display());
         assert_eq!(fused, queues, "{}", scene.display());
-        let met = |report: &Value| report["light_stopped_by_glass"].as_f64().unwrap();
-        assert_eq!(met(&fused) > 0.0, counts, "{fused}");
+        let stopped_light = |report: &Value| report["light_stopped_by_glass"].as_f64().unwrap();
+        assert_eq!(stopped_light(&fused) > 0.0, counts, "{fused}");
         // It could have told.
-        assert!(!counts || met(&of("fused", "1")) != met(&fused));
+        assert!(!counts || stopped_light(&of("fused", "1")) != stopped_light(&fused));
     }
     // The counters bin by bin.
-    let by = |scatter| counted_by(&under_a_sky(0.4), 16, Ask::default().mis().scatter(scatter));
+    let by = |scatter| counted_by(&under_a_sky(0.4), 16, Request::default().mis().scatter(scatter));
     let fused = by(Scatter::Fused);
     assert!(fused == by(Scatter::Linked) && fused == by(Scatter::Queues) && fused != HiddenLight::default());
 }

@@ -11,7 +11,7 @@ use serde_json::json;
 
 use crate::common::gltf::{glb, square};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene_in};
+use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene_in};
 
 const ALPHA: f64 = 1e-6;
 /// The mapped normal in the frame of the texture, of length 1.
@@ -81,7 +81,7 @@ fn normal_shown(folder: &Path, object: &str, map: &str, eye: DVec3, towards: DVe
             objects: [{object}, DirectionalLight(direction: ({d}, {e}, {f}), irradiance: (3.14159265358979, 0, 0))],
             render: (samples: 4, max_depth: 1))"
         );
-        render(&scene_in(folder, &text), &Ask::default().mis()).pixel(0, 0)[0]
+        render(&scene_in(folder, &text), &Request::default().mis()).pixel(0, 0)[0]
     });
     // Each brightness is that of the cosine with its light: three equations.
     DMat3::from_cols(lights[0], lights[1], lights[2]).transpose().inverse() * DVec3::from_array(shown)
@@ -172,12 +172,12 @@ fn largest_jump(normals: &[DVec3]) -> f64 {
 #[test]
 fn a_mapped_normal_does_not_jump_where_faces_meet() {
     let folder = folder();
-    let ask = Ask::default().mis();
-    let jump = largest_jump(&normals_of_ball(folder.path(), |scene| render(scene, &ask)));
+    let request = Request::default().mis();
+    let jump = largest_jump(&normals_of_ball(folder.path(), |scene| render(scene, &request)));
     let faces = Overlay::new(&[]).rewritten("scene/mesh_normal_map", |own| {
         own.replace("meshes[meshes[index].x].w != NO_NORMAL", "index == 0xffffffffu")
     });
-    let by_faces = largest_jump(&normals_of_ball(folder.path(), |scene| render_planted(scene, &ask, &faces)));
+    let by_faces = largest_jump(&normals_of_ball(folder.path(), |scene| render_planted(scene, &request, &faces)));
     println!("{jump}, by the tangents of faces {by_faces}");
     // Pixels of one sample are two hundredths of the radius apart at most. At this height a normal turns by that, and its tangents by as
     // much again; interpolation makes it a third more where faces are flattest.
@@ -253,10 +253,10 @@ const ROOM: &str = "Scene(image: (width: 16, height: 16), camera: (look_from: (0
 fn light_sampling_changes_no_expectation_under_normal_maps() {
     let folder = folder();
     let room = scene_in(folder.path(), ROOM);
-    let bsdf = render(&room, &Ask::default().seed(1));
-    let mis = Ask::default().seed(2).mis();
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Ask::default().seed(3).mis().sobol().scatter(Scatter::Linked));
+    let sobol = render(&room, &Request::default().seed(3).mis().sobol().scatter(Scatter::Linked));
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let leaks = Overlay::new(&[]).rewritten("scene/normal_map", |own| {
         own.replace("select(vec3<f32>(0.0), value, keeps_its_side(direction, mapped, shading))", "value")
@@ -280,14 +280,14 @@ fn no_light_passes_a_closed_surface() {
     };
     for scale in [1.0, 10.0] {
         let scene = scene_in(folder.path(), &text(scale));
-        for ask in [Ask::default(), Ask::default().mis()] {
-            let shot = render(&scene, &ask);
+        for request in [Request::default(), Request::default().mis()] {
+            let shot = render(&scene, &request);
             assert!(shot.picture.rgb.iter().all(|pixel| *pixel == [0.0; 3]), "{scale}: {:?}", shot.mean_of_all());
         }
         let open = Overlay::new(&[]).rewritten("scene/normal_map", |own| {
             own.replace("!keeps_its_side(bsdf.direction, mapped, shading)", "false")
         });
-        let leaks = render_planted(&scene, &Ask::default(), &open);
+        let leaks = render_planted(&scene, &Request::default(), &open);
         assert!(leaks.picture.rgb.iter().any(|pixel| pixel[0] > 0.0), "light that passes is not found");
     }
 }

@@ -9,7 +9,7 @@ use gpu_rt::scene::{GltfOptions, Scene};
 
 use crate::common::gltf::{glb, room};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene_in};
+use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -71,11 +71,11 @@ fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
         (metallic, "B", [70, 255]),
     ] {
         // Each material by light sampling, and one of them in other ways too.
-        let mis = Ask::default().mis();
-        let others = [mis.clone().scatter(Scatter::Queues), Ask::default()];
+        let mis = Request::default().mis();
+        let others = [mis.clone().scatter(Scatter::Queues), Request::default()];
         let others = if channel == "B" { &others[..] } else { &[] };
-        for ask in std::iter::once(&mis).chain(others) {
-            let of = |number: &str| render(&scene_in(path, &square(&material(number))), ask);
+        for request in std::iter::once(&mis).chain(others) {
+            let of = |number: &str| render(&scene_in(path, &square(&material(number))), request);
             let varying = of(&format!("Image(path: \"halves.png\", channel: {channel})"));
             for (columns, code) in [(in_left.clone(), codes[0]), (in_right.clone(), codes[1])] {
                 let same = |other: &str| bits(&varying, columns.clone()) == bits(&of(other), columns.clone());
@@ -87,8 +87,9 @@ fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
         }
     }
     // A factor, and the red channel where none is said.
-    let of =
-        |number: &str| bits(&render(&scene_in(path, &square(&rough(number))), &Ask::default().mis()), in_left.clone());
+    let of = |number: &str| {
+        bits(&render(&scene_in(path, &square(&rough(number))), &Request::default().mis()), in_left.clone())
+    };
     assert!(of("Image(path: \"halves.png\")") == of(&number(10).to_string()));
     let half = of("Image(path: \"halves.png\", channel: A, tint: (0.5, 1, 1))");
     assert!(half == of(&(0.5 * number(200)).to_string()));
@@ -123,10 +124,10 @@ fn light_sampling_changes_no_expectation_where_numbers_vary() {
     let folder = tempfile::tempdir().expect("a folder");
     marks(folder.path());
     let room = scene_in(folder.path(), ROOM);
-    let bsdf = render(&room, &Ask::default().seed(1));
-    let mis = Ask::default().seed(2).mis();
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Ask::default().seed(3).mis().sobol());
+    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
     assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
@@ -155,8 +156,8 @@ fn a_texture_of_gltf_is_that_of_the_scene_file() {
     let written =
         format!("Pbr(base_color: Rgb(0.8, 0.7, 0.6), metallic: {metallic}, roughness: {roughness}, ior: 1.5)");
     assert!(text.contains(&written), "{written} is not in {text}");
-    let ask = Ask::spp(8).size(24, 16).mis();
-    let all = |scene: &Scene| bits(&render(scene, &ask), 0..24);
+    let request = Request::spp(8).size(24, 16).mis();
+    let all = |scene: &Scene| bits(&render(scene, &request), 0..24);
     let of_gltf = all(&Scene::load(&file).expect("it is read"));
     assert!(of_gltf == all(&scene_in(folder.path(), &text)));
     let swapped = text.replace("channel: B", "channel: R");

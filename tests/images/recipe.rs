@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::common::render::{Ask, Change, Shot, render, render_changed, scene};
+use crate::common::render::{Change, Request, Shot, render, render_changed, scene};
 use gpu_rt::aov::Aov;
 use gpu_rt::data::{KIND_DELTA_LIGHT, MAX_PRIMITIVES, primitive_code};
 use gpu_rt::flatten::{DeviceScene, MATERIALS, PRIMITIVES};
@@ -44,9 +44,9 @@ fn velvet_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Re
 const GAIN: f32 = 0.75;
 
 /// The production shaders and the new file.
-struct Beside(BTreeMap<String, String>);
+struct With(BTreeMap<String, String>);
 
-impl Library for Beside {
+impl Library for With {
     fn module(&self, name: &str) -> Option<&str> {
         self.0.get(name).map(String::as_str).or_else(|| Embedded.module(name))
     }
@@ -82,17 +82,17 @@ fn ball(bottom: &str, top: &str, objects: &str) -> gpu_rt::scene::Scene {
 const BALL: &str = "Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"),";
 
 fn shot(objects: &str, scatter: Scatter, shader: &str) -> Shot {
-    let library = Beside(BTreeMap::from([(format!("material/{NAME}"), shader.to_string())]));
+    let library = With(BTreeMap::from([(format!("material/{NAME}"), shader.to_string())]));
     let list = |choices: &mut Choices| listed(choices, NAME);
     let change = Change { flat: Some(&loaded), choices: Some(&list), library: Some(&library) };
-    render_changed(&ball("(1, 0.5, 0.2)", "(0, 0.5, 2)", objects), &Ask::default().scatter(scatter), &change)
+    render_changed(&ball("(1, 0.5, 0.2)", "(0, 0.5, 2)", objects), &Request::default().scatter(scatter), &change)
 }
 
 /// Pixels that are off what the retroreflector must show: the sky behind the camera, where a ray that goes back by direction -d finds what
 /// one by direction d finds in a sky that stands on its head. Two renders of the same samples, so that there is no noise; the radiance is a
 /// product of two more roundings here, and the direction came back with one in each component: 2^-21 of the value holds them all.
 fn wrong(shot: &Shot) -> usize {
-    let upside_down = render(&ball("(0, 0.5, 2)", "(1, 0.5, 0.2)", ""), &Ask::default());
+    let upside_down = render(&ball("(0, 0.5, 2)", "(1, 0.5, 0.2)", ""), &Request::default());
     let albedo = [0.5, 0.25, 1.0];
     let pixels = shot.picture.rgb.iter().zip(&upside_down.picture.rgb);
     let off = pixels.filter(|(shown, sky)| {
@@ -122,7 +122,7 @@ fn a_material_is_added_by_the_recipe() {
 /// What a ball of velvet shows within a lamp around it, in standard errors off what it must: its albedo of the lamp's light, in whatever
 /// way the directions are shared between the ball's own and those to the lamp.
 fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
-    let library = Beside(BTreeMap::from([
+    let library = With(BTreeMap::from([
         ("material/velvet".to_string(), VELVET.to_string()),
         ("material/velvet_eval".to_string(), evaluation.to_string()),
     ]));
@@ -135,7 +135,7 @@ fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
         objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"), Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")],
         render: (samples: 256, max_depth: 50))",
     );
-    let shown = render_changed(&scene, &Ask::default().mis().scatter(scatter), &change).mean_of_all();
+    let shown = render_changed(&scene, &Request::default().mis().scatter(scatter), &change).mean_of_all();
     let off = |c: usize| (shown.value[c] - [0.5, 1.0, 2.0][c] * f64::from(GAIN)) / shown.variance[c].sqrt();
     (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
 }
@@ -214,7 +214,7 @@ fn renumbered(flat: &mut DeviceScene) {
 
 fn ring_shot(camera: &str, objects: &str, scatter: Scatter, shape: &str, light: &str) -> Shot {
     let modules = [("geometry/disk", shape), ("light/disk", light)];
-    let library = Beside(modules.map(|(name, text)| (name.to_string(), text.to_string())).into());
+    let library = With(modules.map(|(name, text)| (name.to_string(), text.to_string())).into());
     let list = |choices: &mut Choices| {
         for list in ["primitive", "emitter"] {
             let entries = choices.lists.get_mut(list).expect("the plan has the list");
@@ -227,7 +227,7 @@ fn ring_shot(camera: &str, objects: &str, scatter: Scatter, shape: &str, light: 
         materials: {{ \"lamp\": DiffuseLight(emit: Rgb(1, 2, 4)), \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }},
         objects: [Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: \"lamp\"), {objects}], render: (samples: 256))"
     ));
-    render_changed(&scene, &Ask::default().mis().scatter(scatter), &change)
+    render_changed(&scene, &Request::default().mis().scatter(scatter), &change)
 }
 
 /// Pixels that do not show the ring and its hole, seen from four units before it.
@@ -267,8 +267,8 @@ fn a_shape_is_added_by_the_recipe() {
         };
         assert!(off(RING_LIGHT).abs() < 5.1, "{scatter:?}: {} standard errors", off(RING_LIGHT));
         // Without its hole, and with a pdf that is too small by a tenth.
-        let whole = RING.replace("radii >= 0.5 && ", "");
-        assert!(wrong_pixels(&ring_shot(before, others, scatter, &whole, RING_LIGHT)) > 10, "{scatter:?}, a disk");
+        let full = RING.replace("radii >= 0.5 && ", "");
+        assert!(wrong_pixels(&ring_shot(before, others, scatter, &full, RING_LIGHT)) > 10, "{scatter:?}, a disk");
         let brighter = off(&RING_LIGHT.replace("4.0 / (0.75", "3.6 / (0.75"));
         assert!(brighter > 8.0, "{scatter:?}: {brighter} standard errors");
     }
@@ -284,7 +284,7 @@ fn distance_of_hit(path: ptr<function, Path>) -> f32 {
 /// The largest relative error of the channel over a wall four units before the camera, seen from its middle. A pixel is the mean over its width,
 /// 1/16 of 2 tan(20 degrees) there: the distance 4 sqrt(1 + x² + y²) bends by less than 2^-12 of itself within.
 fn distance_is_off(shader: &str, scatter: Scatter) -> f64 {
-    let library = Beside(BTreeMap::from([("aov/distance_of_hit".to_string(), shader.to_string())]));
+    let library = With(BTreeMap::from([("aov/distance_of_hit".to_string(), shader.to_string())]));
     let list = |choices: &mut Choices| {
         for (list, name) in [("hit_channel", "distance_of_hit"), ("hit_sum", "distance_of_hit(path)")] {
             let entries = choices.lists.get_mut(list).expect("the plan has the list");
@@ -300,8 +300,8 @@ fn distance_is_off(shader: &str, scatter: Scatter) -> f64 {
         background: Solid((1, 1, 1)), materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) },
         objects: [Quad(corner: (-9, -9, 0), u: (18, 0, 0), v: (0, 18, 0), material: \"grey\")], render: (samples: 256))",
     );
-    let ask = Ask::default().scatter(scatter).with(|options| options.aov.set(vec![Aov::Depth]));
-    let film = render_changed(&wall, &ask, &change).film;
+    let request = Request::default().scatter(scatter).with(|options| options.aov.set(vec![Aov::Depth]));
+    let film = render_changed(&wall, &request, &change).film;
     let channels = film.aovs().channels();
     let off = |index: usize| {
         let [x, y] = [index % 16, index / 16].map(|at| ((at as f64 + 0.5) / 8.0 - 1.0) * 20f64.to_radians().tan());
@@ -325,8 +325,7 @@ fn a_channel_is_added_by_the_recipe() {
 /// An error in the new file names it, with its line.
 #[test]
 fn errors_name_the_new_file() {
-    let library =
-        Beside(BTreeMap::from([(format!("material/{NAME}"), RETROREFLECTOR.replace("hit.colour", "hit.hue"))]));
+    let library = With(BTreeMap::from([(format!("material/{NAME}"), RETROREFLECTOR.replace("hit.colour", "hit.hue"))]));
     let flat =
         gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain())
             .expect("the scene flattens");

@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::render::{Ask, Shot, render};
+use crate::common::render::{Request, Shot, render};
 use crate::common::stats::{mean_and_variance, sidak, student_two_sided};
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::{Material, Object, Scene, Texture, Transform};
@@ -61,8 +61,8 @@ struct Difference {
 
 /// The image as it is rendered without being asked otherwise: lights sampled, Sobol points, roulette; by several seeds.
 fn by_defaults(scene: &Scene, seeds: std::ops::Range<u32>) -> Vec<Shot> {
-    let ask = Ask::spp(16).mis().sobol().roulette();
-    seeds.map(|seed| render(scene, &ask.clone().seed(seed))).collect()
+    let request = Request::spp(16).mis().sobol().roulette();
+    seeds.map(|seed| render(scene, &request.clone().seed(seed))).collect()
 }
 
 /// Where the mean of several seeds differs from the reference by the most, with a factor for each pixel: over the whole image and over blocks of

@@ -6,7 +6,7 @@
 //! renders that must differ.
 
 use crate::common::everything::{Everything, World, same};
-use crate::common::render::{Ask, render, render_each};
+use crate::common::render::{Request, render, render_each};
 use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
 use gpu_rt::scene::Scene;
@@ -21,22 +21,22 @@ fn everything() -> (Everything, Scene) {
 #[test]
 fn seeds_and_sizes_change_the_image() {
     let (_files, scene) = everything();
-    let ask = Ask::spp(16);
-    let usual = render(&scene, &ask);
-    assert!(!same(&usual, &render(&scene, &ask.clone().seed(1))), "seed");
-    assert!(!same(&usual, &render(&scene, &ask.clone().depth(5))), "depth");
-    assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "samples");
-    let later = Ask { samples: Some(16..32), ..ask };
+    let request = Request::spp(16);
+    let usual = render(&scene, &request);
+    assert!(!same(&usual, &render(&scene, &request.clone().seed(1))), "seed");
+    assert!(!same(&usual, &render(&scene, &request.clone().depth(5))), "depth");
+    assert!(!same(&usual, &render(&scene, &Request::spp(24))), "samples");
+    let later = Request { samples: Some(16..32), ..request };
     assert!(!same(&usual, &render(&scene, &later)), "sample range");
 }
 
 #[test]
 fn two_renders_in_a_row_are_the_same() {
     let (_files, scene) = everything();
-    let usual = render(&scene, &Ask::spp(16));
-    assert!(same(&usual, &render(&scene, &Ask::spp(16))), "made anew");
+    let usual = render(&scene, &Request::spp(16));
+    assert!(same(&usual, &render(&scene, &Request::spp(16))), "made anew");
     // What a render leaves in the buffers must not reach the next.
-    let again = render_each(&scene, &Ask::default(), &[0..16, 40..48, 0..16]);
+    let again = render_each(&scene, &Request::default(), &[0..16, 40..48, 0..16]);
     assert!(same(&usual, &again[0]) && same(&usual, &again[2]), "by one renderer");
 }
 
@@ -46,7 +46,7 @@ fn two_renders_in_a_row_are_the_same() {
 fn slots_workgroups_and_submissions_do_not_show() {
     use Scatter::{Fused, Linked, Queues};
     let (_files, scene) = everything();
-    let whole = [
+    let full = [
         (Linked, 1, 32, 50),
         (Linked, 97, 32, 1),
         (Linked, 4096, 32, 7),
@@ -65,15 +65,15 @@ fn slots_workgroups_and_submissions_do_not_show() {
         (Fused, 97, 256, 7),
         (Fused, 4096, 256, 1),
     ];
-    let by_rays = Ask { samples: Some(0..16), ..Ask::default() };
-    let by_defaults = Ask { samples: Some(3..21), ..Ask::default().mis().sobol().roulette() };
-    for (usual, cuts) in [(by_rays, whole.as_slice()), (by_defaults, cut.as_slice())] {
+    let by_rays = Request { samples: Some(0..16), ..Request::default() };
+    let by_defaults = Request { samples: Some(3..21), ..Request::default().mis().sobol().roulette() };
+    for (usual, cuts) in [(by_rays, full.as_slice()), (by_defaults, cut.as_slice())] {
         let expected = render(&scene, &usual);
         for &(scatter, slots, workgroup, bounces) in cuts {
-            let ask = usual.clone().scatter(scatter).with(|options| {
+            let request = usual.clone().scatter(scatter).with(|options| {
                 (options.slots, options.workgroup, options.bounces) = (Some(slots), Some(workgroup), Some(bounces));
             });
-            assert!(same(&expected, &render(&scene, &ask)), "{ask:?}");
+            assert!(same(&expected, &render(&scene, &request)), "{request:?}");
         }
     }
 }
@@ -81,36 +81,36 @@ fn slots_workgroups_and_submissions_do_not_show() {
 #[test]
 fn parts_do_not_show_with_sobol_points() {
     let (_files, scene) = everything();
-    let ask = Ask::spp(24).sobol();
-    let usual = render(&scene, &ask);
-    assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "the sampler changes the image");
+    let request = Request::spp(24).sobol();
+    let usual = render(&scene, &request);
+    assert!(!same(&usual, &render(&scene, &Request::spp(24))), "the sampler changes the image");
     // Parity is that of the absolute number of a run; the first samples do not depend on how many there will be.
-    let parts = render_each(&scene, &ask, &[8..24, 0..8]);
+    let parts = render_each(&scene, &request, &[8..24, 0..8]);
     assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);
 }
 
 #[test]
 fn bindings_do_not_show() {
     let (_files, scene) = everything();
-    let usual = render(&scene, &Ask::spp(16));
-    let ask = Ask { storage_tables: true, ..Ask::spp(16) };
-    assert!(same(&usual, &render(&scene, &ask)), "all tables in storage bindings");
+    let usual = render(&scene, &Request::spp(16));
+    let request = Request { storage_tables: true, ..Request::spp(16) };
+    assert!(same(&usual, &render(&scene, &request)), "all tables in storage bindings");
 }
 
 #[test]
-fn parts_make_the_whole_in_any_order() {
+fn parts_join_to_the_full_render_in_any_order() {
     let (_files, scene) = everything();
     let parts = [0..8, 8..24, 24..32];
     let mut shots =
-        render_each(&scene, &Ask::default(), &[0..32, parts[0].clone(), parts[1].clone(), parts[2].clone()]);
-    let whole = shots.remove(0);
+        render_each(&scene, &Request::default(), &[0..32, parts[0].clone(), parts[1].clone(), parts[2].clone()]);
+    let full = shots.remove(0);
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
-        assert!(joined(order.map(|i| &shots[i].film)) == whole.film, "{order:?}");
+        assert!(joined(order.map(|i| &shots[i].film)) == full.film, "{order:?}");
     }
     // A part twice, or one of another seed, is another image.
-    assert!(joined([0, 1, 1].map(|i| &shots[i].film)) != whole.film);
-    let other = render(&scene, &Ask { samples: Some(24..32), ..Ask::default().seed(1) });
-    assert!(joined([&shots[0].film, &shots[1].film, &other.film]) != whole.film);
+    assert!(joined([0, 1, 1].map(|i| &shots[i].film)) != full.film);
+    let other = render(&scene, &Request { samples: Some(24..32), ..Request::default().seed(1) });
+    assert!(joined([&shots[0].film, &shots[1].film, &other.film]) != full.film);
 }
 
 fn joined<const N: usize>(films: [&Film; N]) -> Film {
@@ -122,9 +122,9 @@ fn joined<const N: usize>(films: [&Film; N]) -> Film {
 /// Cut within a run, the same samples are added in other groups: a sum of up to 8 positive values has 7 roundings of at most 2^-24
 /// of itself on either side, and the picture one more each; 16 in all is 9.6e-7.
 #[test]
-fn parts_cut_within_a_run_make_the_whole_but_for_rounding() {
+fn parts_cut_within_a_run_join_to_the_full_render_but_for_rounding() {
     let (_files, scene) = everything();
-    let shots = render_each(&scene, &Ask::default(), &[0..32, 0..5, 5..19, 19..32]);
+    let shots = render_each(&scene, &Request::default(), &[0..32, 0..5, 5..19, 19..32]);
     let all = joined([&shots[1].film, &shots[2].film, &shots[3].film]);
     assert_eq!(all.totals(), shots[0].film.totals());
     let picture = all.develop();
@@ -140,12 +140,12 @@ fn parts_cut_within_a_run_make_the_whole_but_for_rounding() {
 #[test]
 fn powers_of_two_of_the_radiance_scale_the_image_exactly() {
     let (files, scene) = everything();
-    let usual = render(&scene, &Ask::spp(16));
+    let usual = render(&scene, &Request::spp(16));
     for exponent in [-60, 60] {
         let brightness = 2f64.powi(exponent);
         let world = World { brightness, ..World::default() };
         let scaled = |world: World| {
-            let shot = render(&files.scene(world), &Ask::spp(16));
+            let shot = render(&files.scene(world), &Request::spp(16));
             assert_eq!(shot.film.totals(), usual.film.totals(), "paths and rays");
             shot.picture
         };

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use crate::common::held::{BULB, Held, Looks};
+use crate::common::held::{BULB, Held, Replicates};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Change, Shot, render, render_job, scene};
+use crate::common::render::{Change, Request, Shot, render, render_job, scene};
 use crate::common::rooms::{THINGS, room};
 use crate::common::stats::one_sample_t;
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, level_after, look_after};
+use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, level_after, samples_at_check};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
@@ -24,8 +24,8 @@ const ALPHA: f64 = 1e-6;
 fn stated_variances_are_those_between_seeds() {
     const SEEDS: u32 = 48;
     let scene = room(THINGS[0].1);
-    let ratios = |ask: &dyn Fn(u32) -> Ask| -> Vec<f64> {
-        let shots: Vec<Shot> = (0..SEEDS).map(|seed| render(&scene, &ask(seed))).collect();
+    let ratios = |request: &dyn Fn(u32) -> Request| -> Vec<f64> {
+        let shots: Vec<Shot> = (0..SEEDS).map(|seed| render(&scene, &request(seed))).collect();
         let values = |shot: &Shot, i: usize| f64::from(shot.picture.rgb.as_flattened()[i]);
         let count = shots[0].picture.rgb.len() * 3;
         let means: Vec<f64> =
@@ -40,12 +40,12 @@ fn stated_variances_are_those_between_seeds() {
     // 0.3 allows for channels that go together and pixels that matter more.
     let mean = |ratios: &[f64]| ratios.iter().sum::<f64>() / ratios.len() as f64;
     for samples in [32, 64] {
-        let found = mean(&ratios(&|seed| Ask::spp(samples).sobol().seed(seed)));
+        let found = mean(&ratios(&|seed| Request::spp(samples).sobol().seed(seed)));
         println!("{samples} samples, halves: {found}");
         assert!((found - 1.0).abs() < 0.12, "{samples} samples: {found}");
     }
     // Of three runs, 16 samples against 8: too much by a half at most.
-    let found = mean(&ratios(&|seed| Ask::spp(24).sobol().seed(seed)));
+    let found = mean(&ratios(&|seed| Request::spp(24).sobol().seed(seed)));
     println!("24 samples: {found}");
     assert!(found > 0.88 && found < 2.0 * 1.12, "{found}");
     // The planted error: runs as replicates, which are better together than they are apart.
@@ -60,7 +60,7 @@ fn stated_variances_are_those_between_seeds() {
     let quotient = (0..8).map(as_runs).sum::<f64>() / (0..8).map(as_halves).sum::<f64>();
     println!("64 samples, runs for halves: {quotient}");
     assert!(quotient > 1.3, "{quotient}");
-    let found = ratios(&|seed| Ask::spp(64).seed(seed));
+    let found = ratios(&|seed| Request::spp(64).seed(seed));
     assert!((mean(&found) - 1.0).abs() < 0.12 && one_sample_t(&found, 1.3).p < ALPHA, "independent: {found:?}");
 }
 
@@ -83,33 +83,36 @@ fn a_render_until_an_error_is_that_of_its_samples() {
     let scene = room(THINGS[0].1);
     for (sampler, error) in [(Sobol, 0.05), (Independent, 0.06), (Sobol, 0.9)] {
         let (film, outcome) =
-            until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, looks: 0 }, sampler);
+            until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, checks: 0 }, sampler);
         let noise = outcome.noise.expect("it was asked");
         let samples = outcome.samples.count() as u32;
         assert!(noise.reached && !outcome.interrupted && outcome.samples.range().start == 0);
-        assert_eq!(samples, look_after(noise.looks - 1));
+        assert_eq!(samples, samples_at_check(noise.checks - 1));
         assert_eq!(samples == 16, error == 0.9, "{samples}");
-        // The k-th look has 5 % / (k (k + 1)).
-        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(noise.looks * (noise.looks + 1)));
+        // The k-th check has 5 % / (k (k + 1)).
+        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(noise.checks * (noise.checks + 1)));
         assert!(film.error_estimate(noise.level()).expect("there is light").bound < error);
-        let of_samples = render(&scene, &Ask::spp(samples).seed(4).depth(10).with(|options| options.sampler = sampler));
+        let of_samples =
+            render(&scene, &Request::spp(samples).seed(4).depth(10).with(|options| options.sampler = sampler));
         assert!(film == of_samples.film);
         // It did not end too late.
-        if let Some(last) = noise.looks.checked_sub(2) {
-            let ask = Ask::spp(look_after(last)).seed(4).depth(10).with(|options| options.sampler = sampler);
-            let before = render(&scene, &ask);
+        if let Some(last) = noise.checks.checked_sub(2) {
+            let request =
+                Request::spp(samples_at_check(last)).seed(4).depth(10).with(|options| options.sampler = sampler);
+            let before = render(&scene, &request);
             assert!(before.film.error_estimate(level_after(last)).expect("there is light").bound >= error);
         }
     }
     // The most samples, and the time, come first where they do.
     let (film, outcome) =
-        until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, looks: 0 }, Sobol);
+        until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, checks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..41));
-    assert!(film == render(&scene, &Ask::spp(41).sobol().seed(4).depth(10)).film);
+    assert!(film == render(&scene, &Request::spp(41).sobol().seed(4).depth(10)).film);
     let deadline = Some(std::time::Instant::now());
-    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, looks: 0 }, Sobol);
+    let (film, outcome) =
+        until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, checks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..1));
-    assert!(film == render(&scene, &Ask::spp(1).sobol().seed(4).depth(10)).film);
+    assert!(film == render(&scene, &Request::spp(1).sobol().seed(4).depth(10)).film);
 }
 
 /// Two scenes in which few pixels hold the noise: a bulb smaller than a pixel, and the shipped marbles in so small an image that a lamp's edge does.
@@ -118,11 +121,11 @@ fn a_render_until_an_error_is_that_of_its_samples() {
 fn bounds_hold_where_few_pixels_hold_the_noise() {
     let marble = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/marble.ron");
     let marble = Scene::load(&marble).expect("it ships");
-    let ask = |(width, height)| Ask::default().mis().sobol().size(width, height).roulette();
+    let request = |(width, height)| Request::default().mis().sobol().size(width, height).roulette();
     let by_halves = Overlay::new(&[("lib/squared_deviation", "test/control/no_squared_deviation")]);
     for (name, scene, size) in [("bulb", scene(BULB), (16, 16)), ("marble", marble, (32, 18))] {
-        let looks = |change: &Change<'_>| Looks::new(&scene, &ask(size), change, 80, &[16, 64]);
-        let found = looks(&Change::default());
+        let replicates = |change: &Change<'_>| Replicates::new(&scene, &request(size), change, 80, &[16, 64]);
+        let found = replicates(&Change::default());
         let held = found.held();
         held.iter().for_each(|held| println!("{name}: {held}"));
         assert!(held.iter().all(Held::holds), "{name}: {held:?}");
@@ -130,7 +133,7 @@ fn bounds_hold_where_few_pixels_hold_the_noise() {
         println!("{name}: --noise 0.3 ends for {ended} of seeds, and is wrong for {wrong}");
         assert!(wrong <= 0.1 && ended > 0.1, "{name}: {wrong} of {ended}");
         // The planted error: runs that do not say how their samples are spread.
-        let planted = looks(&Change { library: Some(&by_halves), ..Change::default() }).held();
+        let planted = replicates(&Change { library: Some(&by_halves), ..Change::default() }).held();
         planted.iter().for_each(|held| println!("{name}, by halves alone: {held}"));
         assert!(!planted.iter().all(Held::holds), "{name}: {planted:?}");
     }
@@ -157,7 +160,7 @@ fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {
     let (alone, beside) = (lit(""), lit(closed));
     for sampler in [Sampler::Sobol, Sampler::Independent] {
         let error = |scene: &Scene| {
-            let shot = render(scene, &Ask::spp(64).depth(4).with(|options| options.sampler = sampler));
+            let shot = render(scene, &Request::spp(64).depth(4).with(|options| options.sampler = sampler));
             shot.film.error_estimate(NOISE_LEVEL).expect("there is light")
         };
         let (alone, beside) = (error(&alone), error(&beside));
@@ -166,16 +169,18 @@ fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {
     }
 }
 
-/// A render until an error looks often, so that it takes at most half as many samples again as the first number at which its bound is low enough,
-/// and a quarter from 64 on; all looks together have 5 %; and both halves of a pixel have the same samples at each.
+/// A render until an error checks often, so that it takes at most half as many samples again as the first number at which its bound is low enough,
+/// and a quarter from 64 on; all checks together have 5 %; and both halves of a pixel have the same samples at each.
 #[test]
-fn looks_come_often_and_share_their_probability() {
-    let looks: Vec<u32> = (0..40).map(look_after).collect();
-    assert_eq!(looks[..12], [16, 32, 48, 64, 80, 96, 112, 128, 160, 192, 224, 256]);
-    assert!(looks.windows(2).all(|pair| pair[0] < pair[1] && (pair[0] < 64 || 4 * pair[1] <= 5 * pair[0])));
-    assert!(looks.iter().all(|samples| samples.is_multiple_of(16)));
+fn checks_come_often_and_share_their_probability() {
+    let checks: Vec<u32> = (0..40).map(samples_at_check).collect();
+    assert_eq!(checks[..12], [16, 32, 48, 64, 80, 96, 112, 128, 160, 192, 224, 256]);
+    assert!(checks.windows(2).all(|pair| pair[0] < pair[1] && (pair[0] < 64 || 4 * pair[1] <= 5 * pair[0])));
+    assert!(checks.iter().all(|samples| samples.is_multiple_of(16)));
     let all: f64 = (0..1_000_000).map(level_after).sum();
     assert!(all < NOISE_LEVEL && all > 0.999 * NOISE_LEVEL, "{all}");
     // They never end, and no number of them is too large.
-    assert!(look_after(1000) == u32::MAX && look_after(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0);
+    assert!(
+        samples_at_check(1000) == u32::MAX && samples_at_check(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0
+    );
 }

@@ -6,7 +6,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::scene::Scene;
 
 use crate::common::instances::{Faces, obj_file};
-use crate::common::render::{Ask, Shot, render, scene_in};
+use crate::common::render::{Request, Shot, render, scene_in};
 use crate::common::stats::Random;
 
 /// Closed spikes of four faces each, long along random directions, as an OBJ file.
@@ -39,10 +39,10 @@ fn scene_of(objects: &str) -> Scene {
 
 /// The scene's image, and the number of its nodes, by the quality of its hierarchies.
 fn built(scene: &Scene, quality: Quality) -> (Vec<u32>, usize) {
-    let ask = Ask::spp(16).seed(5).mis().sobol().with(|options| options.build = quality);
+    let request = Request::spp(16).seed(5).mis().sobol().with(|options| options.build = quality);
     let bits = |shot: Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect();
-    let flat = flatten(scene, (48, 40), &ask.options).expect("the scene flattens");
-    (bits(render(scene, &ask)), flat.nodes.len())
+    let flat = flatten(scene, (48, 40), &request.options).expect("the scene flattens");
+    (bits(render(scene, &request)), flat.nodes.len())
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn faces_in_several_leaves_change_no_bit() {
 
 /// A walk that looks for the ends of a medium counts faces. It would count twice what is in two leaves.
 #[test]
-fn the_boxes_of_what_bounds_a_medium_stay_whole() {
+fn the_boxes_of_what_bounds_a_medium_are_not_cut() {
     let medium = "Medium(boundary: Mesh(path: \"spikes.obj\"), density: 8, albedo: Rgb(0.9, 0.6, 0.3), anisotropy: 0),";
     let surface = "Mesh(path: \"spikes.obj\", material: \"glass\")";
     for objects in [medium.to_string(), format!("{medium} {surface}")] {

@@ -9,12 +9,12 @@ use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, square};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, scene_in};
+use crate::common::render::{Request, Shot, render, render_planted, scene_in};
 
 const SIDE: u32 = 16;
 /// The codes of the four quarters of each image, in the order of glTF: from the left to the right, then from the top down.
 const RED: [u8; 4] = [40, 90, 160, 230];
-const GLOW: [u8; 4] = [230, 60, 130, 20];
+const EMISSION: [u8; 4] = [230, 60, 130, 20];
 const ROUGHNESS: [u8; 4] = [70, 120, 180, 240];
 const NORMALS: [[u8; 3]; 4] = [[128, 128, 255], [180, 128, 240], [128, 60, 230], [90, 170, 235]];
 /// The corners of the square in the second set: turned, and larger than the image.
@@ -30,7 +30,7 @@ struct Placing {
 }
 
 const PLAIN: Placing = Placing { set: 0, offset: [0.0; 2], scale: [1.0; 2], rotation: 0.0 };
-const OF_GLOW: Placing = Placing { set: 1, offset: [0.3, -0.2], scale: [1.5, 0.75], rotation: 0.4 };
+const OF_EMISSION: Placing = Placing { set: 1, offset: [0.3, -0.2], scale: [1.5, 0.75], rotation: 0.4 };
 const OF_NORMAL: Placing = Placing { offset: [0.1, 0.0], rotation: -1.1, ..PLAIN };
 /// One point of the image: its upper right quarter.
 const OF_ROUGHNESS: Placing = Placing { set: 1, offset: [0.75, 0.25], scale: [0.0; 2], rotation: 0.0 };
@@ -77,13 +77,13 @@ fn folder() -> tempfile::TempDir {
         image.save(folder.path().join(name)).expect("it is written");
     };
     save("base.png", &|quarter| [RED[quarter], 0, 255]);
-    save("glow.png", &|quarter| [0, GLOW[quarter], 0]);
+    save("glow.png", &|quarter| [0, EMISSION[quarter], 0]);
     save("rough.png", &|quarter| [0, ROUGHNESS[quarter], 0]);
     save("normal.png", &|quarter| NORMALS[quarter]);
     let floats = |uvs: [[f64; 2]; 4]| uvs.as_flattened().iter().map(|x| *x as f32).collect::<Vec<_>>();
     let first = floats([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
     let material = json!({
-        "name": "one", "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": OF_GLOW.info(1),
+        "name": "one", "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": OF_EMISSION.info(1),
         "normalTexture": OF_NORMAL.info(3),
         "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}, "metallicRoughnessTexture": OF_ROUGHNESS.info(2)},
         "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
@@ -130,31 +130,31 @@ fn normal(quarter: usize) -> DVec3 {
 
 /// A scene in which nothing but the square emits, and one in which it does not: each has one light, so that no choice makes noise.
 fn parts(scene: &Scene) -> [Scene; 2] {
-    let (mut glowing, mut lit) = (scene.clone(), scene.clone());
-    glowing.objects.pop();
+    let (mut emissive, mut lit) = (scene.clone(), scene.clone());
+    emissive.objects.pop();
     for (_, material) in &mut lit.materials {
         if let Material::Lambertian { emission, .. } = material {
             *emission = None;
         }
     }
-    [glowing, lit]
+    [emissive, lit]
 }
 
 /// Compares images of the parts of a scene with what is known of them, wherever a pixel shows one quarter of each texture.
 fn check(scene: &Scene, shot: impl Fn(&Scene) -> Shot) -> Result<(), String> {
-    let [glowing, lit] = parts(scene).map(|part| shot(&part));
+    let [emissive, lit] = parts(scene).map(|part| shot(&part));
     let to_light = DVec3::new(0.3, 0.2, 1.0).normalize();
     let mut seen = [[0; 4]; 3];
     for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
         let point = DVec2::new(f64::from(2 * x + 1), f64::from(2 * (SIDE - 1 - y) + 1)) / f64::from(SIDE) - 1.0;
-        let [base, glow, bumps] = [PLAIN, OF_GLOW, OF_NORMAL].map(|placing| placing.quarter(point));
-        for (counts, quarter) in seen.iter_mut().zip([base, glow, bumps]) {
+        let [base, emitted, bumps] = [PLAIN, OF_EMISSION, OF_NORMAL].map(|placing| placing.quarter(point));
+        for (counts, quarter) in seen.iter_mut().zip([base, emitted, bumps]) {
             quarter.into_iter().for_each(|quarter| counts[quarter] += 1);
         }
         let cosine = bumps.map(|quarter| normal(quarter).dot(to_light));
         let red = base.zip(cosine).map(|(quarter, cosine)| linear(RED[quarter]) * cosine);
-        let expected = [red, glow.map(|quarter| linear(GLOW[quarter])), cosine];
-        let ([red, _, blue], [_, green, _]) = (lit.pixel(x, y), glowing.pixel(x, y));
+        let expected = [red, emitted.map(|quarter| linear(EMISSION[quarter])), cosine];
+        let ([red, _, blue], [_, green, _]) = (lit.pixel(x, y), emissive.pixel(x, y));
         for (found, expected) in [red, green, blue].into_iter().zip(expected) {
             if expected.is_some_and(|expected| (found - expected).abs() > 1e-3) {
                 return Err(format!("({x}, {y}): {found}, expected {expected:?}"));
@@ -168,23 +168,23 @@ fn check(scene: &Scene, shot: impl Fn(&Scene) -> Shot) -> Result<(), String> {
 #[test]
 fn each_texture_has_its_own_texture_coordinates() {
     let folder = folder();
-    let ask = Ask::default().mis();
+    let request = Request::default().mis();
     let of_file = scene(folder.path(), "Gltf(path: \"square.glb\")", "");
-    check(&of_file, |scene| render(scene, &ask)).unwrap_or_else(|error| panic!("{error}"));
+    check(&of_file, |scene| render(scene, &request)).unwrap_or_else(|error| panic!("{error}"));
     // By a material of the scene file.
     let own = "\"own\": Lambertian(albedo: Image(path: \"base.png\"), emission: Image(path: \"glow.png\", uv_set: 1),
         normal: Image(path: \"normal.png\", uv_set: 3))";
     let mesh = "Mesh(path: \"square.glb#meshes/0/primitives/0\", material: \"own\")";
     let own = scene(folder.path(), mesh, own);
-    check(&own, |scene| render(scene, &ask)).unwrap_or_else(|error| panic!("{error}"));
+    check(&own, |scene| render(scene, &request)).unwrap_or_else(|error| panic!("{error}"));
 
     let first = Overlay::new(&[]).rewritten("scene/uv_tables", |own| own.replace("u32(number) + 1u", "1u"));
-    let found = check(&of_file, |scene| render_planted(scene, &ask, &first));
+    let found = check(&of_file, |scene| render_planted(scene, &request, &first));
     assert!(found.is_err(), "that all have the first set is not found");
     for (name, other) in [("emission", "uv_set: 1"), ("normal", "uv_set: 3")] {
         let text = own.text().replace(other, "uv_set: 2");
         let planted = scene_in(folder.path(), &text);
-        assert!(check(&planted, |scene| render(scene, &ask)).is_err(), "{name}: another set is not found");
+        assert!(check(&planted, |scene| render(scene, &request)).is_err(), "{name}: another set is not found");
     }
 }
 
@@ -195,7 +195,7 @@ fn a_number_has_its_own_texture_coordinates() {
     let mesh = "Mesh(path: \"square.glb#meshes/0/primitives/0\", material: \"own\")";
     let image = |roughness: &str| {
         let own = format!("\"own\": Conductor(albedo: Image(path: \"base.png\"), roughness: {roughness})");
-        render(&scene(folder.path(), mesh, &own), &Ask::default().mis()).picture.rgb
+        render(&scene(folder.path(), mesh, &own), &Request::default().mis()).picture.rgb
     };
     let number = |quarter: usize| image(&format!("{}", f64::from(ROUGHNESS[quarter]) / 255.0));
     let off = |a: &[[f32; 3]], b: &[[f32; 3]]| {
@@ -218,7 +218,7 @@ fn a_converted_scene_renders_to_the_same_bytes() {
     let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     std::fs::write(&to, scene.text()).expect("it is written");
     let bits = |scene: &Scene| {
-        let shot = render(scene, &Ask::spp(4).mis().size(16, 12));
+        let shot = render(scene, &Request::spp(4).mis().size(16, 12));
         shot.picture.rgb.as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>()
     };
     let expected = bits(&load(&from));

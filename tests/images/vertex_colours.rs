@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::common::gltf::gltf;
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, render, render_planted, same_expectation, scene_in};
+use crate::common::render::{Request, render, render_planted, same_expectation, scene_in};
 
 const WIDTH: u32 = 16;
 
@@ -60,8 +60,8 @@ fn one_colour_at_all_vertices_is_that_of_a_material() {
     square(folder.path(), [[51, 102, 255, 255]; 4]);
     let coloured = scene_of(folder.path(), "Gltf(path: \"square.gltf\")");
     let plain = scene_of(folder.path(), "Mesh(path: \"square.gltf#meshes/0/primitives/0\", material: \"plain\")");
-    for ask in [Ask::spp(16), Ask::spp(16).mis().sobol()] {
-        let [coloured, plain] = [&coloured, &plain].map(|scene| render(scene, &ask).picture.rgb);
+    for request in [Request::spp(16), Request::spp(16).mis().sobol()] {
+        let [coloured, plain] = [&coloured, &plain].map(|scene| render(scene, &request).picture.rgb);
         let pairs = coloured.as_flattened().iter().zip(plain.as_flattened());
         let off = pairs.map(|(a, b)| (a - b).abs() / b).fold(0.0, f32::max);
         assert!(off < 1e-6, "{off}");
@@ -88,16 +88,16 @@ fn colours_are_interpolated() {
         };
         shot.rgb.iter().enumerate().map(at).fold(0.0, f64::max)
     };
-    let found = off(&render(&scene, &Ask::spp(256)).picture);
+    let found = off(&render(&scene, &Request::spp(256)).picture);
     assert!(found < most, "{found}, {most}");
     let planted = Overlay::new(&[])
         .rewritten("scene/meshes", |own| own.replace("colour_of_vertex(face.y)", "colour_of_vertex(face.x)"));
-    assert!(off(&render_planted(&scene, &Ask::spp(256), &planted).picture) > 10.0 * most);
+    assert!(off(&render_planted(&scene, &Request::spp(256), &planted).picture) > 10.0 * most);
 }
 
 /// The share of the white sky that passes each column of the image, with its standard error. The square itself is black.
-fn passed(scene: &Scene, ask: &Ask, planted: Option<&Overlay>) -> [f64; WIDTH as usize] {
-    let shot = planted.map_or_else(|| render(scene, ask), |planted| render_planted(scene, ask, planted));
+fn passed(scene: &Scene, request: &Request, planted: Option<&Overlay>) -> [f64; WIDTH as usize] {
+    let shot = planted.map_or_else(|| render(scene, request), |planted| render_planted(scene, request, planted));
     let rgb = shot.picture.rgb;
     let column = |x: usize| rgb.iter().skip(x).step_by(WIDTH as usize).map(|rgb| f64::from(rgb[1])).sum::<f64>();
     std::array::from_fn(|x| column(x) / f64::from(WIDTH))
@@ -129,10 +129,10 @@ fn the_alpha_of_vertices_multiplies_that_of_the_material() {
         square_with(folder.path(), [left, right, right, left], material);
         scene_of(folder.path(), object)
     };
-    let asks = [Ask::spp(SAMPLES), Ask::spp(SAMPLES).mis().sobol()];
+    let asks = [Request::spp(SAMPLES), Request::spp(SAMPLES).mis().sobol()];
     let near = |scene: &Scene, expected: &dyn Fn(f64) -> f64, what: &str| {
-        for ask in &asks {
-            let off = difference(passed(scene, ask, None), expected);
+        for request in &asks {
+            let off = difference(passed(scene, request, None), expected);
             assert!(off < NOISE, "{what}: {off}");
         }
     };
@@ -181,8 +181,8 @@ fn the_alpha_of_vertices_multiplies_that_of_the_material() {
 fn the_alpha_of_vertices_changes_nothing_else() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let colours = [[200, 20, 10, 20], [40, 200, 90, 255], [250, 240, 20, 128], [0, 0, 255, 200]];
-    let glow = json!({"alphaMode": "BLEND", "emissiveFactor": [0.5, 0.25, 1]});
-    square_with(folder.path(), colours, glow);
+    let emissive = json!({"alphaMode": "BLEND", "emissiveFactor": [0.5, 0.25, 1]});
+    square_with(folder.path(), colours, emissive);
     let file = folder.path().join("square.gltf");
     let to = folder.path().join("converted.ron");
     let converted = Scene::of_gltf(&file, &to, &GltfOptions::default()).expect("it is read");
@@ -190,7 +190,7 @@ fn the_alpha_of_vertices_changes_nothing_else() {
     assert!(converted.text().contains("vertex_colors: true, vertex_alpha: true"), "{}", converted.text());
     let [glb, ron] = [&file, &to].map(|path| Scene::load(path).expect("it is read"));
     let bits = |scene: &Scene, scatter| {
-        let shot = render(scene, &Ask::spp(8).mis().sobol().roulette().scatter(scatter).size(16, 12));
+        let shot = render(scene, &Request::spp(8).mis().sobol().roulette().scatter(scatter).size(16, 12));
         shot.picture.rgb.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
     };
     let expected = bits(&glb, Scatter::Fused);
@@ -202,9 +202,9 @@ fn the_alpha_of_vertices_changes_nothing_else() {
         folder.path(),
         "Gltf(path: \"square.gltf\"), Quad(corner: (-2, -2, -1), u: (4, 0, 0), v: (0, 4, 0), material: \"plain\")",
     );
-    let shot = |ask: Ask| render(&scene, &ask);
-    let by_chance = shot(Ask::spp(1024));
-    for sampled in [shot(Ask::spp(1024).mis().seed(2)), shot(Ask::spp(1024).mis().sobol().seed(3))] {
-        same_expectation(&by_chance, &sampled, 1e-6, 1e-6).unwrap_or_else(|place| panic!("{place}"));
+    let shot = |request: Request| render(&scene, &request);
+    let by_bsdf = shot(Request::spp(1024));
+    for sampled in [shot(Request::spp(1024).mis().seed(2)), shot(Request::spp(1024).mis().sobol().seed(3))] {
+        same_expectation(&by_bsdf, &sampled, 1e-6, 1e-6).unwrap_or_else(|difference| panic!("{difference}"));
     }
 }

@@ -61,7 +61,7 @@ fn assert_silent(text: &str) {
 }
 
 #[test]
-fn features_below_the_rounding_of_their_place() {
+fn features_below_the_rounding_of_their_position() {
     // Each along its own direction, in which the camera is near or far.
     let cuboid = |max: &str| scene(BEFORE, &format!("§Box(min: (0, 0, 0), max: {max}, material: \"grey\"),"));
     assert_warns(
@@ -167,7 +167,7 @@ fn warnings_stand_at_the_innermost_object() {
 }
 
 #[test]
-fn of_a_kind_the_worst_is_told_and_the_others_are_counted() {
+fn of_a_kind_the_worst_is_reported_and_the_others_are_counted() {
     let sphere = |x: usize, r: &str| format!("Sphere(center: ({x}, 0, 0), radius: {r}, material: \"grey\"),\n");
     let many: String = (0..42).map(|x| sphere(x, if x == 20 { "§1e-8" } else { "1e-7" })).collect();
     let words = ["a radius of 1e-8 ", "(and 41 more like it)"];
@@ -209,7 +209,7 @@ fn lights_too_small_for_where_they_shine() {
     let seen = |text: &str| {
         let shot = render::render(
             &render::scene(&unmarked(text)),
-            &render::Ask::default().with(|options| *options = RenderOptions::default()),
+            &render::Request::default().with(|options| *options = RenderOptions::default()),
         );
         shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / shot.picture.rgb.len() as f64
     };
@@ -507,7 +507,7 @@ fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
         };
         let red = |gap: f64| {
             let scene = Scene::parse(&text(gap), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
-            let pixels = render::render(&scene, &render::Ask::spp(16)).picture.rgb;
+            let pixels = render::render(&scene, &render::Request::spp(16)).picture.rgb;
             pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>()
         };
         let right = red(1e-3);
@@ -593,8 +593,8 @@ fn lights_behind_meshes() {
     let turned: Vec<String> = format!("{tent}f 1 2 3 4\n").lines().map(turned_face).collect();
     let turned = write("turned.obj", &turned.join("\n"));
     let mesh = |path: &Path, material: &str| {
-        let place = "by: [Scale(0.5), RotateY(40), Translate((0, 0.2, 0))]";
-        format!("Transformed({place}, object: Mesh(path: {path:?}, material: \"{material}\")),")
+        let by = "by: [Scale(0.5), RotateY(40), Translate((0, 0.2, 0))]";
+        format!("Transformed({by}, object: Mesh(path: {path:?}, material: \"{material}\")),")
     };
     let lamp = |x: f64, y: f64| format!("Sphere(center: ({x:?}, {y:?}, 0), radius: 0.1, material: \"lamp\"),");
     let with = |mesh: String, lamp: String| scene(BEFORE, &format!("§{lamp}\n{mesh}"));
@@ -773,8 +773,10 @@ fn the_scenes_that_come_with_it_are_safe() {
 fn the_ends_of_what_numbers_may_be() {
     let (large, small) = ("1e90", "1e-90");
     let mut scenes = vec![scene(BEFORE, ""), scene(BEFORE, "Group([]), Group([Group([Group([])])]),")];
-    for (place, size) in [(large, large), (large, small), (small, small), (small, large), ("0", small), ("0", large)] {
-        let at = format!("({place}, {place}, {place})");
+    for (coordinate, size) in
+        [(large, large), (large, small), (small, small), (small, large), ("0", small), ("0", large)]
+    {
+        let at = format!("({coordinate}, {coordinate}, {coordinate})");
         let ball = format!("Sphere(center: {at}, radius: {size}, material: \"lamp\"),");
         let quad = format!("Quad(corner: {at}, u: ({size}, 0, 0), v: (0, {size}, 0), material: \"spot\"),");
         let other = quad.replace("spot", "glass");
@@ -787,7 +789,7 @@ fn the_ends_of_what_numbers_may_be() {
         let all = [ball, quad, other, cuboid, fog];
         scenes.extend(all.iter().map(|object| scene(BEFORE, object)));
         scenes.push(scene(BEFORE, &format!("Group([{}]),", all.concat())));
-        let far = BEFORE.replace("(0, 0, 5)", &format!("(0, 0, {place})")).replace("(0, 0, 0)", "(0, 0, -1)");
+        let far = BEFORE.replace("(0, 0, 5)", &format!("(0, 0, {coordinate})")).replace("(0, 0, 0)", "(0, 0, -1)");
         scenes.push(scene(&far, &all.concat()));
     }
     let mut flattened = 0;

@@ -94,12 +94,12 @@ fn rays_at(random: &mut Random, nodes: &Nodes, count: usize, unit_length: f64) -
             let boxes: Vec<Bounds> = nodes.boxes[node].into_iter().flatten().collect();
             let at = boxes[random.below(boxes.len())];
             let (low, high) = (at.min.as_dvec3(), at.max.as_dvec3());
-            let place = DVec3::from_array([0; 3].map(|_| match random.below(4) {
+            let point = DVec3::from_array([0; 3].map(|_| match random.below(4) {
                 0 => 0.0,
                 1 => 1.0,
                 _ => random.uniform(),
             }));
-            let mut target = low + place * (high - low);
+            let mut target = low + point * (high - low);
             if i % 8 == 0 {
                 target += 3.0 * (high - low).length() * unit(random);
             }
@@ -130,7 +130,7 @@ fn rays_at(random: &mut Random, nodes: &Nodes, count: usize, unit_length: f64) -
 #[derive(Debug, Default)]
 struct Verdict {
     /// Children that the ray meets, and those of them that were denied or given an entry too late.
-    met: usize,
+    hits: usize,
     denied: usize,
     /// Children that the ray passes by, and those of them that were entered.
     passed: usize,
@@ -156,7 +156,7 @@ fn judge(kernel: &Kernel, nodes: &Nodes, rays: &[In]) -> Verdict {
             match span(ray, held.min.as_dvec3(), held.max.as_dvec3()) {
                 // What is no farther than the nearest hit so far may replace it, a tie included.
                 Some((enter, _)) if enter <= nearest => {
-                    found.met += 1;
+                    found.hits += 1;
                     let entry = f64::from(f32::from_bits(key & !3));
                     found.denied += usize::from(key == CHILD_MISSED || key & 3 != child as u32 || entry > enter);
                 }
@@ -195,7 +195,7 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
     let narrow = Kernel::with("test/bounds", &Setup { rewritten, ..Setup::default() });
     for rays in [&rays, &later] {
         let found = judge(&own, &nodes, rays);
-        assert!(found.met > 30_000 && found.passed > 100_000, "{found:?}");
+        assert!(found.hits > 30_000 && found.passed > 100_000, "{found:?}");
         assert_eq!((found.denied, found.entered), (0, 0), "{found:?}");
         // Without the allowance, edges, flat boxes and rays in faces are missed.
         let found = judge(&narrow, &nodes, rays);
@@ -215,7 +215,7 @@ fn boxes_that_are_too_far_for_floats_are_never_missed() {
         let nodes = Nodes::assorted(&mut random, 1000, unit_length);
         let rays = rays_at(&mut random, &nodes, 20_000, unit_length);
         let found = judge(&own, &nodes, &rays);
-        assert!(found.met > 6000, "{found:?}");
+        assert!(found.hits > 6000, "{found:?}");
         assert_eq!(found.denied, 0, "boxes of {unit_length:e}: {found:?}");
         denied += judge(&overflows, &nodes, &rays).denied;
     }

@@ -99,7 +99,7 @@ fn rows(random: &mut Random, size: (u32, u32)) -> Vec<In> {
     rows
 }
 
-fn place(row: &In) -> (f64, f64) {
+fn film_point(row: &In) -> (f64, f64) {
     (f64::from(row.column) + f64::from(row.u[0]), f64::from(row.row) + f64::from(row.u[1]))
 }
 
@@ -107,7 +107,7 @@ fn place(row: &In) -> (f64, f64) {
 const FIELDS: [f64; 9] = [1e-3, 0.1, 1.0, 20.0, 40.0, 90.0, 150.0, 170.0, 179.0];
 
 #[test]
-fn pinhole_rays_go_through_their_places() {
+fn pinhole_rays_go_through_their_film_points() {
     let mut random = Random(101);
     let kernel = kernel("pinhole");
     for vertical_fov in FIELDS {
@@ -116,7 +116,7 @@ fn pinhole_rays_go_through_their_places() {
             let rows = rows(&mut random, camera.size);
             let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[kernel.settings(&camera.settings())]);
             for (row, out) in rows.iter().zip(&found) {
-                let (x, y) = place(row);
+                let (x, y) = film_point(row);
                 let off = |x: f64, y: f64| (exact(out.direction) - camera.towards(x, y).normalize()).length();
                 assert_eq!(out.origin, [0.0; 3]);
                 // Three terms at right angles, so that none is longer than their sum: each is rounded as a vector, as a
@@ -132,7 +132,7 @@ fn pinhole_rays_go_through_their_places() {
 }
 
 #[test]
-fn thin_lens_rays_of_a_place_meet_in_focus() {
+fn thin_lens_rays_of_a_film_point_meet_in_focus() {
     let mut random = Random(102);
     let kernel = kernel("thin_lens");
     for vertical_fov in [1e-3, 0.1, 40.0, 150.0] {
@@ -145,7 +145,7 @@ fn thin_lens_rays_of_a_place_meet_in_focus() {
             let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[kernel.settings(&camera.settings())]);
             let [right, up, forward] = camera.axes();
             for (row, out) in rows.iter().zip(&found) {
-                let (x, y) = place(row);
+                let (x, y) = film_point(row);
                 let (origin, direction) = (exact(out.origin) * scale, exact(out.direction));
                 // The lens lies across the view and has the aperture for its diameter.
                 let on_lens = (origin.dot(right), origin.dot(up));
@@ -167,7 +167,7 @@ fn thin_lens_rays_of_a_place_meet_in_focus() {
             let unbent = Settings { inverse_focus: 0.0, ..camera.settings() };
             let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[kernel.settings(&unbent)]);
             let wrong = rows.iter().zip(&found).filter(|(row, out)| {
-                let (x, y) = place(row);
+                let (x, y) = film_point(row);
                 let towards = camera.focus_distance * camera.towards(x, y) - exact(out.origin) * scale;
                 (exact(out.direction) - towards.normalize()).length() > 16.0 * U
             });

@@ -116,11 +116,11 @@ fn rays_at_edges(random: &mut Random, cuboids: &[Cuboid], count: usize) -> Vec<I
     (0..count)
         .map(|i| {
             let at = Exact::new(&cuboids[i % cuboids.len()]);
-            let mut place = DVec3::from_array([0; 3].map(|_| if random.below(2) == 0 { 1.0 } else { -1.0 }));
+            let mut within = DVec3::from_array([0; 3].map(|_| if random.below(2) == 0 { 1.0 } else { -1.0 }));
             if i % 4 != 0 {
-                place[random.below(3)] = 2.0 * random.uniform() - 1.0;
+                within[random.below(3)] = 2.0 * random.uniform() - 1.0;
             }
-            let target = at.center + at.axes * (place * at.half);
+            let target = at.center + at.axes * (within * at.half);
             let origin = target + at.half.length() * decades(random, 0.4, 3.0) * unit(random);
             In::new(i % cuboids.len(), origin, (target - origin).normalize())
         })
@@ -175,12 +175,13 @@ fn rays_along_the_axes_and_in_the_faces_are_decided() {
                 for small in [0.0f32, -0.0, 1e-40, -1e-40, 1e-20, -1e-20, 1e-10] {
                     // On each face, in the middle, beside it by some ulps, and far beside, along the other two axes.
                     for (a, b) in (0..9).flat_map(|a| (0..9).map(move |b| (a, b))) {
-                        let place = |step: usize| [-2.0, -1.0001, -1.0, -0.9999, 0.0, 0.9999, 1.0, 1.0001, 2.0][step];
+                        let coordinate =
+                            |step: usize| [-2.0, -1.0001, -1.0, -0.9999, 0.0, 0.9999, 1.0, 1.0001, 2.0][step];
                         let mut origin = cuboid.center;
                         let mut direction = [small; 3];
                         let (one, other) = ((along + 1) % 3, (along + 2) % 3);
-                        origin[one] += place(a) * cuboid.half_extent[one];
-                        origin[other] += place(b) * cuboid.half_extent[other];
+                        origin[one] += coordinate(a) * cuboid.half_extent[one];
+                        origin[other] += coordinate(b) * cuboid.half_extent[other];
                         origin[along] -= 3.0 * sign;
                         direction[along] = sign;
                         rays.push(In { origin, direction, primitive: index as u32, ..In::default() });

@@ -104,7 +104,7 @@ fn worst(replaced: &[(&str, &str)]) -> [f64; 3] {
     for (row, out) in rows.iter().zip(&found) {
         let light = &lights[row.light as usize];
         let number = row.light as usize;
-        let way = if number == of_sun { -sun } else { exact(light.place) - exact(row.from) };
+        let way = if number == of_sun { -sun } else { exact(light.position) - exact(row.from) };
         // A rounding of each difference, and four for the square root and the products.
         note(0, (exact(out.direction) - way.normalize()).length(), 6.0 * U);
         note(1, (f64::from(out.distance2) / way.length_squared() - 1.0).abs(), 8.0 * U);
@@ -142,7 +142,7 @@ fn points_at_a_light_get_numbers() {
     for (number, light) in lights.iter().enumerate() {
         for away in [0.0, 1e-30, 1e-20, 2e-13, 2e-12, 1e-7, 1e-6, 1.0, 1e6, 1e15] {
             for axis in [DVec3::X, DVec3::NEG_Y, DVec3::ONE] {
-                rows.push(In { from: rounded(exact(light.place) + away * axis), light: number as u32 });
+                rows.push(In { from: rounded(exact(light.position) + away * axis), light: number as u32 });
             }
         }
     }
@@ -152,8 +152,8 @@ fn points_at_a_light_get_numbers() {
         assert!(numbers.clone().all(|x| x.is_finite()), "{row:?} {out:?}");
         assert!((exact(out.direction).length() - 1.0).abs() < 1e-6, "{row:?} {out:?}");
         let light = &lights[row.light as usize];
-        let away = (exact(light.place) - exact(row.from)).length();
-        if light.has_place > 0.0 {
+        let away = (exact(light.position) - exact(row.from)).length();
+        if light.has_position > 0.0 {
             assert_eq!(out.distance2 > 0.0, away > 2f64.powi(-40), "{row:?} {out:?}");
         }
     }

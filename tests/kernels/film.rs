@@ -93,7 +93,7 @@ fn runs(count: usize, values: &mut dyn FnMut() -> f32, random: &mut Random) -> V
                 counts: accepted | nan << 8 | infinite << 16 | cut << 24 | parity,
                 // So many that their sum exceeds 32 bits.
                 rays: random.below(1 << 24) as u32,
-                spread: [values(), values(), values()],
+                squared_deviations: [values(), values(), values()],
             }
         })
         .collect()
@@ -129,7 +129,7 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
         if values.below(2) == 1 { -size } else { size }
     };
     let mut records = runs(50_000, &mut either, &mut random);
-    records.iter_mut().for_each(|run| run.spread = [1e-3; 3]);
+    records.iter_mut().for_each(|run| run.squared_deviations = [1e-3; 3]);
     let on_host = |records: &[Run]| {
         let mut film = Film::new(PIXELS, 1, 0).expect("a few pixels fit");
         film.add_signed_runs(records);
@@ -154,7 +154,7 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
     let edges =
         [-2f32.powi(38), 2f32.powi(39), -2f32.powi(39), -1e-30, f32::NAN, f32::NEG_INFINITY, -0.0, -2f32.powi(-89)];
     for value in edges {
-        let run = Run { sum: [1.0, value, 1.0], spread: [1.0; 3], counts: 4, ..Run::default() };
+        let run = Run { sum: [1.0, value, 1.0], squared_deviations: [1.0; 3], counts: 4, ..Run::default() };
         let records = [run, Run { counts: 4 | ODD_RUN, sum: [-1.0; 3], ..run }];
         assert!(on_device(&[], &records) == on_host(&records), "{value}");
     }
@@ -165,7 +165,12 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
 /// Each of the nine sums saturates by itself, whether by one value or by the sum of many, and stays so.
 #[test]
 fn sums_saturate_on_their_own() {
-    let one = |sum: [f32; 3], spread: [f32; 3], counts: u32| Run { sum, spread, counts, ..Run::default() };
+    let one = |sum: [f32; 3], squared_deviations: [f32; 3], counts: u32| Run {
+        sum,
+        squared_deviations,
+        counts,
+        ..Run::default()
+    };
     for channel in 0..3 {
         let only = |value: f32| std::array::from_fn(|c| if c == channel { value } else { 1.0 });
         let large = [

@@ -53,7 +53,7 @@ fn wrong(kernel: &Kernel) -> [usize; 3] {
 }
 
 #[test]
-fn floats_are_told_apart_and_stepped_by_their_bits() {
+fn floats_are_distinguished_and_stepped_by_their_bits() {
     assert_eq!(wrong(&Kernel::new("test/float")), [0; 3]);
     let replaced = [("lib/float", "test/control/float_wrong")];
     let found = wrong(&Kernel::with("test/float", &Setup { replaced: &replaced, ..Setup::default() }));

@@ -38,7 +38,7 @@ struct Object {
 }
 
 /// A place on an object: the point and normal in its own space, and its texture coordinates.
-struct Place {
+struct SurfacePoint {
     point: DVec3,
     normal: DVec3,
     uv: (f64, f64),
@@ -84,16 +84,16 @@ impl Object {
         )
     }
 
-    fn place(&self, random: &mut Random) -> Place {
+    fn random_point(&self, random: &mut Random) -> SurfacePoint {
         match self.shape {
             Shape::Sphere { center, radius } => {
                 let n = unit(random);
                 let uv = (((-n.z).atan2(n.x) + PI) / TAU, (-n.y).acos() / PI);
-                Place { point: center + radius * n, normal: n, uv, wraps: true }
+                SurfacePoint { point: center + radius * n, normal: n, uv, wraps: true }
             }
             Shape::Quad { corner, u, v } => {
                 let (a, b) = (random.uniform(), random.uniform());
-                Place { point: corner + a * u + b * v, normal: u.cross(v).normalize(), uv: (a, b), wraps: false }
+                SurfacePoint { point: corner + a * u + b * v, normal: u.cross(v).normalize(), uv: (a, b), wraps: false }
             }
             Shape::Cuboid { min, max } => {
                 // As tests/kernels/cuboid.rs has the faces' coordinates.
@@ -106,7 +106,7 @@ impl Object {
                 let (u, v) = (random.uniform(), random.uniform());
                 let within = normal + (2.0 * u - 1.0) * right + (2.0 * v - 1.0) * up;
                 let point = 0.5 * (min + max) + 0.5 * (max - min) * within;
-                Place { point, normal, uv: (u, v), wraps: false }
+                SurfacePoint { point, normal, uv: (u, v), wraps: false }
             }
         }
     }
@@ -125,10 +125,10 @@ const NOISE_SCALE: f64 = 4.0;
 const MARBLE_SCALE: f64 = 5.0;
 
 /// The colour's red at a place, in f64, and how far f32 may be off; nothing where a hair decides.
-fn expected(object: &Object, place: &Place, texels: &[[f32; 3]]) -> Option<(f64, f64)> {
+fn expected(object: &Object, at: &SurfacePoint, texels: &[[f32; 3]]) -> Option<(f64, f64)> {
     // The world's few units in f32, with the distance and the point each some roundings off: 1e-6 on the surface.
     const POINT: f64 = 4e-6;
-    let p = place.point;
+    let p = at.point;
     match object.texture {
         0 => {
             let cell = p / CHECKER_SCALE;
@@ -146,9 +146,9 @@ fn expected(object: &Object, place: &Place, texels: &[[f32; 3]]) -> Option<(f64,
         // A texel is a sixteenth of the width; the angle by 10 π u (tests/kernels/textures.rs) and the point, larger at the poles.
         _ => {
             let image = Image { first: 0, width: 16, height: 8 };
-            let polar = place.normal.x.hypot(place.normal.z).max(1e-3);
-            let colour = image.at(texels, place.uv.0, place.uv.1, place.wraps);
-            let turn = if place.wraps { 10.0 * PI * U + POINT / polar } else { 2.0 * POINT };
+            let polar = at.normal.x.hypot(at.normal.z).max(1e-3);
+            let colour = image.at(texels, at.uv.0, at.uv.1, at.wraps);
+            let turn = if at.wraps { 10.0 * PI * U + POINT / polar } else { 2.0 * POINT };
             Some((colour.x, 32.0 * turn))
         }
     }
@@ -192,9 +192,9 @@ fn textures_are_evaluated_in_their_objects_own_space() {
         let index = counts[kind as usize];
         counts[kind as usize] += 1;
         for _ in 0..40 {
-            let place = object.place(&mut random);
-            let target = object.world(place.point);
-            let normal = (object.world(place.point + place.normal) - target).normalize();
+            let at = object.random_point(&mut random);
+            let target = object.world(at.point);
+            let normal = (object.world(at.point + at.normal) - target).normalize();
             let side = if kind == 1 && random.below(2) == 0 { -1.0 } else { 1.0 };
             let away = (side * normal + 0.5 * unit(&mut random)).normalize();
             rays.push(In {
@@ -203,7 +203,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
                 direction: rounded(-away),
                 padding: 0,
             });
-            of.push((object, place));
+            of.push((object, at));
         }
     }
     let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
@@ -223,14 +223,14 @@ fn textures_are_evaluated_in_their_objects_own_space() {
         let found = kernel.run_with::<_, [f32; 4]>(&rays, rays.len(), &buffers);
         let mut wrong = [0usize; 4];
         let (mut hits, mut first) = (0, None);
-        for ((object, place), out) in of.iter().zip(&found) {
-            let (Some((colour, allowed)), true) = (expected(object, place, &texels), out[3] > 0.0) else {
+        for ((object, at), out) in of.iter().zip(&found) {
+            let (Some((colour, allowed)), true) = (expected(object, at, &texels), out[3] > 0.0) else {
                 continue;
             };
             hits += 1;
             if (f64::from(out[0]) - colour).abs() > allowed {
                 wrong[object.texture] += 1;
-                first = first.or(Some(format!("{object:?} at {}: {} is not {colour}", place.point, out[0])));
+                first = first.or(Some(format!("{object:?} at {}: {} is not {colour}", at.point, out[0])));
             }
         }
         (hits, wrong, first)

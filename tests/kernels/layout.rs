@@ -36,7 +36,7 @@ fn modules() -> Vec<naga::Module> {
         media: 3,
         backgrounds: Default::default(),
         thin_lens: Some("a test".to_string()),
-        turned: Some("a test".to_string()),
+        camera_axes: Some("a test".to_string()),
         brute_force: false,
         stack_size: 8,
         boundary_stack_size: 8,
@@ -54,7 +54,7 @@ fn modules() -> Vec<naga::Module> {
         lights: 1000,
         shadow_rays: true,
         sky_light: 999,
-        not_sampled: Some(NotSampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
+        not_sampled: Some(NotSampled { lights: 1, total: 2, reason: "a test".to_string() }),
     };
     let features = Features {
         primitives: features.primitives.map(on),

@@ -46,20 +46,20 @@ const SKY: &str = "Image(path: \"sky.hdr\")";
 fn lights(random: &mut Random, sky: bool, without_size: bool) -> DeviceScene {
     let mut objects: Vec<String> = (0..300)
         .map(|i| {
-            let place = unit(random) * random.uniform();
+            let position = unit(random) * random.uniform();
             let size = 10f64.powf(-1.0 - 2.0 * random.uniform());
             let lamp = i % 8;
             match i % 7 {
-                0..=1 => format!("Sphere(center: {}, radius: {size:?}, material: \"{lamp}\")", triple(place)),
+                0..=1 => format!("Sphere(center: {}, radius: {size:?}, material: \"{lamp}\")", triple(position)),
                 2 => {
-                    let max = triple(place + DVec3::new(size, 0.5 * size, 2.0 * size));
-                    format!("Box(min: {}, max: {max}, material: \"{lamp}\")", triple(place))
+                    let max = triple(position + DVec3::new(size, 0.5 * size, 2.0 * size));
+                    format!("Box(min: {}, max: {max}, material: \"{lamp}\")", triple(position))
                 }
                 _ => {
                     let u = unit(random);
                     let v = u.cross(unit(random));
                     let (u, v) = (triple(size * u), triple(size * v));
-                    format!("Quad(corner: {}, u: {u}, v: {v}, material: \"{lamp}\")", triple(place))
+                    format!("Quad(corner: {}, u: {u}, v: {v}, material: \"{lamp}\")", triple(position))
                 }
             }
         })
@@ -106,8 +106,8 @@ fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
     let (kind, index) = (light.code >> PRIMITIVE_KIND_SHIFT & 15, light.code as usize % MAX_PRIMITIVES);
     if kind == KIND_DELTA_LIGHT {
         let spot = &flat.delta_lights[index];
-        let way = (from - exact(spot.place)).normalize();
-        return spot.has_place == 0.0
+        let way = (from - exact(spot.position)).normalize();
+        return spot.has_position == 0.0
             || 0.5 * (way - exact(spot.axis)).length_squared() < f64::from(spot.height) - 1e-6;
     }
     if kind != 1 {

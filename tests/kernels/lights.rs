@@ -100,7 +100,7 @@ impl Flat {
     }
 
     /// Where a direction meets the light's plane: x, and y or, of a triangle, y / x.
-    fn place(&self, from: DVec3, direction: DVec3) -> (f64, f64) {
+    fn coordinates(&self, from: DVec3, direction: DVec3) -> (f64, f64) {
         let n = self.along.cross(self.across);
         let t = (self.a - from).dot(n) / direction.dot(n);
         let on = t * direction - (self.a - from);
@@ -234,14 +234,14 @@ impl Case {
     /// The solid angle, and a bound of the relative error of the density.
     fn solid_angle(&self) -> (f64, f64) {
         let from = self.from();
-        let (mut whole, mut off) = (0.0, 0.0);
+        let (mut full, mut off) = (0.0, 0.0);
         for flat in &self.flats {
             let corners = flat.corners();
             let reach = self.steps * ((flat.a - from).length() + flat.along.length() + flat.across.length());
-            whole += flat.solid_angle(from);
+            full += flat.solid_angle(from);
             off += corners[1..].windows(2).map(|two| area_error(from, [flat.a, two[0], two[1]], reach)).sum::<f64>();
         }
-        (whole, off / whole + 4.0 * U)
+        (full, off / full + 4.0 * U)
     }
 }
 
@@ -254,16 +254,16 @@ fn compare<S: Pod>(kind: Kind, cases: &[Case], shapes: &[S], replaced: &[(&str, 
     let mut wrong = [0; 3];
     for (case, found) in cases.iter().zip(found.chunks(DRAWS)) {
         let from = case.from();
-        let (whole, error) = case.solid_angle();
+        let (full, error) = case.solid_angle();
         if error > 0.1 {
             // So nearly edge-on that the solid angle has no digits, whatever the form.
             continue;
         }
-        let density = |out: &Out| out.pdf == out.again && (f64::from(out.pdf) * whole - 1.0).abs() < error;
+        let density = |out: &Out| out.pdf == out.again && (f64::from(out.pdf) * full - 1.0).abs() < error;
         wrong[0] += u32::from(!found.iter().all(density));
 
-        let (p, told) = uniformity(case, found, whole);
-        wrong[1] += u32::from(told && p < threshold);
+        let (p, is_testable) = uniformity(case, found, full);
+        wrong[1] += u32::from(is_testable && p < threshold);
 
         // On a surface that sees all of the light: that faces its plane or, of several sides, its middle.
         let middle = case.flats.iter().map(|flat| flat.a + 0.5 * (flat.along + flat.across) - from).sum::<DVec3>();
@@ -280,48 +280,48 @@ fn compare<S: Pod>(kind: Kind, cases: &[Case], shapes: &[S], replaced: &[(&str, 
             found.iter().map(|out| exact(out.direction).dot(normal).max(0.0) / f64::from(out.pdf) / lambert).collect();
         let test = one_sample_t(&values, 1.0);
         // Beside the noise, the density's error, and the direction's of 3 u by the cosine.
-        let off = error + 4.0 * U * whole / lambert;
+        let off = error + 4.0 * U * full / lambert;
         wrong[2] += u32::from(!(test.p > threshold || test.difference.abs() < off));
     }
     wrong
 }
 
 /// The p-value of the directions' being uniform, by cells of the light's sides, and whether it can be told.
-fn uniformity(case: &Case, found: &[Out], whole: f64) -> (f64, bool) {
+fn uniformity(case: &Case, found: &[Out], full: f64) -> (f64, bool) {
     let from = case.from();
     let mut expected = Vec::new();
     let mut grids = Vec::new();
-    let mut told = case.far <= 1e4;
+    let mut is_testable = case.far <= 1e4;
     for flat in &case.flats {
-        let foot = flat.place(from, flat.normal());
+        let foot = flat.coordinates(from, flat.normal());
         let height = (flat.a - from).dot(flat.normal()).abs();
         let (xs, ys) = (cuts(foot.0, height / flat.along.length()), cuts(foot.1, height / flat.across.length()));
         grids.push((expected.len(), xs.clone(), ys.clone()));
         for x in xs.windows(2) {
             for y in ys.windows(2) {
                 let [a, b, c, d] = flat.part([x[0], x[1]], [y[0], y[1]]);
-                let share = (solid_angle(from, [a, b, c]) + solid_angle(from, [a, c, d])) / whole;
+                let share = (solid_angle(from, [a, b, c]) + solid_angle(from, [a, c, d])) / full;
                 expected.push(share * found.len() as f64);
             }
         }
         // Further away, and at flatter angles, the roundings of the directions carry too many over the cells' edges.
         let size = flat.along.length().min(flat.across.length());
         let distance = flat.corners().iter().map(|corner| (*corner - from).length()).fold(0.0, f64::max);
-        told &= case.far < 1.0 || U * distance * distance / (size * height) < 2e-4;
+        is_testable &= case.far < 1.0 || U * distance * distance / (size * height) < 2e-4;
     }
     let mut cells = vec![0u64; expected.len()];
     let cell = |cuts: &[f64], at: f64| cuts.partition_point(|cut| *cut <= at).clamp(1, cuts.len() - 1) - 1;
     for out in found {
         // The side that the direction meets, or passes by least.
-        let places = case.flats.iter().zip(&grids).map(|(flat, grid)| {
-            let (x, y) = flat.place(from, exact(out.direction));
+        let points = case.flats.iter().zip(&grids).map(|(flat, grid)| {
+            let (x, y) = flat.coordinates(from, exact(out.direction));
             let outside = (-x).max(x - 1.0).max(-y).max(y - 1.0);
             (if outside.is_nan() { f64::MAX } else { outside.max(0.0) }, x, y, grid)
         });
-        let (_, x, y, (first, xs, ys)) = places.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a light has a side");
+        let (_, x, y, (first, xs, ys)) = points.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a light has a side");
         cells[first + cell(xs, x) * (ys.len() - 1) + cell(ys, y)] += 1;
     }
-    (chi_square(&cells, &expected, 1), told)
+    (chi_square(&cells, &expected, 1), is_testable)
 }
 
 /// Unit directions and finite densities, the same from both functions, whatever the uniforms.
@@ -339,7 +339,7 @@ fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
     let mut rows = Vec::new();
     for (shape, flat) in (0..).zip(flats) {
         let size = flat.along.length();
-        let places = [
+        let points = [
             (0.0, 0.0),
             (1.0, 0.0),
             (1.0, 1.0),
@@ -350,7 +350,7 @@ fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
             (3.0, 0.0),
             (-2.0, 1.0),
         ];
-        for (x, y) in places {
+        for (x, y) in points {
             let on = flat.a + x * flat.along + y * flat.across;
             for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3, 0.1, 1.0, 1e4, 1e8, 1e12] {
                 for height in [height, -height] {
@@ -570,7 +570,7 @@ fn solid_angle_of_row(row: usize, rows: usize, columns: usize) -> f64 {
 
 /// A direction's place on the image: shares from the left and from the top (lib/sphere_map), and the height 0..1 in the
 /// cell by its solid angle.
-fn place(direction: DVec3, columns: usize, rows: usize) -> (f64, f64) {
+fn sky_coordinates(direction: DVec3, columns: usize, rows: usize) -> (f64, f64) {
     let around = 0.5 + direction.x.atan2(-direction.z) / (2.0 * PI);
     let down = direction.x.hypot(direction.z).atan2(direction.y) / PI;
     (around * columns as f64, down * rows as f64)
@@ -587,11 +587,11 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
             .expect("it is not black");
         let (columns, rows) = (sky.columns as usize, sky.rows as usize);
         assert!(columns * rows == sky.cells.len() && sky.cells.len() <= host::MAX_CELLS);
-        let whole: f64 = (0..rows * columns)
+        let full: f64 = (0..rows * columns)
             .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / columns, rows, columns))
             .sum();
         // Probabilities that add up to exactly 1, each rounded with its density.
-        assert!((whole - 1.0).abs() < 2.0 * U, "{width} x {height}: {whole}");
+        assert!((full - 1.0).abs() < 2.0 * U, "{width} x {height}: {full}");
         let luminance = |x: i64, y: i64| {
             let texel = texels[y.clamp(0, height as i64 - 1) as usize * width + x.rem_euclid(width as i64) as usize];
             0.2126 * f64::from(texel[0]) + 0.7152 * f64::from(texel[1]) + 0.0722 * f64::from(texel[2])
@@ -607,8 +607,8 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
         let (wide, high) = (width as f64 / columns as f64, height as f64 / rows as f64);
         let means: Vec<f64> = (0..columns * rows)
             .map(|i| {
-                let places = (0..64).map(|k| ((k % 8) as f64 / 8.0 + 0.0625, (k / 8) as f64 / 8.0 + 0.0625));
-                places
+                let points = (0..64).map(|k| ((k % 8) as f64 / 8.0 + 0.0625, (k / 8) as f64 / 8.0 + 0.0625));
+                points
                     .map(|(s, t)| at(((i % columns) as f64 + s) * wide, ((i / columns) as f64 + t) * high))
                     .sum::<f64>()
                     / 64.0
@@ -655,7 +655,7 @@ fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
             counts[out.drawn as usize] += 1;
             let (column, row) = (out.drawn as usize % width, out.drawn as usize / width);
             let direction = exact(out.direction);
-            let (x, y) = place(direction.normalize(), width, height);
+            let (x, y) = sky_coordinates(direction.normalize(), width, height);
             let edge = |row: usize| (PI * row as f64 / height as f64).cos();
             // Of the cosine, by differences of the angle so that the poles keep their digits.
             let by = |angle: f64| (PI * angle / height as f64).cos();

@@ -7,7 +7,7 @@ use gpu_rt::data::Material;
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::{fresnel, metal_density};
-use crate::common::rows::{Answer as Out, Met as In, glass};
+use crate::common::rows::{Answer as Out, SurfaceHit as In, glass};
 use crate::common::stats::{Random, bin, chi_square, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 

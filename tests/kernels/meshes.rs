@@ -31,7 +31,7 @@ fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
     (0..count)
         .map(|i| {
             let instance = flat.shapes.instances[random.below(flat.shapes.instances.len())];
-            let (target, near) = (exact(instance.place), f64::from(instance.scale));
+            let (target, near) = (exact(instance.translation), f64::from(instance.scale));
             let origin = match i % 3 {
                 0 => DVec3::ZERO,
                 1 => target + near * random.uniform() * unit(random),
@@ -43,7 +43,7 @@ fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
                 direction[random.below(3)] = [0.0, -0.0, 1e-20][random.below(3)];
             }
             let direction = rounded(direction.normalize_or(DVec3::X));
-            In { origin: rounded(origin), direction, root: flat.settings.root, ask: 1, ..In::default() }
+            In { origin: rounded(origin), direction, root: flat.settings.root, request: 1, ..In::default() }
         })
         .collect()
 }
@@ -54,7 +54,7 @@ fn the_walk_finds_what_asking_every_face_finds() {
     let stretch = DVec3::new(1.0, 0.7, 1.3);
     let mesh = ball_file(2, stretch);
     let faces = 8 * 16;
-    let mut asked = 0;
+    let mut count = 0;
     // As it is; a million times smaller; far from the origin of the file, the camera with it; and far from the camera.
     for (scale, shift, eye) in [
         (1.0, DVec3::ZERO, DVec3::ZERO),
@@ -68,9 +68,9 @@ fn the_walk_finds_what_asking_every_face_finds() {
         let found = run(&kernel, &flat, &rays);
         let hits = found.iter().filter(|out| out.walked[0] != NOTHING).count();
         assert!(hits * 3 > rays.len(), "{hits} hits of {}", rays.len());
-        let wrong = |found: &[Out]| found.iter().filter(|out| out.walked[..3] != out.asked[..3]).count();
+        let wrong = |found: &[Out]| found.iter().filter(|out| out.walked[..3] != out.brute_force[..3]).count();
         assert_eq!(wrong(&found), 0, "scale {scale:e}, moved by {shift}: of {}", rays.len());
-        asked += rays.len();
+        count += rays.len();
 
         // A hierarchy whose upper planes are two steps too low misses some.
         let mut smaller = flat.clone();
@@ -81,5 +81,5 @@ fn the_walk_finds_what_asking_every_face_finds() {
         let missed = wrong(&run(&kernel, &smaller, &rays[..20_000]));
         assert!(missed > 20, "{missed}");
     }
-    assert_eq!(asked, 1_000_000);
+    assert_eq!(count, 1_000_000);
 }

@@ -9,7 +9,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::gpu::link::{Embedded, Library};
 use gpu_rt::gpu::numerics::{LOOPS, Numerics, PROPERTIES, Rounding};
-use gpu_rt::gpu::probe::{ask, judge, numerics, trials};
+use gpu_rt::gpu::probe::{judge, numerics, run, trials};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
@@ -43,7 +43,7 @@ fn right(trial: &Trial) -> Answer {
         converted: (trial.word as f32).to_bits(),
         uniform_of_32: ((f64::from(trial.word) / 2f64.powi(32)) as f32).to_bits(),
         uniform_of_24: ((f64::from(trial.word >> 8) / 2f64.powi(24)) as f32).to_bits(),
-        said_of_special: said.iter().rev().fold(0, |all, &bit| all << 1 | u32::from(bit)),
+        classes_of_special: said.iter().rev().fold(0, |all, &bit| all << 1 | u32::from(bit)),
         made_subnormal: (f32::from_bits(trial.least) / 16.0).to_bits(),
         from_subnormal: (f32::from_bits(trial.subnormal) * 16_777_216.0).to_bits(),
         edge_sign: if difference > 0.0 { 1 } else { -1 },
@@ -95,10 +95,10 @@ fn every_planted_error_is_found() {
         ("two-product", |a| a.product_error_barrier ^= 1, |n| n.two_product_barrier = false),
         ("fma in two steps", |a| a.fma_error = 0, |n| n.fma_fused = false),
         ("contraction", |a| a.contracted = a.fma_error, |n| n.contraction = true),
-        ("x != x", |a| a.said_of_special &= !1, |n| n.nan_compares = false),
-        ("NaN >= 1", |a| a.said_of_special ^= 0b1100, |n| n.nan_fails_comparisons = false),
-        ("NaN by bits", |a| a.said_of_special ^= 0b1_0000, |n| n.nan_by_bits = false),
-        ("infinity by bits", |a| a.said_of_special ^= 0b10_0000, |n| n.nan_by_bits = false),
+        ("x != x", |a| a.classes_of_special &= !1, |n| n.nan_compares = false),
+        ("NaN >= 1", |a| a.classes_of_special ^= 0b1100, |n| n.nan_fails_comparisons = false),
+        ("NaN by bits", |a| a.classes_of_special ^= 0b1_0000, |n| n.nan_by_bits = false),
+        ("infinity by bits", |a| a.classes_of_special ^= 0b10_0000, |n| n.nan_by_bits = false),
         ("a loop cut short", |a| a.loop_state = 1, |n| n.loop_iterations = 0),
         ("a flushed result", |a| a.made_subnormal = 0, |n| n.subnormals = false),
         ("a flushed operand", |a| a.from_subnormal = 0, |n| n.subnormals = false),
@@ -124,9 +124,9 @@ fn every_planted_error_is_found() {
     let found = judge(&trials, &wrong);
     assert!(found.log_error > 0.06 && found.log_relative_error == 1.0, "{found:?}");
 
-    let mut asked = trials.clone();
-    asked[0].y = asked[2].y;
-    let found = judge(&asked, &answers);
+    let mut changed = trials.clone();
+    changed[0].y = changed[2].y;
+    let found = judge(&changed, &answers);
     assert!(!found.two_sum && !found.two_sum_barrier && !found.fma_fused, "{found:?}");
     // Nothing is found where nothing came back.
     assert_eq!(judge(&trials, &[]).lacking().count(), PROPERTIES.len());
@@ -140,7 +140,7 @@ fn the_software_drivers_are_as_known() {
     let found = numerics(device).expect("the probe runs");
     println!("{}, in {:.1} ms: {found:#?}", device.name, start.elapsed().as_secs_f64() * 1e3);
     assert_eq!(found.lacking().map(|property| property.name).collect::<Vec<_>>(), [""; 0], "{found:?}");
-    assert_eq!(judge(&trials(), &ask(device, &trials()).expect("the probe runs")), *found, "the same when asked again");
+    assert_eq!(judge(&trials(), &run(device, &trials()).expect("the probe runs")), *found, "the same when asked again");
     if device.name.name.contains("llvmpipe") {
         let limited = device.name.driver.contains("Mesa 22.3");
         let expected = Numerics {
@@ -182,8 +182,8 @@ fn refusals(device: &Device, objects: &str) -> [Option<String>; 2] {
         "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40),
          background: Solid((1, 1, 1)), materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [{objects}])"
     );
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test.ron");
-    let scene = Scene::parse(&text, &place).expect("the scene is valid");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test.ron");
+    let scene = Scene::parse(&text, &path).expect("the scene is valid");
     let flat = flatten(&scene, (4, 4), &RenderOptions::default()).expect("it flattens");
     let job = Job { size: (4, 4), max_depth: 4, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
     [Scatter::Fused, Scatter::Linked].map(|scatter| {

@@ -13,7 +13,7 @@ use crate::common::microfacets::{
     masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
 };
 use crate::common::oracles::fresnel;
-use crate::common::rows::{Answer, Met, glass};
+use crate::common::rows::{Answer, SurfaceHit, glass};
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
@@ -309,14 +309,14 @@ fn multiple_scattering_is_a_factor() {
         ("pbr", rows(&pbr(0.0)), Box::new(|_| 0.3)),
     ];
     for (material, rows, straight) in cases {
-        let (single, whole) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
-        let pairs = single.run::<_, Out>(&rows).into_iter().zip(whole.run::<_, Out>(&rows));
+        let (single, full) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
+        let pairs = single.run::<_, Out>(&rows).into_iter().zip(full.run::<_, Out>(&rows));
         let mut compared = 0;
-        for (single, whole) in pairs {
-            assert!(single.event == whole.event && single.direction == whole.direction && single.pdf == whole.pdf);
+        for (single, full) in pairs {
+            assert!(single.event == full.event && single.direction == full.direction && single.pdf == full.pdf);
             for c in 0..3 {
                 let factor = 1.0 + straight(c) * f64::from(lost_over_kept);
-                for (one, other) in [(single.value[c], whole.value[c]), (single.weight[c], whole.weight[c])] {
+                for (one, other) in [(single.value[c], full.value[c]), (single.weight[c], full.weight[c])] {
                     let (one, other) = (f64::from(one), f64::from(other));
                     assert!((one * factor - other).abs() <= 16.0 * U * other, "{material}: {one}, {other}, {factor}");
                     compared += usize::from(other > 0.0);
@@ -341,9 +341,15 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
         })
         .collect();
     let found = kernel("conductor", 1, &[]).run::<_, Out>(&rows);
-    let mirror: Vec<Met> = rows
+    let mirror: Vec<SurfaceHit> = rows
         .iter()
-        .map(|row| Met { incoming: row.incoming, normal: row.normal, front: 1, colour: [1.0; 3], ..Met::default() })
+        .map(|row| SurfaceHit {
+            incoming: row.incoming,
+            normal: row.normal,
+            front: 1,
+            colour: [1.0; 3],
+            ..SurfaceHit::default()
+        })
         .collect();
     let values = [("material", "metal"), ("times", "1"), ("keyed", "false")];
     let mirror = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&mirror);
@@ -687,24 +693,24 @@ fn smooth_rough_dielectrics_are_glass() {
                 In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
             })
             .collect();
-        let clear: Vec<Met> = rows
+        let smooth: Vec<SurfaceHit> = rows
             .iter()
-            .map(|row| Met {
+            .map(|row| SurfaceHit {
                 incoming: row.incoming,
                 normal: row.normal,
                 front: row.front,
                 u: row.u,
                 material: glass(ior),
-                ..Met::default()
+                ..SurfaceHit::default()
             })
             .collect();
         let values = [("material", "dielectric"), ("times", "1"), ("keyed", "false")];
-        let clear =
-            Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&clear);
-        for (out, clear) in kernel("rough_dielectric", 1, &[]).run::<_, Out>(&rows).iter().zip(&clear) {
+        let smooth =
+            Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&smooth);
+        for (out, smooth) in kernel("rough_dielectric", 1, &[]).run::<_, Out>(&rows).iter().zip(&smooth) {
             assert_eq!(
                 (out.event, out.direction, out.weight, out.non_specular),
-                (clear.event, clear.direction, clear.weight, 0)
+                (smooth.event, smooth.direction, smooth.weight, 0)
             );
         }
     }

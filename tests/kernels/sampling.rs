@@ -57,12 +57,12 @@ fn every_map_has_its_density() {
         uniform_cells(draws.clone().map(|out| (by(height(out.sphere[2])), azimuth(&out.sphere), 0.0)), 1)
     };
     let ball = |by: fn(f64) -> f64| {
-        let place = |out: &Out| {
+        let cell = |out: &Out| {
             let r2 = length2(&out.ball);
             let share = 0.5 * (1.0 + f64::from(out.ball[2]) / r2.sqrt().max(1e-300));
             (share, azimuth(&out.ball), by(r2))
         };
-        uniform_cells(draws.clone().map(place), SHELLS)
+        uniform_cells(draws.clone().map(cell), SHELLS)
     };
     let threshold = sidak(1e-6, 4);
     for (name, p) in [

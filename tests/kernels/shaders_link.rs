@@ -25,7 +25,7 @@ fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
 
 /// Features by the bits of the kinds that are on.
 fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
-    let asked = |on: bool| on.then(|| "a test".to_string());
+    let reason = |on: bool| on.then(|| "a test".to_string());
     let has_image = background == IMAGE
         || TEXTURES.iter().position(|name| *name == "image").is_some_and(|i| textures >> i & 1 == 1);
     Features {
@@ -37,7 +37,7 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
         narrow: on(materials & bits_of(|kind| kind.lobes.contains(&Lobe::Narrow))),
         textures: on(textures),
         backgrounds: on(1 << background),
-        thin_lens: asked(thin_lens),
+        thin_lens: reason(thin_lens),
         stack_size: 8,
         ..Features::default()
     }
@@ -81,12 +81,12 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
 }
 
 /// Adds an emission to the materials that scatter.
-fn glowing(features: Features) -> Features {
-    detailed(features, ExtensionKind::Emission)
+fn emissive(features: Features) -> Features {
+    with_extension(features, ExtensionKind::Emission)
 }
 
 /// Adds an extension to all materials that may scatter into many directions.
-fn detailed(features: Features, kind: ExtensionKind) -> Features {
+fn with_extension(features: Features, kind: ExtensionKind) -> Features {
     let mut extensions = features.extensions.clone();
     extensions[kind as usize] = features.non_specular.clone();
     Features { extensions, ..features }
@@ -95,7 +95,7 @@ fn detailed(features: Features, kind: ExtensionKind) -> Features {
 /// Adds an alpha to materials, and colours and alphas of vertices.
 fn covered(features: Features) -> Features {
     let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha];
-    of_vertices.into_iter().fold(detailed(features, ExtensionKind::Alpha), detailed)
+    of_vertices.into_iter().fold(with_extension(features, ExtensionKind::Alpha), with_extension)
 }
 
 /// Adds numbers of materials that vary.
@@ -111,8 +111,8 @@ fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
 /// Adds colours to the clear materials.
 fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
     let clear = bits_of(|kind| kind.is_transmissive);
-    let those = |asked: bool| -> [Option<String>; MATERIALS.len()] {
-        std::array::from_fn(|i| features.materials[i].clone().filter(|_| asked && clear >> i & 1 == 1))
+    let those = |requested: bool| -> [Option<String>; MATERIALS.len()] {
+        std::array::from_fn(|i| features.materials[i].clone().filter(|_| requested && clear >> i & 1 == 1))
     };
     Features { tinted: those(tinted), absorbing: those(absorbing), ..features }
 }
@@ -138,8 +138,8 @@ fn many_lights(features: Features) -> Features {
 
 /// Adds images on meshes that have tables of their own, and tangents in them.
 fn with_tables(features: Features, tangents: bool) -> Features {
-    let asked = |on: bool| on.then(|| "a test".to_string());
-    Features { uv_tables: asked(true), vertex_tangents: asked(tangents), ..features }
+    let reason = |on: bool| on.then(|| "a test".to_string());
+    Features { uv_tables: reason(true), vertex_tangents: reason(tangents), ..features }
 }
 
 /// Adds smooth meshes.
@@ -152,7 +152,7 @@ fn all<T>(names: &[T]) -> usize {
 }
 
 fn everything() -> Features {
-    let not_sampled = NotSampled { lights: 1, wanted: 2, asked_by: "a test".to_string() };
+    let not_sampled = NotSampled { lights: 1, total: 2, reason: "a test".to_string() };
     Features { not_sampled: Some(not_sampled), ..all_sampled() }
 }
 
@@ -163,12 +163,12 @@ fn all_sampled() -> Features {
         &[ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Multiscatter, ExtensionKind::Specular],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
-    detailed(covered(glowing(coloured(lit, true, true))), ExtensionKind::Normal)
+    with_extension(covered(emissive(coloured(lit, true, true))), ExtensionKind::Normal)
 }
 
 /// Turns render space to the camera's axes.
 fn turned(features: Features) -> Features {
-    Features { turned: Some("a test".to_string()), ..features }
+    Features { camera_axes: Some("a test".to_string()), ..features }
 }
 
 /// Has so few primitives that each ray tests all of them.
@@ -271,27 +271,27 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     }
     // Surfaces that emit and scatter: by chance alone, sampled, and beside other lights.
     for set in [1, materials] {
-        let own = glowing(features(1, set, 0, SOLID, false));
+        let own = emissive(features(1, set, 0, SOLID, false));
         found.extend([own.clone(), lit(own.clone(), 1, false), lit(own.clone(), 1, true), lit(own, 0, true)]);
     }
     for emitters in (0..PRIMITIVES.len()).map(|i| 1 << i) {
-        found.push(lit(with_media(glowing(features(emitters, 1, 0, SOLID, false)), 1, false), emitters, false));
+        found.push(lit(with_media(emissive(features(emitters, 1, 0, SOLID, false)), 1, false), emitters, false));
     }
     // Surfaces with an alpha: of each kind, sampled as lights and beside them, with textures and in media.
     for set in (0..PRIMITIVES.len()).map(|i| 1 << i) {
         let own = covered(features(set, 1, 0, SOLID, false));
         found.extend([
             own.clone(),
-            glowing(own.clone()),
-            lit(glowing(own.clone()), set, false),
+            emissive(own.clone()),
+            lit(emissive(own.clone()), set, false),
             delta_lit(own.clone(), true),
-            detailed(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
+            with_extension(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
         ]);
         found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
     }
     // Normal maps on each shape, in every material, with and without light.
     for (shapes, set) in (0..PRIMITIVES.len()).map(|i| (1 << i, 1)).chain([(primitives, materials)]) {
-        let mapped = detailed(features(shapes, set, textures, SOLID, false), ExtensionKind::Normal);
+        let mapped = with_extension(features(shapes, set, textures, SOLID, false), ExtensionKind::Normal);
         found.extend([mapped.clone(), lit(mapped.clone(), shapes, false), lit(mapped.clone(), 0, true)]);
         if shapes == primitives {
             found.push(smooth(mapped));
@@ -301,17 +301,17 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for textures in (0..TEXTURES.len()).map(|i| 1 << i).chain([textures]) {
         for (shapes, set) in [(1 << KIND_TRIANGLE, 1), (primitives, materials)] {
             let own = with_tables(features(shapes, set, textures, SOLID, false), false);
-            let mapped = detailed(own.clone(), ExtensionKind::Normal);
+            let mapped = with_extension(own.clone(), ExtensionKind::Normal);
             found.extend([own, lit(mapped.clone(), shapes, false), smooth(with_tables(mapped, true))]);
         }
     }
     // Light that microfacets scatter more than once: each material alone, and all.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Multiscatter)), materials] {
-        let whole = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
+        let full = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
         found.extend([
-            whole.clone(),
-            lit(whole.clone(), 1, false),
-            lit(detailed(whole, ExtensionKind::Normal), 0, true),
+            full.clone(),
+            lit(full.clone(), 1, false),
+            lit(with_extension(full, ExtensionKind::Normal), 0, true),
         ]);
     }
     // Layers of their own: alone, and with all materials.
@@ -429,14 +429,14 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
                 let glass = (0..)
                     .zip(&features.materials)
                     .any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
-                for (module, asked) in [
+                for (module, is_requested) in [
                     ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
                     ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
                     ("step/clamp", options.clamp.is_some()),
                     ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
-                    assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+                    assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
                 }
                 // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
                 let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
@@ -636,7 +636,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("probe_slot", "slots"),
     ("queue_of_hits", "slots"),
     ("queue_of_events", "slots"),
-    ("queue_turn", "slots"),
+    ("queued_slot", "slots"),
     ("walk", "scene"),
 ];
 
@@ -708,9 +708,9 @@ fn modules_use_what_their_folders_may() {
 }
 
 /// Modules of a test beside the production ones.
-struct Beside(BTreeMap<&'static str, &'static str>);
+struct With(BTreeMap<&'static str, &'static str>);
 
-impl Library for Beside {
+impl Library for With {
     fn module(&self, name: &str) -> Option<&str> {
         self.0.get(name).copied().or_else(|| Embedded.module(name))
     }
@@ -726,12 +726,12 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
         values: BTreeMap::from([("size", "7".to_string())]),
         generated: BTreeMap::new(),
     };
-    let library = Beside(modules.iter().copied().collect());
+    let library = With(modules.iter().copied().collect());
     link(&library, "test/root", &choices).map_err(|error| error.to_string())
 }
 
 /// The error of linking or validating, which must name this place.
-fn assert_fault(modules: &[(&'static str, &'static str)], place: &str, about: &str) {
+fn assert_fault(modules: &[(&'static str, &'static str)], location: &str, about: &str) {
     let error = match linked(modules) {
         Err(error) => error,
         Ok(linked) => match linked.validate() {
@@ -740,8 +740,8 @@ fn assert_fault(modules: &[(&'static str, &'static str)], place: &str, about: &s
         },
     };
     assert!(
-        error.starts_with(place) && error.contains(about),
-        "{error:?} does not start with {place}, or lacks {about}"
+        error.starts_with(location) && error.contains(about),
+        "{error:?} does not start with {location}, or lacks {about}"
     );
 }
 

@@ -173,13 +173,13 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
             ..Texture::default()
         };
         for wraps in [0, 1] {
-            let mut places: Vec<[f32; 2]> =
+            let mut points: Vec<[f32; 2]> =
                 (0..1000).map(|_| [random.uniform() as f32, random.uniform() as f32]).collect();
             // Edges, texel centres and the lines between texels.
             let along = |n: u32| (0..=2 * n.min(20)).map(move |k| k as f32 / (2 * n) as f32).chain([1.0]);
-            places.extend(along(image.width).flat_map(|u| along(image.height).map(move |v| [u, v])));
-            rows.extend(places.iter().map(|&uv| In { texture, uv, wraps, ..In::default() }));
-            of.extend(places.iter().map(|_| i));
+            points.extend(along(image.width).flat_map(|u| along(image.height).map(move |v| [u, v])));
+            rows.extend(points.iter().map(|&uv| In { texture, uv, wraps, ..In::default() }));
+            of.extend(points.iter().map(|_| i));
         }
     }
     let worst = |kernel: &Kernel| {
@@ -189,8 +189,8 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
             let expected = image.at(&texels, f64::from(row.uv[0]), f64::from(row.uv[1]), row.wraps != 0);
             // The place in texels is off by two roundings of itself, and the texels differ by 1 at most; 1 - v rounds at
             // most as much again. Three blends of four roundings.
-            let place = 3.0 * U * f64::from(image.width + image.height);
-            worst.max((exact(colour(out)) - expected).abs().max_element() / (place + 12.0 * U))
+            let rounding = 3.0 * U * f64::from(image.width + image.height);
+            worst.max((exact(colour(out)) - expected).abs().max_element() / (rounding + 12.0 * U))
         })
     };
     let own = worst(&kernel("image", &[]));
@@ -223,8 +223,8 @@ fn texels_of_every_format_are_those_of_the_host() {
         };
         words.extend(image.words.iter());
         // At the centres of texels.
-        let place = |i: usize| [(i % 16) as f32 + 0.5, 15.5 - (i / 16) as f32].map(|x| x / 16.0);
-        rows.extend((0..image.len()).map(|i| In { texture, uv: place(i), ..In::default() }));
+        let uv_of = |i: usize| [(i % 16) as f32 + 0.5, 15.5 - (i / 16) as f32].map(|x| x / 16.0);
+        rows.extend((0..image.len()).map(|i| In { texture, uv: uv_of(i), ..In::default() }));
         expected.extend(image.texels());
     }
     let entry = |(number, name): (usize, &&str)| Entry {
@@ -281,13 +281,13 @@ fn directions() -> Vec<[f32; 4]> {
 const ANGLE: f64 = 10.0 * PI * U;
 
 #[test]
-fn directions_map_to_their_places_on_sphere_and_sky() {
+fn directions_map_to_their_texture_coordinates_on_sphere_and_sky() {
     let rows = directions();
     let found = Kernel::new("test/sphere_map").run::<_, [f32; 4]>(&rows);
     let mut worst = [0.0f64; 4];
     let mut wrong = 0.0f64;
     for ([x, y, z, _], out) in rows.iter().zip(&found) {
-        assert!(out.iter().all(|place| (0.0..=1.0).contains(place)), "{x} {y} {z}: {out:?}");
+        assert!(out.iter().all(|value| (0.0..=1.0).contains(value)), "{x} {y} {z}: {out:?}");
         let n = exact([*x, *y, *z]);
         let n = n.normalize();
         // u = (atan2(-z, x) + pi) / 2 pi and v = acos(-y) / pi of a sphere; of the sky -z in the middle, +x on the right.
@@ -305,11 +305,10 @@ fn directions_map_to_their_places_on_sphere_and_sky() {
     // The axes themselves, said in words: a sphere's u is a quarter at +z, half at +x; v is 1 at the top. The sky's middle
     // is -z, its right half +x, its top row +y.
     let axes = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, -1.0, 0.0f32]];
-    let places = Kernel::new("test/sphere_map").run::<_, [f32; 4]>(&axes);
-    for (place, expected) in places.iter().zip([[0.5, 0.5, 0.75, 0.5], [0.25, 0.5, 1.0, 0.5], [0.75, 0.5, 0.5, 0.5f32]])
-    {
-        let off = place.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-        assert!(f64::from(off) < ANGLE, "{place:?} is not {expected:?}");
+    let found = Kernel::new("test/sphere_map").run::<_, [f32; 4]>(&axes);
+    for (uv, expected) in found.iter().zip([[0.5, 0.5, 0.75, 0.5], [0.25, 0.5, 1.0, 0.5], [0.75, 0.5, 0.5, 0.5f32]]) {
+        let off = uv.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(f64::from(off) < ANGLE, "{uv:?} is not {expected:?}");
     }
 }
 
@@ -338,8 +337,8 @@ fn backgrounds_shine_as_their_formulas_say() {
     let sky = Settings { background_width: 4, background_height: 2, ..settings };
     let centres: Vec<[f32; 4]> = (0..8)
         .map(|i| {
-            let place = DVec2::new((f64::from(i % 4) + 0.5) / 4.0, (f64::from(i / 4) + 0.5) / 2.0);
-            let (azimuth, polar) = (TAU * (place.x - 0.5), PI * place.y);
+            let uv = DVec2::new((f64::from(i % 4) + 0.5) / 4.0, (f64::from(i / 4) + 0.5) / 2.0);
+            let (azimuth, polar) = (TAU * (uv.x - 0.5), PI * uv.y);
             let [x, y, z] = rounded(DVec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos()));
             [x, y, z, 0.0]
         })

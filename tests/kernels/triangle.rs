@@ -29,8 +29,8 @@ impl Mesh {
         self
     }
 
-    fn corners(&self, scale: f64, place: DVec3) -> Vec<Corners> {
-        self.faces.iter().map(|face| Corners::new(face.map(|i| scale * (self.points[i] + place)))).collect()
+    fn corners(&self, scale: f64, offset: DVec3) -> Vec<Corners> {
+        self.faces.iter().map(|face| Corners::new(face.map(|i| scale * (self.points[i] + offset)))).collect()
     }
 
     /// A vertex, or a point of an edge at an eighth of it.
@@ -93,7 +93,7 @@ fn needles() -> Mesh {
 
 /// Rays from inside, some from the middle: at vertices and points of edges, up to the rounding of the direction and without;
 /// along the axes; and anywhere.
-fn rays_from_inside(random: &mut Random, mesh: &Mesh, scale: f64, place: DVec3, count: usize) -> Vec<In> {
+fn rays_from_inside(random: &mut Random, mesh: &Mesh, scale: f64, offset: DVec3, count: usize) -> Vec<In> {
     (0..count)
         .map(|i| {
             let target = mesh.target(random);
@@ -124,7 +124,7 @@ fn rays_from_inside(random: &mut Random, mesh: &Mesh, scale: f64, place: DVec3, 
                 _ => (inside, unit(random)),
             };
             In {
-                origin: rounded(scale * (origin + place)),
+                origin: rounded(scale * (origin + offset)),
                 direction: rounded(direction),
                 first: 0,
                 count: mesh.faces.len() as u32,
@@ -135,11 +135,11 @@ fn rays_from_inside(random: &mut Random, mesh: &Mesh, scale: f64, place: DVec3, 
 }
 
 /// How many rays from inside the mesh leave it too often and too rarely.
-fn leaks(kernel: &Kernel, mesh: &Mesh, scale: f64, place: DVec3, count: usize) -> (usize, usize) {
+fn leaks(kernel: &Kernel, mesh: &Mesh, scale: f64, offset: DVec3, count: usize) -> (usize, usize) {
     let mut random = Random(71);
-    let rays = rays_from_inside(&mut random, mesh, scale, place, count);
+    let rays = rays_from_inside(&mut random, mesh, scale, offset, count);
     let (mut many, mut few) = (0, 0);
-    for out in &trace(kernel, &mesh.corners(scale, place), &rays) {
+    for out in &trace(kernel, &mesh.corners(scale, offset), &rays) {
         // Where a sheet folds, a line goes out, in, and out again.
         let out_and_in = if mesh.convex { (out.back, out.front) } else { (out.back.saturating_sub(out.front), 0) };
         many += usize::from(out_and_in > (1, 0));
@@ -165,12 +165,12 @@ fn every_ray_from_inside_a_closed_mesh_leaves_it_once() {
     ];
     for (name, mesh, rays) in &meshes {
         // The needles' own vertices are no multiples of 2^-12: moved far off, they are other shapes, and closed all the same.
-        for (scale, place) in [(1.0, DVec3::ZERO), (1.0, far), (small, DVec3::ZERO), (1.0 / small, far)] {
-            let found = leaks(&kernel, mesh, scale, place, *rays / 2);
+        for (scale, offset) in [(1.0, DVec3::ZERO), (1.0, far), (small, DVec3::ZERO), (1.0 / small, far)] {
+            let found = leaks(&kernel, mesh, scale, offset, *rays / 2);
             assert_eq!(
                 found,
                 (0, 0),
-                "{name}, {scale:e} {place}: rays that leave too often and too rarely of {}",
+                "{name}, {scale:e} {offset}: rays that leave too often and too rarely of {}",
                 rays / 2
             );
         }
@@ -196,8 +196,8 @@ fn distances_and_weights_are_right_to_the_last_digits() {
     let (mut triangles, mut rays) = (Vec::new(), Vec::new());
     for i in 0..RAYS {
         let size = decades(&mut random, -6.0, 6.0);
-        let place = size * decades(&mut random, -1.0, 3.0) * unit(&mut random);
-        let corners = Corners::new(stout(&mut random, size).map(|p| p + place));
+        let offset = size * decades(&mut random, -1.0, 3.0) * unit(&mut random);
+        let corners = Corners::new(stout(&mut random, size).map(|p| p + offset));
         let [a, b, c] = corners.exact();
         // Within the triangle and a little around it.
         let (v, w) = (1.2 * random.uniform() - 0.1, 1.2 * random.uniform() - 0.1);

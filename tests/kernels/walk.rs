@@ -87,7 +87,8 @@ fn the_walk_finds_what_asking_every_primitive_finds() {
             In { origin: rounded(origin), direction: towards, root: scene.settings.root, padding: 0 }
         })
         .collect();
-    let wrong = |found: &[[Hit; 2]]| found.iter().filter(|[walked, asked]| walked[..2] != asked[..2]).count();
+    let wrong =
+        |found: &[[Hit; 2]]| found.iter().filter(|[walked, brute_force]| walked[..2] != brute_force[..2]).count();
     let found = walk(&kernel, &scene, &scene.nodes, &rays);
     let hits = found.iter().filter(|[walked, _]| walked[0] != u32::MAX).count();
     assert!(hits * 2 > rays.len(), "{hits} hits of {}", rays.len());

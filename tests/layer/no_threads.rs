@@ -11,7 +11,7 @@ const TRY_AGAIN: c_int = 11;
 
 /// Dl_info of Linux.
 #[repr(C)]
-struct Place {
+struct SymbolInfo {
     file: *const c_char,
     base: *const c_void,
     symbol: *const c_char,
@@ -20,7 +20,7 @@ struct Place {
 
 unsafe extern "C" {
     fn dlsym(library: *mut c_void, name: *const c_char) -> *mut c_void;
-    fn dladdr(address: *const c_void, place: *mut Place) -> c_int;
+    fn dladdr(address: *const c_void, info: *mut SymbolInfo) -> c_int;
 }
 
 /// RTLD_NEXT of Linux.
@@ -36,9 +36,9 @@ pub unsafe extern "C" fn pthread_create(
     argument: *mut c_void,
 ) -> c_int {
     unsafe {
-        let mut place: Place = std::mem::zeroed();
-        dladdr(start as *const c_void, &mut place);
-        let in_library = !place.file.is_null() && CStr::from_ptr(place.file).to_string_lossy().contains(".so");
+        let mut info: SymbolInfo = std::mem::zeroed();
+        dladdr(start as *const c_void, &mut info);
+        let in_library = !info.file.is_null() && CStr::from_ptr(info.file).to_string_lossy().contains(".so");
         if !in_library {
             if let Some(mark) = std::env::var_os("GPU_RT_FAULT_MARK") {
                 let _ = std::fs::write(mark, "");

@@ -224,8 +224,8 @@ static OWN_PANIC: Mutex<Option<String>> = Mutex::new(None);
 fn watch_own_panics() {
     let before = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
-        if let Some(place) = panic.location().filter(|place| place.file().starts_with("src/")) {
-            *OWN_PANIC.lock().expect("nobody panics with it") = Some(place.to_string());
+        if let Some(location) = panic.location().filter(|location| location.file().starts_with("src/")) {
+            *OWN_PANIC.lock().expect("nobody panics with it") = Some(location.to_string());
         }
         before(panic);
     }));
@@ -250,8 +250,8 @@ fn run(format: &str, seed: u64, numbers: std::ops::Range<u64>, progress: &Path) 
         let clock = cpu_time::ProcessTime::now();
         let read = catch_unwind(AssertUnwindSafe(|| reader(&folder.path().join(name), &bytes)));
         let Ok(read) = read else { panic!("{format}:{seed}:{number} panicked: {name}") };
-        if let Some(place) = OWN_PANIC.lock().expect("nobody panics with it").take() {
-            panic!("{format}:{seed}:{number} panicked at {place}: {name}");
+        if let Some(location) = OWN_PANIC.lock().expect("nobody panics with it").take() {
+            panic!("{format}:{seed}:{number} panicked at {location}: {name}");
         }
         let seconds = clock.elapsed().as_secs_f64();
         assert!(seconds < LONGEST_CASE, "{format}:{seed}:{number} took {seconds} s: {name}");

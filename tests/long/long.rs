@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::common::expect::Expectations;
-use crate::common::held::{BULB, Looks};
-use crate::common::render::{Ask, Change, render_all, scene, scene_folder};
+use crate::common::held::{BULB, Replicates};
+use crate::common::render::{Change, Request, render_all, scene, scene_folder};
 use crate::common::rooms::{THINGS, room};
 use crate::common::scenes::files;
 use crate::common::stats::{mean_and_variance, normal_two_sided};
@@ -18,7 +18,7 @@ const SAMPLERS: [Sampler; 2] = [Sampler::Sobol, Sampler::Independent];
 
 /// How many renders there are of each scene and sampler: a share of 95 % of them has a standard error of 0.7 %.
 const RENDERS: u32 = 1000;
-/// Few, where the error's own bias is largest and `--noise` looks first, and many.
+/// Few, where the error's own bias is largest and `--noise` checks first, and many.
 const SAMPLES: [u32; 3] = [16, 64, 256];
 
 /// A render: its image, the variances that it states, and the estimate of its error.
@@ -42,9 +42,9 @@ fn stated_errors_are_true() {
         for sampler in SAMPLERS {
             for samples in SAMPLES {
                 let scene = room(things);
-                let ask = Ask::default().mis().with(|options| options.sampler = sampler);
+                let request = Request::default().mis().with(|options| options.sampler = sampler);
                 let mut renders: Vec<Stated> = Vec::new();
-                render_all(&scene, &ask, (0..RENDERS).map(|seed| (seed, 0..samples)), |shot| {
+                render_all(&scene, &request, (0..RENDERS).map(|seed| (seed, 0..samples)), |shot| {
                     let doubles = |values: &[[f32; 3]]| values.as_flattened().iter().map(|x| f64::from(*x)).collect();
                     let error = shot.film.error_estimate(0.05).expect("there is light");
                     let (image, variance) = (doubles(&shot.picture.rgb), doubles(&shot.picture.variance));
@@ -205,27 +205,27 @@ fn errors_fall_as_they_should_and_to_no_floor() {
         let expectations = Expectations::parse(&text).expect("it says what it expects");
         // A pixel by its quarters. Where it is what it is as a whole to 1e-6, the quadrature is better than that by 2^8 (its error is of the
         // eighth order): far better than all errors here.
-        let whole = expectations.of_every(SIZE, &scene.camera);
+        let full = expectations.of_every(SIZE, &scene.camera);
         let quarters = expectations.of_every((2 * SIZE.0, 2 * SIZE.1), &scene.camera);
         let width = SIZE.0 as usize;
         let pixel = |i: usize| {
             let quarter = |k: usize| quarters[(2 * (i / width) + k / 2) * 2 * width + 2 * (i % width) + k % 2];
             [0, 1, 2].map(|channel| (0..4).map(|k| quarter(k)[channel]).sum::<f64>() / 4.0)
         };
-        let expected: Vec<[f64; 3]> = (0..whole.len()).map(pixel).collect();
-        for (rgb, whole) in expected.iter().zip(&whole) {
-            assert!((0..3).all(|c| (whole[c] / rgb[c] - 1.0).abs() < 1e-6), "{name}: {whole:?} and {rgb:?}");
+        let expected: Vec<[f64; 3]> = (0..full.len()).map(pixel).collect();
+        for (rgb, full) in expected.iter().zip(&full) {
+            assert!((0..3).all(|c| (full[c] / rgb[c] - 1.0).abs() < 1e-6), "{name}: {full:?} and {rgb:?}");
         }
         for sampler in SAMPLERS {
             let what = format!("{name}, {sampler:?}");
-            let ask = Ask::default().mis().size(SIZE.0, SIZE.1).with(|options| options.sampler = sampler);
+            let request = Request::default().mis().size(SIZE.0, SIZE.1).with(|options| options.sampler = sampler);
             let ends = || DOUBLINGS.map(|k| 1u32 << k);
             let starts = std::iter::once(0).chain(ends());
             let ranges: Vec<_> = starts.zip(ends()).map(|(start, end)| start..end).collect();
             let wanted = (0..SEEDS).flat_map(|seed| ranges.iter().map(move |range| (seed, range.clone())));
             // The films of all samples so far, seed by seed.
             let mut films: Vec<Vec<Film>> = Vec::new();
-            render_all(&scene, &ask, wanted, |shot| {
+            render_all(&scene, &request, wanted, |shot| {
                 match films.last_mut().filter(|of_seed| of_seed.len() < ranges.len()) {
                     Some(of_seed) => {
                         let mut film = of_seed.last().expect("one at least").clone();
@@ -306,15 +306,16 @@ fn bounds_hold(
 ) {
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for (name, scene) in scenes {
-        let ask = Ask::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
-        let looks = Looks::new(scene, &ask, &Change::default(), seeds, samples);
-        for held in looks.held() {
+        let request =
+            Request::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
+        let replicates = Replicates::new(scene, &request, &Change::default(), seeds, samples);
+        for held in replicates.held() {
             println!("{name}: {held}");
             failed.extend((!held.holds()).then(|| format!("{name}: {held}")));
             cells.push(held);
         }
         for error in [0.1, 0.2, 0.4] {
-            let (wrong, ended) = looks.noise_is_wrong(error);
+            let (wrong, ended) = replicates.noise_is_wrong(error);
             println!("{name}: --noise {error} ends for {ended:.3} of seeds, and is wrong for {wrong:.3}");
             noise.push((wrong, ended));
         }

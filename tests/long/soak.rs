@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::common::everything::Everything;
-use crate::common::render::{Ask, Mean, render, scene_in};
+use crate::common::render::{Mean, Request, render, scene_in};
 use crate::common::stats::{Random, sidak, student_two_sided};
 use gpu_rt::scene::Scene;
 
@@ -207,8 +207,9 @@ fn p(a: &Mean, b: &Mean) -> f64 {
 
 /// Renders by both integrators; the probability of their difference. Every value is finite and no sample is rejected.
 fn compared(scene: &Scene, samples: u32, seed: u32, brighter: f64) -> f64 {
-    let ask = || Ask::spp(samples).roulette();
-    let [bsdf, mut mis] = [ask().seed(seed), ask().mis().seed(seed + 1)].map(|ask| render(scene, &ask).mean_of_all());
+    let request = || Request::spp(samples).roulette();
+    let [bsdf, mut mis] =
+        [request().seed(seed), request().mis().seed(seed + 1)].map(|request| render(scene, &request).mean_of_all());
     mis.value = mis.value.map(|value| value * brighter);
     p(&bsdf, &mis)
 }
@@ -272,7 +273,7 @@ fn a_slice_of_random_scenes() {
 /// Whether 5 % of a scene's light stand out of its noise: some scenes are black, and some are noisy. 5 % are 12 standard errors of the
 /// difference of two images, so that an alarm at 7 of them is missed once in 10^6 scenes.
 fn shows_a_difference(scene: &Scene) -> bool {
-    let mean = render(scene, &Ask::spp(SAMPLES).roulette().seed(1)).mean_of_all();
+    let mean = render(scene, &Request::spp(SAMPLES).roulette().seed(1)).mean_of_all();
     (0..3).any(|c| 0.05 * mean.value[c] > 12.0 * (2.0 * mean.variance[c]).sqrt())
 }
 

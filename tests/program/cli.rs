@@ -7,7 +7,7 @@ use crate::common::device::index as software;
 use crate::common::marked::{self, unmarked};
 use crate::common::program::{Ran, finish};
 use crate::common::{render, stats};
-use crate::place::{Place, SPHERE, attribute};
+use crate::sandbox::{SPHERE, Sandbox, attribute};
 use std::fs;
 use std::path::Path;
 
@@ -19,24 +19,24 @@ use serde_json::Value;
 
 #[test]
 fn render_writes_the_scenes_name_into_the_current_folder() {
-    let place = Place::new();
-    let ran = place.render(&[]).exits(0);
-    assert_eq!(place.files(), ["sphere.exr"]);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&[]).exits(0);
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
     assert_eq!(ran.stdout, "");
-    let image = place.exr("sphere.exr");
+    let image = sandbox.exr("sphere.exr");
     assert_eq!((image.width, image.height), (20, 12));
     assert_eq!(image.samples, Some(vec![16; 240]));
     assert_eq!(image.rejected, Some(vec![0; 240]));
     // Lens or not, what the library renders is what the program writes.
     let scene = Scene::parse(SPHERE, Path::new("sphere.ron")).expect("the scene is good");
-    let shot = render::render(&scene, &render::Ask::spp(16).sobol());
+    let shot = render::render(&scene, &render::Request::spp(16).sobol());
     assert!(image.rgb == shot.picture.rgb && image.variance == Some(shot.picture.variance));
 }
 
 #[test]
 fn render_ends_with_path_samples_error_and_time() {
-    let place = Place::new();
-    let ran = place.render(&["-o", "picture one.exr"]).exits(0);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&["-o", "picture one.exr"]).exits(0);
     let line = ran.last_line();
     let (path, rest) = line.split_once(": ").expect("the path comes first");
     assert_eq!(path, "picture one.exr");
@@ -47,17 +47,17 @@ fn render_ends_with_path_samples_error_and_time() {
         let number = at.and_then(|at| words.get(at.checked_sub(1)?)?.parse::<f64>().ok());
         number.unwrap_or_else(|| panic!("no number before {unit} in {line}"))
     };
-    let percent: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error").parse().unwrap();
+    let percent: f64 = attribute(&sandbox.exr("picture one.exr"), "gpu-rt:relative_error").parse().unwrap();
     assert!((number_before("%") - 100.0 * percent).abs() <= 0.0051, "{line}, {percent}");
     // With its bound.
-    let bound: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error_bound").parse().unwrap();
+    let bound: f64 = attribute(&sandbox.exr("picture one.exr"), "gpu-rt:relative_error_bound").parse().unwrap();
     assert!(line.contains(&format!("below {:.2} %)", 100.0 * bound)) && bound > percent, "{line}, {bound}");
     // What it is not about is said when asked.
     let excludes = |ran: &Ran| ran.stderr.contains("it excludes what max_depth cut off");
-    assert!(!excludes(&ran) && excludes(&place.render(&["--verbose"]).exits(0)), "{}", ran.stderr);
+    assert!(!excludes(&ran) && excludes(&sandbox.render(&["--verbose"]).exits(0)), "{}", ran.stderr);
     assert!(number_before("s") >= 0.0);
     // A software driver is warned about.
-    let devices = place.says("devices --json").exits(0).json();
+    let devices = sandbox.says("devices --json").exits(0).json();
     let index = software().parse::<usize>();
     if index.is_ok_and(|index| devices["devices"][index]["software"] == true) {
         assert!(ran.stderr.contains("warning") && ran.stderr.contains("software"), "{}", ran.stderr);
@@ -65,36 +65,36 @@ fn render_ends_with_path_samples_error_and_time() {
 }
 
 #[test]
-fn render_writes_where_it_is_told_and_a_png() {
-    let place = Place::new();
-    fs::create_dir(place.work().join("sub")).unwrap();
-    place.render(&["-o", "sub/image.exr", "--png", "sub/image.png"]).exits(0);
-    assert_eq!(place.files(), ["sub"]);
-    let png = |name: &str| image::open(place.work().join(name)).expect("a PNG").into_rgb8();
+fn render_writes_the_named_file_and_a_png() {
+    let sandbox = Sandbox::new();
+    fs::create_dir(sandbox.work().join("sub")).unwrap();
+    sandbox.render(&["-o", "sub/image.exr", "--png", "sub/image.png"]).exits(0);
+    assert_eq!(sandbox.files(), ["sub"]);
+    let png = |name: &str| image::open(sandbox.work().join(name)).expect("a PNG").into_rgb8();
     let usual = png("sub/image.png");
     assert_eq!(usual.dimensions(), (20, 12));
     // Brighter by two stops, and the linear file does not care.
-    place.render(&["-o", "bright.exr", "--png", "bright.png", "--exposure", "-2"]).exits(0);
+    sandbox.render(&["-o", "bright.exr", "--png", "bright.png", "--exposure", "-2"]).exits(0);
     let sum = |image: &image::RgbImage| image.as_raw().iter().map(|&v| u64::from(v)).sum::<u64>();
     assert!(sum(&png("bright.png")) < sum(&usual));
-    assert!(place.exr("bright.exr").rgb == place.exr("sub/image.exr").rgb);
+    assert!(sandbox.exr("bright.exr").rgb == sandbox.exr("sub/image.exr").rgb);
 }
 
 #[test]
 fn quiet_says_nothing() {
-    let place = Place::new();
-    let ran = place.render(&["--quiet"]).exits(0);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&["--quiet"]).exits(0);
     assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
-    assert_eq!(place.files(), ["sphere.exr"]);
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
     // Errors are said, quiet or not.
-    let ran = place.says("render missing.ron --quiet").exits(2);
+    let ran = sandbox.says("render missing.ron --quiet").exits(2);
     assert_ne!(ran.stderr, "");
 }
 
 #[test]
 fn json_is_one_object_with_every_key() {
-    let place = Place::new();
-    let ran = place.render(&["--json", "--quiet", "--seed", "5", "--max-depth", "3"]).exits(0);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&["--json", "--quiet", "--seed", "5", "--max-depth", "3"]).exits(0);
     assert_eq!(ran.stderr, "");
     let json = ran.json();
     for (key, value) in [("width", 20), ("height", 12), ("samples_per_pixel", 16), ("max_depth", 3), ("seed", 5)] {
@@ -124,7 +124,7 @@ fn json_is_one_object_with_every_key() {
     }
     let host = number(&json, "host_seconds");
     assert!(host > 0.0 && host <= seconds[4], "{host} s of {seconds:?}");
-    let profiled = place.render(&["--quiet", "--json", "--profile"]).exits(0).json();
+    let profiled = sandbox.render(&["--quiet", "--json", "--profile"]).exits(0).json();
     assert!((0.0..1.0).contains(&number(&profiled, "device_idle")) && json.get("device_idle").is_none(), "{profiled}");
     assert!(number(&json, "relative_error") > 0.0);
     assert!(number(&json, "relative_error_bound") > number(&json, "relative_error"));
@@ -133,61 +133,64 @@ fn json_is_one_object_with_every_key() {
     let kernels = json["kernels"].as_array().expect("a list of kernels");
     assert!(kernels.len() >= 2 && kernels.iter().all(Value::is_string), "{kernels:?}");
     // Where a person watches as well, stdout is the same.
-    place.render(&["--json"]).exits(0).json();
+    sandbox.render(&["--json"]).exits(0).json();
 }
 
 /// What `check` warns of outlives the run, also a quiet one.
 #[test]
 fn the_report_and_the_exr_hold_what_check_warns_of() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let text = SPHERE
         .replace("{ \"grey\":", "{ \"glass\": Dielectric(ior: 1.0000001), \"grey\":")
         .replace("objects: [", "objects: [Sphere(center: (1, 0, 0), radius: 1e-9, material: \"grey\"), ");
-    let dangerous = place.scene("dangerous.ron", &text);
-    let check = place.run(&["check", &dangerous, "--json"]).exits(0).json();
+    let dangerous = sandbox.scene("dangerous.ron", &text);
+    let check = sandbox.run(&["check", &dangerous, "--json"]).exits(0).json();
     let warnings: Vec<&str> = check["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert!(warnings.len() == 3 && warnings.iter().any(|warning| warning.contains("a radius of 1e-9")), "{warnings:?}");
     let render = |more: &[&str]| {
-        let ran = place.run(&[&["render", &dangerous, "--device", software(), "--json"], more].concat()).exits(0);
+        let ran = sandbox.run(&[&["render", &dangerous, "--device", software(), "--json"], more].concat()).exits(0);
         assert_eq!(ran.json()["warnings"], check["warnings"]);
-        assert_eq!(attribute(&place.exr("dangerous.exr"), "gpu-rt:warnings"), warnings.join("\n"));
+        assert_eq!(attribute(&sandbox.exr("dangerous.exr"), "gpu-rt:warnings"), warnings.join("\n"));
         ran.stderr
     };
     assert_eq!(render(&["--quiet"]), "");
-    let told = render(&[]);
-    assert!(warnings.iter().all(|warning| told.contains(&format!("warning: {warning}\n"))), "{told}");
+    let reported = render(&[]);
+    assert!(warnings.iter().all(|warning| reported.contains(&format!("warning: {warning}\n"))), "{reported}");
     // A scene without is said to have none.
-    let ran = place.render(&["--quiet", "--json"]).exits(0);
+    let ran = sandbox.render(&["--quiet", "--json"]).exits(0);
     assert_eq!(ran.json()["warnings"], serde_json::json!([]));
-    let names = place.exr("sphere.exr").attributes;
+    let names = sandbox.exr("sphere.exr").attributes;
     assert!(!names.iter().any(|(name, _)| name == "gpu-rt:warnings"), "{names:?}");
 }
 
 /// Whatever the file holds beside, and by whatever name the scene goes.
 #[test]
 fn the_header_tells_scenes_apart() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let hash_of = |name: &str, text: &str, more: &[&str]| {
-        let scene = place.scene(&format!("{name}.ron"), text);
-        place.run(&[&["render", &scene, "--device", software(), "--quiet"], more].concat()).exits(0);
-        let image = place.exr(&format!("{name}.exr"));
-        let asked = attribute(&image, "gpu-rt:command").to_string();
-        (attribute(&image, "gpu-rt:scene_hash").to_string(), asked)
+        let scene = sandbox.scene(&format!("{name}.ron"), text);
+        sandbox.run(&[&["render", &scene, "--device", software(), "--quiet"], more].concat()).exits(0);
+        let image = sandbox.exr(&format!("{name}.exr"));
+        let command_words = attribute(&image, "gpu-rt:command").to_string();
+        (attribute(&image, "gpu-rt:scene_hash").to_string(), command_words)
     };
     let (hash, _) = hash_of("a", SPHERE, &[]);
     assert!(hash.len() == 32 && hash.bytes().all(|byte| byte.is_ascii_hexdigit()), "{hash}");
-    let (same, asked) = hash_of("it's b", &format!("// The same.\n{SPHERE}"), &["--no-state", "--seed", "3"]);
+    let (same, command_words) = hash_of("it's b", &format!("// The same.\n{SPHERE}"), &["--no-state", "--seed", "3"]);
     assert_eq!(same, hash);
-    assert!(asked.starts_with(r"gpu-rt render '../scenes/it'\''s b.ron' "), "as the shell reads it: {asked}");
+    assert!(
+        command_words.starts_with(r"gpu-rt render '../scenes/it'\''s b.ron' "),
+        "as the shell reads it: {command_words}"
+    );
     let (other, _) = hash_of("c", &SPHERE.replace("Lambertian", "Metal"), &[]);
     assert_ne!(other, hash);
 }
 
 #[test]
 fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
-    let place = Place::new();
-    let json = place.render(&["--json", "--seed", "77", "--samples", "8..32", "--max-depth", "4"]).exits(0).json();
-    let image = place.exr("sphere.exr");
+    let sandbox = Sandbox::new();
+    let json = sandbox.render(&["--json", "--seed", "77", "--samples", "8..32", "--max-depth", "4"]).exits(0).json();
+    let image = sandbox.exr("sphere.exr");
     for (name, value) in [
         ("seed", "77"),
         ("max_depth", "4"),
@@ -201,9 +204,9 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
     ] {
         assert_eq!(attribute(&image, &format!("gpu-rt:{name}")), value, "{name}");
     }
-    let asked = attribute(&image, "gpu-rt:command");
-    assert!(asked.starts_with("gpu-rt render ../scenes/sphere.ron"), "{asked}");
-    assert!(asked.contains(" --json --seed 77 --samples 8..32 --max-depth 4"), "{asked}");
+    let command_words = attribute(&image, "gpu-rt:command");
+    assert!(command_words.starts_with("gpu-rt render ../scenes/sphere.ron"), "{command_words}");
+    assert!(command_words.contains(" --json --seed 77 --samples 8..32 --max-depth 4"), "{command_words}");
     let camera: Value = serde_json::from_str(attribute(&image, "gpu-rt:camera")).expect("JSON");
     assert_eq!((&camera["up"], &camera["aperture"]), (&serde_json::json!([0.0, 1.0, 0.0]), &serde_json::json!(0.0)));
     assert!(camera["look_from"].is_array() && camera["vertical_fov"].is_number(), "{camera}");
@@ -229,12 +232,12 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
     assert_eq!(json["relative_error_confidence"], 0.95);
     assert_eq!(attribute(&image, "gpu-rt:reliable") == "1", json["reliable"] == true);
     let cut = |depth: &str| {
-        place.render(&["-o", "cut.exr", "--max-depth", depth]).exits(0);
-        attribute(&place.exr("cut.exr"), "gpu-rt:cut_paths").parse::<u64>().expect("a number")
+        sandbox.render(&["-o", "cut.exr", "--max-depth", depth]).exits(0);
+        attribute(&sandbox.exr("cut.exr"), "gpu-rt:cut_paths").parse::<u64>().expect("a number")
     };
     assert!(cut("0") > 0 && cut("50") < cut("0"), "{} and {}", cut("0"), cut("50"));
     // The first part has R, G and B as 32-bit floats; what else there is has names of its own.
-    let meta = exr::meta::MetaData::read_from_file(place.work().join("sphere.exr"), false).expect("an EXR");
+    let meta = exr::meta::MetaData::read_from_file(sandbox.work().join("sphere.exr"), false).expect("an EXR");
     let channels = &meta.headers[0].channels.list;
     for name in ["R", "G", "B"] {
         let channel = channels.iter().find(|channel| channel.name.to_string() == name).expect(name);
@@ -249,9 +252,9 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
 
 #[test]
 fn noise_ends_where_the_error_is_reached_and_says_so() {
-    let place = Place::new();
-    let ran = place.render(&["--noise", "0.02", "--json", "-o", "a.exr"]).exits(0);
-    let (json, image) = (ran.json(), place.exr("a.exr"));
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&["--noise", "0.02", "--json", "-o", "a.exr"]).exits(0);
+    let (json, image) = (ran.json(), sandbox.exr("a.exr"));
     let samples = json["samples_per_pixel"].as_u64().expect("a number");
     // It looks at each quarter of a doubling, which are whole runs.
     assert!(samples.is_multiple_of((samples.next_power_of_two() / 8).max(16)), "{samples}");
@@ -264,27 +267,27 @@ fn noise_ends_where_the_error_is_reached_and_says_so() {
     assert_eq!(attribute(&image, "gpu-rt:reliable") == "1", json["reliable"] == true);
     assert!(ran.stderr.contains("--noise 0.02 was reached"), "{}", ran.stderr);
     // It is the image of so many samples.
-    place.render(&["--spp", &samples.to_string(), "-o", "b.exr"]).exits(0);
-    assert!(place.exr("b.exr").rgb == image.rgb && place.exr("b.exr").variance == image.variance);
+    sandbox.render(&["--spp", &samples.to_string(), "-o", "b.exr"]).exits(0);
+    assert!(sandbox.exr("b.exr").rgb == image.rgb && sandbox.exr("b.exr").variance == image.variance);
     // --spp and --time end it before.
-    let ran = place.render(&["--noise", "0.0001", "--spp", "24", "-o", "c.exr"]).exits(0);
+    let ran = sandbox.render(&["--noise", "0.0001", "--spp", "24", "-o", "c.exr"]).exits(0);
     assert!(ran.stderr.contains("was not reached") && ran.last_line().contains("24 samples"), "{}", ran.stderr);
-    let ran = place.render(&["--noise", "0.000001", "--time", "0.5s", "-o", "d.exr"]).exits(0);
+    let ran = sandbox.render(&["--noise", "0.000001", "--time", "0.5s", "-o", "d.exr"]).exits(0);
     assert!(ran.stderr.contains("was not reached"), "{}", ran.stderr);
     for nonsense in ["0", "-0.01", "nan", "inf", "2", "1e-9", "1%", ""] {
-        let ran = place.render(&[&format!("--noise={nonsense}"), "-o", "e.exr"]).exits(2);
+        let ran = sandbox.render(&[&format!("--noise={nonsense}"), "-o", "e.exr"]).exits(2);
         assert!(ran.stderr.contains("noise"), "{nonsense}: {}", ran.stderr);
     }
-    place.render(&["--noise", "0.1", "--samples", "0..16", "-o", "e.exr"]).exits(2);
-    assert!(!place.work().join("e.exr").exists());
+    sandbox.render(&["--noise", "0.1", "--samples", "0..16", "-o", "e.exr"]).exits(2);
+    assert!(!sandbox.work().join("e.exr").exists());
 }
 
 #[test]
 fn options_override_the_scene() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let rgb = |more: &[&str]| {
-        place.render(&[more, &["-o", "a.exr"]].concat()).exits(0);
-        place.exr("a.exr")
+        sandbox.render(&[more, &["-o", "a.exr"]].concat()).exits(0);
+        sandbox.exr("a.exr")
     };
     let usual = rgb(&[]);
     assert!(rgb(&["--spp", "16", "--seed", "0", "--size", "20x12", "--max-depth", "7"]).rgb == usual.rgb);
@@ -307,15 +310,15 @@ fn options_override_the_scene() {
 
 #[test]
 fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for time in ["1s", "1ms", "0.3"] {
-        let json = place.render(&["--time", time, "--json", "--force", "-o", "a.exr"]).exits(0).json();
-        let samples = place.exr("a.exr").samples.expect("a layer of samples");
+        let json = sandbox.render(&["--time", time, "--json", "--force", "-o", "a.exr"]).exits(0).json();
+        let samples = sandbox.exr("a.exr").samples.expect("a layer of samples");
         assert!(samples[0] >= 1 && samples.iter().all(|&n| n == samples[0]), "{time}: {samples:?}");
         assert_eq!(json["samples_per_pixel"], samples[0], "{time}");
     }
     // Less than a start takes: that it took longer is said, and by how much. An hour is not overrun.
-    let ran = place.render(&["--time", "1ms", "--json", "--force", "-o", "a.exr"]).exits(0);
+    let ran = sandbox.render(&["--time", "1ms", "--json", "--force", "-o", "a.exr"]).exits(0);
     let (json, over) = (ran.json(), &ran.json()["time_overrun_seconds"]);
     let (total, over) = (json["seconds"]["total"].as_f64().expect("a time"), over.as_f64().expect("an overrun"));
     assert!((total - 0.001 - over).abs() < 1e-9, "{total}, {over}");
@@ -323,14 +326,14 @@ fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
     // Kept where there is time, and nothing is said then: in one of five, as the other tests take what they take of the processor, and what
     // they begin after the pilot has seen how fast it goes makes it late.
     let is_kept = |_| {
-        let json = place.render(&["--time", "2s", "--json", "--force", "-o", "a.exr"]).exits(0).json();
+        let json = sandbox.render(&["--time", "2s", "--json", "--force", "-o", "a.exr"]).exits(0).json();
         let total = json["seconds"]["total"].as_f64().expect("a time");
         assert_eq!(json["time_overrun_seconds"].is_null(), total <= 2.0, "{json}");
         total <= 2.0
     };
     assert!((0..5).any(is_kept));
     // Up to --spp, with however much time.
-    let json = place.render(&["--time", "1h", "--spp", "24", "--json"]).exits(0).json();
+    let json = sandbox.render(&["--time", "1h", "--spp", "24", "--json"]).exits(0).json();
     assert_eq!(json["samples_per_pixel"], 24);
 }
 
@@ -338,15 +341,15 @@ fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
 #[test]
 fn rejected_samples_are_reported_and_strict_fails() {
     const TOGETHER: usize = 600;
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let face = "3 0 1 2\n".repeat(TOGETHER);
     let mesh = format!(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face {TOGETHER}\n\
          property list uchar int vertex_indices\nend_header\n-1 -1 0\n9 -1 0\n-1 9 0\n{face}"
     );
-    place.scene("faces.ply", &mesh);
+    sandbox.scene("faces.ply", &mesh);
     let objects = "Mesh(path: \"faces.ply\", material: \"grey\"),".repeat(TOGETHER);
-    let scene = place.scene(
+    let scene = sandbox.scene(
         "many.ron",
         &format!(
             "Scene(image: (width: 4, height: 2),
@@ -357,22 +360,22 @@ fn rejected_samples_are_reported_and_strict_fails() {
         ),
     );
     let render = ["render", &scene, "--device", software(), "-o", "a.exr"];
-    place.render(&["--strict"]).exits(0);
+    sandbox.render(&["--strict"]).exits(0);
     // Half of the 8 pixels, with 8 samples each.
     let words = "32 of 64 samples were rejected: 0 were not a number, 0 infinite, 32 cut short";
-    let ran = place.run(&[&render[..], &["--json"]].concat()).exits(0);
+    let ran = sandbox.run(&[&render[..], &["--json"]].concat()).exits(0);
     assert!(ran.stderr.contains(words), "{}", ran.stderr);
     assert_eq!(ran.json()["rejected_samples"], 32);
-    let ran = place.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
+    let ran = sandbox.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
     assert_eq!(ran.json()["rejected_samples"], 32, "the report comes all the same");
     assert!(ran.last_line().contains("--strict") && ran.last_line().contains(words), "{}", ran.stderr);
     // Where nothing is left, that is a failure.
-    let all = std::fs::read_to_string(place.work().join(&scene)).expect("it is there").replace("(-1, 0,", "(0.5, 0,");
-    let all = place.scene("all.ron", &all);
-    let ran = place.run(&["render", &all, "--device", software(), "-o", "all.exr"]).exits(1);
+    let all = std::fs::read_to_string(sandbox.work().join(&scene)).expect("it is there").replace("(-1, 0,", "(0.5, 0,");
+    let all = sandbox.scene("all.ron", &all);
+    let ran = sandbox.run(&["render", &all, "--device", software(), "-o", "all.exr"]).exits(1);
     assert!(ran.last_line().contains("64 of 64 samples were rejected"), "{}", ran.stderr);
     // And so does the image, with the rejected samples of each pixel.
-    let image = place.exr("a.exr");
+    let image = sandbox.exr("a.exr");
     assert_eq!(image.rejected, Some([0, 0, 8, 8].repeat(2)));
     assert_eq!(image.samples, Some([8, 8, 0, 0].repeat(2)));
     assert_eq!(attribute(&image, "gpu-rt:rejected_cut"), "32");
@@ -382,15 +385,15 @@ fn rejected_samples_are_reported_and_strict_fails() {
 /// Any sizes that the command line takes make the same image, or are refused before anything is rendered.
 #[test]
 fn many_slots_and_small_workgroups_render_or_are_refused() {
-    let place = Place::new();
-    place.render(&["-o", "usual.exr"]).exits(0);
+    let sandbox = Sandbox::new();
+    sandbox.render(&["-o", "usual.exr"]).exits(0);
     // More workgroups than the 65 535 that a dispatch may have along one axis (WebGPU's maxComputeWorkgroupsPerDimension).
-    let ran = place.render(&["-o", "a.exr", "--slots", "70000", "--workgroup", "1"]);
+    let ran = sandbox.render(&["-o", "a.exr", "--slots", "70000", "--workgroup", "1"]);
     match ran.code() {
-        2 => assert_eq!(place.files(), ["usual.exr"]),
+        2 => assert_eq!(sandbox.files(), ["usual.exr"]),
         _ => {
             ran.exits(0);
-            assert!(place.exr("a.exr").rgb == place.exr("usual.exr").rgb);
+            assert!(sandbox.exr("a.exr").rgb == sandbox.exr("usual.exr").rgb);
         }
     }
 }
@@ -412,11 +415,11 @@ fn bad_scenes() -> Vec<(String, &'static str)> {
 
 #[test]
 fn bad_scenes_are_refused_with_file_line_and_column() {
-    let place = Place::new();
-    fs::write(place.work().join("old.exr"), "old").unwrap();
+    let sandbox = Sandbox::new();
+    fs::write(sandbox.work().join("old.exr"), "old").unwrap();
     for (text, word) in bad_scenes() {
-        let scene = place.scene("bad.ron", &unmarked(&text));
-        let (line, column) = marked::place(&text);
+        let scene = sandbox.scene("bad.ron", &unmarked(&text));
+        let (line, column) = marked::line_and_column(&text);
         let at = format!("{scene}:{line}:{column}: ");
         let commands: [&[&str]; 3] = [
             &["render", &scene, "-o", "old.exr", "--png", "old.png"],
@@ -424,27 +427,27 @@ fn bad_scenes_are_refused_with_file_line_and_column() {
             &["plan", &scene, "--wgsl", "shaders"],
         ];
         for command in commands {
-            let ran = place.run(command).exits(2);
+            let ran = sandbox.run(command).exits(2);
             assert_eq!(ran.stdout, "");
             assert!(ran.stderr.starts_with(&format!("error: {at}")), "{command:?}: {}, expected {at}", ran.stderr);
             assert!(ran.stderr.contains(word), "{command:?}: {}, expected {word}", ran.stderr);
             // Nothing is written, and what was there stays.
-            assert_eq!(place.files(), ["old.exr"]);
-            assert_eq!(fs::read_to_string(place.work().join("old.exr")).unwrap(), "old");
+            assert_eq!(sandbox.files(), ["old.exr"]);
+            assert_eq!(fs::read_to_string(sandbox.work().join("old.exr")).unwrap(), "old");
         }
     }
-    let ran = place.says("render missing.ron").exits(2);
+    let ran = sandbox.says("render missing.ron").exits(2);
     assert!(ran.stderr.contains("missing.ron:1:1: "), "{}", ran.stderr);
     let lost = SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Image(path: \"lost.png\")");
-    let scene = place.scene("bad.ron", &lost);
-    let ran = place.run(&["render", &scene]).exits(2);
+    let scene = sandbox.scene("bad.ron", &lost);
+    let ran = sandbox.run(&["render", &scene]).exits(2);
     assert!(ran.stderr.contains(&format!("{scene}:5:")) && ran.stderr.contains("lost.png"), "{}", ran.stderr);
-    assert_eq!(place.files(), ["old.exr"]);
+    assert_eq!(sandbox.files(), ["old.exr"]);
 }
 
 #[test]
 fn bad_arguments_are_refused() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let values: &[(&str, &[&str])] = &[
         ("--spp", &["0", "-1", "many"]),
         ("--samples", &["5..5", "8..4", "8", "0..9999999999"]),
@@ -489,21 +492,21 @@ fn bad_arguments_are_refused() {
     ];
     let lines = values.iter().flat_map(of_render).chain(others.map(str::to_string));
     for line in lines {
-        let ran = place.says(&line.replace("SCENE", "../scenes/sphere.ron")).exits(2);
+        let ran = sandbox.says(&line.replace("SCENE", "../scenes/sphere.ron")).exits(2);
         assert!(!ran.stderr.is_empty() && ran.stdout.is_empty(), "{line}: {ran:?}");
-        assert!(place.files().is_empty(), "{line}: {:?}", place.files());
+        assert!(sandbox.files().is_empty(), "{line}: {:?}", sandbox.files());
     }
 }
 
 #[test]
 fn converge_measures_the_images_that_render_writes() {
-    let place = Place::new();
-    place.render(&["--spp", "512", "--seed", "7", "-o", "reference.exr"]).exits(0);
-    place.render(&["--spp", "24", "-o", "last.exr"]).exits(0);
-    let sphere = place.render_sphere();
+    let sandbox = Sandbox::new();
+    sandbox.render(&["--spp", "512", "--seed", "7", "-o", "reference.exr"]).exits(0);
+    sandbox.render(&["--spp", "24", "-o", "last.exr"]).exits(0);
+    let sphere = sandbox.render_sphere();
     let converge = [&["converge"], &sphere[1..], &["--reference", "reference.exr"]].concat();
-    let ran = place.run(&[&converge[..], &["--spp", "24", "-o", "plots"]].concat()).exits(0);
-    let csv = fs::read_to_string(place.work().join("plots/sphere-converge.csv")).expect("the table is there");
+    let ran = sandbox.run(&[&converge[..], &["--spp", "24", "-o", "plots"]].concat()).exits(0);
+    let csv = fs::read_to_string(sandbox.work().join("plots/sphere-converge.csv")).expect("the table is there");
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(
         rows[0],
@@ -513,33 +516,33 @@ fn converge_measures_the_images_that_render_writes() {
     assert_eq!(samples, ["1", "2", "4", "8", "16", "24"]);
     // A line on the terminal for each, below their names.
     assert_eq!(ran.stdout.lines().count(), rows.len(), "{}", ran.stdout);
-    assert!(fs::read_to_string(place.work().join("plots/sphere-converge.svg")).unwrap().contains("<svg"));
+    assert!(fs::read_to_string(sandbox.work().join("plots/sphere-converge.svg")).unwrap().contains("<svg"));
 
     // The error falls, time passes, and the last image is, but for where its sums were cut, that of `render`.
     let number = |row: &[&str], column: usize| row[column].parse::<f64>().expect("a number");
     assert!(rows[1..].windows(2).all(|two| number(&two[0], 1) < number(&two[1], 1)), "{csv}");
     assert!(number(&rows[6], 4) < 0.2 * number(&rows[1], 4), "{csv}");
-    let (last, reference) = (place.exr("last.exr"), place.exr("reference.exr"));
+    let (last, reference) = (sandbox.exr("last.exr"), sandbox.exr("reference.exr"));
     use gpu_rt::metrics::error::{relative_mse, relmse};
     let relative = relative_mse(&last.rgb, &reference.rgb).expect("of one size");
     for (column, error) in [(4, relative), (5, relmse(&last.rgb, &reference.rgb).expect("of one size"))] {
         assert!((number(&rows[6], column) / error - 1.0).abs() < 1e-5, "{csv}: {error}");
     }
-    let json = place.run(&[&converge[..], &["--spp", "24", "--json"]].concat()).exits(0).json();
+    let json = sandbox.run(&[&converge[..], &["--spp", "24", "--json"]].concat()).exits(0).json();
     assert_eq!(json["steps"].as_array().map(Vec::len), Some(6));
     assert!(json["relative_mse_of_reference"].as_f64().is_some_and(|own| own > 0.0 && own < relative), "{json}");
     // Its own noise would not be found.
     assert!(!ran.stderr.contains("give another --seed"), "{}", ran.stderr);
-    let ran = place.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);
+    let ran = sandbox.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);
     assert!(ran.stderr.contains("reference.exr was also rendered with seed 7"), "{}", ran.stderr);
     // Other light is found: the same at half the albedo.
-    let darker = place.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
-    let found = place.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);
+    let darker = sandbox.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
+    let found = sandbox.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);
     let found = found.exits(0).json();
     assert!(found["steps"][4]["mean_difference"].as_f64().is_some_and(|off| off < -0.05), "{found}");
 
     for (reference, words) in [("none.exr", "none.exr: cannot read"), ("../scenes/sphere.ron", "cannot read")] {
-        let ran = place.run(&[&["converge"], &sphere[1..], &["--reference", reference]].concat()).exits(2);
+        let ran = sandbox.run(&[&["converge"], &sphere[1..], &["--reference", reference]].concat()).exits(2);
         assert!(ran.stderr.contains(words), "{}", ran.stderr);
     }
 }
@@ -547,12 +550,12 @@ fn converge_measures_the_images_that_render_writes() {
 // compare
 
 /// Renders a.exr and b.exr of two seeds, and brighter.exr and local.exr, which are b with 2 % more light, or 30 % more in a corner.
-fn rendered_pair(place: &Place) {
+fn rendered_pair(sandbox: &Sandbox) {
     for (name, seed) in [("a.exr", "1"), ("b.exr", "2")] {
-        place.render(&["--size", "48x32", "--seed", seed, "-o", name, "--quiet"]).exits(0);
+        sandbox.render(&["--size", "48x32", "--seed", seed, "-o", name, "--quiet"]).exits(0);
     }
     let write = |name: &str, change: &dyn Fn(usize) -> f32| {
-        let image = place.exr("b.exr");
+        let image = sandbox.exr("b.exr");
         let scaled = |(i, rgb): (usize, &[f32; 3])| rgb.map(|v| v * change(i));
         let picture = gpu_rt::film::Picture {
             width: image.width,
@@ -562,7 +565,7 @@ fn rendered_pair(place: &Place) {
             samples: image.samples.expect("samples"),
             rejected: image.rejected.expect("rejected samples"),
         };
-        gpu_rt::output::exr::write_exr(&place.work().join(name), &picture, &[]).expect("it is written");
+        gpu_rt::output::exr::write_exr(&sandbox.work().join(name), &picture, &[]).expect("it is written");
     };
     write("brighter.exr", &|_| 1.02);
     write("local.exr", &|i| if i % 48 < 6 && i / 48 < 5 { 1.3 } else { 1.0 });
@@ -572,7 +575,7 @@ fn rendered_pair(place: &Place) {
 /// A lamp that no path meets makes no noise: with BSDF sampling alone the stated error does not know of it, and says so.
 #[test]
 fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let text = |emit: &str| {
         format!(
             "(image: (width: 64, height: 48), render: (samples: 64, max_depth: 8),
@@ -584,20 +587,20 @@ fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
               ])"
         )
     };
-    place.scene("bright.ron", &text("1e6, 1e6, 1e6"));
-    place.scene("faint.ron", &text("1, 1, 1"));
+    sandbox.scene("bright.ron", &text("1e6, 1e6, 1e6"));
+    sandbox.scene("faint.ron", &text("1, 1, 1"));
     for (scene, integrator, reliable) in
         [("bright", "bsdf", false), ("bright", "mis", true), ("faint", "bsdf", true), ("faint", "mis", true)]
     {
         let line =
             format!("render ../scenes/{scene}.ron --integrator {integrator} --device {} -o {scene}.exr", software());
         for more in ["", "--spp 128 --resume"] {
-            let ran = place.says(&format!("{line} --json {more}")).exits(0);
+            let ran = sandbox.says(&format!("{line} --json {more}")).exits(0);
             assert_eq!(ran.json()["reliable"], reliable, "{scene}, {integrator}: {}", ran.stderr);
             assert_eq!(ran.stderr.contains("--integrator bsdf finds lights by chance"), !reliable, "{}", ran.stderr);
         }
         // A joined image has the same verdict.
-        let joined = place.says(&format!("merge {scene}.exr -o joined.exr --json")).exits(0).json();
+        let joined = sandbox.says(&format!("merge {scene}.exr -o joined.exr --json")).exits(0).json();
         assert_eq!(joined["reliable"], reliable, "{joined}");
     }
 }
@@ -605,12 +608,12 @@ fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
 /// Images of other scenes are compared, with a warning: their headers tell.
 #[test]
 fn images_of_different_scenes_are_warned_of() {
-    let place = Place::new();
-    let other = place.scene("other.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.5, 0.4, 0.31"));
-    place.render(&["--seed", "1", "-o", "a.exr"]).exits(0);
-    place.render(&["--seed", "2", "-o", "b.exr", "--spp", "24"]).exits(0);
-    place.run(&["render", &other, "--device", software(), "-o", "c.exr"]).exits(0);
-    let said = |line: &str| place.says(line).exits(0).stderr;
+    let sandbox = Sandbox::new();
+    let other = sandbox.scene("other.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.5, 0.4, 0.31"));
+    sandbox.render(&["--seed", "1", "-o", "a.exr"]).exits(0);
+    sandbox.render(&["--seed", "2", "-o", "b.exr", "--spp", "24"]).exits(0);
+    sandbox.run(&["render", &other, "--device", software(), "-o", "c.exr"]).exits(0);
+    let said = |line: &str| sandbox.says(line).exits(0).stderr;
     assert_eq!(said("compare a.exr b.exr"), "");
     assert!(said("compare a.exr c.exr").contains("of different scenes"));
     let converge = |reference| {
@@ -622,8 +625,8 @@ fn images_of_different_scenes_are_warned_of() {
 
 #[test]
 fn compare_tells_noise_from_differences() {
-    let place = Place::new();
-    rendered_pair(&place);
+    let sandbox = Sandbox::new();
+    rendered_pair(&sandbox);
     for (image, words) in [
         ("a.exr", "A differs by noise only, p = "),
         ("b.exr", "noise only"),
@@ -631,14 +634,14 @@ fn compare_tells_noise_from_differences() {
         ("local.exr", "A is brighter by "),
         ("pixel.exr", "A is brighter by 9900 % in pixel (7, 9), and all others are equal"),
     ] {
-        let ran = place.says(&format!("compare {image} b.exr")).exits(0);
+        let ran = sandbox.says(&format!("compare {image} b.exr")).exits(0);
         let last = ran.stdout.lines().last().expect("a verdict");
         assert!(last.contains(words), "{image}: {}", ran.stdout);
         assert_eq!(ran.stderr, "");
         for name in ["MSE", "RMSE", "relMSE", "PSNR", "FLIP", "mean difference"] {
             assert!(ran.stdout.lines().any(|line| line.starts_with(name)), "{name}: {}", ran.stdout);
         }
-        let json = place.says(&format!("compare {image} b.exr --json")).exits(0).json();
+        let json = sandbox.says(&format!("compare {image} b.exr --json")).exits(0).json();
         assert_eq!(json["verdict"], last);
         for key in ["mse", "rmse", "relmse", "relmse_trimmed", "flip", "mean_difference", "p"] {
             assert!(json[key].is_number(), "{key}: {json}");
@@ -651,10 +654,10 @@ fn compare_tells_noise_from_differences() {
     }
     // Said of A, and B is the reference.
     let last = |ran: Ran| ran.stdout.lines().last().unwrap_or_default().to_string();
-    let darker = last(place.says("compare b.exr brighter.exr").exits(0));
+    let darker = last(sandbox.says("compare b.exr brighter.exr").exits(0));
     assert!(darker.contains("A is darker by ") && !darker.contains("brighter"), "{darker}");
     // Single pixels are tested by the spread of their samples, which the states hold. Noise that hides one is said.
-    let noise = |line: &str| place.says(line).exits(0);
+    let noise = |line: &str| sandbox.says(line).exits(0);
     let seen = last(noise("compare a.exr b.exr"));
     assert!(seen.contains(", one alone would show from ") || seen.ends_with("no single pixel would show"), "{seen}");
     let unseen = last(noise("compare pixel.exr a.exr"));
@@ -662,20 +665,20 @@ fn compare_tells_noise_from_differences() {
     let json = noise("compare a.exr b.exr --json").json();
     assert!(json["single_pixel"]["p"].is_number(), "{json}");
     let json = noise("compare pixel.exr b.exr --json").json();
-    let place_of_it = ["x", "y", "pixels_that_differ"].map(|key| json["single_pixel"][key].as_u64());
-    assert_eq!(place_of_it, [Some(7), Some(9), Some(1)], "{json}");
+    let position_of_it = ["x", "y", "pixels_that_differ"].map(|key| json["single_pixel"][key].as_u64());
+    assert_eq!(position_of_it, [Some(7), Some(9), Some(1)], "{json}");
     // Where, if it is in one place.
-    let local = last(place.says("compare local.exr b.exr").exits(0));
+    let local = last(sandbox.says("compare local.exr b.exr").exits(0));
     assert!(local.contains("around pixel ("), "{local}");
 }
 
 /// The errors are those of the formulas, computed here in another way.
 #[test]
 fn compare_measures_what_it_says() {
-    let place = Place::new();
-    rendered_pair(&place);
-    let json = place.says("compare a.exr b.exr --json").exits(0).json();
-    let (a, b) = (place.exr("a.exr"), place.exr("b.exr"));
+    let sandbox = Sandbox::new();
+    rendered_pair(&sandbox);
+    let json = sandbox.says("compare a.exr b.exr --json").exits(0).json();
+    let (a, b) = (sandbox.exr("a.exr"), sandbox.exr("b.exr"));
     let pairs = || a.rgb.as_flattened().iter().zip(b.rgb.as_flattened()).map(|(&a, &b)| (f64::from(a), f64::from(b)));
     let mean =
         |error: &dyn Fn(f64, f64) -> f64| pairs().map(|(a, b)| error(a, b)).sum::<f64>() / pairs().count() as f64;
@@ -703,9 +706,9 @@ fn compare_measures_what_it_says() {
 
 #[test]
 fn compare_fails_above_limits_and_draws_a_heatmap() {
-    let place = Place::new();
-    rendered_pair(&place);
-    let compare = |more: &[&str]| place.run(&[&["compare", "a.exr", "b.exr"], more].concat());
+    let sandbox = Sandbox::new();
+    rendered_pair(&sandbox);
+    let compare = |more: &[&str]| sandbox.run(&[&["compare", "a.exr", "b.exr"], more].concat());
     let names = ["mse", "rmse", "relmse", "relmse_trimmed", "flip", "mean_difference"];
     let all: Vec<String> = names.iter().flat_map(|name| ["--fail-above".to_string(), format!("{name}=1e3")]).collect();
     compare(&all.iter().map(String::as_str).collect::<Vec<_>>()).exits(0);
@@ -720,25 +723,25 @@ fn compare_fails_above_limits_and_draws_a_heatmap() {
         assert!(ran.stderr.contains("mse"), "{bad}: {}", ran.stderr);
     }
     compare(&["--heatmap", "map.png"]).exits(0);
-    let map = image::open(place.work().join("map.png")).expect("a PNG").into_rgb8();
+    let map = image::open(sandbox.work().join("map.png")).expect("a PNG").into_rgb8();
     assert_eq!(map.dimensions(), (48, 32));
-    place.says("compare b.exr b.exr --heatmap black.png").exits(0);
-    let black = image::open(place.work().join("black.png")).expect("a PNG").into_rgb8();
+    sandbox.says("compare b.exr b.exr --heatmap black.png").exits(0);
+    let black = image::open(sandbox.work().join("black.png")).expect("a PNG").into_rgb8();
     assert!(black.pixels().all(|pixel| pixel.0 == [0, 0, 0]) || black.pixels().all(|p| p.0[0] < 6 && p.0[2] < 9));
     assert!(map.pixels().any(|pixel| pixel.0 != black.get_pixel(0, 0).0));
     // An image is not overwritten, and what cannot be written is said before the work.
-    for place_of_map in ["a.exr", "./b.exr", "missing/map.png", "."] {
-        compare(&["--heatmap", place_of_map]).exits(2);
+    for map_object in ["a.exr", "./b.exr", "missing/map.png", "."] {
+        compare(&["--heatmap", map_object]).exits(2);
     }
-    assert_eq!(place.files(), ["a.exr", "b.exr", "black.png", "brighter.exr", "local.exr", "map.png", "pixel.exr"]);
+    assert_eq!(sandbox.files(), ["a.exr", "b.exr", "black.png", "brighter.exr", "local.exr", "map.png", "pixel.exr"]);
 }
 
 /// Files whose headers name other primaries than Rec. 709: the same picture, not another one, and that is said.
 #[test]
-fn pictures_of_other_primaries_are_converted_and_told() {
+fn pictures_of_other_primaries_are_converted_and_reported() {
     use exr::image::write::WritableImage;
     use exr::math::Vec2;
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let mut random = stats::Random(3);
     let noise: Vec<f32> = (0..2 * 32 * 32).map(|_| (1.0 + 0.1 * random.normal()) as f32).collect();
     let write = |name: &str, first: usize, [r, g, b]: [f32; 3], aces: bool| {
@@ -753,27 +756,27 @@ fn pictures_of_other_primaries_are_converted_and_told() {
             blue: Vec2(0.128, 0.044),
             white: Vec2(0.32168, 0.33767),
         });
-        image.write().to_file(place.work().join(name)).expect("it is written");
+        image.write().to_file(sandbox.work().join(name)).expect("it is written");
     };
     // (0.5, 0.4, 0.3) of Rec. 709 in ACEScg, by the matrix of OpenColorIO's ACES config.
     write("aces.exr", 0, [0.456_57, 0.405_68, 0.315_08], true);
     write("rec709.exr", 32 * 32, [0.5, 0.4, 0.3], false);
     write("unnamed.exr", 0, [0.456_57, 0.405_68, 0.315_08], false);
-    let compared = place.says("compare aces.exr rec709.exr").exits(0);
+    let compared = sandbox.says("compare aces.exr rec709.exr").exits(0);
     assert!(compared.stdout.contains("noise only"), "{}", compared.stdout);
     assert!(
         compared.stderr.contains("aces.exr: its colours are converted to Rec. 709, from red (0.713, 0.293)"),
         "{}",
         compared.stderr
     );
-    let unnamed = place.says("compare unnamed.exr rec709.exr").exits(0);
+    let unnamed = sandbox.says("compare unnamed.exr rec709.exr").exits(0);
     assert!(!unnamed.stdout.contains("noise only") && unnamed.stderr.is_empty(), "{unnamed:?}");
-    let developed = place.says("develop aces.exr -o aces.png").exits(0);
+    let developed = sandbox.says("develop aces.exr -o aces.png").exits(0);
     assert!(developed.stderr.contains("converted to Rec. 709"), "{}", developed.stderr);
     write("same.exr", 0, [0.5, 0.4, 0.3], false);
-    place.says("develop same.exr -o same.png").exits(0);
+    sandbox.says("develop same.exr -o same.png").exits(0);
     let [aces, same] =
-        ["aces.png", "same.png"].map(|name| image::open(place.work().join(name)).expect("a PNG").into_rgb8());
+        ["aces.png", "same.png"].map(|name| image::open(sandbox.work().join(name)).expect("a PNG").into_rgb8());
     let apart = aces.as_raw().iter().zip(same.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(apart.is_some_and(|apart| apart <= 1), "{apart:?}");
 }
@@ -781,10 +784,10 @@ fn pictures_of_other_primaries_are_converted_and_told() {
 /// Files of other renderers, without variances; sizes that differ; files that are none.
 #[test]
 fn compare_takes_any_exr_and_refuses_the_rest() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let write = |name: &str, width: usize, height: usize, value: &(dyn Fn(usize, usize) -> f32 + Sync)| {
         let rgb = |x, y| (value(x, y), value(x, y), value(x, y));
-        exr::prelude::write_rgb_file(place.work().join(name), width, height, rgb).expect("it is written");
+        exr::prelude::write_rgb_file(sandbox.work().join(name), width, height, rgb).expect("it is written");
     };
     let mut random = stats::Random(7);
     let noise: Vec<f32> = (0..2 * 64 * 64).map(|_| (1.0 + 0.2 * random.normal()) as f32).collect();
@@ -795,7 +798,7 @@ fn compare_takes_any_exr_and_refuses_the_rest() {
     write("negative.exr", 64, 64, &|x, y| if x == 3 { -0.01 } else { noise[y * 64 + x] });
     write("small.exr", 63, 64, &|_, _| 1.0);
     write("broken.exr", 64, 64, &|_, _| f32::INFINITY);
-    let verdict = |a: &str| place.run(&["compare", a, "b.exr"]).exits(0);
+    let verdict = |a: &str| sandbox.run(&["compare", a, "b.exr"]).exits(0);
     assert!(verdict("a.exr").stdout.contains("noise only") && verdict("a.exr").stdout.contains("paired differences"));
     assert!(verdict("dark.exr").stdout.contains("A is darker by "));
     assert!(verdict("negative.exr").stdout.contains("64 of A, 0 of B"));
@@ -803,12 +806,12 @@ fn compare_takes_any_exr_and_refuses_the_rest() {
     let ran = verdict("nan.exr");
     let words = "1 of 4096 pixels that are NaN or infinite: 1 of A, 0 of B";
     assert!(ran.stdout.contains(words) && ran.stderr.contains(words), "{ran:?}");
-    let json = place.says("compare nan.exr b.exr --json").exits(0).json();
+    let json = sandbox.says("compare nan.exr b.exr --json").exits(0).json();
     assert_eq!((&json["pixels"]["compared"], &json["pixels"]["not_finite"]["image"]), (&4095.into(), &1.into()));
     assert!(json["mse"].as_f64().is_some_and(f64::is_finite) && json["flip"].as_f64().is_some_and(f64::is_finite));
-    assert!(place.says("compare nan.exr b.exr --fail-above mse=9").exits(1).stderr.contains(words));
+    assert!(sandbox.says("compare nan.exr b.exr --fail-above mse=9").exits(1).stderr.contains(words));
     // What cannot be compared.
-    fs::write(place.work().join("text.exr"), "no EXR").unwrap();
+    fs::write(sandbox.work().join("text.exr"), "no EXR").unwrap();
     for (a, b, words) in [
         ("small.exr", "b.exr", "63 x 64"),
         ("broken.exr", "b.exr", "no pixel is finite"),
@@ -816,7 +819,7 @@ fn compare_takes_any_exr_and_refuses_the_rest() {
         ("a.exr", "missing.exr", "missing.exr"),
         (".", "b.exr", "cannot read"),
     ] {
-        let ran = place.run(&["compare", a, b]).exits(2);
+        let ran = sandbox.run(&["compare", a, b]).exits(2);
         assert!(ran.stderr.contains(words) && ran.stdout.is_empty(), "{a} {b}: {ran:?}");
     }
     // Of any size.
@@ -824,7 +827,7 @@ fn compare_takes_any_exr_and_refuses_the_rest() {
         write("one.exr", width, height, &|x, y| noise[y * width + x]);
         write("two.exr", width, height, &|x, y| 1.5 * noise[y * width + x]);
         for other in ["one.exr", "two.exr"] {
-            let ran = place.run(&["compare", "one.exr", other, "--heatmap", "map.png"]).exits(0);
+            let ran = sandbox.run(&["compare", "one.exr", other, "--heatmap", "map.png"]).exits(0);
             let last = ran.stdout.lines().last().unwrap_or_default();
             assert!(["noise only", "brighter", "darker"].iter().any(|words| last.contains(words)), "{last}");
         }
@@ -834,25 +837,25 @@ fn compare_takes_any_exr_and_refuses_the_rest() {
 /// More code, and the same picture.
 #[test]
 fn all_features_change_the_plan_and_not_the_image() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let scene = "../scenes/sphere.ron";
     let pixels = |features: &str| {
         let more = ["--spp", "8", "--features", features, "-o", "out.exr", "--quiet", "--json"];
-        assert_eq!(place.render(&more).exits(0).json()["features"], features);
-        gpu_rt::output::exr::read_exr(&place.work().join("out.exr")).expect("it was written").rgb
+        assert_eq!(sandbox.render(&more).exits(0).json()["features"], features);
+        gpu_rt::output::exr::read_exr(&sandbox.work().join("out.exr")).expect("it was written").rgb
     };
     assert!(pixels("scene") == pixels("all"));
-    let kernels = |features: &str| place.run(&["plan", scene, "--features", features]).exits(0).stdout;
+    let kernels = |features: &str| sandbox.run(&["plan", scene, "--features", features]).exits(0).stdout;
     assert!(!kernels("scene").contains("--features all"));
     assert!(kernels("all").contains("--features all"));
-    assert!(place.run(&["render", scene, "--features", "none"]).exits(2).stderr.contains("scene, all"));
+    assert!(sandbox.run(&["render", scene, "--features", "none"]).exits(2).stderr.contains("scene, all"));
 }
 
 // Streams that are closed
 
 #[test]
 fn a_closed_stdout_is_no_failure() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let commands: &[&[&str]] = &[
         &["plan", "../scenes/sphere.ron"],
         &["plan", "../scenes/sphere.ron", "--json"],
@@ -862,23 +865,23 @@ fn a_closed_stdout_is_no_failure() {
         &["render", "../scenes/sphere.ron", "--json", "--device", software()],
     ];
     for command in commands {
-        let mut child = place.command(command).spawn().expect("the program starts");
+        let mut child = sandbox.command(command).spawn().expect("the program starts");
         drop(child.stdout.take());
         finish(child).exits(0);
     }
-    assert_eq!(place.files(), ["sphere.exr"]);
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
 }
 
 /// The image is worth more than the messages: `gpu-rt render scene.ron 2>&1 | head -1` renders on.
 #[test]
 fn a_closed_stderr_is_no_failure() {
-    let place = Place::new();
-    let mut child = place.command(&place.render_sphere()).spawn().expect("the program starts");
+    let sandbox = Sandbox::new();
+    let mut child = sandbox.command(&sandbox.render_sphere()).spawn().expect("the program starts");
     drop(child.stderr.take());
     assert_eq!(finish(child).code(), 0);
-    assert_eq!(place.files(), ["sphere.exr"]);
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
     // An error that cannot be told is still an exit status.
-    let mut child = place.command(&["render", "missing.ron"]).spawn().expect("the program starts");
+    let mut child = sandbox.command(&["render", "missing.ron"]).spawn().expect("the program starts");
     drop(child.stderr.take());
     assert_eq!(finish(child).code(), 2);
 }
@@ -887,32 +890,32 @@ fn a_closed_stderr_is_no_failure() {
 
 #[test]
 fn check_finds_errors_and_dangers() {
-    let place = Place::new();
-    let ran = place.says("check ../scenes/sphere.ron").exits(0);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.says("check ../scenes/sphere.ron").exits(0);
     assert!(ran.stdout.contains("valid") && !ran.stdout.contains("warning:"), "{}", ran.stdout);
-    let json = place.says("check ../scenes/sphere.ron --json").exits(0).json();
+    let json = sandbox.says("check ../scenes/sphere.ron --json").exits(0).json();
     assert_eq!(json["valid"], true);
     assert_eq!(json["warnings"].as_array().map(Vec::len), Some(0));
     // An albedo of 1 is dangerous, and said to be, at its place.
-    let scene = place.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
-    let ran = place.run(&["check", &scene]).exits(0);
+    let scene = sandbox.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
+    let ran = sandbox.run(&["check", &scene]).exits(0);
     assert!(ran.stdout.contains(&format!("warning: {scene}:5:")), "{}", ran.stdout);
-    let json = place.run(&["check", &scene, "--json"]).exits(0).json();
+    let json = sandbox.run(&["check", &scene, "--json"]).exits(0).json();
     assert!(json["warnings"][0].as_str().is_some_and(|warning| warning.starts_with(&format!("{scene}:5:"))), "{json}");
     // All errors are listed, one in a line and in the file's order.
-    let scene = place.scene("bad.ron", &SPHERE.replace("width: 20", "width: 0").replace("radius: 1", "radius: 0"));
-    let ran = place.run(&["check", &scene]).exits(2);
+    let scene = sandbox.scene("bad.ron", &SPHERE.replace("width: 20", "width: 0").replace("radius: 1", "radius: 0"));
+    let ran = sandbox.run(&["check", &scene]).exits(2);
     let starts: Vec<&str> = ran.stderr.lines().filter_map(|line| line.split(": ").nth(1)).collect();
     assert_eq!(starts, [format!("{scene}:2:20"), format!("{scene}:6:49")], "{}", ran.stderr);
     assert!(ran.stderr.lines().all(|line| line.starts_with("error: ")), "{}", ran.stderr);
-    let json = place.run(&["check", &scene, "--json"]).exits(2).json();
+    let json = sandbox.run(&["check", &scene, "--json"]).exits(2).json();
     let lines: Vec<_> = json["errors"].as_array().expect("a list").iter().map(|error| error["line"].as_u64()).collect();
     assert_eq!((lines, &json["error"]), (vec![Some(2), Some(6)], &json["errors"][0]));
     // An error is one object too.
     for (text, word) in bad_scenes() {
-        let scene = place.scene("bad.ron", &unmarked(&text));
-        let (line, column) = marked::place(&text);
-        let json = place.run(&["check", &scene, "--json"]).exits(2).json();
+        let scene = sandbox.scene("bad.ron", &unmarked(&text));
+        let (line, column) = marked::line_and_column(&text);
+        let json = sandbox.run(&["check", &scene, "--json"]).exits(2).json();
         let error = &json["error"];
         assert_eq!(json["valid"], false);
         assert_eq!(
@@ -944,11 +947,11 @@ const RICH: &str = "Scene(
 
 #[test]
 fn plan_lists_what_the_scene_requires_as_render_does() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let sphere = "../scenes/sphere.ron";
     let device = ["--device", software()];
-    let text = place.run(&[["plan", sphere], device].concat()).exits(0).stdout;
-    let json = place.run(&["plan", sphere, device[0], device[1], "--json"]).exits(0).json();
+    let text = sandbox.run(&[["plan", sphere], device].concat()).exits(0).stdout;
+    let json = sandbox.run(&["plan", sphere, device[0], device[1], "--json"]).exits(0).json();
     let kernels = json["kernels"].as_array().expect("kernels");
     let names: Vec<&str> = kernels.iter().map(|kernel| kernel["name"].as_str().expect("a name")).collect();
     assert!(names.len() >= 2, "{names:?}");
@@ -961,7 +964,7 @@ fn plan_lists_what_the_scene_requires_as_render_does() {
     // Which object asked.
     assert!(text.contains(&format!("{sphere}:6:15")) && text.contains(&format!("{sphere}:5:")), "{text}");
     // Render agrees.
-    let rendered = place.run(&["render", sphere, device[0], device[1], "--json"]).exits(0).json();
+    let rendered = sandbox.run(&["render", sphere, device[0], device[1], "--json"]).exits(0).json();
     let rendered: Vec<&str> = rendered["kernels"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert_eq!(rendered, names);
 }
@@ -981,7 +984,7 @@ fn shaders(folder: &Path) -> Vec<(String, String)> {
 #[test]
 #[cfg(target_os = "linux")]
 fn lost_output_is_a_failure() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let commands: [&[&str]; 5] = [
         &["plan", "../scenes/sphere.ron", "--json"],
         &["plan", "../scenes/sphere.ron"],
@@ -991,23 +994,23 @@ fn lost_output_is_a_failure() {
     ];
     for command in commands {
         let full = fs::File::options().write(true).open("/dev/full").expect("there is a full device");
-        let ran = finish(place.command(command).stdout(full).spawn().expect("the program starts")).exits(1);
+        let ran = finish(sandbox.command(command).stdout(full).spawn().expect("the program starts")).exits(1);
         assert!(ran.stderr.contains("stdout: cannot write: No space left on device"), "{command:?}: {}", ran.stderr);
     }
     // What was rendered is there all the same.
-    assert_eq!(place.files(), ["sphere.exr"]);
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
 }
 
 #[test]
 fn plan_writes_shaders_that_naga_takes() {
-    let place = Place::new();
-    let rich = place.scene("rich.ron", RICH);
+    let sandbox = Sandbox::new();
+    let rich = sandbox.scene("rich.ron", RICH);
     for (scene, scatter) in [("../scenes/sphere.ron", "fused"), (&rich, "fused"), (&rich, "linked"), (&rich, "queues")]
     {
         let folder = tempfile::tempdir().unwrap();
         let into = folder.path().join("new/folder");
-        place.run(&["plan", scene, "--scatter", scatter, "--wgsl", into.to_str().unwrap()]).exits(0);
-        let kernels = place.run(&["plan", scene, "--scatter", scatter, "--json"]).exits(0).json();
+        sandbox.run(&["plan", scene, "--scatter", scatter, "--wgsl", into.to_str().unwrap()]).exits(0);
+        let kernels = sandbox.run(&["plan", scene, "--scatter", scatter, "--json"]).exits(0).json();
         let mut names: Vec<String> = kernels["kernels"]
             .as_array()
             .unwrap()
@@ -1029,9 +1032,9 @@ fn plan_writes_shaders_that_naga_takes() {
 
 #[test]
 fn devices_are_listed_with_drivers_limits_and_numerics() {
-    let place = Place::new();
-    let text = place.says("devices").exits(0).stdout;
-    let json = place.says("devices --json").exits(0).json();
+    let sandbox = Sandbox::new();
+    let text = sandbox.says("devices").exits(0).stdout;
+    let json = sandbox.says("devices --json").exits(0).json();
     let devices = json["devices"].as_array().expect("a list");
     assert!(!devices.is_empty());
     for (index, device) in (0..).zip(devices) {
@@ -1077,11 +1080,11 @@ fn devices_are_listed_with_drivers_limits_and_numerics() {
 /// What a render found of its device goes with its image, and is what `devices` says of it.
 #[test]
 fn a_render_says_what_the_numerics_probe_found() {
-    let place = Place::new();
-    let report = place.render(&["--json"]).exits(0).json();
-    let header: Value = serde_json::from_str(attribute(&place.exr("sphere.exr"), "gpu-rt:numerics")).expect("JSON");
+    let sandbox = Sandbox::new();
+    let report = sandbox.render(&["--json"]).exits(0).json();
+    let header: Value = serde_json::from_str(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:numerics")).expect("JSON");
     assert_eq!(report["numerics"], header);
-    let listed = place.says("devices --json").exits(0).json();
+    let listed = sandbox.says("devices --json").exits(0).json();
     let same = |device: &Value| device["driver"] == report["driver"] && device["numerics"] == header;
     assert!(listed["devices"].as_array().expect("a list").iter().any(same), "{listed}\n{header}");
 }
@@ -1090,9 +1093,9 @@ fn a_render_says_what_the_numerics_probe_found() {
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_driver_only_rendering_fails() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let run = |arguments: &[&str]| {
-        let mut command = place.command(arguments);
+        let mut command = sandbox.command(arguments);
         command.env("VK_DRIVER_FILES", "/nonexistent.json").env("VK_ICD_FILENAMES", "/nonexistent.json");
         finish(command.spawn().expect("the program starts"))
     };
@@ -1102,5 +1105,5 @@ fn without_a_driver_only_rendering_fails() {
         let ran = run(arguments).exits(1);
         assert!(ran.stderr.contains("install"), "{}", ran.stderr);
     }
-    assert!(place.files().is_empty());
+    assert!(sandbox.files().is_empty());
 }

@@ -26,7 +26,7 @@ fn render(folder: &Path, more: &str) -> Ran {
 }
 
 /// Whether an image holds just what a part of another one does: its pixels and all that is told of them.
-fn is_part(part: &ExrImage, (left, top): (u32, u32), whole: &ExrImage) -> bool {
+fn is_part(part: &ExrImage, (left, top): (u32, u32), full: &ExrImage) -> bool {
     let bits = |image: &ExrImage, index: usize| {
         let [rgb, variance] =
             [Some(&image.rgb), image.variance.as_ref()].map(|layer| layer.map(|pixels| pixels[index]));
@@ -35,15 +35,15 @@ fn is_part(part: &ExrImage, (left, top): (u32, u32), whole: &ExrImage) -> bool {
     };
     let at = |image: &ExrImage, x: u32, y: u32| bits(image, (y * image.width + x) as usize);
     let pixels = || (0..part.height).flat_map(|y| (0..part.width).map(move |x| (x, y)));
-    pixels().all(|(x, y)| at(part, x, y) == at(whole, left + x, top + y))
+    pixels().all(|(x, y)| at(part, x, y) == at(full, left + x, top + y))
 }
 
 #[test]
-fn a_part_has_the_bytes_of_the_whole() {
+fn a_part_has_the_bytes_of_the_full_image() {
     let folder = folder();
     let read = |name: &str| read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
-    render(folder.path(), "--spp 24 -o whole.exr").exits(0);
-    let whole = read("whole.exr");
+    render(folder.path(), "--spp 24 -o full.exr").exits(0);
+    let full = read("full.exr");
     // One pixel; strips of eight rows cut at both ends; corners; everything.
     for (left, top, width, height) in [(5, 9, 1, 1), (3, 2, 7, 13), (20, 0, 4, 16), (0, 15, 24, 1), (0, 0, 24, 16)] {
         for setting in ["", "--scatter linked --slots 7"] {
@@ -55,8 +55,8 @@ fn a_part_has_the_bytes_of_the_whole() {
             assert_eq!(json["paths"].as_u64(), Some(u64::from(width * height) * 24));
             let part = read("part.exr");
             assert_eq!((part.width, part.height), (width, height));
-            assert!(is_part(&part, (left, top), &whole), "{crop} {setting}");
-            assert!(width == 24 || !is_part(&part, (left.max(1) - 1, top), &whole), "{crop} passes as its neighbour");
+            assert!(is_part(&part, (left, top), &full), "{crop} {setting}");
+            assert!(width == 24 || !is_part(&part, (left.max(1) - 1, top), &full), "{crop} passes as its neighbour");
             let picture = image::image_dimensions(folder.path().join("part.png")).expect("a PNG");
             assert_eq!(picture, (width, height));
             // Where it stands in the whole.
@@ -73,26 +73,26 @@ fn a_part_has_the_bytes_of_the_whole() {
 
 /// A film that the device does not hold at once.
 #[test]
-fn a_part_in_tiles_has_the_bytes_of_the_whole() {
+fn a_part_in_tiles_has_the_bytes_of_the_full_image() {
     let folder = folder();
     let read = |name: &str| read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
-    render(folder.path(), "--spp 1 --no-state --size 1100x900 -o whole.exr").exits(0);
+    render(folder.path(), "--spp 1 --no-state --size 1100x900 -o full.exr").exits(0);
     render(folder.path(), "--spp 1 --no-state --size 1100x900 --crop 37,13,1001,850 -o part.exr").exits(0);
-    assert!(is_part(&read("part.exr"), (37, 13), &read("whole.exr")));
+    assert!(is_part(&read("part.exr"), (37, 13), &read("full.exr")));
 }
 
 #[test]
 fn parts_go_on_and_join() {
     let folder = folder();
     let crop = "--crop 3,2,7,13";
-    render(folder.path(), &format!("--spp 24 {crop} -o whole.exr")).exits(0);
+    render(folder.path(), &format!("--spp 24 {crop} -o full.exr")).exits(0);
     render(folder.path(), &format!("--samples 0..8 {crop} -o a.exr")).exits(0);
     render(folder.path(), &format!("--samples 8..24 {crop} -o b.exr")).exits(0);
     run(folder.path(), &["merge", "b.exr", "a.exr", "-o", "joined.exr"]).exits(0);
     render(folder.path(), &format!("--spp 24 {crop} --resume -o a.exr")).exits(0);
     let read = |name: &str| read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
     for name in ["joined.exr", "a.exr"] {
-        assert!(is_part(&read(name), (0, 0), &read("whole.exr")), "{name}");
+        assert!(is_part(&read(name), (0, 0), &read("full.exr")), "{name}");
         let header = MetaData::read_from_file(folder.path().join(name), true).expect("it has a header").headers;
         assert_eq!(header[0].own_attributes.layer_position, Vec2(3, 2), "{name}");
     }

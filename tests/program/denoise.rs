@@ -3,7 +3,7 @@
 use crate::common::oidn;
 use crate::common::program::{Ran, finish};
 use crate::common::stats::Random;
-use crate::place::{Place, attribute};
+use crate::sandbox::{Sandbox, attribute};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -72,8 +72,8 @@ fn error(rgb: &[[f32; 3]]) -> f64 {
 }
 
 /// `gpu-rt denoise` with the real library.
-fn denoise(place: &Place, line: &str) -> Ran {
-    let mut command = place.command(&line_of(line));
+fn denoise(sandbox: &Sandbox, line: &str) -> Ran {
+    let mut command = sandbox.command(&line_of(line));
     finish(command.env("OIDN_DIR", oidn::folder()).spawn().expect("the program starts"))
 }
 
@@ -81,13 +81,13 @@ fn line_of(line: &str) -> Vec<&str> {
     std::iter::once("denoise").chain(line.split_whitespace()).collect()
 }
 
-fn at(place: &Place, name: &str) -> std::path::PathBuf {
-    place.work().join(name)
+fn at(sandbox: &Sandbox, name: &str) -> std::path::PathBuf {
+    sandbox.work().join(name)
 }
 
 #[test]
 fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let [rgb, albedo, normal] = noisy();
     let of_rgb = || channels(RGB, &rgb);
     let by_names =
@@ -103,10 +103,10 @@ fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
         ("blender", by_names(blender, of_blender), None),
     ] {
         let exr = format!("{name}.exr");
-        write(&at(&place, &exr), (WIDTH, HEIGHT), layers);
-        let before = fs::read(at(&place, &exr)).unwrap();
-        let ran = denoise(&place, &format!("{exr} -o out.exr --json")).exits(0);
-        assert!(fs::read(at(&place, &exr)).unwrap() == before, "the raw image has changed");
+        write(&at(&sandbox, &exr), (WIDTH, HEIGHT), layers);
+        let before = fs::read(at(&sandbox, &exr)).unwrap();
+        let ran = denoise(&sandbox, &format!("{exr} -o out.exr --json")).exits(0);
+        assert!(fs::read(at(&sandbox, &exr)).unwrap() == before, "the raw image has changed");
         assert!(ran.stderr.contains("warning: denoising biases the result"), "{}", ran.stderr);
         assert_eq!(ran.stderr.contains("loses more detail"), said.is_some(), "{}", ran.stderr);
         assert!(ran.stderr.contains(said.unwrap_or_default()), "{}", ran.stderr);
@@ -117,7 +117,7 @@ fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
             _ => serde_json::json!([]),
         };
         assert_eq!((&json["biases"], &json["layers"]), (&serde_json::json!(["denoise"]), &layers), "{name}");
-        let image = place.exr("out.exr");
+        let image = sandbox.exr("out.exr");
         assert_eq!(attribute(&image, "gpu-rt:biases"), "denoise");
         let denoiser = json["denoiser"].as_str().expect("a name");
         assert!(denoiser.starts_with("Open Image Denoise 2."), "{denoiser}");
@@ -138,16 +138,16 @@ fn header(path: &Path) -> exr::meta::header::Header {
 
 #[test]
 fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
-    let place = Place::new();
-    place.render(&["--spp", "16", "--crop", "3,2,11,9", "--clamp", "10", "--noise", "0.9"]).exits(0);
-    let raw = place.exr("sphere.exr");
-    denoise(&place, "sphere.exr -o out.exr --png out.png").exits(0);
-    let out = place.exr("out.exr");
-    let meta = MetaData::read_from_file(at(&place, "out.exr"), true).expect("an EXR");
+    let sandbox = Sandbox::new();
+    sandbox.render(&["--spp", "16", "--crop", "3,2,11,9", "--clamp", "10", "--noise", "0.9"]).exits(0);
+    let raw = sandbox.exr("sphere.exr");
+    denoise(&sandbox, "sphere.exr -o out.exr --png out.png").exits(0);
+    let out = sandbox.exr("out.exr");
+    let meta = MetaData::read_from_file(at(&sandbox, "out.exr"), true).expect("an EXR");
     assert_eq!(meta.headers.len(), 1);
     let names: Vec<String> = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect();
     assert_eq!(names, ["B", "G", "R"]);
-    let [before, after] = ["sphere.exr", "out.exr"].map(|name| header(&at(&place, name)));
+    let [before, after] = ["sphere.exr", "out.exr"].map(|name| header(&at(&sandbox, name)));
     assert_eq!(after.data_window(), before.data_window());
     assert_eq!((after.own_attributes.layer_position, after.layer_size), (Vec2(3, 2), Vec2(11, 9)));
     assert_eq!(after.shared_attributes, before.shared_attributes);
@@ -166,45 +166,45 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     assert_eq!(out.attributes.iter().cloned().collect::<BTreeMap<_, _>>(), expected);
 
     // An image gives one header, byte for byte, and the picture is that of `develop`.
-    let bytes = |name: &str| fs::read(at(&place, name)).expect("it is read");
-    place.says("develop out.exr -o again.png").exits(0);
+    let bytes = |name: &str| fs::read(at(&sandbox, name)).expect("it is read");
+    sandbox.says("develop out.exr -o again.png").exits(0);
     assert!(bytes("out.png") == bytes("again.png"));
 
     // It is not taken for a render.
     let refused = |line: &str, words: &str| {
-        let ran = place.says(line).exits(2);
+        let ran = sandbox.says(line).exits(2);
         assert!(ran.stderr.contains(words), "{line}: {}", ran.stderr);
     };
     refused("merge out.exr -o merged.exr", "it has no state. Images of other programs, of --no-state and of denoise");
     let resume = ["--resume", "--spp", "32", "-o", "out.exr"];
-    let ran = place.render(&resume).exits(2);
+    let ran = sandbox.render(&resume).exits(2);
     assert!(ran.stderr.contains("nothing to resume: out.exr has no state"), "{}", ran.stderr);
-    let again = denoise(&place, "out.exr -o twice.exr").exits(2);
+    let again = denoise(&sandbox, "out.exr -o twice.exr").exits(2);
     assert!(again.stderr.contains("it is denoised already, by Open Image Denoise 2."), "{}", again.stderr);
-    assert!(!at(&place, "twice.exr").exists());
+    assert!(!at(&sandbox, "twice.exr").exists());
     for (line, name) in [("out.exr sphere.exr", "out.exr"), ("sphere.exr out.exr", "out.exr")] {
-        let ran = place.says(&format!("compare {line}")).exits(0);
+        let ran = sandbox.says(&format!("compare {line}")).exits(0);
         assert!(ran.stderr.contains(&format!("warning: {name} is denoised (Open Image Denoise 2.")), "{}", ran.stderr);
     }
-    assert!(!place.says("compare sphere.exr sphere.exr").exits(0).stderr.contains("denoised"));
+    assert!(!sandbox.says("compare sphere.exr sphere.exr").exits(0).stderr.contains("denoised"));
 }
 
 /// The image is that of a plain render with the two channels, to the byte but for its command line and its times.
 #[test]
 fn a_render_denoises_what_it_has_written() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let oidn = oidn::folder();
     let oidn = oidn.to_str().expect("UTF-8");
-    let before = place.render(&["-o", "plain.exr", "--aov", "albedo,normal", "--png", "plain.png"]).exits(0);
+    let before = sandbox.render(&["-o", "plain.exr", "--aov", "albedo,normal", "--png", "plain.png"]).exits(0);
     assert!(!before.stderr.contains("denois"), "{}", before.stderr);
-    let ran = place.render(&["--denoise", "--oidn", oidn, "--png", "a.png", "--json"]).exits(0);
+    let ran = sandbox.render(&["--denoise", "--oidn", oidn, "--png", "a.png", "--json"]).exits(0);
     assert_eq!(
-        place.files(),
+        sandbox.files(),
         ["a.denoised.png", "a.png", "plain.exr", "plain.png", "sphere.denoised.exr", "sphere.exr"]
     );
-    let [raw, plain] = ["sphere.exr", "plain.exr"].map(|name| place.exr(name));
+    let [raw, plain] = ["sphere.exr", "plain.exr"].map(|name| sandbox.exr(name));
     assert_eq!((&raw.rgb, &raw.variance), (&plain.rgb, &plain.variance));
-    let [raw, plain] = ["a.png", "plain.png"].map(|name| fs::read(at(&place, name)).unwrap());
+    let [raw, plain] = ["a.png", "plain.png"].map(|name| fs::read(at(&sandbox, name)).unwrap());
     assert!(raw == plain, "the picture of the render is not denoised");
     let json = ran.json();
     let denoised = &json["denoised"];
@@ -214,22 +214,22 @@ fn a_render_denoises_what_it_has_written() {
     assert!(ran.stderr.contains("warning: denoising biases the result"), "{}", ran.stderr);
     assert!(ran.last_line().starts_with("sphere.exr: 16 samples"), "{}", ran.stderr);
     // What `denoise` makes of the file is the same.
-    denoise(&place, "sphere.exr -o again.exr --png again.png").exits(0);
-    assert_eq!(place.exr("again.exr"), place.exr("sphere.denoised.exr"));
-    assert!(fs::read(at(&place, "again.png")).unwrap() == fs::read(at(&place, "a.denoised.png")).unwrap());
+    denoise(&sandbox, "sphere.exr -o again.exr --png again.png").exits(0);
+    assert_eq!(sandbox.exr("again.exr"), sandbox.exr("sphere.denoised.exr"));
+    assert!(fs::read(at(&sandbox, "again.png")).unwrap() == fs::read(at(&sandbox, "a.denoised.png")).unwrap());
     let blender = ["--denoise", "--oidn", oidn, "--aov-names", "blender", "--no-state", "-o", "blender.exr", "--json"];
-    let json = place.render(&blender).exits(0).json();
+    let json = sandbox.render(&blender).exits(0).json();
     assert_eq!(json["denoised"]["layers"], serde_json::json!(["albedo", "normal"]));
-    assert_eq!(place.exr("blender.denoised.exr").rgb, place.exr("again.exr").rgb);
+    assert_eq!(sandbox.exr("blender.denoised.exr").rgb, sandbox.exr("again.exr").rgb);
 
     // It can be resumed, and only what has come to its end is denoised.
-    place.render(&["--denoise", "--oidn", oidn, "--resume", "--spp", "32"]).exits(0);
-    assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:samples"), "0..32");
-    assert_eq!(attribute(&place.exr("sphere.denoised.exr"), "gpu-rt:samples"), "0..32");
+    sandbox.render(&["--denoise", "--oidn", oidn, "--resume", "--spp", "32"]).exits(0);
+    assert_eq!(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:samples"), "0..32");
+    assert_eq!(attribute(&sandbox.exr("sphere.denoised.exr"), "gpu-rt:samples"), "0..32");
 
     // What cannot be is refused before rendering.
-    let endless = ["--spp", crate::place::ENDLESS];
-    let files = place.files();
+    let endless = ["--spp", crate::sandbox::ENDLESS];
+    let files = sandbox.files();
     for (line, words, code) in [
         ("--denoise --oidn missing", "missing: neither it", 1),
         ("--denoise -o b.png", "--denoise reads the EXR that the render writes", 2),
@@ -239,24 +239,24 @@ fn a_render_denoises_what_it_has_written() {
         ("--oidn .", "--denoise", 2),
     ] {
         let words_of_line: Vec<&str> = line.split_whitespace().collect();
-        let ran = place.render(&[&endless[..], &words_of_line].concat()).exits(code);
+        let ran = sandbox.render(&[&endless[..], &words_of_line].concat()).exits(code);
         assert!(ran.stderr.contains(words), "{line}: {}", ran.stderr);
-        assert_eq!(place.files(), files, "{line}");
+        assert_eq!(sandbox.files(), files, "{line}");
     }
     // The name of the denoised image is taken, by a folder.
-    fs::create_dir(at(&place, "d.denoised.exr")).unwrap();
-    let ran = place.render(&[&endless[..], &["--denoise", "-o", "d.exr"]].concat()).exits(2);
+    fs::create_dir(at(&sandbox, "d.denoised.exr")).unwrap();
+    let ran = sandbox.render(&[&endless[..], &["--denoise", "-o", "d.exr"]].concat()).exits(2);
     assert!(ran.stderr.contains("d.denoised.exr: cannot write: it is a folder"), "{}", ran.stderr);
 }
 
 #[test]
 fn windows_stay_where_they_are() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let image = vec![[0.5, 0.25, 0.125]; 12];
     let display = IntegerBounds { position: Vec2(-2, 30), size: Vec2(50, 20) };
-    write_at(&at(&place, "a.exr"), (4, 3), (-3, 40), display, vec![channels(RGB, &image)]);
-    denoise(&place, "a.exr -o b.exr").exits(0);
-    let found = header(&at(&place, "b.exr"));
+    write_at(&at(&sandbox, "a.exr"), (4, 3), (-3, 40), display, vec![channels(RGB, &image)]);
+    denoise(&sandbox, "a.exr -o b.exr").exits(0);
+    let found = header(&at(&sandbox, "b.exr"));
     assert_eq!(found.data_window(), IntegerBounds { position: Vec2(-3, 40), size: Vec2(4, 3) });
     assert_eq!(found.shared_attributes.display_window, display);
 }
@@ -267,12 +267,12 @@ fn is_plain(image: &ExrImage) -> bool {
 
 #[test]
 fn any_values_give_finite_ones_and_the_unit_of_radiance_does_not_matter() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let run = |name: &str, size: (usize, usize), image: &[[f32; 3]], guides: [&[[f32; 3]]; 2]| {
         let all = vec![channels(RGB, image), channels(ALBEDO, guides[0]), channels(NORMAL, guides[1])];
-        write(&at(&place, name), size, all);
-        let ran = denoise(&place, &format!("{name} -o out.exr")).exits(0);
-        let out = read_exr(&at(&place, "out.exr")).expect("it is read");
+        write(&at(&sandbox, name), size, all);
+        let ran = denoise(&sandbox, &format!("{name} -o out.exr")).exits(0);
+        let out = read_exr(&at(&sandbox, "out.exr")).expect("it is read");
         assert!(is_plain(&out), "{name}: {:?}", out.rgb);
         (out.rgb, ran.stderr)
     };
@@ -310,14 +310,14 @@ fn any_values_give_finite_ones_and_the_unit_of_radiance_does_not_matter() {
 }
 
 #[test]
-fn places_and_files_that_do_not_fit_are_refused() {
-    let place = Place::new();
-    write(&at(&place, "a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
-    fs::write(at(&place, "text.exr"), "no EXR").unwrap();
-    fs::hard_link(at(&place, "a.exr"), at(&place, "hard.exr")).unwrap();
+fn destinations_and_files_that_do_not_fit_are_refused() {
+    let sandbox = Sandbox::new();
+    write(&at(&sandbox, "a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
+    fs::write(at(&sandbox, "text.exr"), "no EXR").unwrap();
+    fs::hard_link(at(&sandbox, "a.exr"), at(&sandbox, "hard.exr")).unwrap();
     #[cfg(unix)]
-    std::os::unix::fs::symlink("a.exr", at(&place, "link.exr")).unwrap();
-    let files = place.files();
+    std::os::unix::fs::symlink("a.exr", at(&sandbox, "link.exr")).unwrap();
+    let files = sandbox.files();
     let mut lines = vec![
         ("a.exr -o a.exr", "it would overwrite the input a.exr"),
         ("a.exr -o ../work/./a.exr", "it would overwrite the input a.exr"),
@@ -337,11 +337,11 @@ fn places_and_files_that_do_not_fit_are_refused() {
         lines.push(("link.exr -o a.exr", "it would overwrite the input link.exr"));
     }
     for (line, words) in lines {
-        let ran = denoise(&place, line).exits(2);
+        let ran = denoise(&sandbox, line).exits(2);
         assert!(ran.stderr.contains(words) && ran.stdout.is_empty(), "{line}: {ran:?}");
     }
-    assert_eq!(place.files(), files);
-    let png = denoise(&place, "a.exr -o b.exr --png b.png --quiet").exits(0);
+    assert_eq!(sandbox.files(), files);
+    let png = denoise(&sandbox, "a.exr -o b.exr --png b.png --quiet").exits(0);
     assert_eq!((png.stdout.as_str(), png.stderr.as_str()), ("", ""));
 }
 
@@ -349,21 +349,21 @@ fn places_and_files_that_do_not_fit_are_refused() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_library_that_is_missing_or_fails_is_an_error() {
-    let place = Place::new();
-    write(&at(&place, "a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
+    let sandbox = Sandbox::new();
+    write(&at(&sandbox, "a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
     for folder in ["empty", "text", "other", "failing/lib"] {
-        fs::create_dir_all(at(&place, folder)).unwrap();
+        fs::create_dir_all(at(&sandbox, folder)).unwrap();
     }
     let name = "libOpenImageDenoise.so.2";
-    fs::write(at(&place, "text").join(name), "no library\n".repeat(100)).unwrap();
-    fs::copy(oidn::folder().join("libtbb.so.12"), at(&place, "other").join(name)).unwrap();
-    oidn::failing(&at(&place, "failing/lib"));
+    fs::write(at(&sandbox, "text").join(name), "no library\n".repeat(100)).unwrap();
+    fs::copy(oidn::folder().join("libtbb.so.12"), at(&sandbox, "other").join(name)).unwrap();
+    oidn::failing(&at(&sandbox, "failing/lib"));
     let run = |line: &str, folder: &str, fault: &str| {
-        let mut command = place.command(&line_of(line));
+        let mut command = sandbox.command(&line_of(line));
         command.env("OIDN_DIR", folder).env("GPU_RT_DENOISER", fault);
         finish(command.spawn().expect("the program starts"))
     };
-    let files = place.files();
+    let files = sandbox.files();
     let how = ["pip install --target oidn pyoidn", "OIDN_DIR", "--oidn oidn/pyoidn/oidn/lib"];
     for (folder, fault, words, says_how) in [
         // As where no variable is set: the system's own places, which have none here.
@@ -390,8 +390,8 @@ fn a_library_that_is_missing_or_fails_is_an_error() {
             assert_eq!(how.iter().all(|words| last.contains(words)), says_how, "{folder} {fault}: {}", ran.stderr);
         }
     }
-    assert_eq!(place.files(), files);
+    assert_eq!(sandbox.files(), files);
     // What fails so is otherwise used.
     run("a.exr -o b.exr", "failing", "").exits(0);
-    assert_eq!(place.exr("b.exr").rgb, [[0.5; 3]; 12], "the scale of the radiance is that of the image");
+    assert_eq!(sandbox.exr("b.exr").rgb, [[0.5; 3]; 12], "the scale of the radiance is that of the image");
 }

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use crate::common::device::index as software;
 use crate::common::fault::{Fault, put_layer_under, without_threads};
 use crate::common::program::{Ran, command, finish};
-use crate::place::SPHERE;
+use crate::sandbox::SPHERE;
 
 /// A render that a fault must end, in submissions of one bounce, with a checkpoint after each.
 const ENDLESS: [&str; 6] = ["--spp", "1000000000", "--bounces", "1", "--checkpoint", "1ns"];
@@ -20,7 +20,7 @@ const ENDLESS: [&str; 6] = ["--spp", "1000000000", "--bounces", "1", "--checkpoi
 /// Calls at which a render fails, and whether they count from the first checkpoint on.
 const CALLS: [(u32, bool); 3] = [(1, false), (1, true), (50, true)];
 
-fn place() -> TempDir {
+fn sandbox() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("sphere.ron"), SPHERE).expect("the scene is written");
     folder
@@ -71,7 +71,7 @@ fn device_name() -> &'static str {
 fn ends_a_render(functions: &[&str], result: &str, error: &str, variables: &[(&str, &str)]) {
     for function in functions {
         for (call, after) in CALLS {
-            let folder = place();
+            let folder = sandbox();
             let fault = Fault::new(folder.path(), function, call, result);
             let mut command = render(folder.path(), &ENDLESS);
             command.envs(variables.iter().copied());
@@ -104,12 +104,12 @@ fn a_device_without_memory_is_an_error_and_the_last_checkpoint_stays() {
 /// Asserts that a device which is lost once is opened again, and that the render goes on from its last checkpoint: the image is that of a render
 /// without a fault. Each fault has a function, a call of it, and the interval of checkpoints.
 fn is_opened_again(devices: &str, faults: &[(&str, u32, &str)]) {
-    let whole = place();
-    ran(render(whole.path(), &["--spp", "2048", "--quiet"])).exits(0);
-    let whole = image(whole.path());
+    let full = sandbox();
+    ran(render(full.path(), &["--spp", "2048", "--quiet"])).exits(0);
+    let full = image(full.path());
     let arguments = ["render", "sphere.ron", "--device", devices, "--spp", "2048", "--bounces", "1", "--checkpoint"];
     for (function, call, checkpoint) in faults {
-        let folder = place();
+        let folder = sandbox();
         let fault = Fault::once(folder.path(), function, *call, "lost");
         let mut command = command(folder.path(), &[&arguments[..], &[*checkpoint]].concat());
         if *checkpoint == "1ns" {
@@ -122,7 +122,7 @@ fn is_opened_again(devices: &str, faults: &[(&str, u32, &str)]) {
         let image = image(folder.path());
         assert_eq!(
             (&image.rgb, &image.variance, &image.samples),
-            (&whole.rgb, &whole.variance, &whole.samples),
+            (&full.rgb, &full.variance, &full.samples),
             "{fault:?}"
         );
     }
@@ -143,7 +143,7 @@ fn one_of_several_devices_that_is_lost_is_opened_again() {
     let twice = [software(), software()].join(",");
     is_opened_again(&twice, &[("vkQueueSubmit", 12, "1h"), ("vkQueueSubmit", 5, "1ns")]);
     // Where it stays lost, nobody waits for it.
-    let folder = place();
+    let folder = sandbox();
     let fault = Fault::new(folder.path(), "vkQueueSubmit", 1, "lost");
     let mut command = command(folder.path(), &[&["render", "sphere.ron", "--device", &twice], &ENDLESS[..]].concat());
     command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
@@ -178,7 +178,7 @@ fn a_device_that_cannot_be_set_up_is_an_error() {
     let mut errors = Vec::new();
     for (function, result) in functions {
         for call in 1.. {
-            let folder = place();
+            let folder = sandbox();
             let fault = Fault::new(folder.path(), function, call, result);
             let ran = meets(render(folder.path(), &[]), &fault);
             if call > 1 && !fault.has_happened() {
@@ -199,7 +199,7 @@ fn a_device_that_cannot_be_set_up_is_an_error() {
 fn a_device_that_hangs_at_any_wait_lets_the_program_end() {
     let mut errors = 0;
     for call in 1.. {
-        let folder = place();
+        let folder = sandbox();
         let fault = Fault::new(folder.path(), "vkWaitSemaphores", call, "hang");
         let ran = meets(render(folder.path(), &[]), &fault);
         match ran.code() {
@@ -220,7 +220,7 @@ fn a_device_that_hangs_at_any_wait_lets_the_program_end() {
 #[test]
 fn a_device_that_fails_after_the_render_does_no_harm() {
     for result in ["lost", "memory"] {
-        let folder = place();
+        let folder = sandbox();
         let fault = Fault::new(folder.path(), "vkQueueWaitIdle", 1, result);
         meets(render(folder.path(), &[]), &fault).exits(0);
         assert!(fault.has_happened());
@@ -231,7 +231,7 @@ fn a_device_that_fails_after_the_render_does_no_harm() {
 /// Two devices that only their numbers tell apart: the layer has each device twice.
 #[test]
 fn a_name_that_two_devices_have_chooses_neither() {
-    let folder = place();
+    let folder = sandbox();
     let twins = |arguments: &[&str]| {
         let mut command = command(folder.path(), arguments);
         put_layer_under(&mut command);
@@ -254,7 +254,7 @@ fn a_name_that_two_devices_have_chooses_neither() {
 
 #[test]
 fn without_a_thread_the_program_does_the_same() {
-    let folder = place();
+    let folder = sandbox();
     ran(render(folder.path(), &["--size", "20x120", "-o", "with.exr"])).exits(0);
     let commands: [&[&str]; 4] = [
         &["render", "sphere.ron", "--size", "20x120", "--device", software()],

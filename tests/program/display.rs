@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use crate::common::program::{Ran, finish, meanwhile, send};
-use crate::place::{ENDLESS, Place};
+use crate::sandbox::{ENDLESS, Sandbox};
 
 /// The numbers in a packet, at the most: 1 MiB.
 const MOST_NUMBERS: usize = 1 << 18;
@@ -64,11 +64,11 @@ fn update(name: &str, (width, height): (u32, u32), rgb: &[[f32; 3]]) -> Vec<Vec<
     let rows = MOST_NUMBERS / (3 * width as usize);
     let band = |(number, pixels): (usize, &[[f32; 3]])| {
         let (top, rows) = ((number * rows) as u32, (pixels.len() / width as usize) as u32);
-        let places = [0, top, width, rows].map(u32::to_le_bytes).concat();
+        let rectangle = [0, top, width, rows].map(u32::to_le_bytes).concat();
         let (offsets, strides) =
             ([0u64, 1, 2].map(u64::to_le_bytes).concat(), [3u64; 3].map(u64::to_le_bytes).concat());
         let data: Vec<u8> = pixels.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
-        packet(6, 0, name, &[&3u32.to_le_bytes(), b"R\0G\0B\0", &places, &offsets, &strides, &data])
+        packet(6, 0, name, &[&3u32.to_le_bytes(), b"R\0G\0B\0", &rectangle, &offsets, &strides, &data])
     };
     assert_eq!(rgb.len(), (width * height) as usize);
     rgb.chunks(rows * width as usize).enumerate().map(band).collect()
@@ -76,8 +76,8 @@ fn update(name: &str, (width, height): (u32, u32), rgb: &[[f32; 3]]) -> Vec<Vec<
 
 /// One creation, then images, of which the last is that of the file. The number of images.
 #[track_caller]
-fn assert_shown(place: &Place, bytes: &[u8], size: (u32, u32)) -> usize {
-    let image = place.exr("sphere.exr");
+fn assert_shown(sandbox: &Sandbox, bytes: &[u8], size: (u32, u32)) -> usize {
+    let image = sandbox.exr("sphere.exr");
     let last = update("sphere.exr", size, &image.rgb);
     let packets = packets(bytes);
     assert_eq!(packets.concat().len(), bytes.len(), "the last packet is whole");
@@ -92,9 +92,9 @@ fn assert_shown(place: &Place, bytes: &[u8], size: (u32, u32)) -> usize {
     each.len()
 }
 
-fn start(place: &Place, address: &str, more: &[&str]) -> Child {
-    let arguments = [&place.render_sphere(), ["--display-server", address].as_slice(), more].concat();
-    place.command(&arguments).spawn().expect("the program starts")
+fn start(sandbox: &Sandbox, address: &str, more: &[&str]) -> Child {
+    let arguments = [&sandbox.render_sphere(), ["--display-server", address].as_slice(), more].concat();
+    sandbox.command(&arguments).spawn().expect("the program starts")
 }
 
 fn warnings(text: &str) -> usize {
@@ -104,47 +104,47 @@ fn warnings(text: &str) -> usize {
 /// 512 x 300 pixels take two packets.
 #[test]
 fn a_viewer_gets_the_image_of_the_file() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (address, bytes, viewer) = viewer();
-    let ran = finish(start(&place, &address, &["--size", "512x300", "--spp", "1"])).exits(0);
+    let ran = finish(start(&sandbox, &address, &["--size", "512x300", "--spp", "1"])).exits(0);
     viewer.join().expect("the viewer has all");
-    assert!(assert_shown(&place, &bytes.lock().unwrap(), (512, 300)) >= 1);
+    assert!(assert_shown(&sandbox, &bytes.lock().unwrap(), (512, 300)) >= 1);
     assert_eq!(warnings(&ran.stderr), 0, "{}", ran.stderr);
 }
 
 /// Also if nobody looks at stderr.
 #[test]
 fn a_viewer_gets_the_image_so_far() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (address, bytes, viewer) = viewer();
-    let mut child = start(&place, &address, &["--spp", ENDLESS, "--quiet"]);
+    let mut child = start(&sandbox, &address, &["--spp", ENDLESS, "--quiet"]);
     meanwhile(&mut child, || packets(&bytes.lock().unwrap()).len() > 2);
     send(&child, libc::SIGINT);
     finish(child).exits(130);
     viewer.join().expect("the viewer has all");
     let bytes = bytes.lock().unwrap();
-    assert!(assert_shown(&place, &bytes, (20, 12)) > 2);
+    assert!(assert_shown(&sandbox, &bytes, (20, 12)) > 2);
     let packets = packets(&bytes);
     assert!(packets[1] != packets[2], "a later image has more samples");
 }
 
 #[test]
-fn a_viewer_that_goes_away_is_told_of_once() {
-    let place = Place::new();
+fn a_viewer_that_goes_away_is_reported_once() {
+    let sandbox = Sandbox::new();
     let (listener, address) = listen();
-    let log = place.work().join("log");
-    let arguments = [&place.render_sphere(), ["--spp", ENDLESS, "--display-server"].as_slice()].concat();
-    let mut command = place.command(&arguments);
+    let log = sandbox.work().join("log");
+    let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS, "--display-server"].as_slice()].concat();
+    let mut command = sandbox.command(&arguments);
     command.arg(address.to_string()).stderr(fs::File::create(&log).expect("a file is made"));
     let mut child = command.spawn().expect("the program starts");
     let (mut socket, _) = listener.accept().expect("the program comes");
     socket.read_exact(&mut [0; 300]).expect("a first image comes");
     drop((socket, listener));
-    let told = || fs::read_to_string(&log).expect("it can be read");
-    meanwhile(&mut child, || warnings(&told()) > 0);
+    let logged = || fs::read_to_string(&log).expect("it can be read");
+    meanwhile(&mut child, || warnings(&logged()) > 0);
     send(&child, libc::SIGINT);
     finish(child).exits(130);
-    assert_eq!(warnings(&told()), 1, "{}", told());
+    assert_eq!(warnings(&logged()), 1, "{}", logged());
 }
 
 /// A viewer for which systems hold little.
@@ -163,19 +163,19 @@ fn small_viewer() -> (TcpListener, SocketAddr) {
 /// Nobody listens; the viewer ends the connection at once; it never reads, and systems do not hold 6 MB for it.
 #[test]
 fn no_viewer_stops_a_render() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let shown = |address: SocketAddr, more: &[&str]| -> Ran {
         let begun = Instant::now();
-        let ran = finish(start(&place, &address.to_string(), more)).exits(0);
+        let ran = finish(start(&sandbox, &address.to_string(), more)).exits(0);
         assert!(begun.elapsed() < Duration::from_secs(60), "it waited for the viewer");
         assert_eq!(warnings(&ran.stderr), 1, "{}", ran.stderr);
         ran
     };
-    place.render(&[]).exits(0);
-    let usual = place.exr("sphere.exr").rgb;
+    sandbox.render(&[]).exits(0);
+    let usual = sandbox.exr("sphere.exr").rgb;
     let nobody = listen().1;
     shown(nobody, &[]);
-    assert!(place.exr("sphere.exr").rgb == usual, "another image");
+    assert!(sandbox.exr("sphere.exr").rgb == usual, "another image");
 
     let large = ["--size", "1200x400", "--spp", "1", "--no-state"];
     let (listener, address) = small_viewer();
@@ -190,10 +190,10 @@ fn no_viewer_stops_a_render() {
 
 #[test]
 fn a_display_server_without_an_address_is_refused() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for address in ["14158", "localhost", ":14158", "localhost:0", "localhost:70000", "localhost:tev"] {
-        let ran = place.render(&["--display-server", address]).exits(2);
+        let ran = sandbox.render(&["--display-server", address]).exits(2);
         assert!(ran.stderr.contains("expected HOST:PORT"), "{}", ran.stderr);
     }
-    assert!(place.files().is_empty());
+    assert!(sandbox.files().is_empty());
 }

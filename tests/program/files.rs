@@ -2,7 +2,7 @@
 
 use crate::common::device::index as software;
 use crate::common::program::{Ran, finish, meanwhile, send};
-use crate::place::{ENDLESS, Place, SPHERE, attribute, endless, make_pipe};
+use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
 use std::fs::{self, File};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 use std::path::Path;
@@ -13,21 +13,21 @@ use gpu_rt::output::exr::read_exr;
 // Before rendering
 
 /// A render without end, which only a refusal ends within the limit.
-fn refused(place: &Place, more: &[&str]) -> Ran {
-    let ran = place.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
+fn refused(sandbox: &Sandbox, more: &[&str]) -> Ran {
+    let ran = sandbox.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
     assert!(ran.last_line().ends_with("; nothing has been rendered"), "{}", ran.stderr);
     ran
 }
 
 #[test]
-fn places_that_cannot_be_written_are_refused_before_rendering() {
-    let place = Place::new();
-    let at = |name: &str| place.work().join(name);
+fn destinations_that_cannot_be_written_are_refused_before_rendering() {
+    let sandbox = Sandbox::new();
+    let at = |name: &str| sandbox.work().join(name);
     fs::write(at("file"), "").unwrap();
     fs::create_dir(at("folder")).unwrap();
     symlink("missing/a.exr", at("link")).unwrap();
     symlink("loop", at("loop")).unwrap();
-    let before = place.files();
+    let before = sandbox.files();
     let too_long = "n".repeat(256);
     let mut outputs = vec![
         ("missing/a.exr", "the folder missing does not exist"),
@@ -46,31 +46,31 @@ fn places_that_cannot_be_written_are_refused_before_rendering() {
     }
     for (output, words) in outputs {
         for option in ["-o", "--png"] {
-            let ran = refused(&place, &[option, output]);
+            let ran = refused(&sandbox, &[option, output]);
             let says = format!("error: {output}: cannot write: ");
             assert!(ran.last_line().starts_with(&says) && ran.last_line().contains(words), "{option}: {}", ran.stderr);
             assert!(ran.last_line().contains(&format!("Give another name with {option}")), "{}", ran.stderr);
-            assert_eq!(place.files(), before, "{option} {output:?}");
+            assert_eq!(sandbox.files(), before, "{option} {output:?}");
         }
     }
 }
 
 #[test]
 fn the_longest_names_are_written() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for length in [243, 255] {
         let [exr, png] = ["exr", "png"].map(|ending| format!("{}.{ending}", "n".repeat(length - 4)));
-        place.render(&["-o", &exr, "--png", &png, "--checkpoint", "1ms"]).exits(0);
-        assert_eq!(place.files(), [&exr[..], &png]);
-        fs::remove_file(place.work().join(exr)).unwrap();
-        fs::remove_file(place.work().join(png)).unwrap();
+        sandbox.render(&["-o", &exr, "--png", &png, "--checkpoint", "1ms"]).exits(0);
+        assert_eq!(sandbox.files(), [&exr[..], &png]);
+        fs::remove_file(sandbox.work().join(exr)).unwrap();
+        fs::remove_file(sandbox.work().join(png)).unwrap();
     }
 }
 
 #[test]
 fn two_outputs_are_never_one_file() {
-    let place = Place::new();
-    let at = |name: &str| place.work().join(name);
+    let sandbox = Sandbox::new();
+    let at = |name: &str| sandbox.work().join(name);
     fs::create_dir(at("sub")).unwrap();
     fs::write(at("old"), "old").unwrap();
     fs::hard_link(at("old"), at("hard")).unwrap();
@@ -78,7 +78,7 @@ fn two_outputs_are_never_one_file() {
     symlink("sub/new", at("dangling")).unwrap();
     make_pipe(&at("pipe"));
     let absolute = at("new");
-    let before = place.files();
+    let before = sandbox.files();
     for (exr, png) in [
         ("new", "new"),
         ("new", "./new"),
@@ -89,19 +89,19 @@ fn two_outputs_are_never_one_file() {
         ("hard", "link"),
         ("pipe", "sub/../pipe"),
     ] {
-        let ran = refused(&place, &["-o", exr, "--png", png]);
+        let ran = refused(&sandbox, &["-o", exr, "--png", png]);
         assert!(ran.last_line().contains(&format!("{png}: --png names the same file as -o {exr}")), "{}", ran.stderr);
     }
-    assert_eq!(place.files(), before);
+    assert_eq!(sandbox.files(), before);
     assert_eq!(fs::read_to_string(at("old")).unwrap(), "old");
-    place.render(&["-o", "/dev/null", "--png", "/dev/null"]).exits(0);
+    sandbox.render(&["-o", "/dev/null", "--png", "/dev/null"]).exits(0);
 }
 
 /// A folder where the scene `studio.ron` is lit by `studio.exr`, and has three meshes.
-fn studio() -> (Place, Vec<&'static str>) {
-    let place = Place::new();
-    place.render(&["-o", "studio.exr"]).exits(0);
-    let at = |name: &str| place.work().join(name);
+fn studio() -> (Sandbox, Vec<&'static str>) {
+    let sandbox = Sandbox::new();
+    sandbox.render(&["-o", "studio.exr"]).exits(0);
+    let at = |name: &str| sandbox.work().join(name);
     fs::write(at("face.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let numbers: Vec<u8> =
         [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -121,13 +121,13 @@ fn studio() -> (Place, Vec<&'static str>) {
             "objects: [Mesh(path: \"face.obj\", material: \"grey\"), Mesh(path: \"face.gltf\", material: \"grey\"), ",
         );
     fs::write(at("studio.ron"), scene).unwrap();
-    (place, vec!["studio.ron", "studio.exr", "black.png", "face.obj", "face.gltf", "face.bin"])
+    (sandbox, vec!["studio.ron", "studio.exr", "black.png", "face.obj", "face.gltf", "face.bin"])
 }
 
 #[test]
 fn an_output_is_never_an_input_of_the_scene() {
-    let (place, inputs) = studio();
-    let at = |name: &str| place.work().join(name);
+    let (sandbox, inputs) = studio();
+    let at = |name: &str| sandbox.work().join(name);
     let contents = || inputs.iter().map(|name| fs::read(at(name)).unwrap()).collect::<Vec<_>>();
     let before = contents();
     let render = ["render", "studio.ron", "--device", software(), "--spp", ENDLESS];
@@ -138,7 +138,7 @@ fn an_output_is_never_an_input_of_the_scene() {
         let spelling = format!("sub/../{name}");
         for option in ["-o", "--png"] {
             for output in [name, &spelling[..], "link"] {
-                let ran = place.run(&[&render[..], &[option, output, "--quiet"]].concat()).exits(2);
+                let ran = sandbox.run(&[&render[..], &[option, output, "--quiet"]].concat()).exits(2);
                 // Where the EXR has its default name, which is an input too, that is said first.
                 let says = match option {
                     "-o" => format!("error: {output}: it would overwrite the input {name}: give another name with -o"),
@@ -147,47 +147,47 @@ fn an_output_is_never_an_input_of_the_scene() {
                 assert!(ran.last_line().contains(&says), "{}", ran.stderr);
             }
         }
-        let ran = place.run(&[&render[..], &["-o", "new.exr", "--png", name]].concat()).exits(2);
+        let ran = sandbox.run(&[&render[..], &["-o", "new.exr", "--png", name]].concat()).exits(2);
         let says = format!("{name}: it would overwrite the input {name}: give another name with --png");
         assert!(ran.last_line().contains(&says), "{}", ran.stderr);
     }
     // By its default name.
-    let ran = place.run(&render).exits(2);
+    let ran = sandbox.run(&render).exits(2);
     let says = "error: studio.exr: it would overwrite the input studio.exr: give another name with -o";
     assert!(ran.last_line().starts_with(says), "{}", ran.stderr);
     assert!(contents() == before);
-    place.run(&["render", "studio.ron", "--device", software(), "--spp", "1", "-o", "new.exr"]).exits(0);
+    sandbox.run(&["render", "studio.ron", "--device", software(), "--spp", "1", "-o", "new.exr"]).exits(0);
 }
 
 /// That is found before anything is read: these are no images.
 #[test]
 fn merge_overwrites_none_of_its_parts() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for name in ["a.exr", "b.exr"] {
-        fs::write(place.work().join(name), name).unwrap();
+        fs::write(sandbox.work().join(name), name).unwrap();
     }
-    let ran = place.says("merge a.exr b.exr -o ../work/b.exr").exits(2);
+    let ran = sandbox.says("merge a.exr b.exr -o ../work/b.exr").exits(2);
     let says =
         "error: ../work/b.exr: it would overwrite the input b.exr: give another name with -o; nothing has been joined";
     assert_eq!(ran.last_line(), says);
-    assert_eq!(fs::read_to_string(place.work().join("b.exr")).unwrap(), "b.exr");
+    assert_eq!(fs::read_to_string(sandbox.work().join("b.exr")).unwrap(), "b.exr");
 }
 
 /// A temporary file without a lock was left by a writer that died; one with a lock is being written.
 #[test]
 fn temporary_files_of_dead_writers_go_at_the_next_start() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let hash = crc32fast::hash(b"sphere.exr");
     let [stale, live] = ["stale", "alive"].map(|letters| format!(".gpu-rt-{hash:08x}-1-{letters}.part"));
-    fs::write(place.work().join(&stale), "").unwrap();
-    let writer = File::create(place.work().join(&live)).unwrap();
+    fs::write(sandbox.work().join(&stale), "").unwrap();
+    let writer = File::create(sandbox.work().join(&live)).unwrap();
     writer.lock().unwrap();
-    place.render(&[]).exits(0);
-    assert_eq!(place.files(), [&live[..], "sphere.exr"]);
+    sandbox.render(&[]).exits(0);
+    assert_eq!(sandbox.files(), [&live[..], "sphere.exr"]);
     // Dropping it would not do: a process that another test is about to start may still share the lock.
     writer.unlock().unwrap();
-    place.render(&[]).exits(0);
-    assert_eq!(place.files(), ["sphere.exr"]);
+    sandbox.render(&[]).exits(0);
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
 }
 
 // Pipes and devices
@@ -195,42 +195,43 @@ fn temporary_files_of_dead_writers_go_at_the_next_start() {
 /// Were a checkpoint written to the pipe, its reader would have that one.
 #[test]
 fn a_pipe_gets_one_image_at_the_end() {
-    let place = Place::new();
-    let (pipe, copy) = (place.work().join("pipe"), place.work().join("copy"));
+    let sandbox = Sandbox::new();
+    let (pipe, copy) = (sandbox.work().join("pipe"), sandbox.work().join("copy"));
     make_pipe(&pipe);
     let arguments =
-        [&place.render_sphere(), ["-o", "pipe", "--spp", "8192", "--checkpoint", "1ms"].as_slice()].concat();
-    let child = place.command(&arguments).spawn().expect("the program starts");
+        [&sandbox.render_sphere(), ["-o", "pipe", "--spp", "8192", "--checkpoint", "1ms"].as_slice()].concat();
+    let child = sandbox.command(&arguments).spawn().expect("the program starts");
     let reader = std::thread::spawn(move || fs::read(pipe).unwrap());
     finish(child).exits(0);
     fs::write(&copy, reader.join().unwrap()).unwrap();
-    assert_eq!(attribute(&place.exr("copy"), "gpu-rt:complete"), "1");
-    assert_eq!(place.files(), ["copy", "pipe"]);
+    assert_eq!(attribute(&sandbox.exr("copy"), "gpu-rt:complete"), "1");
+    assert_eq!(sandbox.files(), ["copy", "pipe"]);
 }
 
 #[test]
 fn images_go_through_standard_output_and_into_devices() {
-    let place = Place::new();
-    let copy = place.work().join("copy");
+    let sandbox = Sandbox::new();
+    let copy = sandbox.work().join("copy");
     let written = || read_exr(&copy).map(|image| (image.width, image.height)).unwrap();
     // Into a file behind what it has: here, nothing.
     for output in ["/dev/stdout", "/dev/fd/1"] {
-        let mut command = place.command(&[&place.render_sphere()[..], &["-o", output, "--checkpoint", "1ms"]].concat());
+        let mut command =
+            sandbox.command(&[&sandbox.render_sphere()[..], &["-o", output, "--checkpoint", "1ms"]].concat());
         finish(command.stdout(File::create(&copy).unwrap()).spawn().expect("the program starts")).exits(0);
         assert_eq!(written(), (20, 12));
     }
     // Into the pipe of a process.
     let line = "\"$0\" \"$@\" | cat > copy";
     let mut shell = std::process::Command::new("sh");
-    let arguments = [&place.render_sphere()[..], &["-o", "/dev/stdout"]].concat();
-    shell.current_dir(place.work()).args(["-c", line, env!("CARGO_BIN_EXE_gpu-rt")]).args(arguments);
+    let arguments = [&sandbox.render_sphere()[..], &["-o", "/dev/stdout"]].concat();
+    shell.current_dir(sandbox.work()).args(["-c", line, env!("CARGO_BIN_EXE_gpu-rt")]).args(arguments);
     fs::remove_file(&copy).unwrap();
     assert!(shell.output().unwrap().status.success());
     assert_eq!(written(), (20, 12));
-    place.render(&["-o", "/dev/null", "--checkpoint", "1ms"]).exits(0);
-    assert_eq!(place.files(), ["copy"]);
+    sandbox.render(&["-o", "/dev/null", "--checkpoint", "1ms"]).exits(0);
+    assert_eq!(sandbox.files(), ["copy"]);
     if cfg!(target_os = "linux") {
-        let ran = place.render(&["-o", "/dev/full"]).exits(1);
+        let ran = sandbox.render(&["-o", "/dev/full"]).exits(1);
         assert!(ran.last_line().starts_with("error: /dev/full: cannot write: No space left"), "{}", ran.stderr);
     }
 }
@@ -238,42 +239,44 @@ fn images_go_through_standard_output_and_into_devices() {
 // While rendering
 
 /// What a render has said so far; its stderr goes to the file `said`.
-fn said(place: &Place) -> String {
-    fs::read_to_string(place.folder.path().join("said")).unwrap()
+fn said(sandbox: &Sandbox) -> String {
+    fs::read_to_string(sandbox.folder.path().join("said")).unwrap()
 }
 
 /// A render without end into a folder of its own, which has written its first checkpoint.
-fn endless_in_folder(place: &Place, more: &[&str]) -> Child {
-    fs::create_dir(place.work().join("out")).unwrap();
+fn endless_in_folder(sandbox: &Sandbox, more: &[&str]) -> Child {
+    fs::create_dir(sandbox.work().join("out")).unwrap();
     let arguments = ["--spp", ENDLESS, "--checkpoint", "50ms", "-o", "out/a.exr"];
-    let mut command = place.command(&[&place.render_sphere(), &arguments[..], more].concat());
-    command.stderr(File::create(place.folder.path().join("said")).unwrap());
+    let mut command = sandbox.command(&[&sandbox.render_sphere(), &arguments[..], more].concat());
+    command.stderr(File::create(sandbox.folder.path().join("said")).unwrap());
     let mut child = command.spawn().expect("the program starts");
-    meanwhile(&mut child, || place.work().join("out/a.exr").exists());
+    meanwhile(&mut child, || sandbox.work().join("out/a.exr").exists());
     child
 }
 
 #[test]
-fn a_checkpoint_that_fails_is_told_at_once_and_tried_again() {
-    let place = Place::new();
-    let at = |name: &str| place.work().join(name);
-    let mut child = endless_in_folder(&place, &[]);
+fn a_checkpoint_that_fails_is_reported_at_once_and_tried_again() {
+    let sandbox = Sandbox::new();
+    let at = |name: &str| sandbox.work().join(name);
+    let mut child = endless_in_folder(&sandbox, &[]);
     fs::rename(at("out"), at("away")).unwrap();
     let says = "warning: no checkpoint: out/a.exr: cannot write: the folder out does not exist. The render goes on";
-    meanwhile(&mut child, || said(&place).contains(says));
+    meanwhile(&mut child, || said(&sandbox).contains(says));
     // Another reason is told too.
     fs::create_dir_all(at("other/a.exr")).unwrap();
     fs::rename(at("other"), at("out")).unwrap();
-    meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: it is a folder"));
+    meanwhile(&mut child, || {
+        said(&sandbox).contains("warning: no checkpoint: out/a.exr: cannot write: it is a folder")
+    });
     fs::remove_dir(at("out/a.exr")).unwrap();
-    meanwhile(&mut child, || said(&place).contains("the checkpoint is written again") && at("out/a.exr").is_file());
+    meanwhile(&mut child, || said(&sandbox).contains("the checkpoint is written again") && at("out/a.exr").is_file());
     // A file that is gone is written again, without a word.
-    let words = said(&place);
+    let words = said(&sandbox);
     fs::remove_file(at("out/a.exr")).unwrap();
     meanwhile(&mut child, || at("out/a.exr").is_file());
     send(&child, libc::SIGTERM);
     finish(child).exits(143);
-    assert!(!said(&place)[words.len()..].contains("tries again"), "{}", said(&place));
+    assert!(!said(&sandbox)[words.len()..].contains("tries again"), "{}", said(&sandbox));
     assert_eq!(attribute(&read_exr(&at("out/a.exr")).unwrap(), "gpu-rt:complete"), "0");
 }
 
@@ -281,9 +284,9 @@ fn a_checkpoint_that_fails_is_told_at_once_and_tried_again() {
 #[cfg(target_os = "linux")]
 #[test]
 fn on_a_full_disk_the_last_checkpoint_stays() {
-    let place = Place::new();
-    let file = place.work().join("out/a.exr");
-    let mut child = endless_in_folder(&place, &["--size", "64x64"]);
+    let sandbox = Sandbox::new();
+    let file = sandbox.work().join("out/a.exr");
+    let mut child = endless_in_folder(&sandbox, &["--size", "64x64"]);
     let number = child.id() as i32;
     let limit = |bytes: u64| {
         let limit = libc::rlimit { rlim_cur: bytes, rlim_max: libc::RLIM_INFINITY };
@@ -292,28 +295,30 @@ fn on_a_full_disk_the_last_checkpoint_stays() {
         assert_eq!(set, 0, "the limit is set");
     };
     limit(16 << 10);
-    meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: File too large"));
+    meanwhile(&mut child, || {
+        said(&sandbox).contains("warning: no checkpoint: out/a.exr: cannot write: File too large")
+    });
     let before = fs::read(&file).unwrap();
     assert!(before.len() > 16 << 10);
     read_exr(&file).expect("the last checkpoint is whole");
     limit(libc::RLIM_INFINITY);
-    meanwhile(&mut child, || said(&place).contains("the checkpoint is written again"));
+    meanwhile(&mut child, || said(&sandbox).contains("the checkpoint is written again"));
     assert!(fs::read(&file).unwrap() != before);
     send(&child, libc::SIGINT);
     finish(child).exits(130);
-    assert_eq!(fs::read_dir(place.work().join("out")).unwrap().count(), 1, "nothing else is left");
+    assert_eq!(fs::read_dir(sandbox.work().join("out")).unwrap().count(), 1, "nothing else is left");
 }
 
 #[test]
 fn a_replaced_image_keeps_its_mode() {
-    let place = Place::new();
-    let file = place.work().join("sphere.exr");
-    place.render(&[]).exits(0);
+    let sandbox = Sandbox::new();
+    let file = sandbox.work().join("sphere.exr");
+    sandbox.render(&[]).exits(0);
     let mode = |path: &Path| fs::metadata(path).unwrap().mode() & 0o7777;
-    fs::write(place.work().join("plain"), "").unwrap();
-    assert_eq!(mode(&file), mode(&place.work().join("plain")), "a new one has the mode of any new file");
+    fs::write(sandbox.work().join("plain"), "").unwrap();
+    assert_eq!(mode(&file), mode(&sandbox.work().join("plain")), "a new one has the mode of any new file");
     fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
-    let child = endless(&place, &[]);
+    let child = endless(&sandbox, &[]);
     send(&child, libc::SIGINT);
     finish(child).exits(130);
     assert_eq!(mode(&file), 0o640);

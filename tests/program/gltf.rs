@@ -4,42 +4,42 @@ use std::fs;
 
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, png, room};
-use crate::place::Place;
+use crate::sandbox::Sandbox;
 
 /// A place with room.glb among its scenes.
-fn with_room() -> Place {
-    let place = Place::new();
+fn with_room() -> Sandbox {
+    let sandbox = Sandbox::new();
     let (json, binary) = room();
-    fs::write(place.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
-    place
+    fs::write(sandbox.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
+    sandbox
 }
 
 const SMALL: [&str; 4] = ["--size", "16x10", "--spp", "8"];
 
 #[test]
 fn a_converted_scene_renders_to_the_same_image() {
-    let place = with_room();
+    let sandbox = with_room();
     let render = |scene: &str, more: &[&str], to: &str| {
-        place.run(&[&["render", scene, "--device", software(), "-o", to], &SMALL[..], more].concat()).exits(0)
+        sandbox.run(&[&["render", scene, "--device", software(), "-o", to], &SMALL[..], more].concat()).exits(0)
     };
     for (camera, name) in [(&[][..], "first"), (&["--camera", "Left"], "left")] {
         let (ron, of_glb, of_ron) = (format!("{name}.ron"), format!("{name}-glb.exr"), format!("{name}-ron.exr"));
-        place.run(&[&["convert", "../scenes/room.glb", "-o", &ron], camera].concat()).exits(0);
+        sandbox.run(&[&["convert", "../scenes/room.glb", "-o", &ron], camera].concat()).exits(0);
         render("../scenes/room.glb", camera, &of_glb);
         render(&ron, &[], &of_ron);
-        let (expected, found) = (place.exr(&of_glb), place.exr(&of_ron));
+        let (expected, found) = (sandbox.exr(&of_glb), sandbox.exr(&of_ron));
         assert_eq!(expected.rgb, found.rgb, "{name}");
         assert!(expected.rgb.iter().any(|rgb| rgb[0] > 0.0));
     }
-    assert_ne!(place.exr("first-glb.exr").rgb, place.exr("left-glb.exr").rgb);
-    let text = fs::read_to_string(place.work().join("first.ron")).unwrap();
+    assert_ne!(sandbox.exr("first-glb.exr").rgb, sandbox.exr("left-glb.exr").rgb);
+    let text = fs::read_to_string(sandbox.work().join("first.ron")).unwrap();
     assert!(text.contains(r#"Mesh(path: "../scenes/room.glb#meshes/0/primitives/0", material: "Wood")"#), "{text}");
     assert!(text.contains("look_from: (0.0, 1.0, 8.0)"), "{text}");
 }
 
 #[test]
 fn convert_and_gltf_options_refuse_other_files() {
-    let place = with_room();
+    let sandbox = with_room();
     for (words, says) in [
         (
             "convert ../scenes/room.glb -o a.txt",
@@ -56,24 +56,24 @@ fn convert_and_gltf_options_refuse_other_files() {
         ("check ../scenes/sphere.ron --sun", "--sun is for scenes that are .glb or .gltf"),
         ("check ../scenes/sphere.ron --sky a.exr", "--sky is for scenes that are .glb or .gltf"),
     ] {
-        let ran = place.says(words).exits(2);
+        let ran = sandbox.says(words).exits(2);
         assert!(ran.last_line().starts_with(&format!("error: {says}")), "{}", ran.stderr);
     }
-    assert_eq!(place.files(), Vec::<String>::new());
+    assert_eq!(sandbox.files(), Vec::<String>::new());
 }
 
 #[test]
 fn errors_and_warnings_name_the_file_and_the_json() {
-    let place = with_room();
+    let sandbox = with_room();
     let (mut json, binary) = room();
     json["materials"][0]["occlusionTexture"] = serde_json::json!({"index": 0});
-    fs::write(place.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
-    let ran = place.says("check ../scenes/room.glb").exits(0);
+    fs::write(sandbox.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
+    let ran = sandbox.says("check ../scenes/room.glb").exits(0);
     let words = "warning: ../scenes/room.glb: materials[0] (\"Wood\") is approximated: not read: occlusionTexture";
     assert!(ran.stdout.contains(words), "{}", ran.stdout);
     json["textures"][0]["source"] = 3.into();
-    fs::write(place.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
-    let ran = place.says("check ../scenes/room.glb --json").exits(2);
+    fs::write(sandbox.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
+    let ran = sandbox.says("check ../scenes/room.glb --json").exits(2);
     assert_eq!(ran.last_line(), "error: ../scenes/room.glb: textures[0].source: there is no image 3");
     let error = &ran.json()["error"];
     assert_eq!(error["field"], "textures[0].source");
@@ -84,26 +84,26 @@ fn errors_and_warnings_name_the_file_and_the_json() {
 #[test]
 #[cfg(unix)]
 fn a_shared_render_has_the_files_and_the_camera() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (mut json, binary) = room();
     json["buffers"][0]["uri"] = "room.bin".into();
     json["images"][0] = serde_json::json!({"uri": "wood.png"});
-    let scenes = place.folder.path().join("scenes");
+    let scenes = sandbox.folder.path().join("scenes");
     fs::write(scenes.join("room.gltf"), json.to_string()).unwrap();
     fs::write(scenes.join("room.bin"), binary).unwrap();
     fs::write(scenes.join("wood.png"), png()).unwrap();
-    place.says("submit slurm ../scenes/room.gltf --camera Left --parts 2 --spp 16 -o job --dry-run").exits(0);
+    sandbox.says("submit slurm ../scenes/room.gltf --camera Left --parts 2 --spp 16 -o job --dry-run").exits(0);
     let mut names: Vec<_> =
-        fs::read_dir(place.work().join("job/scene")).unwrap().map(|it| it.unwrap().file_name()).collect();
+        fs::read_dir(sandbox.work().join("job/scene")).unwrap().map(|it| it.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["room.bin", "room.gltf", "wood.png"]);
-    let asked = fs::read_to_string(place.work().join("job/job.json")).unwrap();
-    assert!(asked.contains("--camera") && asked.contains("Left"), "{asked}");
+    let job = fs::read_to_string(sandbox.work().join("job/job.json")).unwrap();
+    assert!(job.contains("--camera") && job.contains("Left"), "{job}");
 }
 
 /// A place with lamps.glb among its scenes: squares of the room, lit by a point as Blender's exporter writes it.
-fn with_lamps() -> Place {
-    let place = Place::new();
+fn with_lamps() -> Sandbox {
+    let sandbox = Sandbox::new();
     let (mut json, binary) = room();
     json["asset"]["generator"] = "Khronos glTF Blender I/O v5.0.21".into();
     json["scenes"][0]["nodes"] = serde_json::json!([0, 2, 4]);
@@ -111,28 +111,28 @@ fn with_lamps() -> Place {
         serde_json::json!({"translation": [0, 1, 4], "extensions": {"KHR_lights_punctual": {"light": 0}}});
     json["extensions"] =
         serde_json::json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 683, "name": "Lamp"}]}});
-    fs::write(place.folder.path().join("scenes/lamps.glb"), glb(&json, &binary)).unwrap();
-    place
+    fs::write(sandbox.folder.path().join("scenes/lamps.glb"), glb(&json, &binary)).unwrap();
+    sandbox
 }
 
 /// Blender's exporter multiplies watts by 683 lm/W. Every command divides by that, and `--watts=off` keeps the file's numbers.
 #[test]
 fn lamps_of_blender_are_in_watts_in_every_command() {
-    let place = with_lamps();
-    let run = |line: &str| place.says(&line.replace("LAMPS", "../scenes/lamps.glb")).exits(0);
+    let sandbox = with_lamps();
+    let run = |line: &str| sandbox.says(&line.replace("LAMPS", "../scenes/lamps.glb")).exits(0);
     let render = |scene: &str, options: &str, to: &str| {
         run(&format!("render {scene} --device {} --size 16x10 --spp 8 -o {to} {options}", software()))
     };
     let mean = |name: &str| {
-        let rgb = place.exr(name).rgb;
+        let rgb = sandbox.exr(name).rgb;
         rgb.as_flattened().iter().map(|x| f64::from(*x)).sum::<f64>() / (3.0 * rgb.len() as f64)
     };
-    let told = render("LAMPS", "", "watts.exr").stderr;
-    assert_eq!(told.matches("--watts=off").count(), 1, "{told}");
-    let told = render("LAMPS", "--watts=off", "candela.exr").stderr;
-    assert!(!told.contains("--watts"), "{told}");
+    let stderr = render("LAMPS", "", "watts.exr").stderr;
+    assert_eq!(stderr.matches("--watts=off").count(), 1, "{stderr}");
+    let stderr = render("LAMPS", "--watts=off", "candela.exr").stderr;
+    assert!(!stderr.contains("--watts"), "{stderr}");
     render("LAMPS", "--watts", "asked.exr");
-    assert_eq!(place.exr("watts.exr").rgb, place.exr("asked.exr").rgb);
+    assert_eq!(sandbox.exr("watts.exr").rgb, sandbox.exr("asked.exr").rgb);
     // Radiance is rounded to f32, in units of a power of two.
     let ratio = mean("candela.exr") / mean("watts.exr");
     assert!((ratio / 683.0 - 1.0).abs() < 1e-5, "{ratio}");
@@ -141,8 +141,8 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
         let ran = run(&format!("convert LAMPS -o {name}.ron {options}"));
         assert_eq!(ran.stderr.matches("--watts=off").count(), usize::from(options.is_empty()), "{}", ran.stderr);
         render(&format!("{name}.ron"), "", "converted.exr");
-        assert_eq!(place.exr(&format!("{name}.exr")).rgb, place.exr("converted.exr").rgb, "{name}");
-        fs::remove_file(place.work().join("converted.exr")).unwrap();
+        assert_eq!(sandbox.exr(&format!("{name}.exr")).rgb, sandbox.exr("converted.exr").rgb, "{name}");
+        fs::remove_file(sandbox.work().join("converted.exr")).unwrap();
     }
     for command in ["check", "plan"] {
         let ran = run(&format!("{command} LAMPS"));
@@ -153,12 +153,12 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
 
     // A render goes on with the same lights alone.
     let on = format!("render ../scenes/lamps.glb --device {} --size 16x10 --spp 16 -o watts.exr --resume", software());
-    let refused = place.says(&format!("{on} --watts=off")).exits(2);
+    let refused = sandbox.says(&format!("{on} --watts=off")).exits(2);
     assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
-    place.says(&on).exits(0);
-    let refused = place.says("merge watts.exr candela.exr -o both.exr").exits(2);
+    sandbox.says(&on).exits(0);
+    let refused = sandbox.says("merge watts.exr candela.exr -o both.exr").exits(2);
     assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
-    let refused = place.says("check ../scenes/lamps.glb --watts=no").exits(2);
+    let refused = sandbox.says("check ../scenes/lamps.glb --watts=no").exits(2);
     assert!(refused.stderr.contains("expected on or off"), "{}", refused.stderr);
 }
 
@@ -166,11 +166,11 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
 #[test]
 #[cfg(unix)]
 fn a_shared_render_has_the_gltf_options_that_were_given() {
-    let place = with_lamps();
+    let sandbox = with_lamps();
     let words = |options: &str, folder: &str| {
         let line = format!("submit slurm ../scenes/lamps.glb --parts 2 --spp 16 -o {folder} --dry-run {options}");
-        place.says(&line).exits(0);
-        fs::read_to_string(place.work().join(folder).join("job.json")).unwrap()
+        sandbox.says(&line).exits(0);
+        fs::read_to_string(sandbox.work().join(folder).join("job.json")).unwrap()
     };
     assert!(!words("", "default").contains("watts"));
     assert!(words("--watts=off", "off").contains("\"--watts=off\""));

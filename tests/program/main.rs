@@ -18,10 +18,10 @@ mod files;
 mod gltf;
 #[cfg(unix)]
 mod names;
-mod place;
 #[cfg(target_os = "linux")]
 mod preview;
 mod resume;
+mod sandbox;
 mod shells;
 #[cfg(unix)]
 mod signals;

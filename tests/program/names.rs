@@ -8,11 +8,11 @@ use gpu_rt::output::exr::read_exr;
 
 use crate::common::device::index as software;
 use crate::common::program::{Ran, run};
-use crate::place::{ENDLESS, Place, SPHERE, make_pipe};
+use crate::sandbox::{ENDLESS, SPHERE, Sandbox, make_pipe};
 
 /// Runs the program with a text on its standard input.
-fn fed(place: &Place, arguments: &[&str], text: &str) -> Output {
-    let mut command = place.command(arguments);
+fn fed(sandbox: &Sandbox, arguments: &[&str], text: &str) -> Output {
+    let mut command = sandbox.command(arguments);
     let mut child = command.stdin(Stdio::piped()).spawn().expect("the program starts");
     child.stdin.take().expect("a pipe").write_all(text.as_bytes()).expect("the program reads");
     child.wait_with_output().expect("its output can be read")
@@ -24,108 +24,108 @@ fn words(bytes: &[u8]) -> String {
 
 /// Refused before a render that has no end; no file is made.
 #[track_caller]
-fn refused(place: &Place, more: &[&str]) -> Ran {
-    let before = place.files();
-    let ran = place.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
+fn refused(sandbox: &Sandbox, more: &[&str]) -> Ran {
+    let before = sandbox.files();
+    let ran = sandbox.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
     assert!(ran.last_line().ends_with("; nothing has been rendered"), "{}", ran.stderr);
-    assert_eq!(place.files(), before);
+    assert_eq!(sandbox.files(), before);
     ran
 }
 
 #[test]
 fn the_ending_of_a_name_says_the_format() {
-    let place = Place::new();
-    let ran = place.render(&["-o", "a.png", "--checkpoint", "1ms"]).exits(0);
-    assert_eq!(place.files(), ["a.png"]);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&["-o", "a.png", "--checkpoint", "1ms"]).exits(0);
+    assert_eq!(sandbox.files(), ["a.png"]);
     assert!(ran.last_line().starts_with("a.png: 16 samples, relative error "), "{}", ran.stderr);
     assert!(ran.stderr.contains("no EXR is written"), "{}", ran.stderr);
-    place.render(&["-o", "b.EXR", "--png", "b.PNG"]).exits(0);
-    assert_eq!(place.files(), ["a.png", "b.EXR", "b.PNG"]);
-    let of = |name: &str| fs::read(place.work().join(name)).unwrap();
+    sandbox.render(&["-o", "b.EXR", "--png", "b.PNG"]).exits(0);
+    assert_eq!(sandbox.files(), ["a.png", "b.EXR", "b.PNG"]);
+    let of = |name: &str| fs::read(sandbox.work().join(name)).unwrap();
     assert!(of("a.png").starts_with(b"\x89PNG") && of("a.png") == of("b.PNG"));
-    assert_eq!(place.exr("b.EXR").width, 20);
+    assert_eq!(sandbox.exr("b.EXR").width, 20);
 }
 
 #[test]
 fn names_that_say_no_format_are_refused_before_rendering() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (more, says) in [
         (["-o", "a.jpg"], "error: a.jpg: .jpg is not written, only an EXR or a PNG: give a.exr or a.png with -o"),
         (["-o", "a"], "error: a: a name without an ending says no format: give a.exr or a.png with -o"),
         (["--png", "a.jpg"], "error: a.jpg: .jpg is not written, only a PNG: give a.png with --png"),
         (["--png", "a.exr"], "error: a.exr: this is a PNG: give a.png with --png"),
     ] {
-        let ran = refused(&place, &more);
+        let ran = refused(&sandbox, &more);
         assert!(ran.last_line().starts_with(says), "{}", ran.stderr);
     }
     for name in ["a.jpg", "a.png", "-"] {
-        let ran = place.run(&["merge", "part.exr", "-o", name]).exits(2);
+        let ran = sandbox.run(&["merge", "part.exr", "-o", name]).exits(2);
         assert!(ran.last_line().contains("an EXR: give "), "{}", ran.stderr);
     }
     for name in ["a.jpg", "a.exr", "a", "-"] {
-        let ran = place.run(&["compare", "a.exr", "b.exr", "--heatmap", name]).exits(2);
+        let ran = sandbox.run(&["compare", "a.exr", "b.exr", "--heatmap", name]).exits(2);
         assert!(ran.last_line().ends_with("with --heatmap; nothing has been compared"), "{}", ran.stderr);
     }
-    assert_eq!(place.files(), Vec::<String>::new());
+    assert_eq!(sandbox.files(), Vec::<String>::new());
 }
 
 /// A picture has no state.
 #[test]
 fn a_png_with_channels_or_resume_is_refused() {
-    let place = Place::new();
-    place.render(&["-o", "a.png"]).exits(0);
+    let sandbox = Sandbox::new();
+    sandbox.render(&["-o", "a.png"]).exits(0);
     for resume in ["--resume", "--resume=auto"] {
-        let ran = refused(&place, &["-o", "a.png", resume]);
+        let ran = refused(&sandbox, &["-o", "a.png", resume]);
         let says = "error: a.png: a PNG cannot be resumed, and --resume goes on from an EXR: give -o a.exr --png a.png";
         assert!(ran.last_line().starts_with(says), "{}", ran.stderr);
     }
-    let ran = refused(&place, &["-o", "a.png", "--png", "b.png"]);
+    let ran = refused(&sandbox, &["-o", "a.png", "--png", "b.png"]);
     assert!(ran.last_line().starts_with("error: a.png: -o and --png are both a PNG: give -o a.exr"), "{}", ran.stderr);
-    place.run(&["merge", "a.png", "-o", "b.exr"]).exits(2);
+    sandbox.run(&["merge", "a.png", "-o", "b.exr"]).exits(2);
 }
 
 #[test]
 fn a_pipe_may_have_any_name() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (name, is_png) in [("pipe", false), ("pipe.png", true), ("pipe.txt", false)] {
-        let pipe = place.work().join(name);
+        let pipe = sandbox.work().join(name);
         make_pipe(&pipe);
         let reader = std::thread::spawn(move || fs::read(pipe).unwrap());
-        place.render(&["-o", name]).exits(0);
+        sandbox.render(&["-o", name]).exits(0);
         assert_eq!(reader.join().unwrap().starts_with(b"\x89PNG"), is_png, "{name}");
     }
 }
 
 #[test]
 fn a_dash_is_standard_input_and_output() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let render = ["render", "-", "--device", software()];
-    place.render(&["-o", "a.png", "--quiet"]).exits(0);
-    let png = fs::read(place.work().join("a.png")).unwrap();
+    sandbox.render(&["-o", "a.png", "--quiet"]).exits(0);
+    let png = fs::read(sandbox.work().join("a.png")).unwrap();
     for more in [&["-o", "-"][..], &["--png", "-"]] {
-        let ran = fed(&place, &[&render[..], more].concat(), SPHERE);
+        let ran = fed(&sandbox, &[&render[..], more].concat(), SPHERE);
         assert!(ran.status.success(), "{}", words(&ran.stderr));
         assert!(ran.stdout == png, "{more:?}: {}", words(&ran.stderr));
     }
     // By default the names begin with `stdin`.
-    assert_eq!(place.files(), ["a.png", "stdin.exr"]);
-    read_exr(&place.work().join("stdin.exr")).unwrap();
+    assert_eq!(sandbox.files(), ["a.png", "stdin.exr"]);
+    read_exr(&sandbox.work().join("stdin.exr")).unwrap();
     for more in [["-o", "-"], ["--png", "-"]] {
-        let ran = refused(&place, &[&more[..], &["--json"]].concat());
+        let ran = refused(&sandbox, &[&more[..], &["--json"]].concat());
         assert!(ran.last_line().contains("-: standard output has the report of --json"), "{}", ran.stderr);
     }
     // A file of this name.
-    place.render(&["-o", "./-.exr"]).exits(0);
-    fs::copy(place.folder.path().join("scenes/sphere.ron"), place.work().join("-")).unwrap();
-    place.run(&["check", "./-"]).exits(0);
+    sandbox.render(&["-o", "./-.exr"]).exits(0);
+    fs::copy(sandbox.folder.path().join("scenes/sphere.ron"), sandbox.work().join("-")).unwrap();
+    sandbox.run(&["check", "./-"]).exits(0);
 }
 
 #[test]
 fn scenes_on_standard_input_have_their_paths_here_and_their_errors_named() {
-    let place = Place::new();
-    image::RgbImage::new(1, 1).save(place.work().join("black.png")).unwrap();
+    let sandbox = Sandbox::new();
+    image::RgbImage::new(1, 1).save(sandbox.work().join("black.png")).unwrap();
     let scene = |path: &str| SPHERE.replace("Rgb(0.5, 0.4, 0.3)", &format!("Image(path: \"{path}\")"));
-    let ran = fed(&place, &["check", "-"], &scene("black.png"));
+    let ran = fed(&sandbox, &["check", "-"], &scene("black.png"));
     assert!(ran.status.success(), "{}", words(&ran.stderr));
     let says = "-: valid, 1 primitive, no warnings\n";
     assert_eq!(words(&ran.stdout), says);
@@ -138,7 +138,7 @@ fn scenes_on_standard_input_have_their_paths_here_and_their_errors_named() {
         (String::new(), "error: <stdin>:1:1: Scene: the scene file is empty"),
     ] {
         for command in ["check", "plan", "render"] {
-            let ran = fed(&place, &[command, "-"], &text);
+            let ran = fed(&sandbox, &[command, "-"], &text);
             assert_eq!(ran.status.code(), Some(2));
             assert!(words(&ran.stderr).starts_with(says), "{}", words(&ran.stderr));
         }
@@ -147,7 +147,7 @@ fn scenes_on_standard_input_have_their_paths_here_and_their_errors_named() {
 
 #[test]
 fn a_dash_is_refused_where_a_name_is_needed() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for line in [
         "merge - -o a.exr",
         "compare - b.exr",
@@ -161,10 +161,10 @@ fn a_dash_is_refused_where_a_name_is_needed() {
         "submit slurm ../scenes/sphere.ron --spp 8 --parts 1 --dry-run -o -",
         "status -",
     ] {
-        let ran = place.says(line).exits(2);
+        let ran = sandbox.says(line).exits(2);
         assert!(ran.last_line().starts_with("error: -: expected the name of a"), "{line}: {}", ran.stderr);
     }
-    assert_eq!(place.files(), Vec::<String>::new());
+    assert_eq!(sandbox.files(), Vec::<String>::new());
 }
 
 /// A newcomer copies it into a file of his own.

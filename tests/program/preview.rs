@@ -2,15 +2,15 @@
 
 use crate::common::program::command;
 use crate::common::screen::{interrupted_on_terminal, on_terminal, screen};
-use crate::place::{ENDLESS, Place};
+use crate::sandbox::{ENDLESS, Sandbox};
 
 use gpu_rt::output::view_transform::{Tonemap, ViewTransform};
 
 /// The columns and rows of the sphere.
 const CELLS: (usize, usize) = (20, 6);
 
-fn preview(place: &Place, more: &[&str]) -> std::process::Command {
-    let mut command = command(&place.work(), &[&place.render_sphere(), ["--preview"].as_slice(), more].concat());
+fn preview(sandbox: &Sandbox, more: &[&str]) -> std::process::Command {
+    let mut command = command(&sandbox.work(), &[&sandbox.render_sphere(), ["--preview"].as_slice(), more].concat());
     command.env("COLORTERM", "truecolor");
     command
 }
@@ -23,14 +23,14 @@ fn image_rows(screen: &[String]) -> Vec<usize> {
 /// The colours of each cell are those of a PNG of the file; above the last words, and no wider than the terminal.
 #[test]
 fn the_terminal_shows_the_image_of_the_file() {
-    let place = Place::new();
-    place.render(&[]).exits(0);
-    let usual = place.exr("sphere.exr").rgb;
+    let sandbox = Sandbox::new();
+    sandbox.render(&[]).exits(0);
+    let usual = sandbox.exr("sphere.exr").rgb;
     for more in
         [&["--exposure", "1", "--tonemap", "filmic"] as &[&str], &["--quiet", "--exposure", "1", "--tonemap", "filmic"]]
     {
-        let text = on_terminal(preview(&place, more), 80);
-        let image = place.exr("sphere.exr").rgb;
+        let text = on_terminal(preview(&sandbox, more), 80);
+        let image = sandbox.exr("sphere.exr").rgb;
         assert!(image == usual, "another image");
         let view = ViewTransform { exposure: 1.0, tonemap: Tonemap::Filmic };
         let colour = |x: usize, y: usize| {
@@ -53,12 +53,12 @@ fn the_terminal_shows_the_image_of_the_file() {
 
 /// Three images stand where the first one was drawn, above the progress. After a message the next one stands below it.
 #[test]
-fn images_are_drawn_in_one_place() {
-    let place = Place::new();
+fn images_are_drawn_over_each_other() {
+    let sandbox = Sandbox::new();
     let images = |text: &str| text.matches('▀').count() / (CELLS.0 * CELLS.1);
     // The progress is there again.
     let is_enough = |text: &str| images(text) == 3 && text.rfind("spp") > text.rfind('▀');
-    let text = interrupted_on_terminal(preview(&place, &["--spp", ENDLESS]), 80, is_enough);
+    let text = interrupted_on_terminal(preview(&sandbox, &["--spp", ENDLESS]), 80, is_enough);
     let so_far = text.char_indices().map(|(at, _)| &text[..at]).find(|text| is_enough(text)).expect("it was enough");
     let before = screen(so_far);
     let rows = image_rows(&before);
@@ -78,15 +78,15 @@ fn images_are_drawn_in_one_place() {
 
 #[test]
 fn a_narrow_terminal_gets_a_small_image() {
-    let place = Place::new();
-    let screen = screen(&on_terminal(preview(&place, &["--quiet"]), 12));
+    let sandbox = Sandbox::new();
+    let screen = screen(&on_terminal(preview(&sandbox, &["--quiet"]), 12));
     assert_eq!(screen.iter().map(|row| row.chars().count()).collect::<Vec<_>>(), [11, 11, 11, 0], "{screen:#?}");
 }
 
 #[test]
 fn without_a_terminal_it_is_refused() {
-    let place = Place::new();
-    let ran = place.render(&["--preview"]).exits(2);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.render(&["--preview"]).exits(2);
     assert!(ran.stderr.contains("--preview draws in the terminal"), "{}", ran.stderr);
-    assert!(place.files().is_empty());
+    assert!(sandbox.files().is_empty());
 }

@@ -34,17 +34,17 @@ pub const SCENE: &str = "Scene(
 ";
 
 /// A folder with the scene and its texture.
-struct Place {
+struct Sandbox {
     folder: TempDir,
 }
 
-impl Place {
-    fn new() -> Place {
-        let place = Place { folder: tempfile::tempdir().expect("a temporary folder") };
-        place.write("scene.ron", SCENE);
+impl Sandbox {
+    fn new() -> Sandbox {
+        let sandbox = Sandbox { folder: tempfile::tempdir().expect("a temporary folder") };
+        sandbox.write("scene.ron", SCENE);
         let texture = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([200, 40 * x as u8, 60 * y as u8]));
-        texture.save(place.path("floor.png")).expect("the texture is written");
-        place
+        texture.save(sandbox.path("floor.png")).expect("the texture is written");
+        sandbox
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -85,8 +85,8 @@ impl Place {
     /// Checks that out.exr goes on to so many samples of one render.
     fn is_one_render(&self, end: u64) {
         self.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
-        self.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
-        assert_eq!(self.holds("out.exr").difference(&self.holds("whole.exr")), [""; 0], "{end} samples");
+        self.render(&format!("--quiet --spp {end} -o full.exr")).exits(0);
+        assert_eq!(self.holds("out.exr").difference(&self.holds("full.exr")), [""; 0], "{end} samples");
     }
 
     /// What a file holds.
@@ -102,7 +102,7 @@ pub struct Held {
     variance: Option<Vec<[f32; 3]>>,
     pub film: Film,
     pub samples: String,
-    looks: u32,
+    checks: u32,
     attributes: Vec<(String, Attribute)>,
 }
 
@@ -114,7 +114,7 @@ impl Held {
             ("variance", self.variance != other.variance),
             ("film", self.film != other.film),
             ("samples", self.samples != other.samples),
-            ("looks", self.looks != other.looks),
+            ("checks", self.checks != other.checks),
         ];
         let fields = differs.into_iter().filter(|(_, differs)| *differs).map(|(name, _)| name.to_string());
         let only = |a: &Held, b: &Held| -> Vec<String> {
@@ -134,148 +134,148 @@ impl Held {
             !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene" && name != "gpu-rt:command"
         });
         attributes.sort_by(|a, b| a.0.cmp(&b.0));
-        let State { samples, looks, .. } = state;
-        Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), looks, attributes }
+        let State { samples, looks: checks, .. } = state;
+        Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), checks, attributes }
     }
 }
 
 /// The table: ways to link, slots, samplers and splits, each resumed and joined.
 #[test]
 fn split_and_joined_renders_have_the_bytes_of_one() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for sampler in ["sobol", "independent"] {
-        place.render(&format!("--quiet --sampler {sampler} --spp 64 -o whole.exr")).exits(0);
-        let whole = place.holds("whole.exr");
-        assert_eq!(whole.samples, "0..64");
+        sandbox.render(&format!("--quiet --sampler {sampler} --spp 64 -o full.exr")).exits(0);
+        let full = sandbox.holds("full.exr");
+        assert_eq!(full.samples, "0..64");
         for (ways, first, then) in [
             ("fused, then queues", "--scatter fused --slots 64 --bounces 2", "--scatter queues"),
             ("linked, then fused", "--scatter linked", "--scatter fused --build best --slots 300"),
         ] {
             let ways = format!("{sampler}, {ways}");
-            let render = |more: &str| place.render(&format!("--quiet --sampler {sampler} {more}")).exits(0);
+            let render = |more: &str| sandbox.render(&format!("--quiet --sampler {sampler} {more}")).exits(0);
             render(&format!("--spp 8 -o out.exr --force {first}"));
-            assert!(place.holds("out.exr") != whole, "that they can differ at all is seen");
+            assert!(sandbox.holds("out.exr") != full, "that they can differ at all is seen");
             render(&format!("--spp 40 -o out.exr --resume {then}"));
             render(&format!("--spp 64 -o out.exr --resume=auto {first}"));
-            assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "resumed: {ways}");
+            assert_eq!(sandbox.holds("out.exr").difference(&full), [""; 0], "resumed: {ways}");
 
             render(&format!("--samples 0..16 -o a.exr {first}"));
             render(&format!("--samples 16..24 -o b.exr {then}"));
             render(&format!("--samples 24..48 -o c.exr {then}"));
             render(&format!("--samples 48..64 -o d.exr {first}"));
             for parts in ["d.exr b.exr a.exr c.exr", "a.exr b.exr c.exr d.exr"] {
-                place.says(&format!("merge --quiet {parts} -o out.exr")).exits(0);
-                assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "joined: {ways}, {parts}");
+                sandbox.says(&format!("merge --quiet {parts} -o out.exr")).exits(0);
+                assert_eq!(sandbox.holds("out.exr").difference(&full), [""; 0], "joined: {ways}, {parts}");
             }
             // What is joined is a part, also with a gap, which a render fills.
-            place.says("merge --quiet --allow-gaps d.exr b.exr -o e.exr").exits(0);
-            assert_eq!(place.holds("e.exr").samples, "16..24, 48..64");
-            place.says("merge --quiet e.exr c.exr a.exr -o out.exr").exits(0);
-            assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "joined in two steps: {ways}");
+            sandbox.says("merge --quiet --allow-gaps d.exr b.exr -o e.exr").exits(0);
+            assert_eq!(sandbox.holds("e.exr").samples, "16..24, 48..64");
+            sandbox.says("merge --quiet e.exr c.exr a.exr -o out.exr").exits(0);
+            assert_eq!(sandbox.holds("out.exr").difference(&full), [""; 0], "joined in two steps: {ways}");
             render(&format!("--spp 64 -o e.exr --resume {then}"));
-            assert_eq!(place.holds("e.exr").difference(&whole), [""; 0], "gaps are filled: {ways}");
+            assert_eq!(sandbox.holds("e.exr").difference(&full), [""; 0], "gaps are filled: {ways}");
             for name in ["a", "b", "c", "d", "e"] {
-                fs::remove_file(place.path(&format!("{name}.exr"))).expect("it was there");
+                fs::remove_file(sandbox.path(&format!("{name}.exr"))).expect("it was there");
             }
         }
-        fs::remove_file(place.path("whole.exr")).expect("it was there");
-        fs::remove_file(place.path("out.exr")).expect("it was there");
+        fs::remove_file(sandbox.path("full.exr")).expect("it was there");
+        fs::remove_file(sandbox.path("out.exr")).expect("it was there");
     }
 }
 
 /// Off the ends of runs, the result is the same but for the rounding of f32, and that is said.
 #[test]
 fn within_a_run_the_image_agrees_to_rounding() {
-    let place = Place::new();
-    place.render("--quiet --spp 40 -o whole.exr").exits(0);
-    place.render("--quiet --spp 13 -o out.exr").exits(0);
-    let said = place.render("--spp 40 -o out.exr --resume").exits(0).stderr;
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --spp 40 -o full.exr").exits(0);
+    sandbox.render("--quiet --spp 13 -o out.exr").exits(0);
+    let said = sandbox.render("--spp 40 -o out.exr --resume").exits(0).stderr;
     assert!(said.contains("ends within a run of 8 samples"), "{said}");
-    place.render("--quiet --samples 0..13 -o a.exr").exits(0);
-    place.render("--quiet --samples 13..40 -o b.exr").exits(0);
-    let said = place.says("merge a.exr b.exr -o joined.exr").exits(0).stderr;
+    sandbox.render("--quiet --samples 0..13 -o a.exr").exits(0);
+    sandbox.render("--quiet --samples 13..40 -o b.exr").exits(0);
+    let said = sandbox.says("merge a.exr b.exr -o joined.exr").exits(0).stderr;
     assert!(said.contains("within a run of 8 samples"), "{said}");
-    let whole = place.holds("whole.exr");
+    let full = sandbox.holds("full.exr");
     for name in ["out.exr", "joined.exr"] {
-        let held = place.holds(name);
-        assert_eq!((held.samples.as_str(), held.film.totals().paths), ("0..40", whole.film.totals().paths));
+        let held = sandbox.holds(name);
+        assert_eq!((held.samples.as_str(), held.film.totals().paths), ("0..40", full.film.totals().paths));
         // A run of 8 samples is summed in f32: seven roundings of 2^-24 of it, in either.
-        for (a, b) in held.rgb.as_flattened().iter().zip(whole.rgb.as_flattened()) {
+        for (a, b) in held.rgb.as_flattened().iter().zip(full.rgb.as_flattened()) {
             assert!((a - b).abs() <= 16.0 * f32::EPSILON * b.abs(), "{a} and {b}");
         }
     }
 }
 
-/// A render until an error goes on to the same number of samples, with the same looks; one that has reached it is done.
+/// A render until an error goes on to the same number of samples, with the same checks; one that has reached it is done.
 #[test]
 fn a_render_until_an_error_goes_on() {
-    let place = Place::new();
-    place.render("--quiet --noise 0.04 -o whole.exr").exits(0);
-    let whole = place.holds("whole.exr");
-    assert!(whole.looks > 3, "{} looks", whole.looks);
-    // As an interrupt leaves it: with the looks at 16, 32, … samples up to there.
-    for (end, looks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
-        place.render(&format!("--quiet --spp {end} -o out.exr --force")).exits(0);
-        let path = place.path("out.exr");
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --noise 0.04 -o full.exr").exits(0);
+    let full = sandbox.holds("full.exr");
+    assert!(full.checks > 3, "{} checks", full.checks);
+    // As an interrupt leaves it: with the checks at 16, 32, … samples up to there.
+    for (end, checks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
+        sandbox.render(&format!("--quiet --spp {end} -o out.exr --force")).exits(0);
+        let path = sandbox.path("out.exr");
         let mut state = read_state(&path).expect("it is read").expect("there is a state");
         let mut film = state.film().expect("it fits");
         add_film(&path, &state, &mut film).expect("it is read");
-        state.looks = looks;
+        state.looks = checks;
         write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
             .expect("it is written");
-        place.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
-        assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "from {end} samples");
+        sandbox.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
+        assert_eq!(sandbox.holds("out.exr").difference(&full), [""; 0], "from {end} samples");
     }
-    let before = fs::read(place.path("whole.exr")).expect("it is read");
-    let ran = place.render("--json --noise 0.04 -o whole.exr --resume").exits(0);
+    let before = fs::read(sandbox.path("full.exr")).expect("it is read");
+    let ran = sandbox.render("--json --noise 0.04 -o full.exr --resume").exits(0);
     assert_eq!(ran.json()["noise_reached"], true);
-    assert!(fs::read(place.path("whole.exr")).expect("it is read") == before, "nothing was left to do");
+    assert!(fs::read(sandbox.path("full.exr")).expect("it is read") == before, "nothing was left to do");
 }
 
 /// A finished render is done: exit status 0, the file as it was, and the report of what it holds.
 #[test]
 fn a_finished_render_is_done() {
-    let place = Place::new();
-    place.render("--quiet --spp 16 -o out.exr").exits(0);
-    let before = fs::read(place.path("out.exr")).expect("it is read");
-    for asked in ["--spp 16", "--spp 8"] {
-        let ran = place.render(&format!("{asked} -o out.exr --resume --json --png out.png")).exits(0);
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --spp 16 -o out.exr").exits(0);
+    let before = fs::read(sandbox.path("out.exr")).expect("it is read");
+    for options in ["--spp 16", "--spp 8"] {
+        let ran = sandbox.render(&format!("{options} -o out.exr --resume --json --png out.png")).exits(0);
         let report = ran.json();
         assert_eq!((&report["resumed_from"], &report["samples_per_pixel"]), (&16.into(), &16.into()), "{report}");
         assert!(ran.last_line().contains("16 samples (16 of them resumed)"), "{}", ran.stderr);
-        assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
-        assert!(place.path("out.png").exists());
+        assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before);
+        assert!(sandbox.path("out.png").exists());
     }
     // Without --resume it would be lost.
-    let said = place.render("--spp 8 -o out.exr").exits(2).stderr;
+    let said = sandbox.render("--spp 8 -o out.exr").exits(2).stderr;
     assert!(said.contains("holds 16 samples per pixel of this render") && said.contains("--force"), "{said}");
-    assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+    assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before);
     // So it would where the number of samples is not known before.
-    let ran = place.render("--noise 0.9 --spp 8 -o out.exr --png less.png --json").exits(0);
+    let ran = sandbox.render("--noise 0.9 --spp 8 -o out.exr --png less.png --json").exits(0);
     let said = &ran.stderr;
     assert!(said.contains("out.exr stays as it was: it holds 16 samples") && said.contains("--force"), "{said}");
     let report = ran.json();
     assert_eq!((&report["samples_per_pixel"], &report["output_samples"]), (&8.into(), &16.into()), "{report}");
-    assert!(place.path("less.png").exists());
-    assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+    assert!(sandbox.path("less.png").exists());
+    assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before);
     for goal in ["--spp 8", "--noise 0.9 --spp 8"] {
-        place.render("--quiet --spp 16 -o out.exr").exits(0);
-        place.render(&format!("--quiet {goal} -o out.exr --force")).exits(0);
-        assert_eq!(place.holds("out.exr").samples, "0..8", "{goal}");
+        sandbox.render("--quiet --spp 16 -o out.exr").exits(0);
+        sandbox.render(&format!("--quiet {goal} -o out.exr --force")).exits(0);
+        assert_eq!(sandbox.holds("out.exr").samples, "0..8", "{goal}");
     }
 }
 
 /// What does not fit together is refused with exit status 2, and the message names it. The file stays as it was.
 #[test]
 fn resume_refuses_another_render_and_names_the_difference() {
-    let place = Place::new();
-    place.render("--quiet --spp 16 -o out.exr").exits(0);
-    place.render("--quiet --samples 16..32 -o part.exr").exits(0);
-    let before = fs::read(place.path("out.exr")).expect("it is read");
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --spp 16 -o out.exr").exits(0);
+    sandbox.render("--quiet --samples 16..32 -o part.exr").exits(0);
+    let before = fs::read(sandbox.path("out.exr")).expect("it is read");
     let refused = |line: &str, names: &[&str]| {
-        let said = place.render(&format!("{line} -o out.exr")).exits(2).stderr;
+        let said = sandbox.render(&format!("{line} -o out.exr")).exits(2).stderr;
         assert!(names.iter().all(|name| said.contains(name)), "{line}: {said}");
-        assert!(fs::read(place.path("out.exr")).expect("it is read") == before, "{line}");
+        assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before, "{line}");
     };
     for auto in ["--resume", "--resume=auto"] {
         let other = |line: &str, names: &[&str]| refused(&format!("--spp 32 {auto} {line}"), names);
@@ -290,56 +290,56 @@ fn resume_refuses_another_render_and_names_the_difference() {
     refused("--resume --samples 8..64 --noise 0.1", &["cannot be used with"]);
 
     // The scene: comments, formatting and the paths of files are no part of it.
-    place.write("scene.ron", &format!("// A comment.\n{}", SCENE.replace("radius: 0.6", "radius:   0.60")));
-    place.render("--quiet --spp 16 -o out.exr --resume").exits(0);
-    place.write("scene.ron", &SCENE.replace("radius: 0.6", "radius: 0.61"));
+    sandbox.write("scene.ron", &format!("// A comment.\n{}", SCENE.replace("radius: 0.6", "radius:   0.60")));
+    sandbox.render("--quiet --spp 16 -o out.exr --resume").exits(0);
+    sandbox.write("scene.ron", &SCENE.replace("radius: 0.6", "radius: 0.61"));
     refused("--spp 32 --resume", &["the scene differs"]);
-    fs::create_dir(place.path("textures")).expect("a folder is made");
-    fs::copy(place.path("floor.png"), place.path("textures/wood.png")).expect("it is copied");
-    place.write("scene.ron", &SCENE.replace("floor.png", "textures/wood.png"));
-    place.render("--quiet --spp 16 -o out.exr --resume").exits(0);
+    fs::create_dir(sandbox.path("textures")).expect("a folder is made");
+    fs::copy(sandbox.path("floor.png"), sandbox.path("textures/wood.png")).expect("it is copied");
+    sandbox.write("scene.ron", &SCENE.replace("floor.png", "textures/wood.png"));
+    sandbox.render("--quiet --spp 16 -o out.exr --resume").exits(0);
     let texture = image::RgbImage::from_fn(4, 4, |x, _| image::Rgb([201, 40 * x as u8, 60]));
-    texture.save(place.path("textures/wood.png")).expect("the texture is written");
+    texture.save(sandbox.path("textures/wood.png")).expect("the texture is written");
     refused("--spp 32 --resume", &["textures/wood.png"]);
-    place.write("scene.ron", SCENE);
+    sandbox.write("scene.ron", SCENE);
 
     // There is nothing to resume.
-    let said = place.render("--spp 8 -o missing.exr --resume").exits(2).stderr;
+    let said = sandbox.render("--spp 8 -o missing.exr --resume").exits(2).stderr;
     assert!(said.contains("nothing to resume: missing.exr is not there") && said.contains("--resume=auto"), "{said}");
-    let said = place.render("--spp 8 -o missing.exr --resume=auto").exits(0).stderr;
+    let said = sandbox.render("--spp 8 -o missing.exr --resume=auto").exits(0).stderr;
     assert!(said.contains("nothing to resume") && said.contains("starts afresh"), "{said}");
-    place.render("--quiet --spp 8 --no-state -o bare.exr").exits(0);
-    let said = place.render("--spp 16 -o bare.exr --resume").exits(2).stderr;
+    sandbox.render("--quiet --spp 8 --no-state -o bare.exr").exits(0);
+    let said = sandbox.render("--spp 16 -o bare.exr --resume").exits(2).stderr;
     assert!(said.contains("bare.exr has no state"), "{said}");
 
     // Parts.
     let refused = |line: &str, names: &[&str]| {
-        let said = place.says(&format!("merge {line} -o joined.exr")).exits(2).stderr;
+        let said = sandbox.says(&format!("merge {line} -o joined.exr")).exits(2).stderr;
         assert!(names.iter().all(|name| said.contains(name)), "{line}: {said}");
-        assert!(!place.path("joined.exr").exists(), "{line}");
+        assert!(!sandbox.path("joined.exr").exists(), "{line}");
     };
     refused("out.exr out.exr", &["overlap", "out.exr", "0..16"]);
-    place.render("--quiet --samples 12..20 -o middle.exr").exits(0);
+    sandbox.render("--quiet --samples 12..20 -o middle.exr").exits(0);
     refused("part.exr middle.exr out.exr", &["overlap", "out.exr and middle.exr", "12..16"]);
-    place.render("--quiet --samples 40..48 -o late.exr").exits(0);
+    sandbox.render("--quiet --samples 40..48 -o late.exr").exits(0);
     refused("late.exr out.exr part.exr", &["gap", "32..40", "part.exr", "--allow-gaps"]);
-    place.render("--quiet --samples 16..32 --seed 3 -o seed.exr").exits(0);
+    sandbox.render("--quiet --samples 16..32 --seed 3 -o seed.exr").exits(0);
     refused("out.exr seed.exr", &["mismatch", "out.exr", "seed.exr", "--seed is 0 in out.exr and 3 in seed.exr"]);
     refused("out.exr bare.exr", &["bare.exr", "no state", "--no-state"]);
     refused("out.exr scene.ron", &["scene.ron", "cannot read"]);
     refused("out.exr missing2.exr", &["missing2.exr", "cannot read"]);
-    place.says("merge out.exr part.exr -o out.exr").exits(2);
-    assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+    sandbox.says("merge out.exr part.exr -o out.exr").exits(2);
+    assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before);
 }
 
 /// Another driver may round otherwise: it is refused, unless it is asked for; then the header lists both.
 #[test]
-fn drivers_are_mixed_only_when_asked() {
-    let place = Place::new();
-    place.render("--quiet --samples 0..8 -o a.exr").exits(0);
-    place.render("--quiet --samples 8..16 -o b.exr").exits(0);
+fn drivers_are_mixed_only_on_request() {
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --samples 0..8 -o a.exr").exits(0);
+    sandbox.render("--quiet --samples 8..16 -o b.exr").exits(0);
     // As if another driver had rendered it.
-    let path = place.path("a.exr");
+    let path = sandbox.path("a.exr");
     let mut state = read_state(&path).expect("it is read").expect("there is a state");
     let mut film = state.film().expect("it fits");
     add_film(&path, &state, &mut film).expect("it is read");
@@ -347,14 +347,14 @@ fn drivers_are_mixed_only_when_asked() {
     state.devices = vec![("Some GPU".to_string(), "driver 1.0".to_string())];
     write_render(&path, &film, &attributes, Some(&state), || Ok(())).expect("it is written");
 
-    let said = place.render("--spp 16 -o a.exr --resume").exits(2).stderr;
+    let said = sandbox.render("--spp 16 -o a.exr --resume").exits(2).stderr;
     assert!(said.contains("Some GPU (driver 1.0)") && said.contains("--mixed-drivers"), "{said}");
-    let said = place.says("merge a.exr b.exr -o joined.exr").exits(2).stderr;
+    let said = sandbox.says("merge a.exr b.exr -o joined.exr").exits(2).stderr;
     assert!(said.contains("mismatch") && said.contains("Some GPU (driver 1.0)"), "{said}");
-    place.says("merge --quiet --mixed-drivers a.exr b.exr -o joined.exr").exits(0);
-    place.render("--quiet --spp 16 -o a.exr --resume --mixed-drivers").exits(0);
+    sandbox.says("merge --quiet --mixed-drivers a.exr b.exr -o joined.exr").exits(0);
+    sandbox.render("--quiet --spp 16 -o a.exr --resume --mixed-drivers").exits(0);
     for name in ["joined.exr", "a.exr"] {
-        let attributes = read_attributes(&place.path(name)).expect("it is read");
+        let attributes = read_attributes(&sandbox.path(name)).expect("it is read");
         let driver = attributes.iter().find(|(name, _)| name == "gpu-rt:driver").expect("it is there");
         assert!(matches!(&driver.1, Attribute::Text(text) if text.starts_with("driver 1.0; ")), "{name}: {driver:?}");
     }
@@ -364,41 +364,41 @@ fn drivers_are_mixed_only_when_asked() {
 #[cfg(unix)]
 #[test]
 fn several_devices_have_the_bytes_of_one() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let several = |devices: usize| vec![software(); devices].join(",");
     let render = |devices: usize, more: &str| {
-        place.says(&format!("render scene.ron --quiet --device {} --spp 520 {more}", several(devices))).exits(0)
+        sandbox.says(&format!("render scene.ron --quiet --device {} --spp 520 {more}", several(devices))).exits(0)
     };
     render(1, "-o one.exr");
     for devices in [2, 3] {
         render(devices, "-o several.exr --checkpoint 0.05s");
-        assert_eq!(place.holds("several.exr").difference(&place.holds("one.exr")), [""; 0], "{devices} devices");
+        assert_eq!(sandbox.holds("several.exr").difference(&sandbox.holds("one.exr")), [""; 0], "{devices} devices");
     }
     // What several devices leave when they are stopped may have gaps.
     let line =
         format!("render scene.ron --quiet --device {} --spp 100000000 -o out.exr --checkpoint 0.05s", several(3));
     let mut child =
-        command(place.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
-    meanwhile(&mut child, || place.path("out.exr").exists());
+        command(sandbox.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
+    meanwhile(&mut child, || sandbox.path("out.exr").exists());
     let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     assert!(kill.expect("kill is there").success());
     finish(child).exits(143);
-    let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples;
-    place.is_one_render(u64::from(held.range().end) + 8);
+    let held = read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state").samples;
+    sandbox.is_one_render(u64::from(held.range().end) + 8);
     // Also a render until an error goes on with gaps.
     let gaps = "merge --quiet --allow-gaps a.exr b.exr -o gaps.exr";
-    place.render("--quiet --samples 0..8 -o a.exr").exits(0);
-    place.render("--quiet --samples 32..40 -o b.exr").exits(0);
+    sandbox.render("--quiet --samples 0..8 -o a.exr").exits(0);
+    sandbox.render("--quiet --samples 32..40 -o b.exr").exits(0);
     for (goal, image) in [("--spp 64 --noise 0.0001", "noise.exr"), ("--spp 64 --time 1h", "time.exr")] {
-        place.says(gaps).exits(0);
-        place.render(&format!("--quiet {goal} -o gaps.exr --resume")).exits(0);
-        place.render(&format!("--quiet {goal} -o {image}")).exits(0);
-        let (mut resumed, whole) = (place.holds("gaps.exr"), place.holds(image));
+        sandbox.says(gaps).exits(0);
+        sandbox.render(&format!("--quiet {goal} -o gaps.exr --resume")).exits(0);
+        sandbox.render(&format!("--quiet {goal} -o {image}")).exits(0);
+        let (mut resumed, full) = (sandbox.holds("gaps.exr"), sandbox.holds(image));
         assert!(resumed.film.totals().paths > 40 * 24 * 16);
-        // The looks are those of the part that has been joined, and later ones.
-        resumed.looks = whole.looks;
-        resumed.attributes.clone_from(&whole.attributes);
-        assert_eq!(resumed.difference(&whole), [""; 0], "{goal}");
+        // The checks are those of the part that has been joined, and later ones.
+        resumed.checks = full.checks;
+        resumed.attributes.clone_from(&full.attributes);
+        assert_eq!(resumed.difference(&full), [""; 0], "{goal}");
     }
 }
 
@@ -406,23 +406,23 @@ fn several_devices_have_the_bytes_of_one() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_render_goes_on() {
-    let place = Place::new();
-    let mut child = place.spawn("--spp 100000 --quiet --checkpoint 0.05s -o out.exr");
-    meanwhile(&mut child, || place.path("out.exr").exists());
+    let sandbox = Sandbox::new();
+    let mut child = sandbox.spawn("--spp 100000 --quiet --checkpoint 0.05s -o out.exr");
+    meanwhile(&mut child, || sandbox.path("out.exr").exists());
     let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(kill.expect("kill is there").success());
     let ran = finish(child);
     assert!(ran.stderr.contains("out.exr holds") && ran.stderr.contains("--resume"), "{}", ran.stderr);
-    let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
+    let held = read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
     assert!(
         ran.stderr.contains(&format!("holds {held} samples per pixel")) && held.is_multiple_of(8),
         "{}",
         ran.stderr
     );
     let end = held + 16;
-    place.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
-    place.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
-    assert_eq!(place.holds("out.exr").difference(&place.holds("whole.exr")), [""; 0], "{held} of {end} samples");
+    sandbox.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
+    sandbox.render(&format!("--quiet --spp {end} -o full.exr")).exits(0);
+    assert_eq!(sandbox.holds("out.exr").difference(&sandbox.holds("full.exr")), [""; 0], "{held} of {end} samples");
 }
 
 /// A render that is killed at any moment leaves a file that can be read, and that a later one goes on from.
@@ -441,20 +441,20 @@ fn a_render_killed_at_200_moments_goes_on() {
 
 #[cfg(unix)]
 fn killed_at_moments(moments: u64) {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let mut held = 0;
     for moment in 0..moments {
-        let mut child = place.spawn("--spp 1000000 --quiet --checkpoint 0.02s --resume=auto -o out.exr");
+        let mut child = sandbox.spawn("--spp 1000000 --quiet --checkpoint 0.02s --resume=auto -o out.exr");
         if moment == 0 {
-            meanwhile(&mut child, || place.path("out.exr").exists());
+            meanwhile(&mut child, || sandbox.path("out.exr").exists());
         }
         // Some starting, some rendering, some writing.
         std::thread::sleep(Duration::from_millis(moment * 977 % 400));
         child.kill().expect("it can be killed");
         child.wait().expect("it ends");
-        held = place.holds_at_least(held);
+        held = sandbox.holds_at_least(held);
     }
-    place.is_one_render(held + 8);
+    sandbox.is_one_render(held + 8);
 }
 
 /// A render is killed at each call of the system on files, from the first of a checkpoint to the last: the old file is there, or the new one.
@@ -475,18 +475,18 @@ fn a_render_killed_at_each_call_of_a_checkpoint_goes_on() {
 #[cfg(target_os = "linux")]
 fn killed_at_calls(step: usize) {
     use crate::common::kills::kill_before;
-    let place = Place::new();
-    place.render("--quiet --size 24x16 --spp 8 -o out.exr").exits(0);
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --size 24x16 --spp 8 -o out.exr").exits(0);
     let mut held = 8;
     let killed = |call: usize| {
-        let command = place.command("--spp 100000000 --quiet --checkpoint 1ns --resume -o out.exr");
+        let command = sandbox.command("--spp 100000000 --quiet --checkpoint 1ns --resume -o out.exr");
         assert!(kill_before(command, call), "the render has ended by itself");
     };
     // The end of a checkpoint.
     let mut calls = 1;
     let last = loop {
         killed(calls);
-        let now = place.holds_at_least(held);
+        let now = sandbox.holds_at_least(held);
         if now > held {
             break calls;
         }
@@ -495,12 +495,13 @@ fn killed_at_calls(step: usize) {
     };
     for call in (1..=last + 3).step_by(step) {
         killed(call);
-        held = place.holds_at_least(held);
+        held = sandbox.holds_at_least(held);
     }
     // Only the last one may have left a temporary file, which the next start removes.
-    place.is_one_render(held + 8);
-    let left =
-        fs::read_dir(place.folder.path()).expect("it is listed").map(|entry| entry.expect("it is listed").file_name());
+    sandbox.is_one_render(held + 8);
+    let left = fs::read_dir(sandbox.folder.path())
+        .expect("it is listed")
+        .map(|entry| entry.expect("it is listed").file_name());
     let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains(".part")).collect();
     assert!(left.is_empty(), "{left:?}");
 }
@@ -508,16 +509,16 @@ fn killed_at_calls(step: usize) {
 /// A checkpoint never replaces one of the same render that holds more: another process may be ahead.
 #[test]
 fn a_checkpoint_of_more_samples_stays() {
-    let place = Place::new();
-    place.render("--quiet --spp 4096 -o out.exr").exits(0);
-    let before = fs::read(place.path("out.exr")).expect("it is read");
-    let mut child = place.spawn("--spp 100000000 --checkpoint 0.02s -o out.exr");
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --spp 4096 -o out.exr").exits(0);
+    let before = fs::read(sandbox.path("out.exr")).expect("it is read");
+    let mut child = sandbox.spawn("--spp 100000000 --checkpoint 0.02s -o out.exr");
     let mut seen = false;
     for _ in 0..40 {
         std::thread::sleep(Duration::from_millis(10));
-        let state = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state");
+        let state = read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state");
         assert!(state.samples.count() >= 4096, "{}", state.samples);
-        seen |= fs::read(place.path("out.exr")).expect("it is read") == before;
+        seen |= fs::read(sandbox.path("out.exr")).expect("it is read") == before;
     }
     assert!(seen);
     child.kill().expect("it can be killed");
@@ -527,11 +528,11 @@ fn a_checkpoint_of_more_samples_stays() {
 /// A file that is damaged anywhere is refused, or is what it was; nothing panics, and no wrong total is taken.
 #[test]
 fn damaged_states_are_refused() {
-    let place = Place::new();
-    place.render("--quiet --spp 8 --size 6x5 -o out.exr").exits(0);
-    let whole = place.holds("out.exr");
-    let bytes = fs::read(place.path("out.exr")).expect("it is read");
-    let path = place.path("broken.exr");
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --spp 8 --size 6x5 -o out.exr").exits(0);
+    let full = sandbox.holds("out.exr");
+    let bytes = fs::read(sandbox.path("out.exr")).expect("it is read");
+    let path = sandbox.path("broken.exr");
     let read = |bytes: &[u8]| -> Option<Film> {
         fs::write(&path, bytes).expect("it is written");
         let state = read_state(&path).ok()??;
@@ -539,17 +540,17 @@ fn damaged_states_are_refused() {
         add_film(&path, &state, &mut film).ok()?;
         Some(film)
     };
-    assert!(read(&bytes).expect("it is whole") == whole.film);
+    assert!(read(&bytes).expect("it is whole") == full.film);
     let mut refused = 0;
-    for place in (0..bytes.len()).step_by(3) {
+    for sandbox in (0..bytes.len()).step_by(3) {
         let mut broken = bytes.clone();
-        broken[place] ^= 1 << (place % 8);
+        broken[sandbox] ^= 1 << (sandbox % 8);
         match read(&broken) {
             // The bit was in the picture, in a name, or in what the state is of.
-            Some(film) => assert!((0..30).all(|pixel| film.words(pixel) == whole.film.words(pixel)), "byte {place}"),
+            Some(film) => assert!((0..30).all(|pixel| film.words(pixel) == full.film.words(pixel)), "byte {sandbox}"),
             None => refused += 1,
         }
-        assert!(read(&bytes[..place]).is_none_or(|film| film == whole.film), "{place} bytes");
+        assert!(read(&bytes[..sandbox]).is_none_or(|film| film == full.film), "{sandbox} bytes");
     }
     assert!(refused > 0);
 }
@@ -558,11 +559,11 @@ fn damaged_states_are_refused() {
 #[test]
 fn ten_thousand_parts_are_joined() {
     const PARTS: u32 = 10_000;
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let ends = |part: u32| (10_000_000 + 8 * part, 10_000_008 + 8 * part);
     let (start, end) = ends(0);
-    place.render(&format!("--quiet --size 3x2 --samples {start}..{end} -o part.exr")).exits(0);
-    let bytes = fs::read(place.path("part.exr")).expect("it is read");
+    sandbox.render(&format!("--quiet --size 3x2 --samples {start}..{end} -o part.exr")).exits(0);
+    let bytes = fs::read(sandbox.path("part.exr")).expect("it is read");
     let said = format!("[[{start},{end}]]");
     let at = bytes.windows(said.len()).position(|window| window == said.as_bytes()).expect("the state says its range");
     let mut names = Vec::new();
@@ -572,19 +573,19 @@ fn ten_thousand_parts_are_joined() {
         let mut bytes = bytes.clone();
         bytes[at..at + said.len()].copy_from_slice(format!("[[{start},{end}]]").as_bytes());
         let name = format!("{part}.exr");
-        fs::write(place.path(&name), bytes).expect("it is written");
+        fs::write(sandbox.path(&name), bytes).expect("it is written");
         names.push(name);
     }
     let mut arguments = vec!["merge", "--json", "-o", "joined.exr"];
     arguments.extend(names.iter().map(String::as_str));
-    let report = run(place.folder.path(), &arguments).exits(0).json();
+    let report = run(sandbox.folder.path(), &arguments).exits(0).json();
     assert_eq!((&report["parts"], &report["samples_per_pixel"]), (&PARTS.into(), &(8 * PARTS).into()));
-    let held = place.holds("joined.exr");
+    let held = sandbox.holds("joined.exr");
     assert_eq!(
         (held.samples, held.film.totals().paths),
         (format!("{start}..{}", ends(PARTS - 1).1), 6 * 8 * u64::from(PARTS))
     );
     // All parts have the pixels of the first one, and so has their mean.
-    let first = read_exr(&place.path("part.exr")).expect("it is read");
+    let first = read_exr(&sandbox.path("part.exr")).expect("it is read");
     assert_eq!(held.rgb, first.rgb);
 }

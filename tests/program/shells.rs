@@ -3,38 +3,38 @@
 use std::fs;
 use std::process::Command;
 
-use crate::place::Place;
+use crate::sandbox::Sandbox;
 
 #[test]
 fn shells_complete_commands_and_options() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let script = place.run(&["completions", shell]).exits(0).stdout;
+        let script = sandbox.run(&["completions", shell]).exits(0).stdout;
         for word in ["gpu-rt", "tradeoff", "max-depth", "independent"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }
-    let script = place.work().join("gpu-rt.bash");
-    fs::write(&script, place.run(&["completions", "bash"]).exits(0).stdout).expect("it is written");
+    let script = sandbox.work().join("gpu-rt.bash");
+    fs::write(&script, sandbox.run(&["completions", "bash"]).exits(0).stdout).expect("it is written");
     // What the shell does at a tab: it calls the function that is registered for the program.
     let complete = "set -- $(complete -p gpu-rt); while [ \"$1\" != -F ]; do shift; done; \
         COMP_WORDS=(gpu-rt tra); COMP_CWORD=1; $2 gpu-rt tra gpu-rt; echo \"${COMPREPLY[@]}\"";
     let found = Command::new("bash").args(["-c", &format!("source \"$0\" && {complete}")]).arg(&script).output();
     assert_eq!(String::from_utf8_lossy(&found.expect("bash runs").stdout), "tradeoff\n");
-    let ran = place.run(&["completions", "tcsh"]).exits(2);
+    let ran = sandbox.run(&["completions", "tcsh"]).exits(2);
     assert!(ran.stderr.contains("possible values: bash"), "{}", ran.stderr);
 }
 
 #[test]
 fn every_command_has_a_manual_page() {
-    let place = Place::new();
-    let page = place.run(&["man"]).exits(0).stdout;
+    let sandbox = Sandbox::new();
+    let page = sandbox.run(&["man"]).exits(0).stdout;
     assert!(page.contains(".TH gpu-rt 1") && page.contains("tradeoff"), "{page}");
-    place.run(&["man", "pages/man1"]).exits(0);
-    let read = |name: &str| fs::read_to_string(place.work().join(format!("pages/man1/{name}.1"))).unwrap_or_default();
+    sandbox.run(&["man", "pages/man1"]).exits(0);
+    let read = |name: &str| fs::read_to_string(sandbox.work().join(format!("pages/man1/{name}.1"))).unwrap_or_default();
     assert_eq!(read("gpu-rt"), page);
     // Every command that help lists, and no other.
-    let help = place.run(&["--help"]).exits(0).stdout;
+    let help = sandbox.run(&["--help"]).exits(0).stdout;
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let listed: Vec<&str> = listed.filter(|line| line.starts_with("  ") && !line.starts_with("   ")).collect();
     let names: Vec<&str> =
@@ -42,6 +42,6 @@ fn every_command_has_a_manual_page() {
     assert!(names.contains(&"render") && names.len() >= 10, "{names:?}");
     assert!(names.iter().all(|name| read(&format!("gpu-rt-{name}")).contains(".SH SYNOPSIS")), "{names:?}");
     assert!(read("gpu-rt-render").contains("max\\-depth") && read("gpu-rt-submit-slurm").contains(".SH OPTIONS"));
-    let pages = fs::read_dir(place.work().join("pages/man1")).expect("a folder").count();
+    let pages = fs::read_dir(sandbox.work().join("pages/man1")).expect("a folder").count();
     assert_eq!(pages, 1 + names.len() + 1, "the program, its commands, and `submit slurm`");
 }

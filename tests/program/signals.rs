@@ -2,7 +2,7 @@
 
 use crate::common::device::index as software;
 use crate::common::program::{finish, meanwhile, send, until, with_signals};
-use crate::place::{ENDLESS, Place, SPHERE, attribute, endless, make_pipe};
+use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
 use std::fs;
 use std::path::Path;
 
@@ -13,14 +13,14 @@ fn each_signal_keeps_the_image_and_has_its_exit_status() {
     for (signal, status, name) in
         [(libc::SIGINT, 130, "SIGINT"), (libc::SIGTERM, 143, "SIGTERM"), (libc::SIGHUP, 129, "SIGHUP")]
     {
-        let place = Place::new();
-        let child = endless(&place, &["--png", "sphere.png"]);
+        let sandbox = Sandbox::new();
+        let child = endless(&sandbox, &["--png", "sphere.png"]);
         send(&child, signal);
         let ran = finish(child).exits(status);
         let says = format!("error: interrupted by {name}; sphere.exr holds ");
         assert!(ran.last_line().starts_with(&says), "{}", ran.stderr);
-        assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:complete"), "0");
-        assert_eq!(place.files(), ["sphere.exr", "sphere.png"]);
+        assert_eq!(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:complete"), "0");
+        assert_eq!(sandbox.files(), ["sphere.exr", "sphere.png"]);
     }
 }
 
@@ -33,12 +33,12 @@ fn next_checkpoint(child: &mut std::process::Child, file: &Path) {
 
 #[test]
 fn a_signal_that_nohup_ignores_stays_ignored() {
-    let place = Place::new();
-    let arguments = [&place.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice()].concat();
-    let mut command = place.command(&arguments);
+    let sandbox = Sandbox::new();
+    let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice()].concat();
+    let mut command = sandbox.command(&arguments);
     with_signals(&mut command, libc::SIG_IGN);
     let mut child = command.spawn().expect("the program starts");
-    let file = place.work().join("sphere.exr");
+    let file = sandbox.work().join("sphere.exr");
     meanwhile(&mut child, || file.exists());
     for signal in [libc::SIGHUP, libc::SIGTERM, libc::SIGINT] {
         send(&child, signal);
@@ -52,12 +52,12 @@ fn a_signal_that_nohup_ignores_stays_ignored() {
 /// The PNG is a pipe that nobody reads: there the program waits until the second signal.
 #[test]
 fn a_second_signal_ends_the_program_while_it_writes() {
-    let place = Place::new();
-    make_pipe(&place.work().join("pipe"));
-    let arguments = [&place.render_sphere(), ["--png", "pipe", "--checkpoint", "1h"].as_slice()].concat();
-    let mut child = place.command(&arguments).spawn().expect("the program starts");
+    let sandbox = Sandbox::new();
+    make_pipe(&sandbox.work().join("pipe"));
+    let arguments = [&sandbox.render_sphere(), ["--png", "pipe", "--checkpoint", "1h"].as_slice()].concat();
+    let mut child = sandbox.command(&arguments).spawn().expect("the program starts");
     // Without a checkpoint before, it is the whole image.
-    meanwhile(&mut child, || place.work().join("sphere.exr").exists());
+    meanwhile(&mut child, || sandbox.work().join("sphere.exr").exists());
     until(&mut child, |child| {
         send(child, libc::SIGTERM);
         child.try_wait().expect("the program can be asked").is_some()
@@ -65,7 +65,7 @@ fn a_second_signal_ends_the_program_while_it_writes() {
     let ran = finish(child).exits(143);
     let says = "error: ended at once by a second signal, SIGTERM; sphere.exr holds the image";
     assert_eq!(ran.last_line(), says, "{}", ran.stderr);
-    assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:complete"), "1");
+    assert_eq!(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:complete"), "1");
 }
 
 /// Behind the first signal the program may come to its end, which takes a tenth of a second: in one of twenty it does not. Which of
@@ -73,15 +73,15 @@ fn a_second_signal_ends_the_program_while_it_writes() {
 #[test]
 fn a_second_signal_says_what_is_lost() {
     let is_lost = |_| {
-        let place = Place::new();
-        let child = endless(&place, &[]);
+        let sandbox = Sandbox::new();
+        let child = endless(&sandbox, &[]);
         send(&child, libc::SIGINT);
         send(&child, libc::SIGHUP);
         let ran = finish(child);
         let second = if ran.code() == 129 { "SIGHUP" } else { "SIGINT" };
         let says = format!("a second signal, {second}; sphere.exr holds the last checkpoint; what came since is lost");
         assert!([129, 130].contains(&ran.code()), "{ran:?}");
-        place.exr("sphere.exr");
+        sandbox.exr("sphere.exr");
         ran.last_line().ends_with(&says)
     };
     assert!((0..20).any(is_lost));
@@ -89,29 +89,29 @@ fn a_second_signal_says_what_is_lost() {
 
 #[test]
 fn an_interrupted_convergence_keeps_its_rows() {
-    let place = Place::new();
-    place.render(&["-o", "reference.exr"]).exits(0);
-    let said = place.folder.path().join("said");
+    let sandbox = Sandbox::new();
+    sandbox.render(&["-o", "reference.exr"]).exits(0);
+    let said = sandbox.folder.path().join("said");
     let arguments = ["converge", "../scenes/sphere.ron", "--reference", "reference.exr", "--spp", ENDLESS];
-    let mut command = place.command(&[&arguments[..], &["--device", software()]].concat());
+    let mut command = sandbox.command(&[&arguments[..], &["--device", software()]].concat());
     let mut child = command.stdout(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
     meanwhile(&mut child, || fs::read_to_string(&said).unwrap().lines().count() > 3);
     send(&child, libc::SIGHUP);
     let ran = finish(child).exits(129);
     let says = "interrupted by SIGHUP; ./sphere-converge.csv holds the samples so far";
     assert!(ran.last_line().ends_with(says), "{}", ran.stderr);
-    assert!(fs::read_to_string(place.work().join("sphere-converge.csv")).unwrap().lines().count() > 3);
+    assert!(fs::read_to_string(sandbox.work().join("sphere-converge.csv")).unwrap().lines().count() > 3);
 }
 
 #[test]
 fn an_interrupt_writes_the_image_and_reports_the_samples_that_it_has() {
-    let place = Place::new();
-    let child = endless(&place, &["--json"]);
+    let sandbox = Sandbox::new();
+    let child = endless(&sandbox, &["--json"]);
     send(&child, libc::SIGINT);
     let ran = finish(child).exits(130);
     assert!(ran.stderr.contains("SIGINT: ending the samples under way"), "{}", ran.stderr);
-    assert_eq!(place.files(), ["sphere.exr"]);
-    let image = place.exr("sphere.exr");
+    assert_eq!(sandbox.files(), ["sphere.exr"]);
+    let image = sandbox.exr("sphere.exr");
     let samples = image.samples.as_ref().expect("a layer of samples");
     // Whole runs, of 8 samples: no path is cut off, and none dropped.
     assert!(samples.iter().all(|n| n.is_multiple_of(8)), "{samples:?}");
@@ -129,21 +129,21 @@ fn an_interrupt_writes_the_image_and_reports_the_samples_that_it_has() {
 
 #[test]
 fn a_killed_render_leaves_its_last_checkpoint() {
-    let place = Place::new();
-    let mut child = endless(&place, &[]);
+    let sandbox = Sandbox::new();
+    let mut child = endless(&sandbox, &[]);
     child.kill().expect("the program can be killed");
     child.wait().unwrap();
-    let image = place.exr("sphere.exr");
+    let image = sandbox.exr("sphere.exr");
     assert_eq!((image.width, image.height), (20, 12));
     assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
 }
 
 /// A measurement that is interrupted when `ready` says so of what it has said on stderr. The result is that, and the report.
-fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool, says: &str) -> (String, Value) {
-    place.scene("large.ron", &SPHERE.replace("width: 20, height: 12", "width: 96, height: 96"));
-    let said = place.folder.path().join("said");
+fn interrupted_tradeoff(sandbox: &Sandbox, ready: impl Fn(&str) -> bool, says: &str) -> (String, Value) {
+    sandbox.scene("large.ron", &SPHERE.replace("width: 20, height: 12", "width: 96, height: 96"));
+    let said = sandbox.folder.path().join("said");
     let arguments = ["tradeoff", "../scenes/large.ron", "--budget", "1h", "--knobs", "roulette,clamp"];
-    let mut command = place.command(&[&arguments[..], &["-o", "report", "--device", software()]].concat());
+    let mut command = sandbox.command(&[&arguments[..], &["-o", "report", "--device", software()]].concat());
     let mut child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
     meanwhile(&mut child, || ready(&fs::read_to_string(&said).unwrap()));
     send(&child, libc::SIGTERM);
@@ -156,7 +156,7 @@ fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool, says: &str)
         "{ran:?}"
     );
     assert!(ran.stdout.lines().any(|line| line.starts_with("setting ")), "{ran:?}");
-    let folder = place.work().join("report");
+    let folder = sandbox.work().join("report");
     assert!(fs::read_to_string(folder.join("index.html")).unwrap().ends_with("</html>\n"));
     let report = serde_json::from_slice(&fs::read(folder.join("tradeoff.json")).unwrap()).expect("an object");
     let rows = fs::read_to_string(folder.join("tradeoff.csv")).unwrap().lines().count();
@@ -167,22 +167,22 @@ fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool, says: &str)
 
 #[test]
 fn an_interrupted_tradeoff_reports_what_was_measured() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let says = "interrupted by SIGTERM; report holds what was measured";
-    let (said, report) = interrupted_tradeoff(&place, |said| said.contains("3 rounds are measured"), says);
+    let (said, report) = interrupted_tradeoff(&sandbox, |said| said.contains("3 rounds are measured"), says);
     assert_eq!(report["interrupted"], true, "{said}");
     let settings = report["settings"].as_array().unwrap();
     assert!(settings.iter().all(|setting| setting["measured"] == true), "{report:#}");
     assert!(settings.iter().all(|setting| (3..32).contains(&setting["rounds"].as_u64().unwrap())), "{report:#}");
-    assert!(place.work().join("report/plot.svg").exists());
+    assert!(sandbox.work().join("report/plot.svg").exists());
 }
 
 #[test]
 fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
-    let place = Place::new();
-    let folder = place.work().join("report");
+    let sandbox = Sandbox::new();
+    let folder = sandbox.work().join("report");
     let says = "interrupted by SIGTERM; nothing was measured before";
-    let (said, report) = interrupted_tradeoff(&place, |_| folder.exists(), says);
+    let (said, report) = interrupted_tradeoff(&sandbox, |_| folder.exists(), says);
     assert_eq!(report["interrupted"], true, "{said}");
     for setting in report["settings"].as_array().unwrap() {
         assert_eq!(setting["measured"], false, "{report:#}");

@@ -27,17 +27,17 @@ const SCENE: &str = "Scene(
 ";
 
 /// A folder above that of the job, which holds what `submit` writes, but for the scripts.
-struct Place {
+struct Sandbox {
     above: TempDir,
     folder: Folder,
 }
 
-impl Place {
+impl Sandbox {
     /// A job of parts of so many samples each.
-    fn new(parts: u32, each: u32) -> Place {
+    fn new(parts: u32, each: u32) -> Sandbox {
         let above = tempfile::tempdir().expect("a temporary folder");
         let path = above.path().join("job");
-        let asked = json!({
+        let job = json!({
             "format": 1,
             "version": env!("CARGO_PKG_VERSION"),
             "scene": "scene/scene.ron",
@@ -54,13 +54,13 @@ impl Place {
         fs::create_dir_all(path.join("scene")).expect("a folder is made");
         fs::create_dir_all(path.join("parts")).expect("a folder is made");
         fs::write(path.join("scene/scene.ron"), SCENE).expect("the scene is written");
-        fs::write(path.join("job.json"), asked.to_string()).expect("job.json is written");
+        fs::write(path.join("job.json"), job.to_string()).expect("job.json is written");
         let folder = Folder::read(&path).expect("it is read");
-        Place { above, folder }
+        Sandbox { above, folder }
     }
 
     fn part(&self, number: u32) -> PathBuf {
-        let [start, end] = self.folder.asked.parts[number as usize];
+        let [start, end] = self.folder.request.parts[number as usize];
         self.folder.part_path(&(start..end))
     }
 
@@ -70,7 +70,7 @@ impl Place {
 
     /// Renders so many samples from the start of a part on.
     fn render(&self, number: u32, samples: u32, more: &str) -> Ran {
-        let start = self.folder.asked.parts[number as usize][0];
+        let start = self.folder.request.parts[number as usize][0];
         let (end, part) = (start + samples, self.part(number));
         let line = format!("render job/scene/scene.ron --quiet --device {} --samples {start}..{end}", software());
         self.says(&format!("{line} -o {} {more}", part.display())).exits(0)
@@ -108,21 +108,21 @@ impl Place {
 /// From an empty folder to the joined image, each state of a part, and the JSON of each.
 #[test]
 fn parts_are_counted_by_their_states() {
-    let place = Place::new(4, 16);
-    assert_eq!(place.counts(), [0, 0, 0, 4, 0]);
-    let report = place.status("");
+    let sandbox = Sandbox::new(4, 16);
+    assert_eq!(sandbox.counts(), [0, 0, 0, 4, 0]);
+    let report = sandbox.status("");
     for (key, value) in [("samples_asked", 64), ("samples_done", 0), ("parts", 4), ("width", 16), ("height", 9)] {
         assert_eq!(report[key], value, "{key}: {report}");
     }
     assert_eq!((&report["image"], &report["seconds_left"]), (&"absent".into(), &Value::Null), "{report}");
 
-    place.render(0, 16, "");
-    place.render(1, 8, "");
-    place.render(2, 8, "");
-    place.age(2, 3600);
-    assert_eq!(place.counts(), [1, 1, 1, 1, 0]);
-    let before = place.files();
-    let said = place.says("status job").exits(0).stdout;
+    sandbox.render(0, 16, "");
+    sandbox.render(1, 8, "");
+    sandbox.render(2, 8, "");
+    sandbox.age(2, 3600);
+    assert_eq!(sandbox.counts(), [1, 1, 1, 1, 0]);
+    let before = sandbox.files();
+    let said = sandbox.says("status job").exits(0).stdout;
     for line in
         ["samples: 32 of 64 (50.0 %)", "parts: 4: 1 done, 1 under way, 1 stopped, 1 not begun", "is not there yet"]
     {
@@ -130,52 +130,52 @@ fn parts_are_counted_by_their_states() {
     }
     assert!(said.contains("time left: ") && said.contains("with one part at a time"), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
-    assert!(place.files() == before, "it has changed a file");
+    assert!(sandbox.files() == before, "it has changed a file");
 
     // What is under way is a matter of the interval of the checkpoints: of 60 s unless it is given.
-    place.age(1, 120);
-    assert_eq!(place.counts(), [1, 1, 1, 1, 0]);
-    place.age(1, 190);
-    assert_eq!(place.counts(), [1, 0, 2, 1, 0]);
-    let mut folder = place.folder.clone();
+    sandbox.age(1, 120);
+    assert_eq!(sandbox.counts(), [1, 1, 1, 1, 0]);
+    sandbox.age(1, 190);
+    assert_eq!(sandbox.counts(), [1, 0, 2, 1, 0]);
+    let mut folder = sandbox.folder.clone();
     for options in [&["--checkpoint", "2m"][..], &["--checkpoint=2m"]] {
-        folder.asked.options = options.iter().map(ToString::to_string).collect();
+        folder.request.options = options.iter().map(ToString::to_string).collect();
         folder.write().expect("job.json is written");
-        assert_eq!(place.counts(), [1, 1, 1, 1, 0]);
+        assert_eq!(sandbox.counts(), [1, 1, 1, 1, 0]);
     }
     // A clock that is ahead.
-    let file = fs::File::options().write(true).open(place.part(1)).expect("it is there");
+    let file = fs::File::options().write(true).open(sandbox.part(1)).expect("it is there");
     file.set_modified(SystemTime::now() + Duration::from_secs(3600)).expect("it can be aged");
-    assert_eq!(place.counts(), [1, 1, 1, 1, 0]);
+    assert_eq!(sandbox.counts(), [1, 1, 1, 1, 0]);
 
-    (1..4).for_each(|part| _ = place.render(part, 16, "--resume=auto"));
-    assert_eq!(place.counts(), [4, 0, 0, 0, 0]);
-    let parts: Vec<String> = (0..4).map(|part| place.part(part).display().to_string()).collect();
-    place.says(&format!("merge --quiet {} -o job/scene.exr", parts[..2].join(" "))).exits(0);
-    assert_eq!(place.status("")["image"], "incomplete");
-    let said = place.says("status job").exits(0).stdout;
+    (1..4).for_each(|part| _ = sandbox.render(part, 16, "--resume=auto"));
+    assert_eq!(sandbox.counts(), [4, 0, 0, 0, 0]);
+    let parts: Vec<String> = (0..4).map(|part| sandbox.part(part).display().to_string()).collect();
+    sandbox.says(&format!("merge --quiet {} -o job/scene.exr", parts[..2].join(" "))).exits(0);
+    assert_eq!(sandbox.status("")["image"], "incomplete");
+    let said = sandbox.says("status job").exits(0).stdout;
     assert!(said.contains("has 32 of 64 samples") && said.contains("time left: none"), "{said}");
-    place.says(&format!("merge --quiet {} -o job/scene.exr", parts.join(" "))).exits(0);
-    let report = place.status("");
+    sandbox.says(&format!("merge --quiet {} -o job/scene.exr", parts.join(" "))).exits(0);
+    let report = sandbox.status("");
     assert_eq!((&report["image"], report["seconds_left"].as_f64()), (&"complete".into(), Some(0.0)), "{report}");
 }
 
 /// In rounds, the image is complete when the error is reached, also with fewer samples than have been asked for.
 #[test]
 fn a_render_in_rounds_is_complete_when_its_error_is_reached() {
-    let mut place = Place::new(4, 16);
-    (place.folder.asked.noise, place.folder.asked.most) = (Some(0.3), Some(1024));
-    place.folder.write().expect("job.json is written");
-    (0..4).for_each(|part| _ = place.render(part, 16, ""));
+    let mut sandbox = Sandbox::new(4, 16);
+    (sandbox.folder.request.noise, sandbox.folder.request.most) = (Some(0.3), Some(1024));
+    sandbox.folder.write().expect("job.json is written");
+    (0..4).for_each(|part| _ = sandbox.render(part, 16, ""));
     let join = |noise: &str| {
-        place.says(&format!("merge --quiet job/parts --noise {noise} -o job/scene.exr")).exits(0);
-        place.status("")["image"].clone()
+        sandbox.says(&format!("merge --quiet job/parts --noise {noise} -o job/scene.exr")).exits(0);
+        sandbox.status("")["image"].clone()
     };
     assert_eq!(join("0.0001"), "incomplete");
-    let said = place.says("status job").exits(0).stdout;
+    let said = sandbox.says("status job").exits(0).stdout;
     assert!(said.contains("--noise 0.3 is not reached; 64 samples are asked for so far, of 1024 at most"), "{said}");
     assert_eq!(join("0.3"), "complete");
-    let said = place.says("status job").exits(0).stdout;
+    let said = sandbox.says("status job").exits(0).stdout;
     assert!(said.contains("--noise 0.3 is reached") && said.contains("time left: none"), "{said}");
 }
 
@@ -183,56 +183,56 @@ fn a_render_in_rounds_is_complete_when_its_error_is_reached() {
 /// under way.
 #[test]
 fn the_time_left_follows_from_the_pace() {
-    let place = Place::new(4, 16);
+    let sandbox = Sandbox::new(4, 16);
     // The pace of a process does not count what it has found.
-    place.render(0, 8, "");
-    let seconds = &place.render(0, 16, "--resume --json").json()["seconds"];
+    sandbox.render(0, 8, "");
+    let seconds = &sandbox.render(0, 16, "--resume --json").json()["seconds"];
     let [pace, all] = ["per_sample", "render"].map(|name| seconds[name].as_f64().expect("it is known"));
     assert!(pace > 0.0 && (8.0 * pace - all).abs() < 1e-9, "{pace} of {all}");
-    assert_eq!(place.status("")["seconds_per_sample"], pace);
+    assert_eq!(sandbox.status("")["seconds_per_sample"], pace);
 
     let left = || {
-        let report = place.status("");
+        let report = sandbox.status("");
         report["seconds_left"].as_f64().unwrap_or_else(|| panic!("{report}"))
             / report["seconds_per_sample"].as_f64().expect("it is known")
     };
     assert!((left() - 48.0).abs() < 1e-6, "one part at a time: {}", left());
-    place.render(1, 8, "");
-    place.render(2, 8, "");
+    sandbox.render(1, 8, "");
+    sandbox.render(2, 8, "");
     // 32 samples are missing, and two parts are under way.
     assert!((left() - 16.0).abs() < 1e-6, "{}", left());
     // One part cannot be shared.
-    place.render(3, 8, "");
-    place.render(1, 16, "--resume");
-    place.render(2, 15, "--resume");
+    sandbox.render(3, 8, "");
+    sandbox.render(1, 16, "--resume");
+    sandbox.render(2, 15, "--resume");
     assert!((left() - 8.0).abs() < 1e-6, "{}", left());
 
     // A file that tells no pace.
-    let path = place.part(0);
+    let path = sandbox.part(0);
     let file = StateFile::open(&path).expect("it is read").expect("there is a state");
     let (mut film, state) = (file.state.film().expect("it fits"), file.state.clone());
     file.add_to(&mut film).expect("it is read");
     write_render(&path, &film, &[], Some(&state), || Ok(())).expect("it is written");
-    (1..4).for_each(|part| fs::remove_file(place.part(part)).expect("it was there"));
-    assert_eq!(place.status("")["seconds_left"], Value::Null);
-    let said = place.says("status job").exits(0).stdout;
+    (1..4).for_each(|part| fs::remove_file(sandbox.part(part)).expect("it was there"));
+    assert_eq!(sandbox.status("")["seconds_left"], Value::Null);
+    let said = sandbox.says("status job").exits(0).stdout;
     assert!(said.contains("time left: unknown"), "{said}");
 }
 
 /// A checkpoint tells the pace, and a part that is replaced all the time is never an error.
 #[test]
 fn a_render_that_goes_on_is_under_way() {
-    let place = Place::new(2, 100_000_000);
-    let part = place.part(0).display().to_string();
+    let sandbox = Sandbox::new(2, 100_000_000);
+    let part = sandbox.part(0).display().to_string();
     let line = format!(
         "render job/scene/scene.ron --quiet --device {} --samples 0..100000000 --checkpoint 1ms -o {part}",
         software()
     );
     let mut child =
-        command(place.above.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
-    meanwhile(&mut child, || place.part(0).exists());
+        command(sandbox.above.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
+    meanwhile(&mut child, || sandbox.part(0).exists());
     for _ in 0..10 {
-        let report = place.status("--error --png now.png");
+        let report = sandbox.status("--error --png now.png");
         assert_eq!(report["parts_by_state"]["under_way"], 1, "{report}");
         assert!(report["seconds_left"].as_f64().is_some_and(|left| left > 0.0), "{report}");
         assert!(report["samples_done"].as_u64().is_some_and(|done| done >= 8), "{report}");
@@ -245,31 +245,31 @@ fn a_render_that_goes_on_is_under_way() {
 /// What an open file tells is of one moment, also where it has been replaced since.
 #[test]
 fn an_open_part_stays_as_it_was() {
-    let place = Place::new(1, 16);
-    place.render(0, 8, "");
-    let open = || StateFile::open(&place.part(0)).expect("it is read").expect("there is a state");
+    let sandbox = Sandbox::new(1, 16);
+    sandbox.render(0, 8, "");
+    let open = || StateFile::open(&sandbox.part(0)).expect("it is read").expect("there is a state");
     let (file, other) = (open(), open());
-    place.render(0, 16, "--resume");
+    sandbox.render(0, 16, "--resume");
     let mut film = file.state.film().expect("it fits");
     file.add_to(&mut film).expect("its pixels are those of its state");
     assert_eq!(film.totals().paths, 8 * 16 * 9);
     // The file that is there now does not fit the state that was.
-    assert!(add_film(&place.part(0), &other.state, &mut film).is_err());
+    assert!(add_film(&sandbox.part(0), &other.state, &mut film).is_err());
 }
 
 /// What is damaged, of another render, or of other samples is named with the reason, and the rest is counted.
 #[test]
 fn parts_that_cannot_be_used_are_named() {
-    let place = Place::new(8, 16);
+    let sandbox = Sandbox::new(8, 16);
     for part in [2, 6, 7] {
-        place.render(part, 16, "");
+        sandbox.render(part, 16, "");
     }
-    place.render(0, 16, "--seed 3");
-    place.render(1, 16, "--size 8x8");
-    place.render(3, 16, "--no-state");
-    fs::copy(place.part(2), place.part(4)).expect("it is copied");
-    let bytes = fs::read(place.part(2)).expect("it is read");
-    fs::write(place.part(5), &bytes[..300]).expect("it is written");
+    sandbox.render(0, 16, "--seed 3");
+    sandbox.render(1, 16, "--size 8x8");
+    sandbox.render(3, 16, "--no-state");
+    fs::copy(sandbox.part(2), sandbox.part(4)).expect("it is copied");
+    let bytes = fs::read(sandbox.part(2)).expect("it is read");
+    fs::write(sandbox.part(5), &bytes[..300]).expect("it is written");
     let reasons = [
         (0, "--seed is 3 in it and 0 in"),
         (1, "it has 8x8 pixels instead of 16x9"),
@@ -277,54 +277,54 @@ fn parts_that_cannot_be_used_are_named() {
         (4, "it holds the samples 32..48, and those of this part are 64..80"),
         (5, ""),
     ];
-    let report = place.status("");
-    assert_eq!(place.counts(), [3, 0, 0, 0, 5], "{report}");
+    let report = sandbox.status("");
+    assert_eq!(sandbox.counts(), [3, 0, 0, 0, 5], "{report}");
     assert_eq!(report["samples_done"], 48, "{report}");
-    let said = place.says("status job").exits(0).stdout;
+    let said = sandbox.says("status job").exits(0).stdout;
     for (number, (part, words)) in reasons.into_iter().enumerate() {
         let not_usable = &report["not_usable"][number];
         let (path, reason) = (&not_usable["path"], not_usable["reason"].as_str().unwrap_or_default());
-        let name = place.part(part).file_name().expect("it has a name").to_string_lossy().into_owned();
+        let name = sandbox.part(part).file_name().expect("it has a name").to_string_lossy().into_owned();
         assert!(path.as_str().is_some_and(|path| path.ends_with(&name)), "{part}: {report}");
         assert!(!reason.is_empty() && reason.contains(words), "{part}: {report}");
         assert!(said.contains(&format!("{name}: {reason}")), "{said}");
     }
     // Only the others are joined.
-    let report = place.status("--error");
+    let report = sandbox.status("--error");
     assert_eq!((&report["samples_done"], &report["samples"]), (&48.into(), &"32..48, 96..128".into()), "{report}");
 
     // Damage of the pixels shows where they are read.
     let mut broken = bytes.clone();
     let end = broken.len();
     broken[end - 400..end - 200].fill(0x5a);
-    fs::write(place.part(2), broken).expect("it is written");
-    assert_eq!(place.counts(), [3, 0, 0, 0, 5]);
-    let said = place.says("status job --error").exits(2).stderr;
+    fs::write(sandbox.part(2), broken).expect("it is written");
+    assert_eq!(sandbox.counts(), [3, 0, 0, 0, 5]);
+    let said = sandbox.says("status job --error").exits(2).stderr;
     assert!(said.contains("032-048.exr: cannot read"), "{said}");
 
     // The joined image may be damaged, or that of another render.
-    fs::copy(place.part(5), place.folder.output()).expect("it is copied");
-    assert_eq!(place.status("")["image"], "not usable");
-    fs::copy(place.part(0), place.folder.output()).expect("it is copied");
-    let said = place.says("status job").exits(0).stdout;
+    fs::copy(sandbox.part(5), sandbox.folder.output()).expect("it is copied");
+    assert_eq!(sandbox.status("")["image"], "not usable");
+    fs::copy(sandbox.part(0), sandbox.folder.output()).expect("it is copied");
+    let said = sandbox.says("status job").exits(0).stdout;
     assert!(said.contains("it is of another render than the parts: --seed is 3"), "{said}");
 }
 
 /// The joined error is that of `merge`, and the picture that of one render.
 #[test]
 fn the_error_and_the_picture_are_those_of_the_joined_parts() {
-    let place = Place::new(4, 16);
-    let said = place.says("status job --error --png early.png").exits(0);
+    let sandbox = Sandbox::new(4, 16);
+    let said = sandbox.says("status job --error --png early.png").exits(0);
     assert!(said.stdout.contains("error unknown: there are no samples"), "{said:?}");
-    assert!(said.stderr.contains("early.png has not been written") && !place.above.path().join("early.png").exists());
-    assert_eq!(place.status("--error")["relative_error"], Value::Null);
+    assert!(said.stderr.contains("early.png has not been written") && !sandbox.above.path().join("early.png").exists());
+    assert_eq!(sandbox.status("--error")["relative_error"], Value::Null);
 
-    place.render(0, 16, "");
-    place.render(2, 8, "");
-    place.render(3, 16, "");
+    sandbox.render(0, 16, "");
+    sandbox.render(2, 8, "");
+    sandbox.render(3, 16, "");
     let join = |parts: &[u32]| {
-        let parts: Vec<String> = parts.iter().map(|part| place.part(*part).display().to_string()).collect();
-        place.says(&format!("merge --allow-gaps --json {} -o joined.exr", parts.join(" "))).exits(0).json()
+        let parts: Vec<String> = parts.iter().map(|part| sandbox.part(*part).display().to_string()).collect();
+        sandbox.says(&format!("merge --allow-gaps --json {} -o joined.exr", parts.join(" "))).exits(0).json()
     };
     let same = |report: &Value, joined: &Value| {
         for key in [
@@ -342,9 +342,9 @@ fn the_error_and_the_picture_are_those_of_the_joined_parts() {
             assert_eq!(report[key], joined[key], "{key}");
         }
     };
-    same(&place.status("--error"), &join(&[0, 2, 3]));
-    let report = place.status("--error");
-    let said = place.says("status job --error").exits(0).stdout;
+    same(&sandbox.status("--error"), &join(&[0, 2, 3]));
+    let report = sandbox.status("--error");
+    let said = sandbox.says("status job --error").exits(0).stdout;
     let percent = |key: &str| format!("{:.2} %", 100.0 * report[key].as_f64().expect("it is known"));
     let line = format!(
         "relative error {} (95 % sure: below {}), of 40 samples",
@@ -353,40 +353,40 @@ fn the_error_and_the_picture_are_those_of_the_joined_parts() {
     );
     assert!(said.contains(&line), "{said}");
 
-    place.render(1, 16, "");
-    place.render(2, 16, "--resume");
-    same(&place.status("--error"), &join(&[0, 1, 2, 3]));
-    let whole = format!("render job/scene/scene.ron --quiet --device {} --spp 64", software());
+    sandbox.render(1, 16, "");
+    sandbox.render(2, 16, "--resume");
+    same(&sandbox.status("--error"), &join(&[0, 1, 2, 3]));
+    let full = format!("render job/scene/scene.ron --quiet --device {} --spp 64", software());
     for exposure in ["", "--exposure 1.5"] {
-        place.says(&format!("{whole} -o whole.exr --png whole.png {exposure}")).exits(0);
-        place.says(&format!("status job --png now.png {exposure}")).exits(0);
-        let read = |name: &str| fs::read(place.above.path().join(name)).expect("it is read");
-        assert!(read("now.png") == read("whole.png"), "{exposure}");
-        fs::remove_file(place.above.path().join("whole.exr")).expect("it was there");
+        sandbox.says(&format!("{full} -o full.exr --png full.png {exposure}")).exits(0);
+        sandbox.says(&format!("status job --png now.png {exposure}")).exits(0);
+        let read = |name: &str| fs::read(sandbox.above.path().join(name)).expect("it is read");
+        assert!(read("now.png") == read("full.png"), "{exposure}");
+        fs::remove_file(sandbox.above.path().join("full.exr")).expect("it was there");
     }
     // What it reads is never overwritten.
-    let before = place.files();
+    let before = sandbox.files();
     for name in ["job/parts/00-16.exr", "job/scene/scene.ron", "job/job.json", "job/scene.exr"] {
-        fs::write(place.folder.output(), "").expect("it is written");
-        let said = place.says(&format!("status job --png {name}")).exits(2).stderr;
+        fs::write(sandbox.folder.output(), "").expect("it is written");
+        let said = sandbox.says(&format!("status job --png {name}")).exits(2).stderr;
         assert!(said.contains("would overwrite the input") && said.contains("--png"), "{said}");
-        fs::remove_file(place.folder.output()).expect("it was there");
+        fs::remove_file(sandbox.folder.output()).expect("it was there");
     }
-    assert!(place.files() == before);
-    place.says("status job --png job/now.png").exits(0);
+    assert!(sandbox.files() == before);
+    sandbox.says("status job --png job/now.png").exits(0);
 }
 
 #[test]
 fn status_refuses_a_folder_without_a_job() {
-    let place = Place::new(2, 8);
+    let sandbox = Sandbox::new(2, 8);
     for folder in ["job/parts", "missing", "job/job.json"] {
-        let said = place.says(&format!("status {folder}")).exits(2).stderr;
+        let said = sandbox.says(&format!("status {folder}")).exits(2).stderr;
         assert!(said.contains("job.json: cannot read") && said.contains("gpu-rt submit"), "{said}");
     }
-    fs::write(place.folder.path.join("job.json"), "{}").expect("it is written");
-    let said = place.says("status job").exits(2).stderr;
+    fs::write(sandbox.folder.path.join("job.json"), "{}").expect("it is written");
+    let said = sandbox.says("status job").exits(2).stderr;
     assert!(said.contains("job.json") && said.contains("format"), "{said}");
-    place.says("status").exits(2);
+    sandbox.says("status").exits(2);
 }
 
 /// A thousand parts within 5 seconds, of which this takes 0.13 on two cores. The files have a megabyte each, of which only the first 64 KiB are
@@ -394,13 +394,13 @@ fn status_refuses_a_folder_without_a_job() {
 #[test]
 fn a_thousand_parts_take_seconds() {
     const PARTS: u32 = 1000;
-    let mut place = Place::new(PARTS, 8);
-    (place.folder.asked.width, place.folder.asked.height) = (320, 180);
-    place.folder.asked.samples = [10_000_000, 10_000_000 + 8 * PARTS];
-    place.folder.asked.parts.iter_mut().flatten().for_each(|at| *at += 10_000_000);
-    place.folder.write().expect("job.json is written");
-    place.render(0, 8, "--size 320x180");
-    let bytes = fs::read(place.part(0)).expect("it is read");
+    let mut sandbox = Sandbox::new(PARTS, 8);
+    (sandbox.folder.request.width, sandbox.folder.request.height) = (320, 180);
+    sandbox.folder.request.samples = [10_000_000, 10_000_000 + 8 * PARTS];
+    sandbox.folder.request.parts.iter_mut().flatten().for_each(|at| *at += 10_000_000);
+    sandbox.folder.write().expect("job.json is written");
+    sandbox.render(0, 8, "--size 320x180");
+    let bytes = fs::read(sandbox.part(0)).expect("it is read");
     let said = |part: u32| format!("[[{},{}]]", 10_000_000 + 8 * part, 10_000_008 + 8 * part);
     let range = said(0);
     let at =
@@ -410,10 +410,10 @@ fn a_thousand_parts_take_seconds() {
         // All but the range is the same.
         let mut header = bytes[..64 << 10].to_vec();
         header[at..at + range.len()].copy_from_slice(said(part).as_bytes());
-        fs::write(place.part(part), header).expect("it is written");
+        fs::write(sandbox.part(part), header).expect("it is written");
     }
     let start = Instant::now();
-    let report = place.status("");
+    let report = sandbox.status("");
     let took = start.elapsed();
     assert_eq!(
         (&report["parts_by_state"]["done"], &report["samples_done"]),

@@ -145,22 +145,14 @@ impl Cluster {
     }
 
     /// Renders with one process what the folder is to have together.
-    fn whole(&self, more: &str) -> Held {
+    fn full(&self, more: &str) -> Held {
         let scene = self.scene();
         let device = software().to_string();
-        let mut words = vec![
-            "render",
-            scene.to_str().expect("UTF-8"),
-            "--device",
-            &device,
-            "--quiet",
-            "--force",
-            "-o",
-            "whole.exr",
-        ];
+        let mut words =
+            vec!["render", scene.to_str().expect("UTF-8"), "--device", &device, "--quiet", "--force", "-o", "full.exr"];
         words.extend(more.split_whitespace());
         finish(command(self.folder.path(), &words).spawn().expect("the program starts")).exits(0);
-        Held::read(&self.path("whole.exr"))
+        Held::read(&self.path("full.exr"))
     }
 
     fn requeued(&self) -> String {
@@ -188,7 +180,7 @@ fn has(job: &[String], word: &str) -> bool {
 #[test]
 fn a_submitted_render_has_the_bytes_of_one() {
     let cluster = Cluster::new();
-    let whole = cluster.whole("--spp 100 --roulette off");
+    let full = cluster.full("--spp 100 --roulette off");
     let ran = cluster.submit("--spp 100 --parts 4 --roulette off -- --partition=long --time=2:00:00").exits(0);
     for words in ["parts: 4 of 4, 100 samples, in 4 tasks", "disk: 153.6 kB", "array: 41", "merge: 42"] {
         assert!(ran.stdout.contains(words), "{}", ran.stdout);
@@ -219,7 +211,7 @@ fn a_submitted_render_has_the_bytes_of_one() {
     );
     cluster.task(2).exits(0);
     cluster.merge().exits(0);
-    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&whole), [""; 0]);
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&full), [""; 0]);
 
     // With nothing missing, the join alone is submitted.
     cluster.again("--missing").exits(0);
@@ -239,12 +231,12 @@ fn two_that_write_one_part_do_no_harm() {
     let both = [0, 0].map(|task| cluster.start("render.sh", Some(task), &|_| {}));
     both.into_iter().for_each(|task| _ = finish(task).exits(0));
     cluster.merge().exits(0);
-    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.whole("--spp 64")), [""; 0]);
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.full("--spp 64")), [""; 0]);
 }
 
 /// SIGTERM to the script, as Slurm sends it before the time is over: the part is kept, the task asks to be started again, and goes on.
 #[test]
-fn a_task_that_is_told_to_end_starts_again_and_goes_on() {
+fn a_task_that_is_ended_starts_again_and_goes_on() {
     let cluster = Cluster::new();
     cluster.submit("--spp 1000000000 --parts 1 --checkpoint 0.01").exits(0);
     let part = cluster.job("parts/0000000000-1000000000.exr");
@@ -263,7 +255,7 @@ fn a_task_that_is_told_to_end_starts_again_and_goes_on() {
         before = held();
         assert_eq!(cluster.requeued(), "41_0\n".repeat(tries));
     }
-    let one = cluster.whole(&format!("--spp {before}"));
+    let one = cluster.full(&format!("--spp {before}"));
     assert!(Held::read(&part).film == one.film, "it went on with what was there");
 }
 
@@ -320,8 +312,9 @@ fn a_task_waits_for_its_program() {
 #[test]
 fn rounds_end_where_one_render_would() {
     let cluster = Cluster::new();
-    for (asked, rounds, said) in [("--noise 0.08", 2, "is reached"), ("--noise 0.001 --spp 40", 3, "is not reached")] {
-        cluster.submit(&format!("{asked} --parts 2")).exits(0);
+    for (options, rounds, said) in [("--noise 0.08", 2, "is reached"), ("--noise 0.001 --spp 40", 3, "is not reached")]
+    {
+        cluster.submit(&format!("{options} --parts 2")).exits(0);
         let (mut count, mut last) = (0, String::new());
         loop {
             let jobs = cluster.jobs();
@@ -330,14 +323,14 @@ fn rounds_end_where_one_render_would() {
             last = cluster.merge().exits(0).stdout;
             count += 1;
         }
-        assert!(count >= rounds && last.contains(said), "{asked}: {count} rounds; {last}");
-        let whole = cluster.whole(asked);
-        assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&whole), [""; 0], "{asked}");
+        assert!(count >= rounds && last.contains(said), "{options}: {count} rounds; {last}");
+        let full = cluster.full(options);
+        assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&full), [""; 0], "{options}");
 
         // Without Slurm the join says what comes next; here nothing does. Asked again, it is the same.
         let again = cluster.again("--next").exits(0);
         assert!(again.stdout.contains(said) && cluster.jobs().is_empty(), "{}", again.stdout);
-        // A larger error ends the join at an earlier look, whatever parts there are.
+        // A larger error ends the join at an earlier check, whatever parts there are.
         let (parts, out) = (cluster.job("parts"), cluster.path("less.exr"));
         let [parts, out] = [&parts, &out].map(|path| path.to_str().expect("UTF-8"));
         finish(
@@ -346,7 +339,7 @@ fn rounds_end_where_one_render_would() {
                 .expect("it starts"),
         )
         .exits(0);
-        assert_eq!(Held::read(Path::new(out)).difference(&cluster.whole("--noise 0.2")), [""; 0]);
+        assert_eq!(Held::read(Path::new(out)).difference(&cluster.full("--noise 0.2")), [""; 0]);
         fs::remove_dir_all(cluster.job("")).expect("it was there");
     }
     // The next round waits for the join of this one.
@@ -373,7 +366,7 @@ fn the_largest_array_of_the_cluster_is_kept() {
     assert!(said.contains("no part has the samples 8..16, 32..40, 56..64"), "{said}");
     cluster.task(1).exits(0);
     cluster.merge().exits(0);
-    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.whole("--spp 64")), [""; 0]);
+    assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.full("--spp 64")), [""; 0]);
 }
 
 /// What cannot be submitted leaves nothing behind, and says why.
@@ -472,20 +465,20 @@ fn each_task_takes_its_gpu() {
 
 /// What a scene names by its whole path stays where it is, and that is said.
 #[test]
-fn whole_paths_stay() {
+fn absolute_paths_stay() {
     let cluster = Cluster::new();
     let texture = cluster.path("it's a \"scene\"/images/floor.png");
-    let whole_path = texture.to_str().expect("UTF-8").replace('"', "\\\"");
-    fs::write(cluster.scene(), SCENE.replace("floor.png", &whole_path)).expect("the scene is written");
+    let absolute_path = texture.to_str().expect("UTF-8").replace('"', "\\\"");
+    fs::write(cluster.scene(), SCENE.replace("floor.png", &absolute_path)).expect("the scene is written");
     let ran = cluster.submit("--spp 16 --parts 1").exits(0);
     assert!(ran.stdout.contains("not copied") && ran.stdout.contains("images/floor.png"), "{}", ran.stdout);
     assert!(cluster.job("scene/a $scene.ron").exists() && !cluster.job("scene/images").exists());
     cluster.task(0).exits(0);
 }
 
-/// `merge --samples` takes exactly these, and `merge --noise` parts that end where it looks.
+/// `merge --samples` takes exactly these, and `merge --noise` parts that end where it checks the error.
 #[test]
-fn a_join_has_what_is_asked() {
+fn a_join_has_the_requested_samples() {
     let cluster = Cluster::new();
     cluster.submit("--spp 48 --parts 2").exits(0);
     [0, 1].into_iter().for_each(|task| _ = cluster.task(task).exits(0));
@@ -495,17 +488,17 @@ fn a_join_has_what_is_asked() {
         let words = [&["merge", "--quiet", parts, "-o", out], more].concat();
         finish(command(cluster.folder.path(), &words).spawn().expect("the program starts"))
     };
-    for (asked, words) in [
+    for (options, words) in [
         ("0..56", "gap: no part has the samples 48..56"),
         ("0..40", "24-48.exr: it has the samples 24..48, beyond --samples 0..40"),
         ("8..48", "00-24.exr: it has the samples 0..24, beyond --samples 8..48"),
     ] {
-        let said = merge(&["--samples", asked]).exits(2).stderr;
-        assert!(said.contains(words), "{asked}: {said}");
+        let said = merge(&["--samples", options]).exits(2).stderr;
+        assert!(said.contains(words), "{options}: {said}");
     }
     let said = merge(&["--noise", "0.001"]).exits(2).stderr;
-    assert!(said.contains("00-24.exr: --noise looks at 16 samples"), "{said}");
+    assert!(said.contains("00-24.exr: --noise checks the error at 16 samples"), "{said}");
     assert!(!Path::new(out).exists());
     merge(&["--samples", "0..48"]).exits(0);
-    assert_eq!(Held::read(Path::new(out)).difference(&cluster.whole("--spp 48")), [""; 0]);
+    assert_eq!(Held::read(Path::new(out)).difference(&cluster.full("--spp 48")), [""; 0]);
 }

@@ -6,21 +6,21 @@ use std::collections::BTreeSet;
 use crate::common::device::index as software;
 use crate::common::oidn;
 use crate::common::tables::{compare, rows};
-use crate::place::{Place, SPHERE};
+use crate::sandbox::{SPHERE, Sandbox};
 
 /// A scene that is warned of.
-fn place() -> Place {
-    let place = Place::new();
-    place.scene("sphere.ron", &SPHERE.replace("materials: {", "materials: { \"unused\": Dielectric(ior: 1.5),"));
-    place
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.scene("sphere.ron", &SPHERE.replace("materials: {", "materials: { \"unused\": Dielectric(ior: 1.5),"));
+    sandbox
 }
 
 #[test]
 fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
-    let place = place();
+    let sandbox = sandbox();
     let json = |more: &str| {
         let more: Vec<&str> = more.split_whitespace().chain(["--json"]).collect();
-        place.render(&more).exits(0).json()
+        sandbox.render(&more).exits(0).json()
     };
     // Every render takes longer than a millisecond.
     let renders = [
@@ -39,39 +39,39 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
     compare("### `render --json`", &renders);
     let denoise = "denoise a.exr -o denoised.exr --png denoised.png --json --oidn";
     let folder = oidn::folder();
-    let denoised = place.run(&[denoise.split(' ').collect(), vec![folder.to_str().expect("UTF-8")]].concat());
+    let denoised = sandbox.run(&[denoise.split(' ').collect(), vec![folder.to_str().expect("UTF-8")]].concat());
     compare("### `denoise --json`", &[denoised.exits(0).json()]);
-    let names = ["a.exr", "noise.exr", "denoised.exr"].map(|name| place.exr(name).attributes);
+    let names = ["a.exr", "noise.exr", "denoised.exr"].map(|name| sandbox.exr(name).attributes);
     let attributes: BTreeSet<_> = names.into_iter().flatten().map(|(name, _)| name).collect();
     let own: BTreeSet<_> = attributes.into_iter().filter(|name| name.starts_with("gpu-rt:")).collect();
     assert_eq!(own, rows("## Header"));
-    let meta = exr::meta::MetaData::read_from_file(place.work().join("noise.exr"), true).expect("an EXR");
+    let meta = exr::meta::MetaData::read_from_file(sandbox.work().join("noise.exr"), true).expect("an EXR");
     let channels = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string());
     assert_eq!(channels.collect::<BTreeSet<_>>(), rows("## Channels"));
-    compare("### `merge --json`", &[place.says("merge b.exr c.exr -o whole.exr --json").exits(0).json()]);
-    compare("### `compare --json`", &[place.says("compare a.exr b.exr --json").exits(0).json()]);
+    compare("### `merge --json`", &[sandbox.says("merge b.exr c.exr -o full.exr --json").exits(0).json()]);
+    compare("### `compare --json`", &[sandbox.says("compare a.exr b.exr --json").exits(0).json()]);
     let spp = "converge ../scenes/sphere.ron --spp 16 --reference a.exr --json --device";
-    compare("### `converge --json`", &[place.says(&format!("{spp} {}", software())).exits(0).json()]);
+    compare("### `converge --json`", &[sandbox.says(&format!("{spp} {}", software())).exits(0).json()]);
 }
 
 #[test]
 fn check_plan_and_devices_have_the_keys_that_are_documented() {
-    let place = place();
-    let good = place.says("check ../scenes/sphere.ron --json").exits(0).json();
-    compare("### `check --json`", &[good, place.says("check ../scenes/none.ron --json").exits(2).json()]);
-    let plan = place.says(&format!("plan ../scenes/sphere.ron --json --device {}", software())).exits(0).json();
+    let sandbox = sandbox();
+    let good = sandbox.says("check ../scenes/sphere.ron --json").exits(0).json();
+    compare("### `check --json`", &[good, sandbox.says("check ../scenes/none.ron --json").exits(2).json()]);
+    let plan = sandbox.says(&format!("plan ../scenes/sphere.ron --json --device {}", software())).exits(0).json();
     compare("### `plan --json`", &[plan]);
-    compare("### `devices --json`", &[place.says("devices --json").exits(0).json()]);
+    compare("### `devices --json`", &[sandbox.says("devices --json").exits(0).json()]);
 }
 
 #[test]
 #[cfg(unix)]
 fn status_has_the_keys_that_are_documented() {
-    let place = place();
+    let sandbox = sandbox();
     let submit = "submit slurm ../scenes/sphere.ron --spp 16 --parts 2 -o job --dry-run --device";
-    place.says(&format!("{submit} {}", software())).exits(0);
-    let before = place.says("status job --json").exits(0).json();
-    place.render(&["--samples", "0..8", "-o", "job/parts/00-08.exr"]).exits(0);
-    let after = place.says("status job --json --error").exits(0).json();
+    sandbox.says(&format!("{submit} {}", software())).exits(0);
+    let before = sandbox.says("status job --json").exits(0).json();
+    sandbox.render(&["--samples", "0..8", "-o", "job/parts/00-08.exr"]).exits(0);
+    let after = sandbox.says("status job --json --error").exits(0).json();
     compare("### `status --json`", &[before, after]);
 }

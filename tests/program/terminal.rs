@@ -99,18 +99,18 @@ mod wide {
 
     use crate::common::device::index as software;
     use crate::common::screen::{on_terminal, rows};
-    use crate::place::{Place, SPHERE};
+    use crate::sandbox::{SPHERE, Sandbox};
 
     /// Progress, warnings, summaries, tables, errors and help. A word alone in its row may be wider: a path is never broken.
     #[test]
     fn no_line_is_wider_than_the_terminal() {
-        let place = Place::new();
+        let sandbox = Sandbox::new();
         let white = SPHERE
             .replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)")
             .replace("\"grey\": ", "\"grey\": Metal(albedo: Noise(scale: 1)), \"white\": ");
-        place.scene("white.ron", &white.replace("material: \"grey\"", "material: \"white\""));
-        place.scene("bad.ron", &SPHERE.replace("radius: 1", "radius: wide").replace("\"grey\" }", "\"gray\" }"));
-        place.render(&["-o", "b.exr"]).exits(0);
+        sandbox.scene("white.ron", &white.replace("material: \"grey\"", "material: \"white\""));
+        sandbox.scene("bad.ron", &SPHERE.replace("radius: 1", "radius: wide").replace("\"grey\" }", "\"gray\" }"));
+        sandbox.render(&["-o", "b.exr"]).exits(0);
         let device = software();
         for columns in [80, 40] {
             for line in [
@@ -127,7 +127,7 @@ mod wide {
                 "tradeoff --help".to_owned(),
                 "compare --help".to_owned(),
             ] {
-                let command = place.command(&line.split(' ').collect::<Vec<_>>());
+                let command = sandbox.command(&line.split(' ').collect::<Vec<_>>());
                 let text = on_terminal(command, columns);
                 let rows = rows(&text);
                 assert!(!rows.is_empty(), "{line}");
@@ -144,13 +144,13 @@ mod wide {
     /// JSON stays JSON, and what a program reads stays in its line.
     #[test]
     fn lines_that_programs_read_are_never_broken() {
-        let place = Place::new();
-        let text = on_terminal(place.command(&["devices", "--json"]), 20);
+        let sandbox = Sandbox::new();
+        let text = on_terminal(sandbox.command(&["devices", "--json"]), 20);
         assert!(serde_json::from_str::<serde_json::Value>(&text).is_ok(), "{text}");
-        place.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
-        let ran = place.run(&["check", "../scenes/white.ron"]).exits(0);
+        sandbox.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
+        let ran = sandbox.run(&["check", "../scenes/white.ron"]).exits(0);
         assert_eq!(ran.stdout.lines().count(), 2, "{}", ran.stdout);
-        let mut command = place.command(&["check", "../scenes/white.ron"]);
+        let mut command = sandbox.command(&["check", "../scenes/white.ron"]);
         assert_eq!(command.stdout(Stdio::piped()).output().unwrap().stdout, ran.stdout.as_bytes());
     }
 }

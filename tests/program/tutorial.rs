@@ -2,7 +2,7 @@
 
 use crate::common::device::index as software;
 use crate::common::renew;
-use crate::place::Place;
+use crate::sandbox::Sandbox;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,11 +23,11 @@ fn blocks(language: &str) -> Vec<String> {
 
 #[test]
 fn every_step_of_the_tutorial_is_a_scene() {
-    let place = Place::new();
-    let file = place.work().join("tutorial.ron");
+    let sandbox = Sandbox::new();
+    let file = sandbox.work().join("tutorial.ron");
     let check = |text: &str| {
         fs::write(&file, text).expect("the scene is written");
-        place.says("check tutorial.ron")
+        sandbox.says("check tutorial.ron")
     };
     assert_eq!(blocks("text"), [check("").exits(2).stderr]);
     let steps = blocks("ron");
@@ -39,9 +39,9 @@ fn every_step_of_the_tutorial_is_a_scene() {
     check(&steps[0][..steps[0].len() / 2]).exits(2);
     check(&steps[5]).exits(0);
     let render = ["render", "tutorial.ron", "--device", software(), "--png", "tutorial.png"];
-    let ran = place.run(&[&render[..], &["--size", "32x18", "--spp", "2", "--strict"]].concat()).exits(0);
+    let ran = sandbox.run(&[&render[..], &["--size", "32x18", "--spp", "2", "--strict"]].concat()).exits(0);
     assert!(ran.last_line().starts_with("tutorial.exr: 2 samples"), "{}", ran.stderr);
-    assert_eq!(image::open(place.work().join("tutorial.png")).expect("a PNG").into_rgb8().dimensions(), (32, 18));
+    assert_eq!(image::open(sandbox.work().join("tutorial.png")).expect("a PNG").into_rgb8().dimensions(), (32, 18));
 }
 
 /// The numbers of the steps that have a picture, and where it is.
@@ -53,14 +53,14 @@ fn pictures() -> Vec<(usize, PathBuf)> {
 
 #[test]
 fn the_pictures_of_the_tutorial_are_small() {
-    let (steps, place) = (blocks("ron"), Place::new());
+    let (steps, sandbox) = (blocks("ron"), Sandbox::new());
     let pictures = pictures();
     assert!(pictures.len() >= 3, "{pictures:?}");
     for (number, path) in &pictures {
         if renew() {
-            let scene = place.scene("tutorial.ron", &steps[number - 1]);
+            let scene = sandbox.scene("tutorial.ron", &steps[number - 1]);
             let to = path.to_str().expect("a path in UTF-8");
-            place.run(&["render", &scene, "--device", software(), "--spp", "1024", "--png", to]).exits(0);
+            sandbox.run(&["render", &scene, "--device", software(), "--spp", "1024", "--png", to]).exits(0);
         }
         let picture = image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         assert_eq!((picture.width(), picture.height()), (320, 180), "{}", path.display());

@@ -9,11 +9,11 @@ use gpu_rt::output::exr::ExrImage;
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, room};
 use crate::common::program::{finish, meanwhile, send};
-use crate::place::{ENDLESS, Place, SPHERE, attribute};
+use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute};
 
 /// A program that watches a scene called `sphere`.
 struct Watch {
-    place: Place,
+    sandbox: Sandbox,
     scene: &'static str,
     child: Child,
     said: PathBuf,
@@ -29,16 +29,16 @@ enum Save {
 }
 
 impl Watch {
-    fn new(place: Place, more: &[&str]) -> Watch {
-        Watch::start("../scenes/sphere.ron", place, more)
+    fn new(sandbox: Sandbox, more: &[&str]) -> Watch {
+        Watch::start("../scenes/sphere.ron", sandbox, more)
     }
 
-    fn start(scene: &'static str, place: Place, more: &[&str]) -> Watch {
-        let said = place.folder.path().join("said");
+    fn start(scene: &'static str, sandbox: Sandbox, more: &[&str]) -> Watch {
+        let said = sandbox.folder.path().join("said");
         let arguments = [&["render", scene, "--device", software(), "--watch", "--verbose"], more].concat();
-        let mut command = place.command(&arguments);
+        let mut command = sandbox.command(&arguments);
         let child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
-        Watch { place, scene, child, said, changes: 0 }
+        Watch { sandbox, scene, child, said, changes: 0 }
     }
 
     fn said(&self) -> String {
@@ -73,7 +73,7 @@ impl Watch {
     }
 
     fn save(&self, text: &(impl AsRef<[u8]> + ?Sized), how: Save) {
-        let scene = self.place.work().join(self.scene);
+        let scene = self.sandbox.work().join(self.scene);
         match how {
             Save::InPlace => fs::write(&scene, text).unwrap(),
             Save::ByName => {
@@ -93,8 +93,8 @@ impl Watch {
     #[track_caller]
     fn is_of_the_scene_with(&self, more: &[&str]) {
         let plain = ["render", self.scene, "--device", software(), "-o", "plain.exr"];
-        self.place.run(&[&plain, more].concat()).exits(0);
-        assert!(bits(&self.place.exr("sphere.exr")) == bits(&self.place.exr("plain.exr")), "{}", self.said());
+        self.sandbox.run(&[&plain, more].concat()).exits(0);
+        assert!(bits(&self.sandbox.exr("sphere.exr")) == bits(&self.sandbox.exr("plain.exr")), "{}", self.said());
     }
 
     /// Ends it, and returns the last line that it says.
@@ -118,7 +118,7 @@ const WAITING: &str = "waiting for the next save";
 
 #[test]
 fn each_save_is_rendered_with_the_kernels_that_are_there() {
-    let mut watch = Watch::new(Place::new(), &["--png", "sphere.png"]);
+    let mut watch = Watch::new(Sandbox::new(), &["--png", "sphere.png"]);
     let said = watch.until_rendered();
     let sizes = |said: &str| {
         let before =
@@ -135,7 +135,7 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
         let said = watch.until_rendered();
         assert_eq!((sizes(&said).len(), said.matches(none).count()), (2, 2), "{said}");
         watch.is_of_the_scene();
-        assert_eq!(image::image_dimensions(watch.place.work().join("sphere.png")).unwrap(), (20, 12));
+        assert_eq!(image::image_dimensions(watch.sandbox.work().join("sphere.png")).unwrap(), (20, 12));
     }
     // Another material needs other kernels, and the compile time is told.
     watch.save(&SPHERE.replace("Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", "Dielectric(ior: 1.5)"), Save::InPlace);
@@ -147,24 +147,24 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
     let said = watch.until_rendered();
     assert_eq!(said.matches(none).count(), 2, "{said}");
     watch.is_of_the_scene();
-    assert_eq!(watch.place.files(), ["plain.exr", "sphere.exr", "sphere.png"]);
+    assert_eq!(watch.sandbox.files(), ["plain.exr", "sphere.exr", "sphere.png"]);
     assert_eq!(watch.end(), "error: interrupted by SIGINT; sphere.exr holds the last picture");
 }
 
 #[test]
 fn an_error_is_shown_as_check_shows_it_and_the_picture_stays() {
-    let mut watch = Watch::new(Place::new(), &[]);
+    let mut watch = Watch::new(Sandbox::new(), &[]);
     watch.until_rendered();
-    let before = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    let before = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
     for wrong in [SPHERE.replace("radius: 1", "radius: -1, colour: 2"), SPHERE.replace(")],", "")] {
         watch.save(&wrong, Save::ByName);
         let said = watch.until("error: ");
-        let checked = watch.place.says("check ../scenes/sphere.ron").exits(2);
+        let checked = watch.sandbox.says("check ../scenes/sphere.ron").exits(2);
         assert!(said.starts_with(&checked.stderr), "{said}\n{}", checked.stderr);
-        assert!(fs::read(watch.place.work().join("sphere.exr")).unwrap() == before, "the picture changed");
+        assert!(fs::read(watch.sandbox.work().join("sphere.exr")).unwrap() == before, "the picture changed");
     }
     // A file that is away is an error too, and is waited for.
-    let scene = watch.place.work().join("../scenes/sphere.ron");
+    let scene = watch.sandbox.work().join("../scenes/sphere.ron");
     fs::remove_file(&scene).unwrap();
     watch.until("cannot read the scene file");
     watch.save(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), Save::InPlace);
@@ -176,22 +176,22 @@ fn an_error_is_shown_as_check_shows_it_and_the_picture_stays() {
 /// A scene that is wrong from the start is waited for as well; one that is not there is not.
 #[test]
 fn the_first_scene_may_be_wrong_but_not_missing() {
-    let place = Place::new();
-    place.scene("sphere.ron", "Scene(");
-    let mut watch = Watch::new(place, &[]);
+    let sandbox = Sandbox::new();
+    sandbox.scene("sphere.ron", "Scene(");
+    let mut watch = Watch::new(sandbox, &[]);
     watch.until("error: ");
     watch.save(SPHERE, Save::InPlace);
     watch.until_rendered();
     watch.is_of_the_scene();
     watch.end();
-    let ran = Place::new().says("render missing.ron --watch").exits(2);
+    let ran = Sandbox::new().says("render missing.ron --watch").exits(2);
     assert!(ran.stderr.contains("cannot read the scene file"), "{}", ran.stderr);
 }
 
 #[test]
 fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
-    let place = Place::new();
-    let scenes = place.folder.path().join("scenes");
+    let sandbox = Sandbox::new();
+    let scenes = sandbox.folder.path().join("scenes");
     let texture = |name: &str, red: u8| {
         image::RgbImage::from_pixel(4, 4, image::Rgb([red, 90, 60])).save(scenes.join(name)).unwrap();
     };
@@ -201,8 +201,8 @@ fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
         .replace("Rgb(0.5, 0.4, 0.3)", "Image(path: \"red.png\")")
         .replace("materials: {", "materials: { \"plain\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)),")
         .replace("objects: [", "objects: [Mesh(path: \"face.obj\", material: \"plain\"), ");
-    place.scene("sphere.ron", &textured);
-    let mut watch = Watch::new(place, &[]);
+    sandbox.scene("sphere.ron", &textured);
+    let mut watch = Watch::new(sandbox, &[]);
     let said = watch.until_rendered();
     assert!(said.contains(", 2 of 2 images and meshes read"), "{said}");
     // The image, then the mesh, then neither.
@@ -232,32 +232,32 @@ fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
 #[test]
 fn a_gltf_file_is_watched_as_a_scene_file_is() {
     const SMALL: [&str; 4] = ["--size", "16x10", "--spp", "8"];
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (json, binary) = room();
-    fs::write(place.folder.path().join("scenes/sphere.glb"), glb(&json, &binary)).unwrap();
-    let mut watch = Watch::start("../scenes/sphere.glb", place, &SMALL);
+    fs::write(sandbox.folder.path().join("scenes/sphere.glb"), glb(&json, &binary)).unwrap();
+    let mut watch = Watch::start("../scenes/sphere.glb", sandbox, &SMALL);
     watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
-    let first = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    let first = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
     let mut redder = json.clone();
     redder["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = serde_json::json!([0.9, 0.1, 0.1, 1.0]);
     watch.save(&glb(&redder, &binary), Save::ByName);
     watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
-    let second = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    let second = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
     assert!(first != second, "it shows the first picture");
     // Half of a file, and a whole one that is wrong.
-    let whole = glb(&json, &binary);
+    let full = glb(&json, &binary);
     redder["nodes"][0]["mesh"] = 9.into();
     for (wrong, words) in [
-        (whole[..whole.len() / 2].to_vec(), "error: ../scenes/sphere.glb: "),
+        (full[..full.len() / 2].to_vec(), "error: ../scenes/sphere.glb: "),
         (glb(&redder, &binary), "nodes[0].mesh: there is no mesh 9"),
     ] {
         watch.save(&wrong, Save::ByName);
         watch.until(words);
-        assert!(fs::read(watch.place.work().join("sphere.exr")).unwrap() == second, "the picture changed");
+        assert!(fs::read(watch.sandbox.work().join("sphere.exr")).unwrap() == second, "the picture changed");
     }
-    watch.save(&whole, Save::InPlace);
+    watch.save(&full, Save::InPlace);
     watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
     watch.end();
@@ -267,31 +267,31 @@ fn a_gltf_file_is_watched_as_a_scene_file_is() {
 #[test]
 fn the_buffer_of_a_gltf_file_is_watched() {
     const SMALL: [&str; 4] = ["--size", "16x10", "--spp", "8"];
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (mut json, mut binary) = room();
     json["buffers"][0]["uri"] = "room.bin".into();
-    let buffer = place.folder.path().join("scenes/room.bin");
-    fs::write(place.folder.path().join("scenes/sphere.gltf"), json.to_string()).unwrap();
+    let buffer = sandbox.folder.path().join("scenes/room.bin");
+    fs::write(sandbox.folder.path().join("scenes/sphere.gltf"), json.to_string()).unwrap();
     fs::write(&buffer, &binary).unwrap();
-    let mut watch = Watch::start("../scenes/sphere.gltf", place, &SMALL);
+    let mut watch = Watch::start("../scenes/sphere.gltf", sandbox, &SMALL);
     watch.until_rendered();
-    let first = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    let first = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
     // The first corner's y.
     binary[4..8].copy_from_slice(&0.5f32.to_le_bytes());
     fs::write(&buffer, &binary).unwrap();
     let said = watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
-    assert!(first != fs::read(watch.place.work().join("sphere.exr")).unwrap(), "it shows the first picture: {said}");
+    assert!(first != fs::read(watch.sandbox.work().join("sphere.exr")).unwrap(), "it shows the first picture: {said}");
     watch.end();
 }
 
 /// The render under way is given up at once, though it would never end by itself; nothing of it is written.
 #[test]
 fn a_save_ends_the_render_under_way() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let of_samples = |text: &str, samples: &str| text.replace("samples: 16", &format!("samples: {samples}"));
-    place.scene("sphere.ron", &of_samples(SPHERE, ENDLESS));
-    let mut watch = Watch::new(place, &[]);
+    sandbox.scene("sphere.ron", &of_samples(SPHERE, ENDLESS));
+    let mut watch = Watch::new(sandbox, &[]);
     watch.until_said("preview of 10 x 6", 1);
     watch.save(&of_samples(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), ENDLESS), Save::ByName);
     watch.until_said("preview of 10 x 6", 2);
@@ -305,14 +305,14 @@ fn a_save_ends_the_render_under_way() {
 
 #[test]
 fn a_signal_ends_it_with_the_image_so_far() {
-    let mut watch = Watch::new(Place::new(), &["--spp", ENDLESS]);
+    let mut watch = Watch::new(Sandbox::new(), &["--spp", ENDLESS]);
     watch.until_said("preview of 10 x 6", 1);
     send(&watch.child, libc::SIGINT);
-    let Watch { place, child, said, .. } = watch;
+    let Watch { sandbox, child, said, .. } = watch;
     finish(child).exits(130);
     let said = fs::read_to_string(said).unwrap();
     let last = said.lines().last().unwrap_or_default();
-    let image = place.exr("sphere.exr");
+    let image = sandbox.exr("sphere.exr");
     assert_eq!((image.width, attribute(&image, "gpu-rt:complete")), (20, "0"), "{said}");
     assert!(last.starts_with("error: interrupted by SIGINT; sphere.exr holds "), "{last}");
 }
@@ -320,20 +320,20 @@ fn a_signal_ends_it_with_the_image_so_far() {
 /// Samples of this very image are worth more than previews.
 #[test]
 fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
-    let place = Place::new();
-    place.render(&["--spp", "32"]).exits(0);
-    let before = fs::read(place.work().join("sphere.exr")).unwrap();
-    let ran = place.render(&["--watch"]).exits(2);
+    let sandbox = Sandbox::new();
+    sandbox.render(&["--spp", "32"]).exits(0);
+    let before = fs::read(sandbox.work().join("sphere.exr")).unwrap();
+    let ran = sandbox.render(&["--watch"]).exits(2);
     assert!(ran.stderr.contains("sphere.exr holds 32 samples per pixel of this render"), "{}", ran.stderr);
-    assert!(fs::read(place.work().join("sphere.exr")).unwrap() == before);
-    let mut watch = Watch::new(place, &["--spp", "40"]);
+    assert!(fs::read(sandbox.work().join("sphere.exr")).unwrap() == before);
+    let mut watch = Watch::new(sandbox, &["--spp", "40"]);
     let said = watch.until_rendered();
     assert!(!said.contains("preview of"), "{said}");
-    assert_eq!(attribute(&watch.place.exr("sphere.exr"), "gpu-rt:end_sample"), "40");
+    assert_eq!(attribute(&watch.sandbox.exr("sphere.exr"), "gpu-rt:end_sample"), "40");
     watch.end();
-    let place = Place::new();
-    place.render(&["--spp", "32"]).exits(0);
-    let mut watch = Watch::new(place, &["--force"]);
+    let sandbox = Sandbox::new();
+    sandbox.render(&["--spp", "32"]).exits(0);
+    let mut watch = Watch::new(sandbox, &["--force"]);
     let said = watch.until_rendered();
     assert_eq!(said.matches("preview of").count(), 2, "{said}");
     watch.is_of_the_scene();
@@ -342,7 +342,7 @@ fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
 
 #[test]
 fn a_part_of_the_image_has_previews_of_that_part() {
-    let mut watch = Watch::new(Place::new(), &["--crop", "3,2,10,7"]);
+    let mut watch = Watch::new(Sandbox::new(), &["--crop", "3,2,10,7"]);
     watch.until_rendered();
     watch.is_of_the_scene_with(&["--crop", "3,2,10,7"]);
     watch.end();
@@ -350,7 +350,7 @@ fn a_part_of_the_image_has_previews_of_that_part() {
 
 #[test]
 fn watch_refuses_streams_and_options_of_one_render() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (more, words) in [
         ("--samples 0..8", "'--samples <A..B>'"),
         ("--resume", "'--resume[=<auto>]'"),
@@ -359,10 +359,10 @@ fn watch_refuses_streams_and_options_of_one_render() {
         ("--png -", "--png -: --watch replaces it again and again: give the name of a file"),
         ("--png /dev/null", "--png /dev/null: --watch replaces it"),
     ] {
-        let ran = place.says(&format!("render ../scenes/sphere.ron --watch {more}")).exits(2);
+        let ran = sandbox.says(&format!("render ../scenes/sphere.ron --watch {more}")).exits(2);
         assert!(ran.stderr.contains("--watch") && ran.stderr.contains(words), "{}", ran.stderr);
     }
-    let ran = place.says("render - --watch").exits(2);
+    let ran = sandbox.says("render - --watch").exits(2);
     assert!(ran.stderr.contains("standard input does not change"), "{}", ran.stderr);
-    assert!(place.files().is_empty());
+    assert!(sandbox.files().is_empty());
 }

@@ -17,6 +17,6 @@ struct Out {
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 fn run(row: u32) {
-    let asked = input[row];
-    output[row] = Out(circle_point(asked.turns), sine_and_rise(asked.angle), angle_of(asked.point.y, asked.point.x), 0.0);
+    let given = input[row];
+    output[row] = Out(circle_point(given.turns), sine_and_rise(given.angle), angle_of(given.point.y, given.point.x), 0.0);
 }

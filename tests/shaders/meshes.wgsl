@@ -8,7 +8,7 @@ struct In {
     origin: vec3<f32>,
     root: u32,
     direction: vec3<f32>,
-    // Whether every face is to be asked.
+    // Whether every face is to be tested.
     ask: u32,
     leaving: vec3<f32>,
     padding: u32,
@@ -17,7 +17,7 @@ struct In {
 struct Out {
     // Code, instance, t as bits, steps.
     walked: vec4<u32>,
-    asked: vec4<u32>,
+    brute_force: vec4<u32>,
     point: vec3<f32>,
     again: f32,
     normal: vec3<f32>,
@@ -32,21 +32,21 @@ const FACES: u32 = ${faces}u;
 @group(0) @binding(21) var<storage, read> input: array<In>;
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
-fn ask_all(ray: Ray) -> Hit {
-    var asked = hit_at(HIT_NOTHING, VERY_FAR);
+fn brute_force_hit(ray: Ray) -> Hit {
+    var brute_force = hit_at(HIT_NOTHING, VERY_FAR);
     for (var i = 0u; i < INSTANCES; i++) {
         let here = to_mesh(instances[i], ray);
         let inverse = slab_inverse(here.direction);
         for (var face = 0u; face < FACES; face++) {
             let code = PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
             let t = face_hit(here, inverse, face).t;
-            if t != NO_HIT && t < asked.t {
-                asked = hit_at(code, t);
-                asked.instance = i;
+            if t != NO_HIT && t < brute_force.t {
+                brute_force = hit_at(code, t);
+                brute_force.instance = i;
             }
         }
     }
-    return asked;
+    return brute_force;
 }
 
 fn words_of(hit: Hit) -> vec4<u32> {
@@ -59,9 +59,9 @@ fn run(row: u32) {
     var out: Out;
     let hit = nearest_hit(ray, given.root);
     out.walked = words_of(hit);
-    out.asked = out.walked;
+    out.brute_force = out.walked;
     if given.ask != 0u {
-        out.asked = words_of(ask_all(ray));
+        out.brute_force = words_of(brute_force_hit(ray));
     }
     out.again = NO_HIT;
     if hit.code != HIT_NOTHING && any(given.leaving != vec3<f32>(0.0)) {

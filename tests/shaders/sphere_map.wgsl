@@ -13,5 +13,5 @@ struct Out {
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 fn run(row: u32) {
-    output[row] = Out(sphere_uv_at(input[row].direction), sky_place(input[row].direction));
+    output[row] = Out(sphere_uv_at(input[row].direction), sky_uv(input[row].direction));
 }

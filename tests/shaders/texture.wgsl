@@ -19,6 +19,6 @@ struct Out {
 
 fn run(row: u32) {
     let given = input[row];
-    let place = TexturePoint(given.point, given.along_z, given.phase, given.uv, given.wraps != 0u);
-    output[row] = Out(${texture}_colour(given.texture, place), 0u);
+    let at = TexturePoint(given.point, given.along_z, given.phase, given.uv, given.wraps != 0u);
+    output[row] = Out(${texture}_colour(given.texture, at), 0u);
 }

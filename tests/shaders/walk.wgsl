@@ -12,7 +12,7 @@ struct In {
 struct Out {
     walked: vec3<u32>,
     padding0: u32,
-    asked: vec3<u32>,
+    brute_force: vec3<u32>,
     padding1: u32,
 }
 
@@ -28,20 +28,20 @@ fn words_of(hit: Hit) -> vec3<u32> {
 
 fn run(row: u32) {
     let ray = Ray(input[row].origin, input[row].direction);
-    var asked = hit_at(HIT_NOTHING, VERY_FAR);
+    var brute_force = hit_at(HIT_NOTHING, VERY_FAR);
     var order = 0xffffffffu;
     for (var kind = 0u; kind < 3u; kind++) {
         for (var i = 0u; i < COUNTS[kind]; i++) {
             let code = PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | i;
             let t = primitive_distance(code, ray);
             let own = primitive_order(hit_at(code, t));
-            if t != NO_HIT && (t < asked.t || (t == asked.t && own < order)) {
-                asked.code = code;
-                asked.t = t;
+            if t != NO_HIT && (t < brute_force.t || (t == brute_force.t && own < order)) {
+                brute_force.code = code;
+                brute_force.t = t;
                 order = own;
             }
         }
     }
     let walked = nearest_hit(ray, input[row].root);
-    output[row] = Out(words_of(walked), 0u, words_of(asked), 0u);
+    output[row] = Out(words_of(walked), 0u, words_of(brute_force), 0u);
 }

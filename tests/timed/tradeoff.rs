@@ -18,7 +18,7 @@ use gpu_rt::options::{
 };
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
-use gpu_rt::tradeoff::extent::Whole;
+use gpu_rt::tradeoff::extent::FullSize;
 use gpu_rt::tradeoff::judge::{Judged, Measured, judge, recommended};
 use gpu_rt::tradeoff::replicates::{Pixels, Weights, squared_bias};
 use gpu_rt::tradeoff::sweep::{Block, Setting, Sweep};
@@ -111,8 +111,8 @@ fn scene(text: &str) -> Scene {
 
 /// The defaults, and three settings that are declared to change the noise alone.
 fn unbiased(scene: &Scene) -> Vec<Setting> {
-    let setting = |knob, value: &str, options| Setting {
-        knob,
+    let setting = |option, value: &str, options| Setting {
+        option,
         value: value.to_string(),
         options,
         max_depth: scene.render.max_depth,
@@ -153,8 +153,8 @@ fn plant(sweep: &mut Sweep<'_>, subject: usize, factor: f32) -> BTreeMap<u32, Ve
 }
 
 fn judged(sweep: &mut Sweep<'_>, reference: Option<&Truth>) -> Judged {
-    let whole = Whole::of_sweep(sweep);
-    judge(sweep, reference, &whole, "")
+    let full_size = FullSize::of_sweep(sweep);
+    judge(sweep, reference, &full_size, "")
 }
 
 /// Seconds are measured within a budget: each test has the machine for itself, as far as this program goes.
@@ -177,7 +177,7 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
         let [defaults, .., independent] = &unbiased(&scene)[..] else { panic!("there are several") };
         // A limit that does next to nothing here.
         let clamp = Setting {
-            knob: Some(&CLAMP),
+            option: Some(&CLAMP),
             value: "1e6".into(),
             options: RenderOptions { clamp: Some(1e6), ..RenderOptions::default() },
             ..defaults.clone()
@@ -262,9 +262,9 @@ fn a_lamp_that_nobody_meets_under_a_sky_is_missed() {
     let found = judged(&mut sweep, None).measured;
     let [defaults, bsdf] = &found[..] else { panic!("{found:?}") };
     assert!(defaults.reliable && !defaults.lacks_paths, "{defaults:?}");
-    assert!(bsdf.noise_doubt < 0.2 && bsdf.signed.value < -0.05 && !bsdf.biased, "{bsdf:?}");
+    assert!(bsdf.noise_error < 0.2 && bsdf.signed.value < -0.05 && !bsdf.biased, "{bsdf:?}");
     assert!(bsdf.lacks_paths && !bsdf.reliable && bsdf.verdict().contains("as if it had missed"), "{bsdf:?}");
-    assert!(recommended(&found).iter().all(|best| best.is_some_and(|best| best.setting.knob.is_none())));
+    assert!(recommended(&found).iter().all(|best| best.is_some_and(|best| best.setting.option.is_none())));
     // Without the lamp both have the same image, and either may be advised.
     let dark = text.replace("1e6", "1");
     let scene = crate::tradeoff::scene(&dark);
@@ -286,7 +286,7 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     for value in ["1", "10"] {
         let options = RenderOptions { clamp: value.parse().ok(), ..RenderOptions::default() };
         sweep
-            .add(Setting { knob: Some(&CLAMP), value: value.into(), options, ..defaults.clone() })
+            .add(Setting { option: Some(&CLAMP), value: value.into(), options, ..defaults.clone() })
             .expect("it compiles");
     }
     measure(&mut sweep, 1, 8);
@@ -294,7 +294,7 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     assert!(found.len() == 3 && !found[0].reliable, "{found:?}");
     for clamp in &found[1..] {
         // Its own noise is small, and known.
-        assert!(clamp.noise_doubt < 0.2 && !clamp.bias_known && !clamp.reliable, "{clamp:?}");
+        assert!(clamp.noise_error < 0.2 && !clamp.bias_known && !clamp.reliable, "{clamp:?}");
         assert!(clamp.verdict().contains("unreliable: the image that its bias refers to is not known well"));
     }
     assert!(recommended(&found).iter().all(Option::is_none));
@@ -302,13 +302,13 @@ fn a_bias_against_what_is_not_known_is_not_known() {
 
 /// The loss of detail that images of all pixels tell is that of images of fewer pixels.
 #[test]
-fn lost_detail_is_told_without_rendering_it() {
+fn lost_detail_is_computed_without_rendering_it() {
     let _machine = alone();
     let scene = scene(ROOM);
     let defaults = unbiased(&scene).remove(0);
     let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0);
     sweep.add(defaults.clone()).expect("it compiles");
-    let half = Setting { knob: Some(&SIZE), value: "50%".into(), scale: 0.5, ..defaults };
+    let half = Setting { option: Some(&SIZE), value: "50%".into(), scale: 0.5, ..defaults };
     sweep.add(half).expect("it compiles");
     measure(&mut sweep, 1, 8);
     let images = |subject: usize| -> Vec<Pixels> {
@@ -316,17 +316,20 @@ fn lost_detail_is_told_without_rendering_it() {
     };
     let weights = Weights::of_rounds(images(0).iter().enumerate().map(|(i, image)| (i, 16, image))).expect("images");
     let rendered = squared_bias(&images(1), &images(0), &weights, 1).expect("eight rounds");
-    let (_, told) = Whole::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
-    let error = rendered.error.hypot(told.error);
+    let (_, computed) = FullSize::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
+    let error = rendered.error.hypot(computed.error);
     // Five standard errors: once in 700 times with 7 degrees of freedom, and the seed is pinned.
-    assert!((told.value - rendered.value).abs() < 5.0 * error && told.value > 20.0 * error, "{told:?} {rendered:?}");
+    assert!(
+        (computed.value - rendered.value).abs() < 5.0 * error && computed.value > 20.0 * error,
+        "{computed:?} {rendered:?}"
+    );
     // In the report it is what counts.
     let found = judged(&mut sweep, None).measured;
-    assert!(found[1].squared == told && found[1].verdict().contains("loses detail"), "{:?}", found[1]);
-    // Without images of the whole size nothing is said of it.
-    let unknown = Whole::unknown(&sweep, (96, 96));
+    assert!(found[1].squared == computed && found[1].verdict().contains("loses detail"), "{:?}", found[1]);
+    // Without images of the full size nothing is said of it.
+    let unknown = FullSize::unknown(&sweep, (96, 96));
     assert_eq!(judge(&mut sweep, None, &unknown, "").measured.len(), 1);
-    assert!(sweep.unmeasured.iter().any(|left| left.why.contains("not measured at the whole size")));
+    assert!(sweep.unmeasured.iter().any(|left| left.why.contains("not measured at full size")));
 }
 
 /// Of 100 sweeps at most 18 may have a false alarm: with a probability of 5 % each, more do once in 2e6 times. A rate of 25 % would be found in
@@ -384,7 +387,7 @@ fn the_unit_of_light_does_not_matter() {
     let mut sweeps = scenes.each_ref().map(|scene| {
         let mut sweep = Sweep::new(device::software(), scene, (24, 24), 0);
         let defaults = unbiased(scene).remove(0);
-        let short = Setting { knob: Some(&MAX_DEPTH), value: "2".into(), max_depth: 2, ..defaults.clone() };
+        let short = Setting { option: Some(&MAX_DEPTH), value: "2".into(), max_depth: 2, ..defaults.clone() };
         [defaults, short].into_iter().for_each(|setting| sweep.add(setting).expect("it compiles"));
         sweep
     });
@@ -421,7 +424,7 @@ fn the_unit_of_light_does_not_matter() {
 #[test]
 fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
     let text = |shade: &str, mirror: &str| {
         format!(
             "Scene(
@@ -443,9 +446,9 @@ fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
     };
     const SHADE: &str = "Quad(corner: (-1, 1.7, 1), u: (2, 0, 0), v: (0, 0, -2), material: \"black\"),";
     let sweep = |scene: &str| {
-        std::fs::write(place.path().join("mirror.ron"), scene).expect("it is written");
+        std::fs::write(sandbox.path().join("mirror.ron"), scene).expect("it is written");
         let options = ["tradeoff", "mirror.ron", "--budget", "8s", "--knobs", "roulette", "--json"];
-        run(place.path(), &options).exits(0).json()
+        run(sandbox.path(), &options).exits(0).json()
     };
     for mirror in ["Metal(albedo: Rgb(0.9, 0.9, 0.9))", "Conductor(albedo: Rgb(0.9, 0.9, 0.9), roughness: 0.001)"] {
         let json = sweep(&text(SHADE, mirror));
@@ -453,9 +456,10 @@ fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
         assert!(settings.iter().all(|setting| setting["reliable"] == false), "{mirror}: {json:#}");
         assert!(json["recommendations"].as_array().expect("three").iter().all(|best| best["setting"].is_null()));
         let render = ["render", "mirror.ron", "-o", "a.exr", "--spp", "256", "--force"];
-        let said = run(place.path(), &render).exits(0).stderr;
+        let said = run(sandbox.path(), &render).exits(0).stderr;
         let words = "mirrors, glass and other narrow lobes hide";
-        let page = std::fs::read_to_string(place.path().join("mirror-tradeoff/index.html")).expect("the page is there");
+        let page =
+            std::fs::read_to_string(sandbox.path().join("mirror-tradeoff/index.html")).expect("the page is there");
         assert!(said.contains(words) && page.contains(words), "{mirror}: {said}");
     }
     // The control: a matt ceiling hides nothing.
@@ -471,12 +475,12 @@ fn run(folder: &Path, arguments: &[&str]) -> Ran {
 #[test]
 fn the_program_reports_and_its_advice_is_kept() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("room.ron"), ROOM).expect("it is written");
     let sweep = ["tradeoff", "room.ron", "--budget", "15s", "--knobs", "roulette,max-depth,sampler", "--json"];
-    let json = run(place.path(), &sweep).exits(0).json();
+    let json = run(sandbox.path(), &sweep).exits(0).json();
     compare("### `tradeoff --json`", std::slice::from_ref(&json));
-    let folder = place.path().join("room-tradeoff");
+    let folder = sandbox.path().join("room-tradeoff");
     let page = std::fs::read_to_string(folder.join("index.html")).expect("the page is there");
     assert!(
         page.contains("<svg")
@@ -489,7 +493,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     assert_eq!(csv.lines().count(), 1 + settings.len());
     let columns = csv.lines().next().map(|line| line.split(',').count());
     assert_eq!(columns, Some(29));
-    // Every value of every knob asked for is there, measured or not.
+    // Every value of every requested option is there, measured or not.
     let named: Vec<&str> = settings.iter().filter_map(|setting| setting["setting"].as_str()).collect();
     for name in ["defaults", "--roulette off", "--max-depth 1", "--max-depth 16", "--sampler independent"] {
         assert!(named.contains(&name), "{name} in {named:?}");
@@ -505,26 +509,26 @@ fn the_program_reports_and_its_advice_is_kept() {
 
     // An independent render with what is advised for 1e-2 comes to that error.
     let advice = &json["recommendations"][1];
-    let errors = kept(place.path(), "room.ron", advice);
+    let errors = kept(sandbox.path(), "room.ron", advice);
     assert!((errors[2] / 1e-2 - 1.0).abs() < 0.2, "{advice}: {errors:?}");
 
     for (knobs, why) in [("colour", "expected names from"), ("spp", "every setting is measured over its samples")] {
-        let ran = run(place.path(), &["tradeoff", "room.ron", "--knobs", knobs]).exits(2);
+        let ran = run(sandbox.path(), &["tradeoff", "room.ron", "--knobs", knobs]).exits(2);
         assert!(ran.stderr.contains(&format!("--knobs {knobs}: {why}")), "{}", ran.stderr);
     }
 }
 
 /// The relative MSE of independent renders with what a report advises for one of its targets, in order: by five seeds, against one of 4096 samples.
 /// What is advised here takes at most a hundred, so that the noise of that one adds a fortieth to the error.
-fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
+fn kept(sandbox: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let render = |more: &[&str], out: &str| {
-        run(place, &[&["render", scene, "-o", out], more].concat()).exits(0);
-        read_exr(&place.join(out)).expect("it is read").rgb
+        run(sandbox, &[&["render", scene, "-o", out], more].concat()).exits(0);
+        read_exr(&sandbox.join(out)).expect("it is read").rgb
     };
     let truth = render(&["--spp", "4096", "--seed", "77"], "truth.exr");
     let samples = advice["samples"].as_f64().unwrap_or_else(|| panic!("it is not reached: {advice:#}"));
     assert!(samples <= 100.0, "{advice:#}");
-    // The whole number of samples that reaches it: of 5.5 it is 6, and with 5 the error is a quarter larger.
+    // The integer number of samples that reaches it: of 5.5 it is 6, and with 5 the error is a quarter larger.
     let samples = samples.ceil().to_string();
     let option = advice["setting"].as_str().filter(|name| *name != "defaults").unwrap_or("");
     let options: Vec<&str> = option.split_whitespace().chain(["--spp", &samples]).collect();
@@ -544,14 +548,14 @@ fn denoising_is_measured_as_a_setting() {
     let defaults = unbiased(&scene).remove(0);
     let mut options = RenderOptions::default();
     options.aov.include(&[Aov::Albedo, Aov::Normal]);
-    let denoise = Setting { knob: Some(&DENOISE), options, denoise: true, ..defaults.clone() };
+    let denoise = Setting { option: Some(&DENOISE), options, denoise: true, ..defaults.clone() };
     let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0).denoised_by(Some(&denoiser));
     sweep.add(defaults.clone()).expect("it compiles");
     sweep.add(denoise.clone()).expect("it compiles");
     measure(&mut sweep, 1, 9);
-    let mut whole = Whole::of_sweep(&sweep);
-    whole.seconds_to_denoise = 3.0;
-    let found = judge(&mut sweep, None, &whole, "").measured;
+    let mut full_size = FullSize::of_sweep(&sweep);
+    full_size.seconds_to_denoise = 3.0;
+    let found = judge(&mut sweep, None, &full_size, "").measured;
     let [raw, denoised] = &found[..] else { panic!("{found:?}") };
     assert_eq!((denoised.setting.name().as_str(), denoised.biased, raw.biased), ("--denoise", true, false));
     // In an image of 48 x 48 pixels detail is as small as noise, so that denoising gains little.
@@ -568,7 +572,7 @@ fn denoising_is_measured_as_a_setting() {
         assert!((error / mean - 1.0).abs() < 0.35, "{samples}: {error} is stated, {mean} is so");
     }
     assert!(denoised.bias_squared() > 1e-4 && denoised.model.squared_bias == 0.0, "{denoised:?}");
-    assert_eq!((raw.model.seconds_beside, denoised.model.seconds_beside), (0.0, 3.0));
+    assert_eq!((raw.model.fixed_seconds, denoised.model.fixed_seconds), (0.0, 3.0));
     assert!(denoised.times.iter().flatten().all(|seconds| *seconds > 3.0));
     let timed = sweep.seconds_to_denoise((96, 96), Instant::now()).expect("it denoises");
     assert!(timed.is_some_and(|seconds| seconds > 0.0));
@@ -577,9 +581,9 @@ fn denoising_is_measured_as_a_setting() {
     let mut other = Sweep::new(device::software(), &scene, (48, 48), 0);
     [defaults, denoise].into_iter().for_each(|setting| other.add(setting).expect("the defaults compile"));
     assert!(other.subjects.len() == 1 && other.unmeasured[0].why.contains("it needs Open Image Denoise"));
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
-    let ran = run(place.path(), &["tradeoff", "room.ron", "--knobs", "denoise", "--oidn", "."]).exits(1);
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("room.ron"), ROOM).expect("it is written");
+    let ran = run(sandbox.path(), &["tradeoff", "room.ron", "--knobs", "denoise", "--oidn", "."]).exits(1);
     assert!(ran.stderr.contains("neither it nor its folder lib or bin has"), "{}", ran.stderr);
 }
 
@@ -587,24 +591,24 @@ fn denoising_is_measured_as_a_setting() {
 #[test]
 fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
-    // Twice one knob is one. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
+    // An option given twice counts once. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
     let sweep = ["tradeoff", "lamp.ron", "--budget", "30s", "--knobs", "integrator,integrator", "--json"];
-    let json = run(place.path(), &sweep).exits(0).json();
+    let json = run(sandbox.path(), &sweep).exits(0).json();
     assert_eq!(json["settings"].as_array().map(Vec::len), Some(2), "{json:#}");
     let advice = &json["recommendations"][2];
     assert_eq!(advice["setting"], "defaults", "{json:#}");
-    let errors = kept(place.path(), "lamp.ron", advice);
+    let errors = kept(sandbox.path(), "lamp.ron", advice);
     assert!((errors[2] / 1e-3 - 1.0).abs() < 0.2, "{advice}: {errors:?}");
 }
 
 /// A sweep, and the seconds that it took of so many. A machine that stands still for a while does not do so three times.
-fn sweep_within(place: &Path, seconds: f64) -> (Ran, f64) {
+fn sweep_within(sandbox: &Path, seconds: f64) -> (Ran, f64) {
     let attempt = || {
         let begin = Instant::now();
         let (budget, knobs) = (format!("{seconds:.2}s"), "sampler,roulette,clamp,max-depth");
-        let ran = run(place, &["tradeoff", "sky.ron", "--budget", &budget, "--knobs", knobs, "--quiet"]);
+        let ran = run(sandbox, &["tradeoff", "sky.ron", "--budget", &budget, "--knobs", knobs, "--quiet"]);
         (ran, begin.elapsed().as_secs_f64())
     };
     let within = |took: f64| took < MORE_THAN_BUDGET * seconds;
@@ -620,13 +624,13 @@ const BUDGET: f64 = 12.0;
 #[test]
 fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("sky.ron"), SKY).expect("it is written");
-    let (ran, took) = sweep_within(place.path(), BUDGET);
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("sky.ron"), SKY).expect("it is written");
+    let (ran, took) = sweep_within(sandbox.path(), BUDGET);
     let stdout = ran.exits(0).stdout;
     assert!(took < MORE_THAN_BUDGET * BUDGET, "{took} s of {BUDGET}");
     let short = (0.25 * took).max(2.0);
-    let (ran, took_of_short) = sweep_within(place.path(), short);
+    let (ran, took_of_short) = sweep_within(sandbox.path(), short);
     println!("{took} s of {BUDGET}, {took_of_short} s of {short}");
     assert!(ran.code() == 0 || ran.stderr.contains("give it more"), "{}", ran.stderr);
     assert!(took_of_short < MORE_THAN_BUDGET * short, "{took_of_short} s of {short}");
@@ -649,18 +653,18 @@ fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
 #[test]
 fn the_noise_of_a_reference_is_stated_and_subtracted() {
     let _machine = alone();
-    let place = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
+    let sandbox = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(sandbox.path().join("room.ron"), ROOM).expect("it is written");
     let render = |spp: &str, seed: &str, out: &str| {
         let options = ["render", "room.ron", "--size", "24x24", "-o", out, "--spp", spp, "--seed", seed, "--force"];
-        run(place.path(), &options).exits(0);
-        read_exr(&place.path().join(out)).expect("it is read").rgb
+        run(sandbox.path(), &options).exits(0);
+        read_exr(&sandbox.path().join(out)).expect("it is read").rgb
     };
     let truth = render("4096", "1000", "truth.exr");
     // As noisy as the blocks that are measured, and of a seed that is the sweep's too.
     let noisy = render("16", "3", "noisy.exr");
     let sweep = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette,sampler,max-depth", "--json"];
-    let json = run(place.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat()).exits(0).json();
+    let json = run(sandbox.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat()).exits(0).json();
     assert!(json["seed"].as_u64().is_some_and(|seed| seed > 3), "{}", json["seed"]);
     // Stated: of 1728 values with one degree of freedom, and with rare bright ones among them.
     assert_eq!((&json["width"], &json["height"]), (&Value::from(24), &Value::from(24)));
@@ -688,14 +692,14 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     }
     // One whose sides share no divisor is measured in its middle, by images that are as small as others, and shows the same.
     let options = ["--size", "211x199", "--spp", "16", "--seed", "500", "--quiet", "-o", "odd.exr"];
-    run(place.path(), &[&["render", "room.ron"], &options[..]].concat()).exits(0);
+    run(sandbox.path(), &[&["render", "room.ron"], &options[..]].concat()).exits(0);
     let odd = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette", "--json", "--reference", "odd.exr"];
-    let json = run(place.path(), &odd).exits(0).json();
+    let json = run(sandbox.path(), &odd).exits(0).json();
     assert_eq!((&json["whole_width"], &json["whole_height"]), (&Value::from(195), &Value::from(195)));
     assert!(json["width"].as_u64().is_some_and(|width| width <= 65), "{}", json["width"]);
     assert_eq!(json["defaults_against_reference"]["differs"], false, "{json:#}");
     // Few samples are one replicate, and tell nothing.
     render("8", "3", "noisy.exr");
-    let ran = run(place.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat()).exits(0);
+    let ran = run(sandbox.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat()).exits(0);
     assert!(ran.stderr.contains("noisy.exr; it has no variance"), "{}", ran.stderr);
 }

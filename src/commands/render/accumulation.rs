@@ -12,15 +12,15 @@ use crate::film::Film;
 use crate::gpu::device::{AdapterName, Device};
 use crate::job::{Goal, Job};
 use crate::output::exr::{State, add_film, read_state};
-use crate::render::{Noise, empty_film, look_after, look_at};
+use crate::render::{Noise, check_error, empty_film, samples_at_check};
 use crate::samples::Samples;
 
 /// A film with its samples and devices, as a file with a state holds them.
 pub struct Accumulation {
     pub film: Film,
     pub samples: Samples,
-    /// How often `--noise` has compared the error with the one asked.
-    pub looks: u32,
+    /// How often `--noise` has compared the error with the requested one.
+    pub checks: u32,
     /// The devices and drivers that have rendered it.
     pub devices: Vec<(String, String)>,
 }
@@ -94,7 +94,7 @@ impl Request<'_> {
 impl Accumulation {
     /// An empty film.
     fn new(film: Film) -> Accumulation {
-        Accumulation { film, samples: Samples::default(), looks: 0, devices: Vec::new() }
+        Accumulation { film, samples: Samples::default(), checks: 0, devices: Vec::new() }
     }
 
     /// The film that these devices begin with: that of the output, if it has this state, or an empty one.
@@ -106,8 +106,8 @@ impl Accumulation {
             Some(state) => {
                 let mut film = state.film()?;
                 add_film(&request.image, state, &mut film)?;
-                let State { samples, looks, devices, .. } = state.clone();
-                Accumulation { film, samples, looks, devices }
+                let State { samples, looks: checks, devices, .. } = state.clone();
+                Accumulation { film, samples, checks, devices }
             }
             None => {
                 let film = empty_film(&request.flat, request.job.size, &request.args.options)?;
@@ -150,15 +150,15 @@ impl Accumulation {
         Ok(())
     }
 
-    /// The result of the last look at this film by a render until an error, if that look was enough.
+    /// The result of the last check of this film by `--noise`, if it ended the render.
     pub fn noise_reached(&self, job: &Job) -> Option<Noise> {
         let Goal::Noise { error, .. } = job.goal else { return None };
-        let last = self.looks.checked_sub(1)?;
-        let samples = look_after(last);
+        let last = self.checks.checked_sub(1)?;
+        let samples = samples_at_check(last);
         if self.samples.count() != u64::from(samples) {
             return None;
         }
-        Some(look_at(&self.film, samples, last, error).0).filter(|noise| noise.reached)
+        Some(check_error(&self.film, samples, last, error).0).filter(|noise| noise.reached)
     }
 
     /// What is left of a job.
@@ -175,7 +175,7 @@ impl Accumulation {
                     Goal::Until { deadline, end: range.end }
                 }
                 Goal::Noise { error, deadline, end, begun, .. } if !is_gap(range) => {
-                    Goal::Noise { error, deadline, end, begun, looks: self.looks }
+                    Goal::Noise { error, deadline, end, begun, checks: self.checks }
                 }
                 until @ Goal::Until { .. } => until,
                 Goal::Samples(_) | Goal::Noise { .. } => Goal::Samples(range.end),
@@ -192,7 +192,7 @@ mod tests {
 
     /// Films of several drivers, at the start or by and by, are refused unless they are asked for.
     #[test]
-    fn devices_of_several_drivers_are_mixed_only_when_asked() {
+    fn devices_of_several_drivers_are_mixed_only_on_request() {
         let device = |driver: &str| AdapterName {
             name: "GPU".to_string(),
             driver: driver.to_string(),

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
-use crate::output::place::folder_of;
+use crate::output::destination::folder_of;
 use crate::scene::{Stamp, stamp};
 
 /// How long files must have stayed as they are, so that a save is over.
@@ -29,9 +29,9 @@ pub struct Changes {
     system: Option<RecommendedWatcher>,
     /// The folders that the system tells of.
     folders: BTreeSet<PathBuf>,
-    /// Whether the system has told of something since the last look.
+    /// Whether the system has told of something since the files were last checked.
     stirred: Arc<AtomicBool>,
-    looked: Mutex<Instant>,
+    checked: Mutex<Instant>,
     /// Whether a file has changed.
     has_changed: AtomicBool,
 }
@@ -50,7 +50,7 @@ impl Changes {
             system: system.ok(),
             folders: BTreeSet::new(),
             stirred,
-            looked: Mutex::new(Instant::now()),
+            checked: Mutex::new(Instant::now()),
             has_changed: AtomicBool::new(false),
         }
     }
@@ -82,11 +82,11 @@ impl Changes {
         if self.has_changed.load(Ordering::Relaxed) {
             return true;
         }
-        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
-        if !self.stirred.swap(false, Ordering::Relaxed) && looked.elapsed() < PAUSE {
+        let mut checked = self.checked.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.stirred.swap(false, Ordering::Relaxed) && checked.elapsed() < PAUSE {
             return false;
         }
-        *looked = Instant::now();
+        *checked = Instant::now();
         let changed = self.files.iter().any(|(path, before)| stamp(path) != *before);
         self.has_changed.fetch_or(changed, Ordering::Relaxed);
         changed

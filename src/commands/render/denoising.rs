@@ -7,7 +7,7 @@ use crate::aov::Aov;
 use crate::commands::denoise::{Denoised, Denoising, denoise};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
-use crate::output::place::can_be_replaced;
+use crate::output::destination::can_be_replaced;
 
 /// The channels that a denoiser wants.
 pub const WANTED: [Aov; 2] = [Aov::Albedo, Aov::Normal];

@@ -9,9 +9,9 @@ use crate::commands::signals::Signals;
 use crate::error::Result;
 use crate::film::Film;
 use crate::job::{Goal, Job};
-use crate::output::place::can_be_replaced;
+use crate::output::destination::can_be_replaced;
 use crate::output::progress::{Progress, Status, Until};
-use crate::render::{Next, Outcome, Snapshot, level_after, look_after};
+use crate::render::{Next, Outcome, Snapshot, level_after, samples_at_check};
 
 /// Under `--watch`: the most between two checkpoints, unless they would take too long.
 const MOST_WATCHED: Duration = Duration::from_secs(2);
@@ -38,8 +38,8 @@ pub struct Observers<'a> {
     pub checkpoints: Checkpoints,
     /// `None` where nobody watches.
     next_snapshot: Option<Instant>,
-    /// Whether it has been told that a signal ends the render.
-    told: bool,
+    /// Whether the message that a signal ends the render has been printed.
+    signal_reported: bool,
     pace: Pace,
 }
 
@@ -93,7 +93,16 @@ impl<'a> Observers<'a> {
         let checkpoints =
             Checkpoints { next: None, interval: Duration::ZERO, is_chosen: true, failed: None, kept: false };
         let pace = Pace::new(job, 0);
-        Observers { progress, viewers, signals, changes: None, checkpoints, next_snapshot: None, told: false, pace }
+        Observers {
+            progress,
+            viewers,
+            signals,
+            changes: None,
+            checkpoints,
+            next_snapshot: None,
+            signal_reported: false,
+            pace,
+        }
     }
 
     /// Gets ready for a job, on a film that has `earlier` samples of a pixel.
@@ -114,10 +123,10 @@ impl<'a> Observers<'a> {
     ) -> Next {
         let is_due = |next: Option<Instant>, now| next.is_some_and(|next| now >= next);
         let now = Instant::now();
-        let (keep, look) = (is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
-        let has_looked = snapshot.is_some();
-        if let Some(Snapshot { film, begin, is_whole }) = snapshot {
-            if keep && is_whole {
+        let (keep, show) = (is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
+        let had_snapshot = snapshot.is_some();
+        if let Some(Snapshot { film, begin, is_complete }) = snapshot {
+            if keep && is_complete {
                 let kept = checkpoint(film, outcome);
                 self.checkpoints.kept |= kept.is_ok();
                 self.checkpoints.add(kept.and_then(|()| picture(film)), begin.elapsed(), &self.progress);
@@ -128,17 +137,17 @@ impl<'a> Observers<'a> {
             }
         }
         self.progress.update(self.pace.status(outcome));
-        let is_stopped = self.signals.have_come();
-        if is_stopped && !std::mem::replace(&mut self.told, true) {
+        let is_stopped = self.signals.are_pending();
+        if is_stopped && !std::mem::replace(&mut self.signal_reported, true) {
             let signal = self.signals;
             self.progress.message(&format!("{signal}: ending the samples under way; a second signal ends at once"));
         }
         match is_stopped {
             true => Next::Stop,
             false if self.changes.is_some_and(Changes::have_changed) => Next::Drop,
-            false if has_looked => Next::GoOn,
-            false if keep => Next::WholeSnapshot,
-            false if look => Next::Snapshot,
+            false if had_snapshot => Next::GoOn,
+            false if keep => Next::CompleteSnapshot,
+            false if show => Next::Snapshot,
             false => Next::GoOn,
         }
     }
@@ -168,7 +177,7 @@ impl Checkpoints {
     }
 }
 
-/// The message about a checkpoint, by the reasons why the last one and this one failed, if they did. A reason is told once.
+/// The message about a checkpoint, by the reasons why the last one and this one failed, if they did. A reason is reported once.
 fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
     match now {
         Some(_) if now == before => None,
@@ -205,16 +214,16 @@ impl Pace {
             self.error = film.relative_error();
             return;
         };
-        let looks = outcome.noise.map_or(0, |noise| noise.looks);
-        let verdict = film.verdict(level_after(looks));
+        let checks = outcome.noise.map_or(0, |noise| noise.checks);
+        let verdict = film.verdict(level_after(checks));
         self.error = verdict.error.map(|error| error.value);
         let done = self.samples(outcome).saturating_sub(u64::from(begun));
         self.until = verdict.error.map(|error| {
             let lacks_light = error.bound < wanted && verdict.lacks_light();
             let needed = done as f64 * (error.bound / wanted).max(1.0).powi(2);
-            // No render has more looks: the last ones are at more samples than a pixel can have.
-            const MOST_LOOKS: u32 = 128;
-            let mut ends = (looks..looks + MOST_LOOKS).map(|look| u64::from(look_after(look)));
+            // No render has more checks: the last ones are at more samples than a pixel can have.
+            const MOST_CHECKS: u32 = 128;
+            let mut ends = (checks..checks + MOST_CHECKS).map(|check| u64::from(samples_at_check(check)));
             let ends = ends.find(|at| *at > done && *at as f64 >= needed).map(|at| at + u64::from(begun));
             Until { bound: error.bound, samples: ends.filter(|_| !lacks_light), lacks_light }
         });
@@ -249,7 +258,7 @@ mod tests {
             if next != Next::GoOn {
                 count += 1;
                 let begin = Instant::now() - Duration::from_millis(10);
-                let snapshot = Snapshot { film: &film, begin, is_whole: next == Next::WholeSnapshot };
+                let snapshot = Snapshot { film: &film, begin, is_complete: next == Next::CompleteSnapshot };
                 assert_eq!(follow(Some(snapshot)), Next::GoOn);
             }
         }
@@ -266,19 +275,19 @@ mod tests {
             let mut observers = observers(&signals, None, Duration::ZERO);
             let mut follow =
                 |snapshot| observers.follow(&outcome, snapshot, &|_, _| written(exr), &|_| written(picture));
-            assert_eq!(follow(None), Next::WholeSnapshot);
-            follow(Some(Snapshot { film: &film, begin: Instant::now(), is_whole: true }));
+            assert_eq!(follow(None), Next::CompleteSnapshot);
+            follow(Some(Snapshot { film: &film, begin: Instant::now(), is_complete: true }));
             assert_eq!(observers.checkpoints.kept, kept);
             assert_eq!(observers.checkpoints.failed.is_some(), !(exr && picture));
         }
     }
 
     #[test]
-    fn each_reason_of_failed_checkpoints_is_told_once() {
-        let is_told = |before, now| about_checkpoint(before, now).is_some();
+    fn each_reason_of_failed_checkpoints_is_reported_once() {
+        let is_reported = |before, now| about_checkpoint(before, now).is_some();
         let (full, gone) = (Some("the disk is full"), Some("the folder is gone"));
-        assert!(is_told(None, full) && is_told(full, gone) && is_told(gone, None));
-        assert!(!is_told(full, full) && !is_told(None, None));
+        assert!(is_reported(None, full) && is_reported(full, gone) && is_reported(gone, None));
+        assert!(!is_reported(full, full) && !is_reported(None, None));
     }
 
     /// A snapshot of 10 ms is followed by two seconds without one, and a quiet render has none but for checkpoints.

@@ -71,7 +71,7 @@ impl Rendering<'_> {
     pub fn run(&mut self) -> Result<()> {
         let first = self.attempt();
         let Err(Error::Device(why)) = &first else { return first };
-        if self.loaded.is_none() || self.observers.signals.have_come() {
+        if self.loaded.is_none() || self.observers.signals.are_pending() {
             return first;
         }
         self.observers.progress.message(&format!("warning: {why}; the device is opened once more"));
@@ -98,12 +98,12 @@ impl Rendering<'_> {
         *loaded = Some(Loaded { kernels, gpu_bytes });
         clock.seconds.compile += clock.lap();
         if request.args.watch {
-            renderer.ask_every(SOON);
+            renderer.set_submission_time(SOON);
         }
 
         let (numerics, signals) = (numerics_of(devices)?, observers.signals);
         for job in &jobs {
-            let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
+            let Accumulation { film: pixels, samples, checks, devices } = &mut *film;
             let (begun, earlier) = (Instant::now(), samples.count());
             let checkpoint = |film: &Film, outcome: &Outcome| {
                 let mut samples = samples.clone();
@@ -112,8 +112,8 @@ impl Rendering<'_> {
                 let mut seconds = clock.seconds;
                 seconds.pace.per_sample =
                     per_sample(begun.elapsed().as_secs_f64(), samples.count().saturating_sub(earlier));
-                let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
-                let state = State::new(request.identity().clone(), devices.clone(), film, samples, looks);
+                let checks = outcome.noise.map_or(*checks, |noise| noise.checks);
+                let state = State::new(request.identity().clone(), devices.clone(), film, samples, checks);
                 let attributes = attributes_of(&record(request, numerics, &finish, &seconds));
                 request.write(film, Some(state), &attributes)?;
                 let image = request.image.display();
@@ -125,7 +125,7 @@ impl Rendering<'_> {
             let done = renderer
                 .run(job, pixels, &mut |so_far, snapshot| observers.follow(so_far, snapshot, &checkpoint, &picture))?;
             samples.join(&done.samples);
-            *looks = done.noise.map_or(*looks, |noise| noise.looks);
+            *checks = done.noise.map_or(*checks, |noise| noise.checks);
             outcome.join(done);
             if outcome.interrupted {
                 break;
@@ -152,10 +152,10 @@ impl Rendering<'_> {
     /// and `--noise` take is known only now.
     pub fn write(&mut self, finish: &Finish, record: &Map<String, Value>) -> Result<()> {
         let Rendering { request, film, .. } = self;
-        let Accumulation { film: pixels, samples, looks, devices } = film;
+        let Accumulation { film: pixels, samples, checks, devices } = film;
         self.held.at_end = if finish.complete { request.more_than(samples.count()) } else { None };
         if self.loaded.is_some() && self.held.at_end.is_none() {
-            let state = State::new(request.identity().clone(), devices.clone(), pixels, samples.clone(), *looks);
+            let state = State::new(request.identity().clone(), devices.clone(), pixels, samples.clone(), *checks);
             request.write(pixels, Some(state), &attributes_of(record))?;
         }
         self.observers.signals.set_loss(format!("{} holds the image", request.image.display()));

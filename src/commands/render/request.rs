@@ -14,9 +14,9 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
+use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::exr::{Attribute, State, read_state, write_render};
 use crate::output::format::{Format, format_of};
-use crate::output::place::{can_be_replaced, is_standard};
 use crate::output::png::write_png;
 use crate::scene::Scene;
 
@@ -181,10 +181,10 @@ pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Forma
 
 /// The part of the image that is asked for, and what ends its render.
 pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result<(Frame, Job)> {
-    let whole = size_of(scene, args.size.0);
-    let part = args.crop.unwrap_or(Crop::whole(whole));
-    if !part.is_in(whole) {
-        let (width, height) = whole;
+    let full = size_of(scene, args.size.0);
+    let part = args.crop.unwrap_or(Crop::full(full));
+    if !part.is_in(full) {
+        let (width, height) = full;
         return Err(Error::Usage(format!(
             "--crop {part}: expected a part of the image, which has {width} x {height} pixels"
         )));
@@ -196,11 +196,11 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
     let goal = match (args.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },
-        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, looks: 0 },
+        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, checks: 0 },
     };
     let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: samples.start, goal };
-    Ok((Frame { part, whole }, job))
+    Ok((Frame { part, full }, job))
 }
 
 /// What developing and writing the image is allowed for under `--time`: measured as 0.15 to 0.5 µs a pixel on two cores, and 0.5 to 0.6 µs more

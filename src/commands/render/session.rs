@@ -24,8 +24,8 @@ pub struct Session {
     pub changes: Option<Changes>,
     /// The seconds that the last render took for its kernels, linked or compiled.
     pub compile: f64,
-    /// Whether it has been told what the devices are.
-    pub told: bool,
+    /// Whether the warnings about software devices have been printed.
+    pub devices_reported: bool,
     /// Under `--watch`: the hierarchies of the scene's meshes.
     pub hierarchies: Option<Hierarchies>,
     pub assets: Assets,
@@ -35,7 +35,7 @@ impl Session {
     /// Loads the scene; of what its files hold only what is new.
     pub fn load(&mut self, args: &RenderArgs) -> Result<Scene> {
         let mut loading = Loading::new(args.quiet);
-        let progress = &mut |file: &_, done, whole| loading.update(file, done, whole);
+        let progress = &mut |file: &_, done, total| loading.update(file, done, total);
         load_with(&args.scene, progress, &mut self.assets)
     }
 
@@ -62,10 +62,10 @@ impl Session {
     pub fn add_devices(&mut self, opened: Vec<Device>, quiet: bool) {
         self.devices.extend(opened);
         for (number, device) in self.devices.iter().enumerate() {
-            let is_told = self.devices.iter().take(number).any(|other| other.name == device.name);
-            tell_software(device, quiet || is_told || self.told);
+            let is_repeated = self.devices.iter().take(number).any(|other| other.name == device.name);
+            tell_software(device, quiet || is_repeated || self.devices_reported);
         }
-        self.told |= !quiet;
+        self.devices_reported |= !quiet;
     }
 
     /// How many kernels have been compiled.

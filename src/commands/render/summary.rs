@@ -55,7 +55,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
             tell(&format!("the device was idle for {} % of the time", percent(idle)));
         }
     }
-    doubts(finish).for_each(|doubt| tell(&doubt));
+    reliability_warnings(finish).for_each(|warning| tell(&warning));
     if let (Some(wanted), Some(noise)) = (args.noise, finish.noise) {
         tell(&noise_words(wanted, &noise, &finish.verdict));
     }
@@ -92,9 +92,13 @@ pub fn error_words(finish: &Finish) -> String {
     }
 }
 
-/// Why the error cannot be relied on, in lines.
-pub fn doubts(finish: &Finish) -> impl Iterator<Item = String> {
-    finish.verdict.doubts().into_iter().map(|doubt| format!("warning: the relative error is unreliable: {doubt}"))
+/// Warnings that say why the error is unreliable.
+pub fn reliability_warnings(finish: &Finish) -> impl Iterator<Item = String> {
+    finish
+        .verdict
+        .reasons_unreliable()
+        .into_iter()
+        .map(|reason| format!("warning: the relative error is unreliable: {reason}"))
 }
 
 /// What came of a render until an error.

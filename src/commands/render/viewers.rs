@@ -7,7 +7,7 @@ use crate::output::display::Display;
 use crate::output::preview::Preview;
 use crate::output::progress::{Progress, is_terminal};
 
-/// Those who see the image so far at each look, and the image at the end.
+/// Viewers of the image so far, at each snapshot, and of the image at the end.
 #[derive(Default)]
 pub struct Viewers {
     preview: Option<Preview>,

@@ -14,14 +14,14 @@ use crate::flatten::Hierarchies;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Size};
 use crate::options::{SizeArg, SppArg};
-use crate::output::place::{can_be_replaced, is_standard};
+use crate::output::destination::{can_be_replaced, is_standard};
 use crate::scene::Scene;
 
 /// Renders a scene that has been loaded since an instant.
 type Render = fn(&RenderArgs, &Scene, &mut Session, Instant) -> Result<()>;
 
 /// The pictures that come before an image: shares of its width and height, and the samples of each pixel. The first one takes a sixteenth of
-/// the time of one sample of the whole, and the second one about all of it.
+/// the time of one sample of the full image, and the second one about all of it.
 const PREVIEWS: [(f64, u32); 2] = [(0.25, 1), (0.5, 4)];
 
 /// Renders the scene, and again whenever it is saved, until a signal comes.
@@ -49,7 +49,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
                 }
             }
         }
-        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.have_come()));
+        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.are_pending()));
         let Some((files, noted)) = changed else {
             let image = args.image();
             return Err(signals.interrupted(&match began {
@@ -96,7 +96,7 @@ fn pass(session: &mut Session, args: &RenderArgs, start: Instant, render: Render
     let most = args.spp.0.unwrap_or(scene.render.samples);
     let mut begun = start;
     for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
-        let (width, height) = Size::Share(share).in_pixels(frame.whole);
+        let (width, height) = Size::Share(share).in_pixels(frame.full);
         render(&of_preview(args, &frame, (width, height), samples.min(most)), &scene, session, begun)?;
         begun = Instant::now();
         let new = session.compiled() - std::mem::replace(&mut compiled, session.compiled());
@@ -129,7 +129,7 @@ fn is_end(session: &Session, args: &RenderArgs, error: &Error, began: bool) -> b
 fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
     RenderArgs {
         size: SizeArg(Some(Size::Pixels(size.0, size.1))),
-        crop: frame.crop().map(|crop| scaled(&crop, frame.whole, size)),
+        crop: frame.crop().map(|crop| scaled(&crop, frame.full, size)),
         spp: SppArg(Some(samples)),
         time: None,
         noise: None,
@@ -140,10 +140,10 @@ fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) 
     }
 }
 
-/// A part of an image, in an image of another size: the whole pixels around it.
+/// A part of an image, in an image of another size: all pixels that it touches.
 fn scaled(crop: &Crop, (width, height): (u32, u32), (to_width, to_height): (u32, u32)) -> Crop {
     let along = |first: u32, count: u32, all: u32, to: u32| {
-        let at = |place: u64| place * u64::from(to);
+        let at = |pixel: u64| pixel * u64::from(to);
         let begin = at(u64::from(first)) / u64::from(all);
         let end = at(u64::from(first) + u64::from(count)).div_ceil(u64::from(all));
         (begin as u32, (end - begin) as u32)
@@ -157,7 +157,7 @@ fn scaled(crop: &Crop, (width, height): (u32, u32), (to_width, to_height): (u32,
 mod tests {
     use super::*;
 
-    /// A part keeps its place in a preview, is never empty, and never leaves the image.
+    /// A part keeps its position in a preview, is never empty, and never leaves the image.
     #[test]
     fn a_part_is_scaled_to_the_pixels_around_it() {
         let scaled = |crop: &str| scaled(&crop.parse().unwrap(), (1200, 675), (300, 169)).to_string();

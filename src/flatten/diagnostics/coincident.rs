@@ -1,5 +1,5 @@
 //! Finds flat surfaces that coincide: quads, disks, and sides of boxes, in one plane. Rounding decides which of two opaque ones is
-//! visible. If one of the two is clear, rays that leave one start behind the other and miss it.
+//! visible. If one of the two is transmissive, rays that leave one start behind the other and miss it.
 //!
 //! Opaque sides that face away from the camera do not count, because no camera ray hits them first: a box may rest on a
 //! floor. Nor do media, because their boundaries are not surfaces.
@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{DVec2, DVec3};
 
 use super::search::{Body, Search, U, Worst, coincidence};
-use crate::shape::{BoundingShape, Shape, normal, reach_of};
+use crate::shape::{BoundingShape, Shape, half_extent_of, normal};
 
 /// Each surface in a plane is compared with this number of others, those next to it along an edge.
 const TESTS_EACH: usize = 64;
@@ -37,13 +37,13 @@ struct Side {
 }
 
 impl Side {
-    /// A side of a body. `half` is what the rounding of its size moves it by, and `spread` the part of the kernels' bound that its size has
+    /// A side of a body. `half` is what the rounding of its size moves it by, and `size_part` the part of the kernels' bound that its size has
     /// (shaders/geometry/quad, cuboid). The other part is 2 u of the position. The step to the next float is at most 2 u of each
     /// coordinate (shaders/geometry/offset).
-    fn new(owner: usize, body: &Body, normal: DVec3, corners: [DVec3; 4], half: f64, spread: DVec3) -> Option<Side> {
+    fn new(owner: usize, body: &Body, normal: DVec3, corners: [DVec3; 4], half: f64, size_part: DVec3) -> Option<Side> {
         let steps = normal.to_array().map(|x| (x * NORMAL_STEPS).round() as i32);
         let sign = steps.into_iter().find(|step| *step != 0)?.signum();
-        let bound = normal.abs().dot(4.0 * body.position.abs() + spread);
+        let bound = normal.abs().dot(4.0 * body.position.abs() + size_part);
         Some(Side {
             owner,
             key: steps.map(|step| sign * step),
@@ -57,7 +57,7 @@ impl Side {
     }
 
     /// The largest distance at which it can matter to another surface.
-    fn reach(&self) -> f64 {
+    fn range(&self) -> f64 {
         self.rounding + self.leaving
     }
 }
@@ -85,7 +85,7 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
                 let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
                 let (b, c) = (half[b] * axes.col(b), half[c] * axes.col(c));
                 let corners = [middle - b - c, middle + b - c, middle + b + c, middle - b + c];
-                let side = Side::new(owner, body, normal, corners, half[axis], 14.0 * reach_of(half, &axes))?;
+                let side = Side::new(owner, body, normal, corners, half[axis], 14.0 * half_extent_of(half, &axes))?;
                 Some(Side { hidden: !is_inside && normal.dot(middle) >= 0.0, ..side })
             };
             (0..3).flat_map(|axis| [side(axis, 1.0), side(axis, -1.0)]).flatten().collect()
@@ -93,18 +93,19 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
     }
 }
 
-/// The warnings about opaque surfaces and about clear ones.
+/// The warnings about opaque surfaces and about transmissive ones.
 pub fn search<'a>(search: &Search<'a>) -> [Worst<'a>; 2] {
-    // Hidden sides are seen through clear objects alone.
-    let sees_all = search.finder.placed.iter().any(|placed| search.roles[placed.material as usize].clear);
+    // Hidden sides are seen through transmissive objects alone.
+    let sees_all =
+        search.finder.primitives.iter().any(|primitive| search.roles[primitive.material as usize].transmissive);
     let all = search.bodies().enumerate().flat_map(|(number, body)| sides(number, &body));
     let mut all: Vec<Side> = all.filter(|side| sees_all || !side.hidden).collect();
     all.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.distance.total_cmp(&b.distance)));
     // Runs of one normal in which each surface is near to an earlier one.
     let mut far = f64::NEG_INFINITY;
     let runs = all.chunk_by(|one, next| {
-        far = far.max(one.distance + one.reach());
-        let is_near = one.key == next.key && next.distance - next.reach() <= far;
+        far = far.max(one.distance + one.range());
+        let is_near = one.key == next.key && next.distance - next.range() <= far;
         if !is_near {
             far = f64::NEG_INFINITY;
         }
@@ -128,7 +129,7 @@ struct Pairs<'s, 'a> {
     search: &'s Search<'a>,
     /// The pairs of objects that are counted.
     known: HashSet<(usize, usize)>,
-    /// The worst pair of opaque surfaces, and the worst with a clear one.
+    /// The worst pair of opaque surfaces, and the worst with a transmissive one.
     worst: [Worst<'a>; 2],
 }
 
@@ -157,17 +158,17 @@ impl Pairs<'_, '_> {
             return;
         }
         let (a, b) = if one.side.owner < other.side.owner { (one.side, other.side) } else { (other.side, one.side) };
-        let placed = &self.search.finder.placed;
-        let materials = [a, b].map(|side| placed[side.owner].material);
-        let is_clear = materials.iter().any(|material| self.search.roles[*material as usize].clear);
+        let primitives = &self.search.finder.primitives;
+        let materials = [a, b].map(|side| primitives[side.owner].material);
+        let is_transmissive = materials.iter().any(|material| self.search.roles[*material as usize].transmissive);
         let gap = (a.distance - b.distance).abs();
-        // With a clear surface, rays that leave either one can start behind the other.
-        let bound = a.rounding + b.rounding + if is_clear { a.leaving.max(b.leaving) } else { 0.0 };
-        let shows = is_clear || materials[0] != materials[1] && !a.hidden && !b.hidden;
+        // With a transmissive surface, rays that leave either one can start behind the other.
+        let bound = a.rounding + b.rounding + if is_transmissive { a.leaving.max(b.leaving) } else { 0.0 };
+        let shows = is_transmissive || materials[0] != materials[1] && !a.hidden && !b.hidden;
         if a.owner == b.owner || gap > bound || !shows || !overlap(one, other) {
             return;
         }
-        let worst = &mut self.worst[usize::from(is_clear)];
+        let worst = &mut self.worst[usize::from(is_transmissive)];
         worst.count += usize::from(self.known.insert((a.owner, b.owner)));
         let bodies = [a, b].map(|side| self.search.body(side.owner));
         worst.offer(bound, || coincidence(&bodies[0], &bodies[1], gap, bound));

@@ -64,49 +64,48 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
         let (center, radius) = body.bounds.ball();
         Light { object: body.object, center, radius }
     });
-    let without_size = search
-        .finder
-        .lights
-        .iter()
-        .filter_map(|(object, light)| Some(Light { object, center: light.place? - search.view.eye, radius: 0.0 }));
+    let without_size =
+        search.finder.lights.iter().filter_map(|(object, light)| {
+            Some(Light { object, center: light.position? - search.view.eye, radius: 0.0 })
+        });
     let lights: Vec<Light> = surfaces.take(MOST_LIGHTS).chain(without_size.take(MOST_LIGHTS)).collect();
     if !search.is_lit {
         return [outwards, hidden, rooms];
     }
     let lens = search.view.lens_radius();
     let (mut within, mut tests) = (Within::default(), MOST_TESTS);
-    for wall in search.bodies().filter(|body| !body.role.clear) {
+    for wall in search.bodies().filter(|body| !body.role.transmissive) {
         let Some(depth) = within.depth(&wall, DVec3::ZERO) else { continue };
-        let (is_around, is_beside) = (depth > lens, depth < -lens);
+        let (camera_is_inside, camera_is_outside) = (depth > lens, depth < -lens);
         let word = wall.word();
-        if is_around && wall.role.light && wall.role.one_sided && is_outside_in_front(&wall) {
+        if camera_is_inside && wall.role.light && wall.role.one_sided && is_outside_in_front(&wall) {
             let message = format!(
                 "this light emits outwards, and the camera is in this {word}: the camera sees none of its light, and its inside is black: \
                  make it two_sided"
             );
             outwards.add(0.0, || diagnostic(wall.object, message));
         }
-        if is_around && lights.is_empty() {
+        if camera_is_inside && lights.is_empty() {
             let message = format!(
                 "the camera is inside this opaque {word}, and no light is: the image is black. Move the camera out of it, open it, or put \
                  a light inside"
             );
             rooms.add(0.0, || diagnostic(wall.object, message));
         }
-        if !is_around && !is_beside {
+        if !camera_is_inside && !camera_is_outside {
             continue;
         }
-        let (center, reach) = wall.bounds.ball();
+        let (center, radius) = wall.bounds.ball();
         for light in lights.iter().filter(|light| !std::ptr::eq(light.object, wall.object)) {
             let Some(left) = tests.checked_sub(1) else { return [outwards, hidden, rooms] };
             tests = left;
-            if is_beside && light.center.distance_squared(center) >= reach * reach {
+            if camera_is_outside && light.center.distance_squared(center) >= radius * radius {
                 continue;
             }
             let depth = within.depth(&wall, light.center);
-            let is_apart = depth.is_some_and(|depth| if is_around { -depth } else { depth } > light.radius);
+            let is_apart = depth.is_some_and(|depth| if camera_is_inside { -depth } else { depth } > light.radius);
             if is_apart {
-                let (inner, outer) = if is_around { ("the camera", "light") } else { ("it", "camera") };
+                let (inner, outer) = if camera_is_inside { ("the camera", "light") } else { ("it", "camera") };
                 hidden.add(0.0, || {
                     let message = format!(
                         "no path reaches this light: the opaque {word} at {OTHER} encloses {inner}, and the {outer} is outside: remove \

@@ -1,17 +1,17 @@
-//! The search for warnings: what it looks at, and what it finds.
+//! The search for warnings: what it searches, and what it finds.
 
 use glam::DVec3;
 
-use crate::flatten::place::{Finder, Placed};
+use crate::flatten::finder::{Finder, Primitive};
 use crate::flatten::view::View;
 use crate::scene::{Material, Object, Scene};
 use crate::shape::similarity::Similarity;
-use crate::shape::{BoundingShape, Placement, RenderSpace, Shape};
+use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
 
-/// Half a unit in the last place of 1 in f32: the largest relative error of a rounding.
+/// Half a unit in the last place (ulp) of 1 in f32: the largest relative error of a rounding.
 pub const U: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// A placed scene, in which the warnings are searched for.
+/// The scene in which the warnings are searched for, with the transforms of its objects.
 pub struct Search<'a> {
     pub scene: &'a Scene,
     pub finder: &'a Finder<'a>,
@@ -29,7 +29,7 @@ impl<'a> Search<'a> {
         let role = |(_, material): &(String, Material)| {
             let emission = material.model().emission();
             Role {
-                clear: material.kind().is_transmissive,
+                transmissive: material.kind().is_transmissive,
                 light: emission.is_some_and(|emission| emission.slot.texture.brightest(&scene.bitmaps) > 0.0),
                 one_sided: emission.is_some_and(|emission| !emission.two_sided),
             }
@@ -39,13 +39,13 @@ impl<'a> Search<'a> {
     }
 
     pub fn body(&self, number: usize) -> Body<'a> {
-        let Placed { object, shape, to_world, material } = &self.finder.placed[number];
+        let Primitive { object, shape, to_world, material } = &self.finder.primitives[number];
         let role = self.roles[*material as usize];
         Body { material: *material, role, ..self.new_body(object, shape, to_world) }
     }
 
     pub fn bodies(&self) -> impl Iterator<Item = Body<'a>> {
-        (0..self.finder.placed.len()).map(|number| self.body(number))
+        (0..self.finder.primitives.len()).map(|number| self.body(number))
     }
 
     /// The boundaries of the media, which have no material, and which light passes.
@@ -56,13 +56,13 @@ impl<'a> Search<'a> {
 
     pub fn new_body(&self, object: &'a Object, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
         let bounds =
-            shape.bounding_shape(&Placement { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
-        let role = Role { clear: true, light: false, one_sided: false };
-        Body { object, shape, to_world, material: 0, role, bounds, position: bounds.place() }
+            shape.bounding_shape(&ObjectTransform { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
+        let role = Role { transmissive: true, light: false, one_sided: false };
+        Body { object, shape, to_world, material: 0, role, bounds, position: bounds.position() }
     }
 }
 
-/// A placed object.
+/// An object with its transform.
 #[derive(Clone, Copy)]
 pub struct Body<'a> {
     pub object: &'a Object,
@@ -85,7 +85,7 @@ impl Body<'_> {
 #[derive(Clone, Copy)]
 pub struct Role {
     /// Rays pass through the object.
-    pub clear: bool,
+    pub transmissive: bool,
     pub light: bool,
     pub one_sided: bool,
 }
@@ -144,15 +144,16 @@ impl<'a> Worst<'a> {
 
 /// The warning about two surfaces, the first of them the one that the file has first, that are less than `bound` apart.
 pub fn coincidence<'a>(first: &Body<'a>, second: &Body<'a>, gap: f64, bound: f64) -> Diagnostic<'a> {
-    // The warning points at the clear object if only one of them is clear.
-    let (at, other) = if first.role.clear && !second.role.clear { (first, second) } else { (second, first) };
+    // The warning points at the transmissive object if only one of them is clear.
+    let (at, other) =
+        if first.role.transmissive && !second.role.transmissive { (first, second) } else { (second, first) };
     let limit = short(bound);
     // Smaller gaps come from the rounding of transforms in f64.
     let apart = match gap <= 1e-3 * bound {
         true => "coincides with it".to_string(),
         false => format!("is {} away, less than f32 resolves there ({limit})", short(gap)),
     };
-    let (what, consequence, remedy) = match at.role.clear {
+    let (what, consequence, remedy) = match at.role.transmissive {
         true => (
             "this glass",
             "rays that leave one of the two start behind the other and miss it",

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::search::{Body, Diagnostic, Search, U, Worst, short};
-use crate::flatten::place::reach;
+use crate::flatten::finder::extent_of;
 use crate::scene::Object;
 use crate::shape::BoundingShape;
 
@@ -45,7 +45,7 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
         }
     }
     for medium in &search.finder.media {
-        let far = reach(&medium.boundary, &medium.to_world, search.view.eye);
+        let far = extent_of(&medium.boundary, &medium.to_world, search.view.eye);
         let (path, limit) = (1.0 / medium.density, LEAST_SHARE * far);
         if path < limit {
             dense.add(limit / path, || {
@@ -80,8 +80,8 @@ fn sizes(body: &Body) -> Vec<(f64, Option<DVec3>)> {
 
 /// The least size that f32 resolves along a direction, or in any direction: a coordinate x is rounded by u |x|.
 fn least_size(search: &Search, body: &Body, direction: Option<DVec3>) -> f64 {
-    // If render space has the camera's axes, the image shows no depth of an opaque object. In clear ones rays travel in depth too.
-    let depth = if search.view.turned && !body.role.clear { 0.0 } else { 1.0 };
+    // If render space has the camera's axes, the image shows no depth of an opaque object. In transmissive ones rays travel in depth too.
+    let depth = if search.view.has_camera_axes && !body.role.transmissive { 0.0 } else { 1.0 };
     let position = body.position.abs() * DVec3::new(1.0, 1.0, depth);
     let coordinate = direction.map_or(position.length(), |direction| position.dot(direction.abs()));
     let share = if matches!(body.bounds, BoundingShape::Ball { .. }) { LEAST_RADIUS } else { LEAST_SHARE };

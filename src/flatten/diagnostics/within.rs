@@ -8,12 +8,12 @@ use super::search::Body;
 use crate::shape::BoundingShape;
 use crate::shape::mesh::MeshShape;
 
-/// The limit on triangles that are looked at, over all queries.
+/// The limit on triangles that are tested, over all queries.
 const MOST_TRIANGLES: usize = 1 << 19;
 
 /// Computes depths of points within spheres, boxes and closed meshes.
 pub struct Within {
-    /// Triangles that may still be looked at.
+    /// Triangles that may still be tested.
     left: usize,
 }
 
@@ -28,7 +28,7 @@ impl Within {
     /// the distance in magnitude. None for shapes that are not closed, and for a mesh once the limit on triangles is
     /// reached.
     pub fn depth(&mut self, wall: &Body, p: DVec3) -> Option<f64> {
-        let by_hull = match wall.bounds {
+        let by_bounds = match wall.bounds {
             BoundingShape::Ball { center, radius } => radius - p.distance(center),
             BoundingShape::Cuboid { center, half, axes } => {
                 (half - (axes.transpose() * (p - center)).abs()).min_element()
@@ -36,8 +36,8 @@ impl Within {
             BoundingShape::Parallelogram { .. } => return None,
         };
         match wall.shape.mesh() {
-            Some(mesh) if by_hull > 0.0 => self.depth_in_mesh(mesh, wall, p),
-            _ => Some(by_hull),
+            Some(mesh) if by_bounds > 0.0 => self.depth_in_mesh(mesh, wall, p),
+            _ => Some(by_bounds),
         }
     }
 

@@ -67,9 +67,9 @@ pub fn read_noisy(path: &Path) -> Result<NoisyFile> {
 
 fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
     let opened = open(path)?;
-    let place = find_rgb(opened.headers())?;
-    let (part, mut header) = (place.number, opened.headers()[place.number].clone());
-    let wanted = [Some(place.channels), layer(&header, &ALBEDOS), layer(&header, &NORMALS)];
+    let picture = find_rgb(opened.headers())?;
+    let (part, mut header) = (picture.number, opened.headers()[picture.number].clone());
+    let wanted = [Some(picture.channels), layer(&header, &ALBEDOS), layer(&header, &NORMALS)];
     let numbers = |names: Rgb<String>| -> Option<[usize; 3]> {
         let [r, g, b] = names.map(|name| float(&header, &name));
         Some([r?, g?, b?])
@@ -81,10 +81,10 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
     let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
     read_part(opened, part, |channel, (column, line), bytes| {
         for (numbers, image) in wanted.iter().zip(&mut images) {
-            let place = numbers.and_then(|numbers| numbers.iter().position(|number| *number == channel));
-            if let (Some(place), Some(image)) = (place, image) {
+            let component = numbers.and_then(|numbers| numbers.iter().position(|number| *number == channel));
+            if let (Some(component), Some(image)) = (component, image) {
                 let row = image.iter_mut().skip(line * width + column);
-                row.zip(as_floats(types[channel], bytes)).for_each(|(pixel, value)| pixel[place] = value);
+                row.zip(as_floats(types[channel], bytes)).for_each(|(pixel, value)| pixel[component] = value);
             }
         }
     })?;

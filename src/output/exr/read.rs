@@ -65,7 +65,7 @@ pub(super) fn open(path: &Path) -> std::result::Result<Opened, String> {
     ::exr::block::read(BufReader::new(file), false).map_err(|error| error.to_string())
 }
 
-/// Hands out the rows of a part in full resolution, one channel at a time: the channel's place, the first pixel's column and row, and the bytes
+/// Hands out the rows of a part in full resolution, one channel at a time: the channel's index, the first pixel's column and row, and the bytes
 /// of its samples in the machine's order.
 pub(super) fn read_part(
     opened: Opened,
@@ -78,10 +78,10 @@ pub(super) fn read_part(
         _ => return Err("it has no such part of flat pixels".to_string()),
     };
     let read = || -> std::result::Result<(), String> {
-        let whole = opened
+        let chunks = opened
             .filter_chunks(false, |_, _, block| block.layer == part && block.level == Vec2(0, 0))
             .map_err(to_text)?;
-        let mut blocks = whole.sequential_decompressor(false);
+        let mut blocks = chunks.sequential_decompressor(false);
         while let Some(block) = blocks.decompress_next_block() {
             let block = block.map_err(to_text)?;
             for row in block.lines(&channels) {
@@ -109,35 +109,35 @@ pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
 /// have a luminance, Y, which is grey. Colours of other primaries, by the header's chromaticities, are converted to Rec. 709. The size is
 /// that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
-    read_place(path, find_rgb).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
+    read_rgb(path, find_rgb).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
 }
 
 /// Reads the layer of this name, as [`read_exr`] does: three channels, or one, which is grey. It has no variance. Several parts or layers may
 /// precede the name.
 pub fn read_layer(path: &Path, layer: &str) -> Result<ExrImage> {
-    let read = read_place(path, |parts| find_layer(parts, layer));
+    let read = read_rgb(path, |parts| find_layer(parts, layer));
     let image = read.map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })?;
     Ok(ExrImage { variance: None, ..image })
 }
 
-fn read_place(
+fn read_rgb(
     path: &Path,
-    find: impl FnOnce(&[Header]) -> std::result::Result<RgbPlace, String>,
+    find: impl FnOnce(&[Header]) -> std::result::Result<RgbChannels, String>,
 ) -> std::result::Result<ExrImage, String> {
     let opened = open(path)?;
-    let place = find(opened.headers())?;
-    let (part, header) = (place.number, &opened.headers()[place.number]);
+    let picture = find(opened.headers())?;
+    let (part, header) = (picture.number, &opened.headers()[picture.number]);
     let (width, height) = (header.layer_size.0, header.layer_size.1);
     let number = |name: &str| plain(header, name).map(|(number, _)| number);
     let floats = |names: Rgb<&str>| -> Option<[usize; 3]> {
         let float = |name| float(header, name);
         Some([float(names[0])?, float(names[1])?, float(names[2])?])
     };
-    let [r, g, b] = &place.channels;
+    let [r, g, b] = &picture.channels;
     let rgb = floats([r, g, b]).ok_or("its channels differ in size")?;
     let is_colour = SPELLINGS
         .iter()
-        .any(|names| place.channels.iter().zip(names).all(|(channel, name)| last_part(channel) == *name));
+        .any(|names| picture.channels.iter().zip(names).all(|(channel, name)| last_part(channel) == *name));
     let conversion = if is_colour { Conversion::of_file(header.shared_attributes.chromaticities) } else { Ok(None) };
     let colours = note_of_colours(&conversion);
     let conversion = conversion.unwrap_or_default();
@@ -240,25 +240,25 @@ const LUMINANCE: Rgb<&str> = ["Y"; 3];
 const CHROMA: [&str; 2] = ["RY", "BY"];
 
 /// Red, green and blue in a file.
-pub(super) struct RgbPlace {
+pub(super) struct RgbChannels {
     /// The number of its part.
     pub number: usize,
     pub channels: Rgb<String>,
     /// The name of their layer, after the name of the part if both have one.
     layer: String,
-    /// Whether the layer is the whole part.
+    /// Whether the layer is all of the part.
     is_part: bool,
 }
 
-impl RgbPlace {
+impl RgbChannels {
     /// The lower the rank, the more likely it is the picture.
     fn rank(&self) -> usize {
         let last = self.layer.rsplit('.').next().unwrap_or_default().to_lowercase();
         match (PICTURES.iter().position(|name| *name == last), self.is_part) {
             (_, true) if self.layer.is_empty() => 0,
-            (Some(place), true) => 1 + place,
+            (Some(index), true) => 1 + index,
             (None, true) => UNNAMED_PART,
-            (Some(place), false) => UNNAMED_PART + 1 + place,
+            (Some(index), false) => UNNAMED_PART + 1 + index,
             (None, false) => UNNAMED_LAYER,
         }
     }
@@ -270,25 +270,25 @@ const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
 /// Finds the red, green and blue of the picture. Channels without a layer's name come first; if several parts have
 /// them, the part with a picture's name counts. Next come layers with a picture's name, and then a single layer of any
 /// name. It is an error if several are possible.
-pub(super) fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
-    let named = |spellings: &[Rgb<&str>]| -> Vec<RgbPlace> {
-        parts.iter().enumerate().flat_map(|(number, part)| places_in_part(number, part, spellings)).collect()
+pub(super) fn find_rgb(parts: &[Header]) -> std::result::Result<RgbChannels, String> {
+    let named = |spellings: &[Rgb<&str>]| -> Vec<RgbChannels> {
+        parts.iter().enumerate().flat_map(|(number, part)| rgb_in_part(number, part, spellings)).collect()
     };
-    let mut places = named(&SPELLINGS);
-    if places.is_empty() {
-        places = named(&[LUMINANCE]);
+    let mut found = named(&SPELLINGS);
+    if found.is_empty() {
+        found = named(&[LUMINANCE]);
     }
-    places.sort_by_key(RgbPlace::rank);
-    let alike = places.iter().filter(|place| place.rank() == places[0].rank()).count();
-    if alike > 1 && [UNNAMED_PART, UNNAMED_LAYER].contains(&places[0].rank()) {
-        let names: Vec<&str> = places.iter().map(|place| place.layer.as_str()).collect();
+    found.sort_by_key(RgbChannels::rank);
+    let alike = found.iter().filter(|rgb| rgb.rank() == found[0].rank()).count();
+    if alike > 1 && [UNNAMED_PART, UNNAMED_LAYER].contains(&found[0].rank()) {
+        let names: Vec<&str> = found.iter().map(|rgb| rgb.layer.as_str()).collect();
         return Err(format!(
             "which of its layers is the picture? It has {}; expected one of the names {}",
             names.join(", "),
             PICTURES.join(", ")
         ));
     }
-    places.into_iter().next().ok_or_else(|| no_rgb(parts))
+    found.into_iter().next().ok_or_else(|| no_rgb(parts))
 }
 
 /// The channels that a layer may have, in the order in which they are looked for.
@@ -298,19 +298,19 @@ const ALONE: [&str; 4] = ["Y", "Z", "X", "V"];
 
 /// Finds the layer of this name: the name of its channels up to the last point, or of a channel without a point. The names of parts and
 /// of outer layers may precede it.
-fn find_layer(parts: &[Header], layer: &str) -> std::result::Result<RgbPlace, String> {
+fn find_layer(parts: &[Header], layer: &str) -> std::result::Result<RgbChannels, String> {
     let mut there = BTreeSet::new();
     for (number, part) in parts.iter().enumerate() {
         let part_name = part.own_attributes.layer_name.as_ref().map(decoded).unwrap_or_default();
         for name in part.channels.list.iter().map(|channel| channel.name.to_string()) {
             let prefix = name.rsplit_once('.').map_or(name.as_str(), |(prefix, _)| prefix);
-            let is_asked = [prefix, &format!("{part_name}.{prefix}")]
+            let is_requested = [prefix, &format!("{part_name}.{prefix}")]
                 .into_iter()
                 .any(|known| known == layer || known.ends_with(&format!(".{layer}")));
             let mut alone = ALONE.map(|last| format!("{prefix}.{last}")).into_iter().chain([prefix.to_string()]);
             let grey = || alone.find(|name| float(part, name).is_some()).map(|name| [name.clone(), name.clone(), name]);
-            if let Some(channels) = triple(part, prefix, &OF_LAYER).or_else(grey).filter(|_| is_asked) {
-                return Ok(RgbPlace { number, channels, layer: layer.to_string(), is_part: false });
+            if let Some(channels) = triple(part, prefix, &OF_LAYER).or_else(grey).filter(|_| is_requested) {
+                return Ok(RgbChannels { number, channels, layer: layer.to_string(), is_part: false });
             }
             there.insert(prefix.to_string());
         }
@@ -325,15 +325,16 @@ pub(super) fn triple(part: &Header, layer: &str, spellings: &[Rgb<&str>]) -> Opt
 }
 
 /// All triples of channels with such names in a part, sorted by name.
-fn places_in_part(number: usize, part: &Header, spellings: &[Rgb<&str>]) -> Vec<RgbPlace> {
+fn rgb_in_part(number: usize, part: &Header, spellings: &[Rgb<&str>]) -> Vec<RgbChannels> {
     let part_name = part.own_attributes.layer_name.as_ref().map(decoded);
     let names = part.channels.list.iter().map(|channel| channel.name.to_string());
-    let place = |name: String| {
+    let rgb = |name: String| {
         let (prefix, red) = name.rsplit_once('.').map_or(("", name.as_str()), |(layer, last)| (layer, last));
         let names = spellings.iter().find(|names| names[0] == red)?;
-        let whole = |channel: &str| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") };
-        let channels = names.map(whole);
-        let has = |name| part.channels.list.iter().any(|channel| channel.name.to_string() == whole(name));
+        let full_name =
+            |channel: &str| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") };
+        let channels = names.map(full_name);
+        let has = |name| part.channels.list.iter().any(|channel| channel.name.to_string() == full_name(name));
         if *names == LUMINANCE && CHROMA.into_iter().any(has) {
             return None;
         }
@@ -342,14 +343,14 @@ fn places_in_part(number: usize, part: &Header, spellings: &[Rgb<&str>]) -> Vec<
             (Some(part), "") => part.clone(),
             (Some(part), _) => format!("{part}.{prefix}"),
         };
-        channels.iter().all(|name| float(part, name).is_some()).then_some(RgbPlace {
+        channels.iter().all(|name| float(part, name).is_some()).then_some(RgbChannels {
             number,
             channels,
             layer,
             is_part: prefix.is_empty(),
         })
     };
-    names.filter_map(place).collect()
+    names.filter_map(rgb).collect()
 }
 
 fn no_rgb(parts: &[Header]) -> String {

@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::attribute::{Attribute, STATE, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
-use crate::data::{SampleSpread, Sampler};
+use crate::data::{SampleVariance, Sampler};
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals, spread_of, word_names};
+use crate::film::{Film, Totals, sample_variance_of, word_names};
 use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
@@ -28,7 +28,7 @@ pub struct State {
     pub devices: Vec<(String, String)>,
     /// The samples that each pixel has.
     pub samples: Samples,
-    /// How often `--noise` has compared the error with the one asked.
+    /// How often `--noise` has compared the error with the requested one.
     pub looks: u32,
     /// The size, the scale and the sampler of the film.
     #[serde(skip)]
@@ -67,7 +67,7 @@ impl State {
     /// An empty film for it.
     pub fn film(&self) -> Result<Film> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
-        let film = film.of_part(self.identity.frame(self.size).unwrap_or(Frame::whole(self.size)));
+        let film = film.of_part(self.identity.frame(self.size).unwrap_or(Frame::full(self.size)));
         let film = film.sampling_lights(self.identity.samples_lights());
         film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())
     }
@@ -150,18 +150,18 @@ impl StateFile {
         read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words)).map_err(failed(&path))
     }
 
-    /// How the samples of each pixel are spread, row 0 on top.
+    /// The variance of the samples of each pixel, row 0 on top.
     ///
     /// # Errors
     /// `Error::File` where they cannot be read, or are not those that were written.
-    pub fn spreads(self) -> Result<Vec<SampleSpread>> {
+    pub fn sample_variances(self) -> Result<Vec<SampleVariance>> {
         let StateFile { state, path, opened, part } = self;
-        let count = pixels_of(&opened.headers()[part], size_of::<SampleSpread>()).map_err(failed(&path))?;
-        let mut spreads = Vec::with_capacity(count);
+        let count = pixels_of(&opened.headers()[part], size_of::<SampleVariance>()).map_err(failed(&path))?;
+        let mut sample_variances = Vec::with_capacity(count);
         let names = word_names(&state.identity.aovs());
-        let add = |_, words: &[u16]| spreads.push(spread_of(words, state.exponent));
+        let add = |_, words: &[u16]| sample_variances.push(sample_variance_of(words, state.exponent));
         read_pixels(opened, part, &state, &names, add).map_err(failed(&path))?;
-        Ok(spreads)
+        Ok(sample_variances)
     }
 }
 

@@ -56,14 +56,14 @@ const OF_STATE: Compression = Compression::ZIP16;
 ///
 /// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
-    let frame = Frame::whole((picture.width, picture.height));
+    let frame = Frame::full((picture.width, picture.height));
     let pixel = |index| picture.pixel(index);
     let contents = Contents::new(&pixel, None, false);
     write_parts(path, &frame, &contents, attributes, None, || Ok(()))
 }
 
 /// Writes what a film holds, as [`write_exr`] does. With a state, a second part holds what it takes to go on with the render. It takes no
-/// memory to speak of. An old file is replaced only if it `may` be, which is asked last; if not, that is the error.
+/// memory to speak of. An old file is replaced only if it `may` be, which is checked last; if not, that is the error.
 pub fn write_render(
     path: &Path,
     film: &Film,
@@ -154,7 +154,7 @@ impl<'a> Contents<'a> {
 /// The part that holds the state.
 struct StatePart<'a> {
     film: &'a Film,
-    /// The places in a pixel's words of its channels: the words that any pixel has, by their names.
+    /// The indices of its channels among a pixel's words: the words that any pixel has, by their names.
     words: Vec<usize>,
     channels: Vec<ChannelDescription>,
     about: String,
@@ -192,7 +192,7 @@ fn survey(film: &Film) -> (Vec<u16>, u32) {
 
 fn write_parts(
     path: &Path,
-    Frame { part, whole }: &Frame,
+    Frame { part, full }: &Frame,
     contents: &Contents<'_>,
     attributes: &[(String, Attribute)],
     state: Option<StatePart<'_>>,
@@ -215,7 +215,7 @@ fn write_parts(
             .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
         header.shared_attributes.chromaticities = Some(REC_709);
         // The pixels of a part of an image stand where they are in the whole, for programs that put parts together.
-        header.shared_attributes.display_window = IntegerBounds::from_dimensions((whole.0 as usize, whole.1 as usize));
+        header.shared_attributes.display_window = IntegerBounds::from_dimensions((full.0 as usize, full.1 as usize));
         header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);
         header
     };

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use gltf::json::camera::Type;
 use gltf::json::validation::Checked;
 
-use super::nodes::Placed;
+use super::nodes::SceneNode;
 use super::{File, GltfError, Result, decimal};
 use crate::scene::types::{Camera, ImageSize};
 use crate::shape::Aabb;
@@ -33,12 +33,12 @@ fn image(aspect: f64) -> ImageSize {
 
 impl File {
     /// The camera of a node. A note says why one is left out.
-    pub fn view(&self, placed: &Placed, notes: &mut Vec<String>) -> Result<Option<View>> {
-        let Some(index) = placed.node.camera.map(|camera| camera.value()) else { return Ok(None) };
+    pub fn view(&self, scene_node: &SceneNode, notes: &mut Vec<String>) -> Result<Option<View>> {
+        let Some(index) = scene_node.node.camera.map(|camera| camera.value()) else { return Ok(None) };
         let at = format!("cameras[{index}]");
         let camera = self.root().cameras.get(index);
         let camera = camera.ok_or_else(|| {
-            GltfError::new(format!("nodes[{}].camera", placed.index), format!("there is no camera {index}"))
+            GltfError::new(format!("nodes[{}].camera", scene_node.index), format!("there is no camera {index}"))
         })?;
         let perspective = match (camera.type_, &camera.perspective) {
             (Checked::Valid(Type::Perspective), Some(perspective)) => perspective,
@@ -63,13 +63,13 @@ impl File {
             let reason = format!("expected a positive number, found {aspect}");
             return Err(GltfError::new(format!("{at}.perspective.aspectRatio"), reason));
         }
-        let DAffine3 { matrix3, translation } = placed.to_scene;
+        let DAffine3 { matrix3, translation } = scene_node.to_scene;
         let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
-        let turn = forward.cross(up).length();
-        if turn.is_nan() || turn < 1e-6 {
-            return Err(GltfError::new(format!("nodes[{}]", placed.index), "its camera has no direction"));
+        let sine = forward.cross(up).length();
+        if sine.is_nan() || sine < 1e-6 {
+            return Err(GltfError::new(format!("nodes[{}]", scene_node.index), "its camera has no direction"));
         }
-        let names = [placed.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();
+        let names = [scene_node.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();
         let camera = Camera {
             look_from: translation,
             look_at: translation + forward * translation.length().max(1.0),

@@ -48,10 +48,10 @@ pub struct Contents {
     pub materials: Vec<(String, Material)>,
     pub objects: Vec<Object>,
     /// The meshes of the objects with their transforms, for a camera that sees them all.
-    pub placed: Vec<(String, DAffine3)>,
+    pub meshes: Vec<(String, DAffine3)>,
     /// In the order of their nodes.
     pub views: Vec<View>,
-    /// What is not as the file says, each with its place in the JSON.
+    /// Notes about what is not as the file says, each with its path in the JSON.
     pub notes: Vec<String>,
 }
 
@@ -100,9 +100,9 @@ fn is_read(extension: &str) -> bool {
     READ.contains(&extension) || is_of_material && extension != "KHR_materials_variants"
 }
 
-/// The smallest box around meshes that are placed.
-pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> Aabb {
-    let known = placed.iter().filter_map(|(path, to_scene)| Some((meshes.get(path)?, to_scene)));
+/// The smallest box around transformed meshes.
+pub fn bounds(objects: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> Aabb {
+    let known = objects.iter().filter_map(|(path, to_scene)| Some((meshes.get(path)?, to_scene)));
     Aabb::around(known.flat_map(|(mesh, to_scene)| mesh.bounds().corners().map(|p| to_scene.transform_point3(p))))
 }
 
@@ -150,26 +150,26 @@ impl File {
         let (mut without_triangles, mut ranges) = (0, 0);
         let (units, note_of_units) = self.light_units(reading);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
-        for placed in self.nodes() {
-            contents.views.extend(self.view(&placed, &mut contents.notes)?);
-            if let Some(light) = self.light(&placed, units)? {
+        for scene_node in self.nodes() {
+            contents.views.extend(self.view(&scene_node, &mut contents.notes)?);
+            if let Some(light) = self.light(&scene_node, units)? {
                 contents.objects.push(light.object);
                 ranges += usize::from(light.has_range);
             }
-            let Some(mesh) = placed.node.mesh.map(|mesh| mesh.value()) else { continue };
-            let transforms = similarity(&placed.to_scene);
+            let Some(mesh) = scene_node.node.mesh.map(|mesh| mesh.value()) else { continue };
+            let transforms = similarity(&scene_node.to_scene);
             let is_first = of_mesh.insert(mesh);
             if transforms.is_none() && !is_first {
-                baked.push(placed.index);
+                baked.push(scene_node.index);
             }
-            for (index, primitive) in self.primitives(mesh, placed.index)?.iter().enumerate() {
+            for (index, primitive) in self.primitives(mesh, scene_node.index)?.iter().enumerate() {
                 if !has_triangles(primitive) {
                     without_triangles += 1;
                     continue;
                 }
                 let part = match transforms {
                     Some(_) => Part::OfMesh { mesh, primitive: index },
-                    None => Part::OfNode { node: placed.index, primitive: index },
+                    None => Part::OfNode { node: scene_node.index, primitive: index },
                 };
                 let part = format!("{path}#{part}");
                 let material = primitive.material.map(|material| material.value());
@@ -179,8 +179,8 @@ impl File {
                     Some(by) if !by.is_empty() => Object::Transformed { by: by.clone(), object: Box::new(object) },
                     _ => object,
                 });
-                let to_scene = if transforms.is_some() { placed.to_scene } else { DAffine3::IDENTITY };
-                contents.placed.push((part, to_scene));
+                let to_scene = if transforms.is_some() { scene_node.to_scene } else { DAffine3::IDENTITY };
+                contents.meshes.push((part, to_scene));
             }
         }
         let has_lights = contents.has_lights();

@@ -5,7 +5,7 @@ use std::fmt;
 /// What is wrong with a file, and where in its JSON: `materials[2].pbrMetallicRoughness.baseColorTexture.index`.
 #[derive(Debug, PartialEq)]
 pub struct GltfError {
-    /// Empty if the file as a whole is wrong.
+    /// Empty if all of the file is wrong.
     pub at: String,
     pub reason: String,
 }

@@ -8,7 +8,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessors::Elements;
-use super::material::{UvPlacing, is_opaque};
+use super::material::{UvTransform, is_opaque};
 use super::{File, GltfError, Result};
 use crate::scene::gltf_path::Part;
 use crate::scene::mesh_files::{Draft, MOST_BYTES};
@@ -32,10 +32,10 @@ fn colours_of(primitive: &Primitive) -> Option<Index<Accessor>> {
 impl File {
     /// Adds the meshes of the default scene, or of the first scene if there is no default.
     pub fn add_scene(&self, draft: &mut Draft) -> Result<()> {
-        for placed in self.nodes() {
-            let Some(mesh) = placed.node.mesh else { continue };
-            for primitive in 0..self.primitives(mesh.value(), placed.index)?.len() {
-                self.add(mesh.value(), primitive, &placed.to_scene, &UvPlacing::default(), draft)?;
+        for scene_node in self.nodes() {
+            let Some(mesh) = scene_node.node.mesh else { continue };
+            for primitive in 0..self.primitives(mesh.value(), scene_node.index)?.len() {
+                self.add(mesh.value(), primitive, &scene_node.to_scene, &UvTransform::default(), draft)?;
             }
         }
         Ok(())
@@ -46,19 +46,19 @@ impl File {
         let (mesh, primitive, to_scene) = match part {
             Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),
             Part::OfNode { node, primitive } => {
-                let placed = self.nodes().find(|placed| placed.index == node);
+                let scene_node = self.nodes().find(|scene_node| scene_node.index == node);
                 let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
-                let placed = placed.ok_or_else(|| wrong("expected a node of the default scene"))?;
-                let mesh = placed.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
-                (mesh.value(), primitive, placed.to_scene)
+                let scene_node = scene_node.ok_or_else(|| wrong("expected a node of the default scene"))?;
+                let mesh = scene_node.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
+                (mesh.value(), primitive, scene_node.to_scene)
             }
             Part::Image(_) => return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into()),
         };
         let placings = self.uv_placings(mesh, primitive)?;
-        self.add(mesh, primitive, &to_scene, placings.first().unwrap_or(&UvPlacing::default()), draft)?;
+        self.add(mesh, primitive, &to_scene, placings.first().unwrap_or(&UvTransform::default()), draft)?;
         let count = draft.positions.len();
         // An image on a primitive without texture coordinates has one colour, as where these are 0 in other programs.
-        let constant = |placing: &UvPlacing| std::iter::repeat_n(placing.in_mesh([0.0; 2]), count);
+        let constant = |placing: &UvTransform| std::iter::repeat_n(placing.in_mesh([0.0; 2]), count);
         if let Some(first) = placings.first().filter(|_| draft.uvs.is_empty()) {
             draft.uvs = constant(first).collect();
         }
@@ -79,25 +79,25 @@ impl File {
     pub fn is_closed(&self, mesh: usize) -> bool {
         let mut draft = Draft::new(MOST_BYTES);
         let count = self.root().meshes.get(mesh).map_or(0, |mesh| mesh.primitives.len());
-        // What is broken is told where the mesh is read.
+        // What is broken is reported where the mesh is read.
         let read =
             (0..count).try_for_each(|primitive| self.add_faces(mesh, primitive, &DAffine3::IDENTITY, &mut draft));
-        let whole = read.ok().and_then(|()| draft.finish().ok());
-        whole.is_some_and(|whole| whole.open_edges().is_none() && whole.has_volume())
+        let mesh = read.ok().and_then(|()| draft.finish().ok());
+        mesh.is_some_and(|mesh| mesh.open_edges().is_none() && mesh.has_volume())
     }
 
     /// The accessor of an attribute that every vertex of a primitive has. Others are not used.
-    fn whole(&self, primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+    fn complete_attribute(&self, primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
         let count = |index| self.accessor(index).map(|accessor| accessor.count.0);
         let vertices = attribute(Semantic::Positions).and_then(count).unwrap_or(0);
         attribute(semantic).filter(|&index| count(index).is_none_or(|found| found == vertices))
     }
 
-    /// The texture coordinates of a primitive, placed. Nothing if it does not have this set.
-    fn uvs(&self, mesh: usize, primitive: usize, placing: &UvPlacing) -> Result<Option<impl Iterator<Item = Vec2>>> {
+    /// The texture coordinates of a primitive, transformed. `None` if it does not have this set.
+    fn uvs(&self, mesh: usize, primitive: usize, placing: &UvTransform) -> Result<Option<impl Iterator<Item = Vec2>>> {
         let set = placing.set;
-        let Some(index) = self.whole(self.primitive(mesh, primitive)?, Semantic::TexCoords(set)) else {
+        let Some(index) = self.complete_attribute(self.primitive(mesh, primitive)?, Semantic::TexCoords(set)) else {
             return Ok(None);
         };
         let at = || format!("meshes[{mesh}].primitives[{primitive}].attributes.TEXCOORD_{set}");
@@ -119,11 +119,11 @@ impl File {
         }
         let tangents = self.elements::<4>(index).map_err(|reason| GltfError::new(&at, reason))?;
         let sign = to_scene.matrix3.determinant().signum();
-        let placed = tangents.map(|[x, y, z, w]| {
+        let transformed = tangents.map(|[x, y, z, w]| {
             let along = (to_scene.matrix3 * DVec3::new(x, y, z)).normalize();
             along.as_vec3().extend((sign * w) as f32)
         });
-        Ok(draft.add_tangents(placed)?)
+        Ok(draft.add_tangents(transformed)?)
     }
 
     /// The primitives of a node's mesh.
@@ -184,7 +184,7 @@ impl File {
         mesh: usize,
         number: usize,
         to_scene: &DAffine3,
-        placing: &UvPlacing,
+        placing: &UvTransform,
         draft: &mut Draft,
     ) -> Result<()> {
         let wrong =
@@ -196,15 +196,15 @@ impl File {
         let first = draft.positions.len();
         self.add_faces(mesh, number, to_scene, draft)?;
         let end = draft.positions.len();
-        let whole = |semantic| self.whole(primitive, semantic);
-        let normals = whole(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
+        let attribute = |semantic| self.complete_attribute(primitive, semantic);
+        let normals = attribute(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
         let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
         let uvs = self.uvs(mesh, number, placing)?;
-        let colours = whole(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
+        let colours = attribute(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
         let colours = colours.map_err(|reason| wrong(".attributes.COLOR_0", reason))?;
         // Opaque materials ignore it.
         let has_alpha = self.material_of(mesh, number)?.is_some_and(|material| !is_opaque(material));
-        let alphas = whole(Semantic::Colors(0)).filter(|_| has_alpha).map(|index| self.alphas(index)).transpose();
+        let alphas = attribute(Semantic::Colors(0)).filter(|_| has_alpha).map(|index| self.alphas(index)).transpose();
         let alphas = alphas.map_err(|reason| wrong(".attributes.COLOR_0", reason))?.flatten();
 
         // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular

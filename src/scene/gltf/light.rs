@@ -6,7 +6,7 @@ use gltf::json::validation::Checked;
 
 use super::generator::LightUnits;
 use super::material::{colour, radiance};
-use super::nodes::Placed;
+use super::nodes::SceneNode;
 use super::{File, GltfError, Result, decimal};
 use crate::scene::types::Object;
 
@@ -19,10 +19,10 @@ pub struct Light {
 
 impl File {
     /// The light of a node, in the radiance's units.
-    pub fn light(&self, placed: &Placed, units: LightUnits) -> Result<Option<Light>> {
-        let of_node = placed.node.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
+    pub fn light(&self, scene_node: &SceneNode, units: LightUnits) -> Result<Option<Light>> {
+        let of_node = scene_node.node.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
         let Some(index) = of_node.map(|found| found.light.value()) else { return Ok(None) };
-        let node = format!("nodes[{}]", placed.index);
+        let node = format!("nodes[{}]", scene_node.index);
         let all = self.root().extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
         let Some(light) = all.and_then(|all| all.lights.get(index)) else {
             let at = format!("{node}.extensions.KHR_lights_punctual.light");
@@ -39,8 +39,8 @@ impl File {
             return Err(wrong("type", "expected point, spot or directional".to_owned()));
         };
         let strength = radiance(strength / units.divisor(kind) * colour(light.color));
-        let at = placed.to_scene.translation;
-        let direction = -placed.to_scene.matrix3.z_axis.normalize_or_zero();
+        let at = scene_node.to_scene.translation;
+        let direction = -scene_node.to_scene.matrix3.z_axis.normalize_or_zero();
         if direction == DVec3::ZERO && kind != Type::Point {
             return Err(GltfError::new(node, "its light has no direction"));
         }

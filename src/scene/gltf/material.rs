@@ -20,7 +20,7 @@ use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
 
 /// How the texture coordinates of a mesh become those of its material's image: the set, and KHR_texture_transform.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UvPlacing {
+pub struct UvTransform {
     pub set: u32,
     offset: [f64; 2],
     scale: [f64; 2],
@@ -28,15 +28,15 @@ pub struct UvPlacing {
     rotation: f64,
 }
 
-impl Default for UvPlacing {
-    fn default() -> UvPlacing {
-        UvPlacing { set: 0, offset: [0.0; 2], scale: [1.0; 2], rotation: 0.0 }
+impl Default for UvTransform {
+    fn default() -> UvTransform {
+        UvTransform { set: 0, offset: [0.0; 2], scale: [1.0; 2], rotation: 0.0 }
     }
 }
 
-impl UvPlacing {
-    fn from_info(info: &Info) -> UvPlacing {
-        let mut placing = UvPlacing { set: info.tex_coord, ..UvPlacing::default() };
+impl UvTransform {
+    fn from_info(info: &Info) -> UvTransform {
+        let mut placing = UvTransform { set: info.tex_coord, ..UvTransform::default() };
         if let Some(transform) = info.extensions.as_ref().and_then(|found| found.texture_transform.as_ref()) {
             placing.set = transform.tex_coord.unwrap_or(info.tex_coord);
             placing.offset = transform.offset.0.map(f64::from);
@@ -84,7 +84,7 @@ pub struct Glass {
     pub is_solid: bool,
     /// Whether the shape of the mesh says so, because the file gives no thickness.
     pub by_shape: bool,
-    /// Whether the base colour is what light through the whole body keeps, and not what it keeps at each surface.
+    /// Whether the base colour is what light through all of the body keeps, and not what it keeps at each surface.
     pub colour_of_body: bool,
 }
 
@@ -199,10 +199,10 @@ fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
 }
 
 /// The sets of texture coordinates that the meshes of a material have: each placing of its textures once, in their order.
-fn placings(given: &Given) -> Vec<UvPlacing> {
+fn placings(given: &Given) -> Vec<UvTransform> {
     let mut found = Vec::new();
     for (_, info) in textures(given) {
-        let placing = UvPlacing::from_info(&info);
+        let placing = UvTransform::from_info(&info);
         if !found.contains(&placing) {
             found.push(placing);
         }
@@ -243,7 +243,7 @@ impl File {
     }
 
     /// How the texture coordinates of a primitive become those of its material's images: each way once. None where it has no image.
-    pub fn uv_placings(&self, mesh: usize, primitive: usize) -> Result<Vec<UvPlacing>> {
+    pub fn uv_placings(&self, mesh: usize, primitive: usize) -> Result<Vec<UvTransform>> {
         Ok(self.material_of(mesh, primitive)?.map(placings).unwrap_or_default())
     }
 
@@ -273,7 +273,7 @@ impl File {
         // The path of an image, and which of the sets of texture coordinates it has.
         let mut image = |named: Option<Named>| -> Result<Option<(String, u32)>> {
             let Some((field, info)) = named else { return Ok(None) };
-            let placing = UvPlacing::from_info(&info);
+            let placing = UvTransform::from_info(&info);
             let uv_set = placings.iter().position(|known| *known == placing).unwrap_or_default() as u32;
             Ok(self.image_path(&at, field, &info, path, &mut found)?.map(|path| (path, uv_set)))
         };
@@ -501,10 +501,10 @@ mod tests {
     /// By the figures of KHR_texture_transform: the top left corner of the image turns to the left edge of the bottom.
     #[test]
     fn texture_coordinates_are_scaled_then_turned_then_moved() {
-        let turn = UvPlacing { rotation: std::f64::consts::FRAC_PI_2, ..UvPlacing::default() };
+        let quarter_turn = UvTransform { rotation: std::f64::consts::FRAC_PI_2, ..UvTransform::default() };
         let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() + (b - d).abs() < 1e-12;
-        assert!(near(turn.applied([1.0, 0.0]), [0.0, -1.0]));
-        let all = UvPlacing { offset: [0.5, 0.25], scale: [2.0, 3.0], ..turn };
+        assert!(near(quarter_turn.applied([1.0, 0.0]), [0.0, -1.0]));
+        let all = UvTransform { offset: [0.5, 0.25], scale: [2.0, 3.0], ..quarter_turn };
         assert!(near(all.applied([1.0, 1.0]), [3.5, -1.75]));
     }
 }

@@ -11,7 +11,7 @@ use crate::scene::types::Transform;
 use crate::source::{LARGEST, SMALLEST};
 
 /// A node of the default scene.
-pub struct Placed<'a> {
+pub struct SceneNode<'a> {
     pub index: usize,
     pub node: &'a Node,
     pub to_scene: DAffine3,
@@ -24,7 +24,7 @@ pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
     let top = root.scenes.get(scene).ok_or_else(|| GltfError::new(at, format!("expected a scene {scene} in it")))?;
     // Visits every node once: in a malicious file, nodes can be each other's children.
     let mut seen = HashSet::new();
-    let mut placed = Vec::new();
+    let mut found = Vec::new();
     // A stack: the first node is on top.
     let mut nodes: Vec<(usize, Option<usize>, DAffine3)> =
         top.nodes.iter().rev().map(|node| (node.value(), None, DAffine3::IDENTITY)).collect();
@@ -41,11 +41,11 @@ pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
         if !to_scene.is_finite() {
             return Err(wrong("expected transforms of finite numbers, and a rotation that is not 0"));
         }
-        placed.push((index, to_scene));
+        found.push((index, to_scene));
         let children = node.children.iter().flatten().rev();
         nodes.extend(children.map(|child| (child.value(), Some(index), to_scene)));
     }
-    Ok(placed)
+    Ok(found)
 }
 
 /// A node's own transform.
@@ -91,9 +91,10 @@ mod tests {
 
     #[test]
     fn a_similarity_is_written_as_transforms() {
-        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.25);
-        let whole = DAffine3::from_scale_rotation_translation(DVec3::splat(3.0), turn, DVec3::new(1.0, -2.0, 5.0));
-        let found = similarity(&whole).unwrap();
+        let rotation = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.25);
+        let transform =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(3.0), rotation, DVec3::new(1.0, -2.0, 5.0));
+        let found = similarity(&transform).unwrap();
         let [Transform::Scale(scale), Transform::Rotate { axis, degrees }, Transform::Translate(by)] = found[..] else {
             panic!("{found:?}")
         };

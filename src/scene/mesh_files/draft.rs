@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use crate::shape::mesh::{Mesh, UVS_IGNORED};
 
 /// The memory that all meshes of a scene may take: 70 million triangles, with half as many vertices. A device that binds the most
-/// bytes that wgpu grants, 2^31 - 1, has no place for the hierarchy of more.
+/// bytes that wgpu grants, 2^31 - 1, cannot hold the hierarchy of more.
 pub const MOST_BYTES: usize = 5 << 29;
 /// A vertex with a normal and texture coordinates.
 const VERTEX: usize = size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>();
@@ -37,7 +37,7 @@ pub struct Draft {
     triangles: Vec<[u32; 3]>,
     /// The face that each triangle is part of.
     faces: Vec<u32>,
-    /// What is told of the file.
+    /// The notes about the file.
     pub warnings: Vec<String>,
     /// Where the first normal or pair of texture coordinates is that is no finite numbers, and what was found there.
     pub bad_normal: Option<String>,
@@ -146,7 +146,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Whether any of its triangles has corners at three places.
+    /// Whether any of its triangles has corners at three positions.
     pub fn has_area(&self) -> bool {
         self.triangles.iter().any(|triangle| {
             let [a, b, c] = triangle.map(|corner| self.positions.get(corner as usize));

@@ -8,7 +8,7 @@ const TELL_EVERY: usize = 1 << 20;
 /// The rest of a file. Taking from it reports progress.
 pub struct Input<'a> {
     rest: &'a [u8],
-    whole: usize,
+    total: usize,
     /// The number of bytes that are left at the next report of progress.
     tell_at: usize,
     tell: &'a mut dyn FnMut(usize),
@@ -16,8 +16,8 @@ pub struct Input<'a> {
 
 impl<'a> Input<'a> {
     pub fn new(bytes: &'a [u8], tell: &'a mut dyn FnMut(usize)) -> Input<'a> {
-        let whole = bytes.len();
-        Input { rest: bytes, whole, tell_at: whole.saturating_sub(TELL_EVERY), tell }
+        let total = bytes.len();
+        Input { rest: bytes, total, tell_at: total.saturating_sub(TELL_EVERY), tell }
     }
 
     pub fn rest(&self) -> &'a [u8] {
@@ -48,7 +48,7 @@ impl<'a> Input<'a> {
         self.rest = rest;
         if rest.len() < self.tell_at {
             self.tell_at = rest.len().saturating_sub(TELL_EVERY);
-            (self.tell)(self.whole - rest.len());
+            (self.tell)(self.total - rest.len());
         }
     }
 }

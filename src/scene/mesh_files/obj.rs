@@ -64,8 +64,8 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
         let uvs: Vec<Vec2> = uvs.collect();
         draft.bad_normal = normals.iter().any(|normal| !normal.is_finite()).then(|| not_finite(bytes, 2));
         draft.bad_uv = uvs.iter().any(|uv| !uv.is_finite()).then(|| not_finite(bytes, 1));
-        draft.normals = whole(normals, count, Vec3::NAN);
-        draft.uvs = whole(uvs, count, Vec2::NAN);
+        draft.normals = complete(normals, count, Vec3::NAN);
+        draft.uvs = complete(uvs, count, Vec2::NAN);
         if mesh.face_arities.is_empty() {
             draft.reserve(mesh.indices.len() / 3);
             for corners in mesh.indices.chunks_exact(3) {
@@ -107,7 +107,7 @@ fn triples(numbers: &[f64]) -> impl Iterator<Item = DVec3> {
 }
 
 /// Replaces all values by `missing` if only some vertices have one, because the crate does not say which vertices they are.
-fn whole<T: Clone>(values: Vec<T>, count: usize, missing: T) -> Vec<T> {
+fn complete<T: Clone>(values: Vec<T>, count: usize, missing: T) -> Vec<T> {
     if values.is_empty() || values.len() == count { values } else { vec![missing; count] }
 }
 

@@ -31,7 +31,7 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
     guarded(|| payload(&text, &header, input, draft))?
 }
 
-/// The lines of the header, or of the whole file if the header does not end, as UTF-8. Comments may be in any encoding.
+/// The lines of the header, or of the file if the header does not end, as UTF-8. Comments may be in any encoding.
 fn header_text(input: &mut Input) -> Result<String, String> {
     let mut text = String::new();
     let mut line_number = 0_u64;
@@ -68,7 +68,7 @@ fn header(text: &str) -> Result<PlyHeader, String> {
         }
         // The last line that the crate read.
         let lines = text.get(..text.len() - rest.len()).unwrap_or_default().lines();
-        let place = lines.clone().count();
+        let number = lines.clone().count();
         let expected = match lines.last().and_then(|line| line.split_whitespace().next()) {
             Some("format") => "format ascii, binary_little_endian or binary_big_endian, and 1.0",
             Some("element") => "element NAME COUNT",
@@ -77,7 +77,7 @@ fn header(text: &str) -> Result<PlyHeader, String> {
             }
             _ => "a line such as format ascii 1.0 in its header",
         };
-        format!("line {place}: expected {expected}: {error}")
+        format!("line {number}: expected {expected}: {error}")
     })
 }
 
@@ -172,9 +172,9 @@ impl<'a> Rows<'a> {
         let (is_vertex, is_face) = (element.name == "vertex", element.name == "face");
         let column = |property: &PlyProperty| {
             let name = property.name.as_str();
-            let place = NAMES.iter().position(|names| names.contains(&name));
-            match (&property.property_type, place) {
-                (PropertyType::Scalar(_), Some(place)) if is_vertex => Column::Number(place),
+            let index = NAMES.iter().position(|names| names.contains(&name));
+            match (&property.property_type, index) {
+                (PropertyType::Scalar(_), Some(index)) if is_vertex => Column::Number(index),
                 (PropertyType::List { .. }, _) if is_face && ["vertex_indices", "vertex_index"].contains(&name) => {
                     Column::Corners
                 }
@@ -182,7 +182,7 @@ impl<'a> Rows<'a> {
             }
         };
         let columns: Vec<Column> = element.properties.iter().map(column).collect();
-        let has = |mut places: std::ops::Range<usize>| places.all(|place| columns.contains(&Column::Number(place)));
+        let has = |mut indices: std::ops::Range<usize>| indices.all(|index| columns.contains(&Column::Number(index)));
         if is_vertex && !has(0..3) {
             return Err("expected the properties x, y and z".to_owned());
         }
@@ -324,9 +324,9 @@ impl<'de> Visitor<'de> for Row<'_, '_> {
             rows.wanted = ANY;
             row.next_key::<IgnoredAny>()?;
             match column {
-                Column::Number(place) => {
+                Column::Number(index) => {
                     let value = row.next_value()?;
-                    if let Some(to) = rows.values.get_mut(place) {
+                    if let Some(to) = rows.values.get_mut(index) {
                         *to = value;
                     }
                 }

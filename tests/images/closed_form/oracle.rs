@@ -67,7 +67,7 @@ pub enum Shape {
 
 /// Where a ray meets a shape, in the shape's own space.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Hit {
     t: f64,
     pub point: DVec3,
     /// As the scene format defines it for images.
@@ -91,7 +91,7 @@ impl Shape {
     }
 
     /// The nearest place in front of the origin.
-    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<Place> {
+    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         match *self {
             Shape::Sphere { center, radius } => {
                 let f = origin - center;
@@ -103,7 +103,7 @@ impl Shape {
                 let n = (point - center) / radius;
                 let turn = std::f64::consts::TAU;
                 let uv = (((-n.z).atan2(n.x) + turn / 2.0) / turn, (-n.y).acos() / (turn / 2.0));
-                Some(Place { t, point, uv })
+                Some(Hit { t, point, uv })
             }
             Shape::Quad { corner, u, v } => {
                 let normal = u.cross(v);
@@ -113,11 +113,11 @@ impl Shape {
                 let a = (point - corner).cross(v).dot(normal) / area;
                 let b = u.cross(point - corner).dot(normal) / area;
                 let inside = t > 0.0 && (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b);
-                inside.then_some(Place { t, point, uv: (a, b) })
+                inside.then_some(Hit { t, point, uv: (a, b) })
             }
             Shape::Box { min, max } => {
                 let faces = (0..3).flat_map(|axis| [(axis, min[axis], false), (axis, max[axis], true)]);
-                let places = faces.filter_map(|(axis, at, high)| {
+                let hits = faces.filter_map(|(axis, at, high)| {
                     let t = (at - origin[axis]) / direction[axis];
                     let point = origin + t * direction;
                     let others = [(axis + 1) % 3, (axis + 2) % 3];
@@ -132,16 +132,16 @@ impl Shape {
                         (_, true) => (p.x, p.y),
                         (_, false) => (1.0 - p.x, p.y),
                     };
-                    (t > 0.0 && inside).then_some(Place { t, point, uv })
+                    (t > 0.0 && inside).then_some(Hit { t, point, uv })
                 });
-                places.min_by(|a, b| a.t.total_cmp(&b.t))
+                hits.min_by(|a, b| a.t.total_cmp(&b.t))
             }
         }
     }
 }
 
 /// What a texture shows at a place; nothing where rounding or filtering decides.
-pub type Colour = Box<dyn Fn(&Place) -> Option<[f64; 3]>>;
+pub type Colour = Box<dyn Fn(&Hit) -> Option<[f64; 3]>>;
 
 /// A textured thing, somewhere.
 pub struct Thing {
@@ -206,15 +206,15 @@ impl Things {
 
     /// What a camera ray brings.
     fn trace(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 3]> {
-        let places = self.things.iter().filter_map(|thing| {
+        let hits = self.things.iter().filter_map(|thing| {
             let undo = |v, is_point| thing.moves.iter().rev().fold(v, |v, m| m.undo(v, is_point));
             // The direction keeps its scale, so that t is the same in every space.
-            let place = thing.shape.meet(undo(origin, true), undo(direction, false))?;
-            Some((place, &thing.colour))
+            let hit = thing.shape.meet(undo(origin, true), undo(direction, false))?;
+            Some((hit, &thing.colour))
         });
-        let nearest = places.min_by(|a, b| a.0.t.total_cmp(&b.0.t));
+        let nearest = hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t));
         match nearest {
-            Some((place, colour)) => colour(&place),
+            Some((hit, colour)) => colour(&hit),
             None => (self.sky)(direction),
         }
     }
@@ -222,9 +222,9 @@ impl Things {
     /// Compares an image with what these things show, in the pixels that show one colour; the rest, on the edges, is left out.
     /// Fails also where too little can be compared: `colours` is how many colours must be found, in ten pixels each at least.
     pub fn check(&self, shot: &Shot, camera: &Camera, colours: usize) -> Result<(), String> {
-        /// Looks into a pixel along each axis: nothing in these scenes is finer.
-        const LOOKS: i32 = 8;
-        /// How far the looks go over the pixel's edge, so that nothing slips in between.
+        /// Rays into a pixel along each axis: nothing in these scenes is finer.
+        const PROBES: i32 = 8;
+        /// How far the rays go over the pixel's edge, so that nothing slips in between.
         const MARGIN: f64 = 0.25;
         /// Samples of one colour are added without noise: see ROUNDING in expect.rs.
         const TOLERANCE: f64 = 1e-6;
@@ -232,10 +232,10 @@ impl Things {
         let mut seen: Vec<([f64; 3], u32)> = Vec::new();
         for y in 0..self.size.1 {
             for x in 0..self.size.0 {
-                let look = |i: i32| -MARGIN + (1.0 + 2.0 * MARGIN) * f64::from(i) / f64::from(LOOKS);
-                let places = (0..=LOOKS).flat_map(|i| (0..=LOOKS).map(move |j| (look(i), look(j))));
-                let mut colours = places
-                    .map(|(u, v)| self.trace(camera.look_from, view.direction(f64::from(x) + u, f64::from(y) + v)));
+                let offset = |i: i32| -MARGIN + (1.0 + 2.0 * MARGIN) * f64::from(i) / f64::from(PROBES);
+                let hits = (0..=PROBES).flat_map(|i| (0..=PROBES).map(move |j| (offset(i), offset(j))));
+                let mut colours =
+                    hits.map(|(u, v)| self.trace(camera.look_from, view.direction(f64::from(x) + u, f64::from(y) + v)));
                 let Some(expected) = colours.next().flatten() else { continue };
                 if !colours.all(|colour| colour == Some(expected)) {
                     continue;

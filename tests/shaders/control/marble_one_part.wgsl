@@ -1,8 +1,8 @@
 //@ use data/texture
 //@ use lib/perlin
 // Wrong on purpose: the turn in one part, whose multiples round.
-fn marble_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
-    let angle = texture.parameter * place.along_z + place.phase + 10.0 * turbulence(place.point);
+fn marble_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
+    let angle = texture.parameter * at.along_z + at.phase + 10.0 * turbulence(at.point);
     return texture.first * (0.5 * (1.0 + sin(within_one_turn(angle))));
 }
 

@@ -33,13 +33,13 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     let x = vec3<f32>(from_a.x, from_b.x, from_c.x) - shear.slope.x * z;
     let y = vec3<f32>(from_a.y, from_b.y, from_c.y) - shear.slope.y * z;
     let areas = x.yzx * y.zxy - y.yzx * x.zxy;
-    let whole = areas.x + areas.y + areas.z;
-    let t = dot(areas, z) / whole * shear.slope.z;
+    let total = areas.x + areas.y + areas.z;
+    let t = dot(areas, z) / total * shear.slope.z;
     let inside = all(areas >= vec3<f32>(0.0)) || all(areas <= vec3<f32>(0.0));
     if !inside || !(t > 0.0) {
         return TriangleHit(NO_HIT, false, vec3<f32>(0.0));
     }
-    return TriangleHit(t, (whole > 0.0) != (shear.slope.z > 0.0), areas / whole);
+    return TriangleHit(t, (total > 0.0) != (shear.slope.z > 0.0), areas / total);
 }
 
 fn triangle_error(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {

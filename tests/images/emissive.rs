@@ -4,7 +4,7 @@ use gpu_rt::aov::Aov;
 use gpu_rt::options::Scatter;
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{Request, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -25,13 +25,13 @@ fn inside_a_ball_the_light_is_a_geometric_series() {
             emission * (1.0 - albedo.powi(max_depth as i32 + 1)) / (1.0 - albedo)
         });
         // By scattered rays alone there is no noise.
-        let bsdf = render(&scene(&ball(max_depth)), &Ask::default());
+        let bsdf = render(&scene(&ball(max_depth)), &Request::default());
         for pixel in &bsdf.picture.rgb {
             let off = (0..3).map(|c| (f64::from(pixel[c]) - expected[c]).abs() / expected[0]).fold(0.0, f64::max);
             assert!(off < 1e-5, "{max_depth}: {pixel:?}, expected {expected:?}");
         }
         for scatter in [Scatter::Fused, Scatter::Linked] {
-            let mis = render(&scene(&ball(max_depth)), &Ask::spp(512).mis().scatter(scatter)).mean_of_all();
+            let mis = render(&scene(&ball(max_depth)), &Request::spp(512).mis().scatter(scatter)).mean_of_all();
             for (channel, expected) in expected.into_iter().enumerate() {
                 let (value, noise) = (mis.value[channel], 4.9 * mis.variance[channel].sqrt());
                 assert!(noise < 0.02, "{max_depth}: {noise}");
@@ -70,8 +70,8 @@ fn room() -> String {
 #[test]
 fn light_sampling_changes_no_expectation_where_surfaces_emit_and_scatter() {
     let room = scene(&room());
-    let bsdf = render(&room, &Ask::default().seed(1));
-    let mis = Ask::default().seed(2).mis();
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let twice = Overlay::new(&[])
         .rewritten("step/found_light", |own| own.replace("contribution * mis_weight(path, hit)", "contribution"));
@@ -102,7 +102,7 @@ fn an_emission_has_its_own_texture() {
     let image = image::RgbImage::from_fn(5, 3, |x, y| image::Rgb([50 * x as u8, 80 * y as u8, 9]));
     image.save(folder.path().join("stripes.png")).expect("it is written");
     let of = |material: &str| {
-        let shot = render(&scene_in(folder.path(), &shapes(material)), &Ask::default());
+        let shot = render(&scene_in(folder.path(), &shapes(material)), &Request::default());
         shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     let emissions = [
@@ -129,8 +129,8 @@ fn an_emission_has_its_own_texture() {
 fn emission_is_direct_light_however_stages_are_linked() {
     let room = scene(&room());
     let direct = |scatter: Scatter| -> Vec<u32> {
-        let ask = Ask::spp(16).mis().scatter(scatter).with(|options| options.aov.set(vec![Aov::Direct]));
-        let film = render(&room, &ask).film;
+        let request = Request::spp(16).mis().scatter(scatter).with(|options| options.aov.set(vec![Aov::Direct]));
+        let film = render(&room, &request).film;
         let channels = film.aovs().channels();
         let pixels = 0..(film.width() * film.height()) as usize;
         pixels

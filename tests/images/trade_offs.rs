@@ -1,4 +1,4 @@
-//! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
+//! The table of trade-offs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
 //! its class says. All of it by the program, since a value is a text that the option takes.
 
 use crate::common::{device, program, render};
@@ -56,7 +56,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
 /// ([`denoise`](../program/denoise.rs)), or do not end ([`watch`](../program/watch.rs) compares their images).
 const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "denoise", "oidn"];
 
-/// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
+/// Options that say which samples there are, and when they are enough. How many there are is the option `spp`.
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];
 
 /// Options that say what a glTF file does not: they are parts of the scene, as the program's tests of [`gltf`](../program/gltf.rs) have it.
@@ -64,10 +64,10 @@ const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "thin", "watts"];
 
 // The table and the command line
 
-/// Options of a command that are neither knobs nor known to leave the image as it is.
+/// Options of a command that are neither in the table nor known to leave the image as it is.
 fn unknown(command: &clap::Command) -> Vec<String> {
     let known = |name: &str| {
-        TRADE_OFFS.iter().any(|knob| knob.name == name)
+        TRADE_OFFS.iter().any(|spec| spec.name == name)
             || SAME_IMAGE.iter().any(|(known, _)| *known == name)
             || WHICH_SAMPLES.contains(&name)
             || WHICH_SCENE.contains(&name)
@@ -82,7 +82,7 @@ fn render_command() -> clap::Command {
 }
 
 #[test]
-fn every_option_of_render_that_changes_the_image_is_a_knob() {
+fn every_option_of_render_that_changes_the_image_is_declared() {
     let command = render_command();
     assert_eq!(unknown(&command), Vec::<String>::new());
     // The lists name what is there.
@@ -100,32 +100,32 @@ fn every_option_of_render_that_changes_the_image_is_a_knob() {
 #[test]
 fn the_command_line_says_what_the_table_says() {
     let command = render_command();
-    for knob in TRADE_OFFS {
-        let argument = command.get_arguments().find(|argument| argument.get_long() == Some(knob.name));
-        let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", knob.name));
-        assert_eq!(argument.get_help().map(ToString::to_string), Some(knob.help()), "--{}", knob.name);
-        assert_eq!(argument.get_help_heading(), Some(knob.class.heading()), "--{}", knob.name);
+    for spec in TRADE_OFFS {
+        let argument = command.get_arguments().find(|argument| argument.get_long() == Some(spec.name));
+        let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", spec.name));
+        assert_eq!(argument.get_help().map(ToString::to_string), Some(spec.help()), "--{}", spec.name);
+        assert_eq!(argument.get_help_heading(), Some(spec.class.heading()), "--{}", spec.name);
         let defaults = argument.get_default_values();
-        assert_eq!(defaults.first().and_then(|value| value.to_str()), knob.default, "--{}", knob.name);
+        assert_eq!(defaults.first().and_then(|value| value.to_str()), spec.default, "--{}", spec.name);
         // Sentences, and what biases says so.
-        for sentence in [knob.about, knob.trade_off] {
-            assert!(sentence.ends_with('.') && sentence.len() > 10, "--{}: {sentence}", knob.name);
+        for sentence in [spec.about, spec.trade_off] {
+            assert!(sentence.ends_with('.') && sentence.len() > 10, "--{}: {sentence}", spec.name);
         }
-        assert_eq!(knob.help().contains("biases the result"), knob.class == Class::Bias, "--{}", knob.name);
-        assert!(knob.default.is_none_or(|default| knob.values.contains(&default)), "--{}", knob.name);
-        for value in knob.values {
+        assert_eq!(spec.help().contains("biases the result"), spec.class == Class::Bias, "--{}", spec.name);
+        assert!(spec.default.is_none_or(|default| spec.values.contains(&default)), "--{}", spec.name);
+        for value in spec.values {
             let parsed =
-                Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), value]);
-            assert!(parsed.is_ok(), "{}", knob.option(value));
+                Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", spec.name), value]);
+            assert!(parsed.is_ok(), "{}", spec.option(value));
         }
         let nonsense =
-            Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), "what?"]);
-        assert!(nonsense.is_err(), "--{} takes anything", knob.name);
+            Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", spec.name), "what?"]);
+        assert!(nonsense.is_err(), "--{} takes anything", spec.name);
     }
-    let mut names: Vec<&str> = TRADE_OFFS.iter().map(|knob| knob.name).collect();
+    let mut names: Vec<&str> = TRADE_OFFS.iter().map(|spec| spec.name).collect();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), TRADE_OFFS.len(), "a knob is declared twice");
+    assert_eq!(names.len(), TRADE_OFFS.len(), "an option is declared twice");
 }
 
 /// What is asked for is linked where the scene has what it is about, and nowhere else.
@@ -145,7 +145,7 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
         precision: Precision::Fast,
         ..RenderOptions::default()
     };
-    let asked = |objects: &str, options: &RenderOptions| {
+    let linked = |objects: &str, options: &RenderOptions| {
         let flat = flatten(&render::scene(&text(objects)), (4, 4), options).expect("it flattens");
         let choices = choices_of(&flat.features, options, &UniformTables::default()).modules;
         let linked = [
@@ -165,14 +165,14 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
         (sphere, [false, true, true]),
         (smoke, [false, true, true]),
     ] {
-        assert_eq!(asked(objects, &approximate), expected, "{objects}");
-        assert_eq!(asked(objects, &RenderOptions::default()), [false; 3], "{objects}");
+        assert_eq!(linked(objects, &approximate), expected, "{objects}");
+        assert_eq!(linked(objects, &RenderOptions::default()), [false; 3], "{objects}");
     }
 }
 
 // The program
 
-struct Place(TempDir);
+struct Sandbox(TempDir);
 
 /// What a render of the program wrote.
 struct Rendered {
@@ -181,9 +181,9 @@ struct Rendered {
     stderr: String,
 }
 
-impl Place {
-    fn new() -> Place {
-        Place(tempfile::tempdir().expect("a temporary folder"))
+impl Sandbox {
+    fn new() -> Sandbox {
+        Sandbox(tempfile::tempdir().expect("a temporary folder"))
     }
 
     fn scene(&self, text: &str) -> PathBuf {
@@ -268,12 +268,12 @@ fn same_expectation(a: &[Mean], b: &[Mean], rounding: f64) -> Result<(), String>
 
 /// Tests whose renders differ by a setting alone.
 fn values(class: Class) -> impl Iterator<Item = (&'static OptionSpec, &'static str)> {
-    let of_class = TRADE_OFFS.iter().filter(move |knob| knob.class == class);
+    let of_class = TRADE_OFFS.iter().filter(move |spec| spec.class == class);
     of_class
-        .flat_map(|knob| knob.values.iter().filter(|value| Some(**value) != knob.default).map(|value| (*knob, *value)))
+        .flat_map(|spec| spec.values.iter().filter(|value| Some(**value) != spec.default).map(|value| (*spec, *value)))
 }
 
-/// The scene with everything in it, its lamp dimmed, for little noise (tests/extremes/places.rs).
+/// The scene with everything in it, its lamp dimmed, for little noise (tests/extremes/positions.rs).
 fn dim_everything() -> (Everything, PathBuf) {
     let files = Everything::new();
     let path = files.file(World { lamp: 0.1, ..World::default() });
@@ -281,15 +281,15 @@ fn dim_everything() -> (Everything, PathBuf) {
 }
 
 #[test]
-fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
-    let place = Place::new();
+fn exact_values_and_undeclared_options_change_no_byte() {
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
-    let usual = bits(&place.render(&scene, &[]).image);
-    for (knob, value) in values(Class::Exact) {
+    let usual = bits(&sandbox.render(&scene, &[]).image);
+    for (spec, value) in values(Class::Exact) {
         assert!(
-            bits(&place.render(&scene, &[&format!("--{}", knob.name), value]).image) == usual,
+            bits(&sandbox.render(&scene, &[&format!("--{}", spec.name), value]).image) == usual,
             "{}",
-            knob.option(value)
+            spec.option(value)
         );
     }
     // All at once, since most of such a render is its start; but for two that exclude each other.
@@ -298,9 +298,9 @@ fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
         let options = named.flat_map(|(name, value)| std::iter::once(format!("--{name}")).chain(value.map(String::from)));
         let options: Vec<String> = options.collect();
         let options: Vec<&str> = options.iter().map(String::as_str).collect();
-        assert!(bits(&place.render(&scene, &options).image) == usual, "{options:?}");
+        assert!(bits(&sandbox.render(&scene, &options).image) == usual, "{options:?}");
     }
-    assert!(bits(&place.render(&scene, &["--seed", "1"]).image) != usual, "another seed");
+    assert!(bits(&sandbox.render(&scene, &["--seed", "1"]).image) != usual, "another seed");
 }
 
 /// What more light is found of the values that change noise and detail, as a share of it.
@@ -312,19 +312,19 @@ const FOUND: f64 = 0.015;
 /// tested to what they tell: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
 #[test]
 fn values_of_noise_change_no_expectation() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let base = ["--spp", "256", "--size", "32x32"];
     let with = |changed: &[&str], seed: &str| {
         // What is changed replaces what the base says.
         let kept = base.chunks(2).filter(|pair| !changed.contains(&pair[0])).flatten().copied();
         let options: Vec<&str> = kept.chain(changed.iter().copied()).chain(["--seed", seed]).collect();
-        place.render(&scene, &options).image
+        sandbox.render(&scene, &options).image
     };
     let usual = means(&with(&["--spp", "512"], "1"), 4, 1.0);
-    for (knob, value) in values(Class::Noise).chain(values(Class::Detail)) {
-        let option = format!("--{}", knob.name);
-        let image = match knob.name {
+    for (spec, value) in values(Class::Noise).chain(values(Class::Detail)) {
+        let option = format!("--{}", spec.name);
+        let image = match spec.name {
             // In percent of a scene of this size, with as many samples in all.
             "size" => {
                 let share = f64::from(value.trim_end_matches('%').parse::<u32>().expect("percent")) / 100.0;
@@ -353,16 +353,16 @@ fn values_of_noise_change_no_expectation() {
         let usual = &usual[..found.len()];
         println!(
             "{}: the mean is known to {:.5}, the usual one's to {:.5}",
-            knob.option(value),
+            spec.option(value),
             found[0].variance.sqrt() / found[0].value,
             usual[0].variance.sqrt() / usual[0].value
         );
-        same_expectation(usual, &found, 1e-5).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        same_expectation(usual, &found, 1e-5).unwrap_or_else(|error| panic!("{}: {error}", spec.option(value)));
         if samples >= 256 {
             let planted: Vec<Mean> =
                 found.iter().map(|mean| Mean { value: (1.0 + FOUND) * mean.value, ..*mean }).collect();
             let found = same_expectation(usual, &planted, 1e-5).is_err();
-            assert!(found, "{}: 1.5 % more light is not found", knob.option(value));
+            assert!(found, "{}: 1.5 % more light is not found", spec.option(value));
         }
     }
 }
@@ -403,19 +403,19 @@ const WHITE: &str = "Scene(
 
 #[test]
 fn each_value_that_biases_takes_light_away_where_it_should() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (name, text, harmless) in [("clamp", CAUSTIC, ["--clamp", "1e30"]), ("max-depth", WHITE, ["--max-depth", "50"])]
     {
-        let scene = place.scene(text);
+        let scene = sandbox.scene(text);
         let shot = |options: &[&str], seed: &str| {
             let options = [options, &["--sampler", "independent", "--spp", "256", "--seed", seed]].concat();
-            means(&place.render(&scene, &options).image, 4, 31.0)
+            means(&sandbox.render(&scene, &options).image, 4, 31.0)
         };
         let usual = shot(&[], "1");
-        for (knob, value) in values(Class::Bias).filter(|(knob, _)| knob.name == name) {
+        for (spec, value) in values(Class::Bias).filter(|(spec, _)| spec.name == name) {
             let found = shot(&[&format!("--{name}"), value], "2");
             let darker = same_expectation(&usual, &found, 1e-5).is_err() && found[0].value < usual[0].value;
-            assert!(darker, "{}: {:?}, {:?}", knob.option(value), found[0], usual[0]);
+            assert!(darker, "{}: {:?}, {:?}", spec.option(value), found[0], usual[0]);
         }
         // Another seed alone biases nothing, nor does a limit that no path reaches.
         for options in [[].as_slice(), &harmless] {
@@ -423,7 +423,7 @@ fn each_value_that_biases_takes_light_away_where_it_should() {
         }
     }
     // The others have tests of their own: Fresnel's below.
-    let names: std::collections::BTreeSet<&str> = values(Class::Bias).map(|(knob, _)| knob.name).collect();
+    let names: std::collections::BTreeSet<&str> = values(Class::Bias).map(|(spec, _)| spec.name).collect();
     assert_eq!(names.into_iter().collect::<Vec<_>>(), ["clamp", "fresnel", "max-depth"]);
 }
 
@@ -431,10 +431,10 @@ fn each_value_that_biases_takes_light_away_where_it_should() {
 /// allows, with its hue. Around the ball, and by one event alone, light is direct.
 #[test]
 fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     for (brightness, integrator) in [(1.0, "mis"), (3e20, "mis"), (1e-20, "bsdf")] {
         let [r, g, b] = [8.0, 4.0, 2.0].map(|v: f64| v * brightness);
-        let scene = place.scene(&format!(
+        let scene = sandbox.scene(&format!(
             "Scene(
     image: (width: 32, height: 32),
     camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40),
@@ -448,7 +448,7 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
 )"
         ));
         let limit = format!("{:e}", brightness);
-        let shot = |options: &[&str]| place.render(&scene, &[options, &["--integrator", integrator]].concat()).image;
+        let shot = |options: &[&str]| sandbox.render(&scene, &[options, &["--integrator", integrator]].concat()).image;
         let (usual, clamped) = (shot(&[]), shot(&["--clamp", &limit]));
         let at = |image: &ExrImage, x: u32, y: u32| image.rgb[(y * 32 + x) as usize].map(|v| f64::from(v) / brightness);
         let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-6 * b[i]);
@@ -463,11 +463,11 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
         assert!(bits(&shot(&["--clamp", &format!("{:e}", 8.0 * brightness)])) == bits(&usual));
     }
     // All light that comes by one event is direct, sampled or met; that by two is not.
-    let scene = place.scene(CAUSTIC);
+    let scene = sandbox.scene(CAUSTIC);
     for integrator in ["mis", "bsdf"] {
         let shot = |clamp: &str, depth: &str| {
             bits(
-                &place
+                &sandbox
                     .render(
                         &scene,
                         &["--clamp", clamp, "--max-depth", depth, "--spp", "16", "--integrator", integrator],
@@ -483,7 +483,7 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
 /// A sheet of glass before a wall of light, seen at an angle from either of its sides: the camera gets 1 - R of the light.
 #[test]
 fn reflectances_are_fresnels_or_schlicks() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let exact = |c: f64, eta: f64| {
         let t = (1.0 - (1.0 - c * c) / (eta * eta)).max(0.0).sqrt();
         let (s, p) = ((c - eta * t) / (c + eta * t), (eta * c - t) / (eta * c + t));
@@ -503,7 +503,7 @@ fn reflectances_are_fresnels_or_schlicks() {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let (x, y) = if inside { ("(0, 2, 0)", "(4, 0, 0)") } else { ("(4, 0, 0)", "(0, 2, 0)") };
         // The wall of light takes what is refracted, and what is reflected meets nothing.
-        let scene = place.scene(&format!(
+        let scene = sandbox.scene(&format!(
             "Scene(
     image: (width: 32, height: 32),
     camera: (look_from: ({}, 0, {}), look_at: (0, 0, 0), vertical_fov: 0.1),
@@ -520,7 +520,7 @@ fn reflectances_are_fresnels_or_schlicks() {
         ));
         let eta = if inside { 1.0 / ior } else { ior };
         let through = |setting: &str| {
-            let image = place.render(&scene, &["--fresnel", setting, "--sampler", "independent"]).image;
+            let image = sandbox.render(&scene, &["--fresnel", setting, "--sampler", "independent"]).image;
             means(&image, 1, 31.0)[0]
         };
         let (of_exact, of_schlick) = (1.0 - exact(cos, eta), 1.0 - schlick(cos, eta));
@@ -541,30 +541,30 @@ fn reflectances_are_fresnels_or_schlicks() {
 /// of 0.007 % of the image's (printed). Planted, and found, is a thousandth of the light.
 #[test]
 fn less_precision_is_right_in_an_ordinary_scene() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let shot = |options: &[&str]| {
         let options = [options, &["--spp", "256", "--size", "32x32", "--seed", "1"]].concat();
-        place.render(&scene, &options).image
+        sandbox.render(&scene, &options).image
     };
     let usual = shot(&[]);
-    for (knob, value) in values(Class::Numerics) {
-        let other = shot(&[&format!("--{}", knob.name), value]);
-        assert!(bits(&other) != bits(&usual), "{} changes nothing", knob.option(value));
+    for (spec, value) in values(Class::Numerics) {
+        let other = shot(&[&format!("--{}", spec.name), value]);
+        assert!(bits(&other) != bits(&usual), "{} changes nothing", spec.option(value));
         let paired = |other: &[[f32; 3]]| same_expectation_paired(&usual.rgb, other, ALPHA);
-        paired(&other.rgb).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        paired(&other.rgb).unwrap_or_else(|error| panic!("{}: {error}", spec.option(value)));
         let brighter: Vec<_> = other.rgb.iter().map(|rgb| rgb.map(|v| 1.001 * v)).collect();
-        assert!(paired(&brighter).is_err(), "{}: a thousandth more light is not found", knob.option(value));
+        assert!(paired(&brighter).is_err(), "{}: a thousandth more light is not found", spec.option(value));
     }
 }
 
 /// A glowing sphere of radius 1 at a distance D covers pi / 2.4² of a view that is 2.4 high there.
 #[test]
 fn the_textbooks_spheres_fail_far_away() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let covered = |distance: f64, options: &[&str]| {
         let fov = 2.0 * (1.2 / distance).atan().to_degrees();
-        let scene = place.scene(&format!(
+        let scene = sandbox.scene(&format!(
             "Scene(
     image: (width: 32, height: 32),
     camera: (look_from: (0, 0, {distance:e}), look_at: (0, 0, 0), vertical_fov: {fov:e}),
@@ -574,7 +574,7 @@ fn the_textbooks_spheres_fail_far_away() {
     render: (samples: 64, max_depth: 1),
 )"
         ));
-        means(&place.render(&scene, options).image, 1, 1.0)[0].value
+        means(&sandbox.render(&scene, options).image, 1, 1.0)[0].value
     };
     let expected = PI / (2.4 * 2.4);
     // Sobol points tell the area to far below 1e-3; the sphere covers a little more than its disk, by r²/D².
@@ -596,10 +596,10 @@ fn the_textbooks_spheres_fail_far_away() {
 /// With all of them, too, the image does not depend on how the kernels are linked and the work is cut.
 #[test]
 fn approximations_give_the_same_bytes_however_they_are_linked() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let (_files, scene) = dim_everything();
     let all = ["--fresnel", "schlick", "--clamp", "0.3", "--precision", "fast", "--spp", "16"];
-    let shot = |more: &[&str]| bits(&place.render(&scene, &[all.as_slice(), more].concat()).image);
+    let shot = |more: &[&str]| bits(&sandbox.render(&scene, &[all.as_slice(), more].concat()).image);
     let usual = shot(&["--scatter", "fused"]);
     for scatter in ["linked", "queues"] {
         assert!(shot(&["--scatter", scatter, "--slots", "97", "--bounces", "7"]) == usual, "{scatter}");
@@ -608,40 +608,40 @@ fn approximations_give_the_same_bytes_however_they_are_linked() {
     for (option, default) in [("--fresnel", "exact"), ("--clamp", "off"), ("--precision", "strict")] {
         let options: Vec<&str> =
             all.chunks(2).flat_map(|pair| [pair[0], if pair[0] == option { default } else { pair[1] }]).collect();
-        assert!(bits(&place.render(&scene, &options).image) != usual, "{option}");
+        assert!(bits(&sandbox.render(&scene, &options).image) != usual, "{option}");
     }
 }
 
 #[test]
 fn a_render_with_a_setting_that_biases_says_so() {
-    let place = Place::new();
-    let scene = place.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
-    let all = TRADE_OFFS.iter().flat_map(|knob| knob.values.iter().map(move |value| (*knob, *value)));
-    for (knob, value) in all {
-        let option = knob.option(value);
-        let options: Vec<&str> = match knob.name {
+    let sandbox = Sandbox::new();
+    let scene = sandbox.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
+    let all = TRADE_OFFS.iter().flat_map(|spec| spec.values.iter().map(move |value| (*spec, *value)));
+    for (spec, value) in all {
+        let option = spec.option(value);
+        let options: Vec<&str> = match spec.name {
             "spp" => vec!["--spp", value],
             _ => option.split(' ').chain(["--spp", "9"]).collect(),
         };
-        let ran = place.render(&scene, &options);
-        let default = Some(value) == knob.default;
+        let ran = sandbox.render(&scene, &options);
+        let default = Some(value) == spec.default;
         // As deep as the scene asks, or deeper, takes nothing away.
-        let cuts = knob.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
-        let told = matches!(knob.class, Class::Bias | Class::Numerics) && !default && cuts;
+        let cuts = spec.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
+        let warns = matches!(spec.class, Class::Bias | Class::Numerics) && !default && cuts;
         let attribute =
             ran.image.attributes.iter().find(|(name, _)| name == "gpu-rt:biases").map(|(_, text)| text.as_str());
         assert_eq!(
             ran.json["biases"],
-            if told { serde_json::json!([option]) } else { serde_json::json!([]) },
+            if warns { serde_json::json!([option]) } else { serde_json::json!([]) },
             "{option}"
         );
-        assert_eq!(attribute, told.then_some(option.as_str()), "{option}");
-        assert_eq!(ran.stderr.contains(&knob.warning(value)), told, "{option}: {}", ran.stderr);
+        assert_eq!(attribute, warns.then_some(option.as_str()), "{option}");
+        assert_eq!(ran.stderr.contains(&spec.warning(value)), warns, "{option}: {}", ran.stderr);
         let excludes = ran.json["relative_error_excludes"].as_str().unwrap_or_default();
-        assert_eq!(excludes.contains(&option), told && knob.name != "size", "{option}: {excludes}");
+        assert_eq!(excludes.contains(&option), warns && spec.name != "size", "{option}: {excludes}");
     }
     // Several at once, and none with --quiet.
-    let ran = place.render(&scene, &["--clamp", "2.5", "--precision", "fast", "--max-depth", "3", "--quiet"]);
+    let ran = sandbox.render(&scene, &["--clamp", "2.5", "--precision", "fast", "--max-depth", "3", "--quiet"]);
     assert_eq!(ran.json["biases"], serde_json::json!(["--max-depth 3", "--clamp 2.5", "--precision fast"]));
     assert_eq!(ran.stderr, "");
 }

@@ -1,14 +1,14 @@
 //@ use bind/queues
-//@ use bind/queue_turns
+//@ use bind/queue_lengths
 //@ use bind/settings
 //@ use data/queue
 // For one scatter kernel per material: each slot in the material's queue has an invocation. Invocations past the
 // end of the queue have no slot.
 const QUEUE: u32 = ${queue}u;
 
-fn queued_slot(turn: u32) -> u32 {
-    if turn >= queue_args[QUEUE].w {
+fn queued_slot(index: u32) -> u32 {
+    if index >= queue_args[QUEUE].w {
         return settings.slots;
     }
-    return atomicLoad(&queues[queue_place(QUEUE, turn, settings.slots)]);
+    return atomicLoad(&queues[queue_index(QUEUE, index, settings.slots)]);
 }

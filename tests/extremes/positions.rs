@@ -1,20 +1,20 @@
 //! The scene as a whole, scaled and moved.
 
 use crate::common::everything::{Everything, World, same};
-use crate::common::render::{Ask, Shot, render, worst_difference};
+use crate::common::render::{Request, Shot, render, worst_difference};
 use crate::common::stats::{normal_two_sided, one_sample_t, student_two_sided};
 use crate::table::{Cell, Row};
 
 /// The table's cells of scales and places.
 pub fn cells() -> Vec<Cell> {
     let mut all = powers_of_two();
-    all.extend(scales_and_places());
+    all.extend(scales_and_positions());
     all
 }
 
 fn powers_of_two() -> Vec<Cell> {
     let files = Everything::new();
-    let shot = |world: World| render(&files.scene(world), &Ask::spp(16));
+    let shot = |world: World| render(&files.scene(world), &Request::spp(16));
     let usual = shot(World::default());
     let differs = |other: &Shot| f64::from(u8::from(!same(&usual, other)));
     [-40, -13, 13, 40]
@@ -43,13 +43,13 @@ fn powers_of_two() -> Vec<Cell> {
 /// it. A camera that is moved by a fiftieth of its distance moves light from pixel to pixel: the images as if of two
 /// seeds tell that, of whose tiles the means' difference has a standard error of 0.7 % up to 1.8 %. (What both have
 /// alike makes that test the safer.)
-fn scales_and_places() -> Vec<Cell> {
+fn scales_and_positions() -> Vec<Cell> {
     const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
                           image, in standard deviations";
     const BECAUSE: &str = "noise alone: the largest of 78 normal variates exceeds the limit once in 1e6 (Šidák).";
     let files = Everything::new();
     let usual_world = World { lamp: 0.1, ..World::default() };
-    let shot = |world: World| render(&files.scene(world), &Ask::spp(256).size(32, 24).seed(10));
+    let shot = |world: World| render(&files.scene(world), &Request::spp(256).size(32, 24).seed(10));
     let usual = shot(usual_world);
     let off = |world: World| {
         let other = shot(world);

@@ -1,4 +1,4 @@
-//! Finds spheres that coincide, and meshes that are placed twice at one position.
+//! Finds spheres that coincide, and meshes that are instanced twice at one position.
 //!
 //! Candidates are neighbours in the order of one number for each object, made of position and radius. The position counts
 //! by its component in an oblique direction, because no row of objects has equal components there.
@@ -32,8 +32,8 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
     for (at, &(along, index)) in order.iter().enumerate() {
         let body = search.body(index);
         let (center, radius) = body.bounds.ball();
-        let reach = SLACK * (center.abs().max_element() + radius);
-        let near = order[at + 1..].iter().take_while(|(other, _)| other - along <= reach).take(TESTS_EACH);
+        let limit = SLACK * (center.abs().max_element() + radius);
+        let near = order[at + 1..].iter().take_while(|(other, _)| other - along <= limit).take(TESTS_EACH);
         let mut near = near.map(|(_, other)| (*other, search.body(*other)));
         let found = near.find_map(|(other, twin)| distance(&body, &twin).map(|distance| (other, twin, distance)));
         if let Some((other, twin, (gap, bound))) = found {
@@ -49,7 +49,7 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
 /// shaders/geometry/sphere, shaders/geometry/offset); the rounding of the radius and of the next distance is 4 u r. At points of a large
 /// sphere as far from the nearest one as the camera is, the bound is 14 u of the distance (shaders/geometry/large_sphere).
 fn distance(a: &Body, b: &Body) -> Option<(f64, f64)> {
-    if a.material == b.material && !a.role.clear {
+    if a.material == b.material && !a.role.transmissive {
         return None;
     }
     let ((center, r), (other, s)) = (a.bounds.ball(), b.bounds.ball());

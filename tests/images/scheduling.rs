@@ -1,4 +1,4 @@
-//! What a render does with its film does not show: the tiles that it is cut into, the looks at it, and where it is stopped.
+//! What a render does with its film does not show: the tiles that it is cut into, the snapshots of it, and where it is stopped.
 
 use std::ops::Range;
 use std::path::Path;
@@ -63,10 +63,10 @@ fn tiles_do_not_show() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         let options = options(scatter);
         for samples in [0..40, 3..21] {
-            let whole = render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn);
+            let full = render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn);
             for tile in [800, 300, 97] {
                 let tiled = render(&options, SIZE, samples.clone(), Some(tile), &mut |_, _| Next::GoOn);
-                assert!(tiled.0 == whole.0, "{scatter:?}, {samples:?}, {tile}");
+                assert!(tiled.0 == full.0, "{scatter:?}, {samples:?}, {tile}");
             }
         }
         // That films can differ at all is seen of other samples.
@@ -77,7 +77,7 @@ fn tiles_do_not_show() {
 
 /// A film that one binding of a software driver does not hold is in tiles, without being told to.
 #[test]
-fn a_film_beyond_a_binding_is_whole() {
+fn a_film_beyond_a_binding_is_complete() {
     let size = (1300, 1000);
     let options = RenderOptions::default();
     let (film, _, tile) = render(&options, size, 0..1, None, &mut |_, _| Next::GoOn);
@@ -86,53 +86,53 @@ fn a_film_beyond_a_binding_is_whole() {
     assert!(film == render(&options, size, 0..1, Some(500_000), &mut |_, _| Next::GoOn).0);
 }
 
-/// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has looked at.
+/// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has checked.
 #[test]
-fn pilots_and_goals_do_not_show() {
+fn pace_probes_and_goals_do_not_show() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
     for tile in [None, Some(97)] {
         let deadline = Instant::now() + Duration::from_millis(1500);
         for goal in [
             Goal::Until { deadline, end: 100 },
-            Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, looks: 0 },
-            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, looks: 0 },
+            Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
         ] {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
-            let whole = render(&options, SIZE, outcome.samples.range(), None, &mut |_, _| Next::GoOn).0;
-            assert!(film.develop().samples == whole.develop().samples, "{goal:?}: {:?}", outcome.samples);
+            let full = render(&options, SIZE, outcome.samples.range(), None, &mut |_, _| Next::GoOn).0;
+            assert!(film.develop().samples == full.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
-            assert!(film == whole, "{goal:?}: {:?}", outcome.samples);
+            assert!(film == full, "{goal:?}: {:?}", outcome.samples);
         }
     }
 }
 
-/// A look shows the finished runs, and changes nothing.
+/// A snapshot shows the finished runs, and changes nothing.
 #[test]
-fn looks_do_not_show() {
+fn snapshots_do_not_show() {
     for tile in [None, Some(97)] {
         let options = options(Scatter::Fused);
-        let whole = render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0;
-        let (mut looks, mut paths) = (0, 0);
-        let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
-            if let Some(look) = look {
-                let picture = look.film.develop();
+        let full = render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0;
+        let (mut snapshots, mut paths) = (0, 0);
+        let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
+            if let Some(snapshot) = snapshot {
+                let picture = snapshot.film.develop();
                 let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
-                assert_eq!((look.film.totals(), seen), (outcome.totals, outcome.totals.paths));
-                looks += 1;
+                assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
+                snapshots += 1;
                 paths = paths.max(seen);
             }
             Next::Snapshot
         });
-        assert!(looked.0 == whole, "{tile:?}");
-        assert!(looks > 10 && paths > 0, "{looks} looks, {paths} paths");
+        assert!(observed.0 == full, "{tile:?}");
+        assert!(snapshots > 10 && paths > 0, "{snapshots} snapshots, {paths} paths");
     }
 }
 
 /// A render that is stopped ends the block of samples that it has begun: the film is that of a render of the samples that it says it has.
 /// Submissions that are under way when it is stopped count too. What goes on from there gives the image of a render that was not stopped.
 #[test]
-fn a_stopped_render_has_a_whole_film() {
+fn a_stopped_render_has_a_complete_film() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         for (tile, at) in [(None, 1), (None, 9), (None, 40), (Some(300), 1), (Some(300), 30)] {
             let options = options(scatter);
@@ -161,23 +161,26 @@ fn a_stopped_render_has_a_whole_film() {
 
 /// A film that is shown as whole has the samples that the outcome says, and no part of a run beyond them.
 #[test]
-fn a_whole_film_has_whole_samples() {
+fn a_complete_film_has_equal_samples_in_all_pixels() {
     let options = options(Scatter::Fused);
-    let whole = |end: u32| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0;
-    let each: Vec<Film> = (1..=5).map(|runs| whole(RUN_LENGTH * runs)).collect();
+    let full = |end: u32| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0;
+    let each: Vec<Film> = (1..=5).map(|runs| full(RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
-        let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
-            if let Some(look) = look.filter(|look| look.is_whole) {
+        let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
+            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
                 let end = outcome.samples.range().end;
                 seen.push(end);
-                assert!(end.is_multiple_of(RUN_LENGTH) && *look.film == each[(end / RUN_LENGTH) as usize - 1], "{end}");
+                assert!(
+                    end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
+                    "{end}"
+                );
             }
-            // A look at what is under way in between must not matter.
+            // A snapshot of runs under way in between must not matter.
             calls += 1;
-            if calls % 3 == 0 { Next::Snapshot } else { Next::WholeSnapshot }
+            if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
         });
-        assert!(looked.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
+        assert!(observed.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
     }
 }
 
@@ -191,42 +194,42 @@ fn goals_go_on_with_a_film() {
         for goal in [
             Goal::Until { deadline: deadline(1000), end: 100 },
             Goal::Until { deadline: deadline(0), end: 100 },
-            Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, looks: 1 },
-            Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, looks: 1 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, checks: 1 },
+            Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, checks: 1 },
         ] {
             let mut film = render(&options, SIZE, 0..24, None, &mut |_, _| Next::GoOn).0;
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
             let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
-            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::WholeSnapshot);
+            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::CompleteSnapshot);
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");
-            let whole = render(&options, SIZE, samples.range(), None, &mut |_, _| Next::GoOn).0;
-            assert!(film == whole, "{tile:?}, {goal:?}: {:?}", outcome.samples);
+            let full = render(&options, SIZE, samples.range(), None, &mut |_, _| Next::GoOn).0;
+            assert!(film == full, "{tile:?}, {goal:?}: {:?}", outcome.samples);
         }
     }
 }
 
-/// A render until an error that was interrupted looks again where it would have looked, with the probability that it had left.
+/// A resumed render until an error checks it where the interrupted one would have, with the probability that was left.
 #[test]
-fn a_resumed_render_has_the_looks_of_one_render() {
+fn a_resumed_render_has_the_checks_of_one_render() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
-    let noise = |begun, looks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, looks };
-    let (whole, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
-    let found = uninterrupted.noise.expect("it looked");
-    assert!(found.reached && found.looks > 2 && found.looks < 8, "{found:?}");
+    let noise = |begun, checks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, checks };
+    let (full, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
+    let found = uninterrupted.noise.expect("the error was checked");
+    assert!(found.reached && found.checks > 2 && found.checks < 8, "{found:?}");
     for stop in [8, 16, 24, 40, 64] {
-        let goal = Goal::Noise { error: 0.06, deadline: None, end: stop, begun: 0, looks: 0 };
+        let goal = Goal::Noise { error: 0.06, deadline: None, end: stop, begun: 0, checks: 0 };
         let (mut film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut |_, _| Next::GoOn);
-        // The render that had only so many samples has looked at its end, which one that is interrupted there has not.
-        let looks = outcome.noise.expect("it looked").looks - 1;
-        let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, looks) };
+        // The render with so few samples has checked its end, which an interrupted one has not.
+        let checks = outcome.noise.expect("the error was checked").checks - 1;
+        let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, checks) };
         let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut |_, _| Next::GoOn);
         assert_eq!(
             (outcome.noise, outcome.samples.range().end),
             (Some(found), uninterrupted.samples.range().end),
             "{stop}"
         );
-        assert!(film == whole, "{stop}");
+        assert!(film == full, "{stop}");
     }
 }

@@ -16,22 +16,22 @@ pub fn is_standard(path: &Path) -> bool {
 
 /// The kind of file that a path leads to.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Destination {
     /// A regular file, or a file that does not exist yet in a folder that does. The path is not a link.
     File(PathBuf),
     /// Something that can be written to but not replaced: standard output, a pipe, a device, or an open file such as /dev/stdout.
     Stream,
 }
 
-impl Place {
+impl Destination {
     /// Follows links one by one, because the last one may point to a file that does not exist yet.
-    pub fn find(path: &Path) -> io::Result<Place> {
+    pub fn find(path: &Path) -> io::Result<Destination> {
         if is_standard(path) {
-            return Ok(Place::Stream);
+            return Ok(Destination::Stream);
         }
         let exists = match fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => return Err(io::Error::other("it is a folder")),
-            Ok(metadata) if !metadata.is_file() => return Ok(Place::Stream),
+            Ok(metadata) if !metadata.is_file() => return Ok(Destination::Stream),
             Ok(_) => true,
             Err(error) if error.kind() == io::ErrorKind::NotFound => false,
             // A loop of links, a name that is too long, …
@@ -42,18 +42,18 @@ impl Place {
             // An open file, such as /dev/stdout redirected to a file: if the file were replaced, other writers of the open
             // file would write to the old one.
             if exists && (target.starts_with("/proc") || target.starts_with("/dev/fd")) {
-                return Ok(Place::Stream);
+                return Ok(Destination::Stream);
             }
             match fs::read_link(&target) {
                 // `join` returns an absolute link unchanged.
                 Ok(link) => target = target.parent().unwrap_or(Path::new("")).join(link),
-                Err(_) => return Place::of_file(target),
+                Err(_) => return Destination::of_file(target),
             }
         }
         Err(io::Error::other("too many symbolic links"))
     }
 
-    fn of_file(target: PathBuf) -> io::Result<Place> {
+    fn of_file(target: PathBuf) -> io::Result<Destination> {
         // `Path` hides a separator at the end. To the system it means a folder, as "." and ".." do.
         let text = target.to_string_lossy();
         if matches!(text.rsplit(std::path::is_separator).next(), None | Some("" | "." | "..")) {
@@ -63,13 +63,13 @@ impl Place {
         if !folder.is_dir() {
             return Err(io::Error::other(format!("the folder {} does not exist", folder.display())));
         }
-        Ok(Place::File(target))
+        Ok(Destination::File(target))
     }
 }
 
 /// Whether a later file can replace what is there. A pipe gets one file, at the end.
 pub fn can_be_replaced(path: &Path) -> bool {
-    !matches!(Place::find(path), Ok(Place::Stream))
+    !matches!(Destination::find(path), Ok(Destination::Stream))
 }
 
 /// The folder of a file.
@@ -103,8 +103,8 @@ enum Identity {
 fn identity(path: &Path) -> Option<Identity> {
     match fs::metadata(path) {
         Ok(metadata) => identity_of_existing(path, &metadata),
-        Err(_) => match Place::find(path) {
-            Ok(Place::File(target)) => {
+        Err(_) => match Destination::find(path) {
+            Ok(Destination::File(target)) => {
                 let folder = folder_of(&target).canonicalize().ok()?;
                 Some(Identity::Path(folder.join(target.file_name()?)))
             }
@@ -182,10 +182,10 @@ mod tests {
             ("loop", "links"),
             (&"n".repeat(256), "long"),
         ] {
-            let error = Place::find(&at(name)).map_err(|error| error.to_string().to_lowercase());
+            let error = Destination::find(&at(name)).map_err(|error| error.to_string().to_lowercase());
             assert!(error.as_ref().is_err_and(|error| error.contains(words)), "{name}: {error:?}");
         }
         let longest = at(&"n".repeat(255));
-        assert_eq!(Place::find(&longest).unwrap(), Place::File(longest));
+        assert_eq!(Destination::find(&longest).unwrap(), Destination::File(longest));
     }
 }

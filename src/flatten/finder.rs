@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
-use crate::delta_light::PlacedLight;
+use crate::delta_light::WorldLight;
 use crate::scene::{Object, Scene, Texture, Transform};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
-use crate::shape::{BoundingShape, Placement, RenderSpace, Shape};
+use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
 
 /// A primitive, with the transform that its texture needs.
-pub struct Placed<'a> {
+pub struct Primitive<'a> {
     pub object: &'a Object,
     pub shape: Shape<'a>,
     /// The transform from the object's own space to the world.
@@ -20,7 +20,7 @@ pub struct Placed<'a> {
 }
 
 /// A medium within its boundary.
-pub struct PlacedMedium<'a> {
+pub struct WorldMedium<'a> {
     pub object: &'a Object,
     pub boundary: Shape<'a>,
     /// The transform from the boundary's own space to the world.
@@ -37,12 +37,12 @@ pub struct PlacedMedium<'a> {
 pub struct Finder<'a> {
     materials: HashMap<&'a str, u32>,
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
-    /// The camera's place.
+    /// The camera's position.
     eye: DVec3,
-    pub placed: Vec<Placed<'a>>,
-    pub media: Vec<PlacedMedium<'a>>,
+    pub primitives: Vec<Primitive<'a>>,
+    pub media: Vec<WorldMedium<'a>>,
     /// The lights without size, each with its object.
-    pub lights: Vec<(&'a Object, PlacedLight)>,
+    pub lights: Vec<(&'a Object, WorldLight)>,
 }
 
 impl<'a> Finder<'a> {
@@ -51,25 +51,25 @@ impl<'a> Finder<'a> {
             materials: (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect(),
             meshes,
             eye,
-            placed: Vec::new(),
+            primitives: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),
         }
     }
 
     /// Adds the primitives, media and lights of an object.
-    pub fn place(&mut self, object: &'a Object, to_world: &Similarity) {
+    pub fn add(&mut self, object: &'a Object, to_world: &Similarity) {
         match object {
-            Object::Transformed { by, object } => self.place(object, &to_world.after(&similarity(by))),
+            Object::Transformed { by, object } => self.add(object, &to_world.after(&similarity(by))),
             Object::Group(objects) | Object::Gltf { objects, .. } => {
-                objects.iter().for_each(|object| self.place(object, to_world));
+                objects.iter().for_each(|object| self.add(object, to_world));
             }
             Object::Medium { boundary, density, albedo, anisotropy } => {
                 // A medium without density has no effect.
                 if *density > 0.0
                     && let Some((boundary, around)) = self.boundary(boundary, to_world)
                 {
-                    self.media.push(PlacedMedium {
+                    self.media.push(WorldMedium {
                         object,
                         boundary,
                         to_world: around,
@@ -81,11 +81,11 @@ impl<'a> Finder<'a> {
                 }
             }
             _ => {
-                self.lights.extend(object.delta_light().map(|light| (object, light.placed(to_world))));
+                self.lights.extend(object.delta_light().map(|light| (object, light.in_world(to_world))));
                 let material = object.material().and_then(|name| self.materials.get(name).copied());
                 if let (Some(shape), Some(material)) = (object.shape(self.meshes), material) {
                     let shape = shape.seen_from(to_world, self.eye);
-                    self.placed.push(Placed { object, shape, to_world: *to_world, material });
+                    self.primitives.push(Primitive { object, shape, to_world: *to_world, material });
                 }
             }
         }
@@ -115,11 +115,11 @@ fn similarity(transforms: &[Transform]) -> Similarity {
 
 /// The largest distance of a shape's points from the eye along an axis; of a large sphere, that of its nearest point, because rays seldom
 /// get far from there.
-pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
+pub fn extent_of(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     if let Some(large_sphere) = shape.large_sphere() {
-        return large_sphere.reach(to_world);
+        return large_sphere.extent(to_world);
     }
-    let bounds = shape.bounding_shape(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
+    let bounds = shape.bounding_shape(&ObjectTransform { to_world, space: RenderSpace { eye, scale: 1.0 } });
     match bounds {
         BoundingShape::Ball { center, radius } => center.abs().max_element() + radius,
         BoundingShape::Cuboid { center, half, .. } if shape.fills_bounding_shape() => {
@@ -131,8 +131,8 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
 
 /// The largest distance of all primitives, media and the lens from the eye along an axis; 1 if the scene is empty.
 pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>) -> f64 {
-    let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world, eye));
-    let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world, eye));
+    let primitives = finder.primitives.iter().map(|primitive| extent_of(&primitive.shape, &primitive.to_world, eye));
+    let media = finder.media.iter().map(|medium| extent_of(&medium.boundary, &medium.to_world, eye));
     let far = primitives.chain(media).fold(lens_radius, f64::max);
     if far > 0.0 { far } else { 1.0 }
 }

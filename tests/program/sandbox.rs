@@ -24,17 +24,17 @@ pub const SPHERE: &str = "Scene(
 ";
 
 /// A folder with the scene `sphere.ron` in a folder of its own, and a folder to work in.
-pub struct Place {
+pub struct Sandbox {
     pub folder: TempDir,
 }
 
-impl Place {
-    pub fn new() -> Place {
-        let place = Place { folder: tempfile::tempdir().expect("a temporary folder") };
-        fs::create_dir(place.folder.path().join("scenes")).expect("a folder is made");
-        fs::create_dir(place.work()).expect("a folder is made");
-        place.scene("sphere.ron", SPHERE);
-        place
+impl Sandbox {
+    pub fn new() -> Sandbox {
+        let sandbox = Sandbox { folder: tempfile::tempdir().expect("a temporary folder") };
+        fs::create_dir(sandbox.folder.path().join("scenes")).expect("a folder is made");
+        fs::create_dir(sandbox.work()).expect("a folder is made");
+        sandbox.scene("sphere.ron", SPHERE);
+        sandbox
     }
 
     /// The current folder of the program.
@@ -97,11 +97,11 @@ pub fn make_pipe(path: &std::path::Path) {
 }
 
 /// Starts a render without end, with checkpoints all the time, and waits for the first of them.
-pub fn endless(place: &Place, more: &[&str]) -> Child {
-    let arguments = [&place.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice(), more].concat();
-    let written = || fs::metadata(place.work().join("sphere.exr")).and_then(|found| found.modified()).ok();
+pub fn endless(sandbox: &Sandbox, more: &[&str]) -> Child {
+    let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice(), more].concat();
+    let written = || fs::metadata(sandbox.work().join("sphere.exr")).and_then(|found| found.modified()).ok();
     let before = written();
-    let mut child = place.command(&arguments).spawn().expect("the program starts");
+    let mut child = sandbox.command(&arguments).spawn().expect("the program starts");
     meanwhile(&mut child, || written().is_some_and(|time| Some(time) != before));
     child
 }
