@@ -8,7 +8,10 @@ use gpu_rt::gpu::device::{Adapters, Device};
 /// thread of its queue, and the renders of all others would wait. A later test takes the device of one that has ended, with its kernels.
 pub fn software() -> &'static Device {
     thread_local! {
-        static LENT: Lent = Lent(FREE.lock().expect("no test fails here").pop().unwrap_or_else(|| Box::leak(Box::new(open()))));
+        static LENT: Lent = {
+            let free = FREE.lock().expect("no test fails here").pop();
+            Lent(free.unwrap_or_else(|| Box::leak(Box::new(open()))))
+        };
     }
     LENT.with(|lent| lent.0)
 }

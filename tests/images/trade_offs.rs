@@ -295,7 +295,8 @@ fn exact_values_and_undeclared_options_change_no_byte() {
     // All at once, since most of such a render is its start; but for two that exclude each other.
     for without in ["quiet", "verbose"] {
         let named = SAME_IMAGE.iter().filter(|(name, _)| !ELSEWHERE.contains(name) && *name != without);
-        let options = named.flat_map(|(name, value)| std::iter::once(format!("--{name}")).chain(value.map(String::from)));
+        let options =
+            named.flat_map(|(name, value)| std::iter::once(format!("--{name}")).chain(value.map(String::from)));
         let options: Vec<String> = options.collect();
         let options: Vec<&str> = options.iter().map(String::as_str).collect();
         assert!(bits(&sandbox.render(&scene, &options).image) == usual, "{options:?}");
