@@ -161,7 +161,7 @@ pub fn flatten_with(
         builder.add_extensions(&used, radiance_scale);
     }
     if builder.flat.features.has_extension(ExtensionKind::Multiscatter) || options.features == FeatureSet::All {
-        builder.flat.kept_shares = microfacets::kept_shares();
+        builder.flat.directional_albedos = microfacets::directional_albedos();
     }
     let sample_lights = options.integrator == Integrator::Mis;
     // The warnings are searched for while the hierarchies are built.

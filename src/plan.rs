@@ -298,7 +298,11 @@ impl Kernels {
             .shrunk_by(largest_images(flat)),
             array(table("sky", &flat.sky, "the background's image as a distribution of directions")),
             array(table("extensions", &flat.extensions, "what materials have beside their rows")),
-            array(table("kept_shares", &flat.kept_shares, "what single scattering by microfacets keeps of light")),
+            array(table(
+                "directional_albedos",
+                &flat.directional_albedos,
+                "directional albedos of rough metals by single scattering",
+            )),
             array(table("meshes", &flat.meshes, "faces and vertices of meshes")),
             array(table("face_pairs", &flat.face_pairs, "faces of meshes as walks read them")),
             BufferSpec::working("queues", (header + queues * slots) * 4, "a queue for each material")

@@ -14,10 +14,10 @@ struct Material {
 
 const NO_TEXTURE: u32 = 0xffffffffu;
 
-// What a material has beside its row of the table: for each, the index of a row behind those of all materials, or NO_EXTENSION. Such a row
-// has a colour or a texture, whose frame is as far behind that of the material's own texture as `kind` says.
+// The extensions of a material. Each is the index of a row of the table of materials, behind those of all materials, or NO_EXTENSION.
+// Such a row has a colour or a texture. Its `kind` is the offset of the texture's frame from that of the material's own texture.
 struct Extension {
-    // Of a clear solid: what it absorbs per unit of length. It is no index.
+    // The absorption of a transmissive solid, per unit of length. It is no index.
     absorption: vec3<f32>,
     // The radiance that it emits. The row's parameter is 0 if it emits from its front alone.
     emission: u32,
@@ -28,19 +28,19 @@ struct Extension {
     metallic: u32,
     // The normal in the frame of the texture coordinates.
     normal: u32,
-    // It has a row if the colours of a mesh's vertices multiply its own. Nothing reads the row.
+    // A row if the colours of a mesh's vertices multiply the material's. The row is not read.
     vertex_colours: u32,
-    // It has a row if it makes up for light that microfacets scatter more than once. Nothing reads the row.
+    // A row if the material has energy compensation (scene/multiscatter). The row is not read.
     multiscatter: u32,
-    // Of glTF's material: what the layer reflects straight on is multiplied by the row's colour, and all that it reflects by its parameter.
+    // Of glTF's material: the row's colour multiplies the layer's reflectance at normal incidence, and its parameter that at all angles.
     specular: u32,
-    // It has a row if the alpha of a mesh's vertices multiplies its own. Nothing reads the row.
+    // A row if the alpha of a mesh's vertices multiplies the material's. The row is not read.
     vertex_alpha: u32,
 }
 
 const NO_EXTENSION: u32 = 0xffffffffu;
 
-// What a material knows of a ray that hits its surface.
+// The interaction of a ray with a surface, as materials take it.
 struct Interaction {
     // Unit direction of the incoming ray.
     incoming: vec3<f32>,
@@ -50,27 +50,27 @@ struct Interaction {
     front: bool,
     // The material's colour at the hit point: albedo or emission.
     colour: vec3<f32>,
-    // The next element of the table: of a kind of material that has two, its second part (scene/second_parts).
+    // The material's second part, if its kind has two elements of the table (scene/second_parts).
     second: Material,
-    // What single scattering loses of the light over what it keeps; 0 in a material that does not make up for it (scene/multiscatter).
-    lost_over_kept: f32,
-    // Of glTF's material, what its layer reflects: of light straight on it, and of grazing light (extension/specular).
-    straight: vec3<f32>,
-    grazing: f32,
+    // (1 - E) / E of the energy compensation; 0 for a material without it (scene/multiscatter).
+    compensation: f32,
+    // Of glTF's material, the reflectance of its layer at normal and at grazing incidence (extension/specular).
+    f0: vec3<f32>,
+    f90: f32,
 }
 
-// A surface's material at a hit, with its textures evaluated. Modules set what they are about; nobody reads the rest.
+// A surface's material at a hit, with its textures evaluated. Each extension sets its own members; the others are not read.
 struct EvaluatedMaterial {
-    // With the numbers that it has there.
+    // With the parameters that it has at the hit.
     material: Material,
     colour: vec3<f32>,
-    // The radiance that it emits to the ray, beside what it scatters.
+    // The radiance that it emits to the ray, in addition to what it scatters.
     emission: vec3<f32>,
     // The texel of its normal map.
     normal: vec3<f32>,
     // As in Interaction.
-    straight: vec3<f32>,
-    grazing: f32,
+    f0: vec3<f32>,
+    f90: f32,
 }
 
 const SCATTERED: u32 = 0u;
@@ -90,12 +90,12 @@ fn is_narrow(width: f32) -> bool {
     return width < NARROW_LOBE;
 }
 
-// The lobe of a material without any other.
+// The kind of a lobe by its width in radians.
 fn lobe_of(width: f32) -> u32 {
     return select(LOBE_WIDE, LOBE_NARROW, is_narrow(width));
 }
 
-// What a material does with a ray. SCATTERED: the new unit direction, and weight = BSDF x cosine / pdf. EMITTED: weight =
+// A BSDF sample. SCATTERED: the new unit direction, and weight = BSDF x cosine / pdf. EMITTED: weight =
 // emitted radiance, and the path ends.
 struct Scatter {
     event: u32,
@@ -130,19 +130,20 @@ fn no_response() -> Response {
     return Response(vec3<f32>(0.0), 0.0, 0.0);
 }
 
-// The side of a surface from which a light is aimed at: the point there, whether it was chosen among two, and whether it is the one that
-// the ray does not come from.
+// The side of a surface from which a light is sampled.
 struct LightSide {
     point: vec3<f32>,
+    // Whether it was chosen from two.
     is_chosen: bool,
+    // Whether the ray comes from the other one.
     is_below: bool,
 }
 
-// What light sampling takes from a surface.
+// The response of a surface, as light sampling uses it.
 struct LightResponse {
     response: Response,
-    // The density with which light sampling's rival, the BSDF, draws the direction that it drew.
+    // The density of the BSDF's own sample, for its MIS weight.
     drawn_pdf: f32,
-    // How much a probe in this direction counts (step/narrow_lobe).
+    // The share of light from this direction that a probe counts (step/narrow_lobe).
     probed: f32,
 }

@@ -1,4 +1,4 @@
-// The settings of a render, the same for all its dispatches. The host places the members by name (src/plan.rs).
+// The settings of a render, the same for all its dispatches. The host writes the members by name (src/plan.rs).
 struct Settings {
     // The direction through the image's middle, and the change of direction from one pixel to the next along x and y.
     forward: vec3<f32>,

@@ -194,9 +194,9 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
 // - The point: sums of products with weights that add up to 1 within a few u are off by 7 u m (PBR 4th ed., section 6.8.5).
 //   With the rounding of the offset point it is 8 u m.
 // - The next test, from a point within l of the vertices: differences, slopes and shear move each sheared vertex by 9 u l, and
-//   the direction's slopes are off by 6 u. `part` and `total` are off by 6 u l s each, and their quotient by 5 u. So the place
+//   the direction's slopes are off by 6 u. `part` and `total` are off by 6 u l s each, and their quotient by 5 u. So the point
 //   along the needle is off by up to 17 u l (l s / n), and the last difference by 3 u l: together below 32 u l (l s / n). If
-//   the place is off within the triangle's plane, the origin's height over that plane is off only by the component along the
+//   the point is off within the triangle's plane, the origin's height over that plane is off only by the component along the
 //   ray, times the cosine. So grazing rays need no larger bound.
 // l s / n is near 1 for all shapes, including needles, except for triangles whose vertices lie nearly on a line with no two of
 // them close together. The bound follows l s / n up to 64.

@@ -32,10 +32,10 @@ fn schlick(cosine: f32, albedo: vec3<f32>) -> vec3<f32> {
 }
 
 // Schlick's approximation between the reflectances at normal and at grazing incidence.
-fn schlick_up_to(cosine: f32, straight: vec3<f32>, grazing: f32) -> vec3<f32> {
+fn schlick_up_to(cosine: f32, f0: vec3<f32>, f90: f32) -> vec3<f32> {
     let m = 1.0 - cosine;
     let m2 = m * m;
-    return straight + (grazing - straight) * (m2 * m2 * m);
+    return f0 + (f90 - f0) * (m2 * m2 * m);
 }
 
 // Of a metal of an albedo, or of an index: `colour` is its real part less 1 then.

@@ -1,7 +1,7 @@
 //@ use data/light
 //@ use light/sample
-// Lights without size. A shadow ray brings intensity over squared distance, and a directional light its irradiance: so both are
-// given by the vector to the light, which for a directional light has the length 1 from every point.
+// Lights without size. The irradiance of a point or spot light is its intensity over the squared distance. For a directional light, the
+// same formula has a vector to the light of length 1 from every point.
 
 // Nearer points get no light, because the irradiance there is beyond the range of f32.
 const LEAST_DISTANCE_SQUARED: f32 = 0x1p-80f;
@@ -20,7 +20,7 @@ fn delta_light_sample(from_point: vec3<f32>, light: DeltaLight) -> DirectionSamp
     return DirectionSample(to_light * inverseSqrt(distance2), distance2);
 }
 
-// The light's intensity against a direction to it: that of a spot falls with the angle from its axis as in glTF's extension
+// The light's intensity for a direction to it: that of a spot falls with the angle from its axis as in glTF's extension
 // KHR_lights_punctual. 1 - cos is half the square of the difference of two unit vectors, which keeps its digits in narrow beams.
 fn delta_light_intensity(direction: vec3<f32>, light: DeltaLight) -> vec3<f32> {
     let apart = direction + light.axis;
@@ -28,8 +28,8 @@ fn delta_light_intensity(direction: vec3<f32>, light: DeltaLight) -> vec3<f32> {
     return light.colour * (share * share);
 }
 
-// The length of a shadow ray. It ends before the light by more than the rounding of a surface that the light lies on, but by half
-// the way at most.
+// The length of a shadow ray. It ends before the light by more than the rounding of a surface that the light lies on, but at most
+// by half its length.
 fn delta_light_distance(origin: vec3<f32>, direction: vec3<f32>, light: DeltaLight) -> f32 {
     let distance = dot(to_delta_light(origin, light), direction);
     let magnitude = abs(light.position);

@@ -4,7 +4,8 @@
 //@ use light/sphere
 //@ use geometry/large_sphere
 //@ use lib/float
-// A large sphere as a light: as a sphere (light/sphere), with the cone of directions that hit it computed from the height above it.
+// A large sphere as a light. It is sampled like a sphere (light/sphere), but the cone of directions that hit it is computed from the
+// height above it.
 
 // With D the distance from the centre, (D/r)² - 1 = c power. A point inside never counts as outside: the margin is a bound of the
 // error of the power (geometry/large_sphere), with that of x.

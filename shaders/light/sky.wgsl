@@ -20,7 +20,7 @@ struct SkyChoice {
     pdf: f32,
 }
 
-// The cell that is drawn where alias_pick gives this entry.
+// The cell that is drawn for an entry of alias_pick: its own or its alias.
 fn sky_choice(pick: AliasPick, cell: SkyCell) -> SkyChoice {
     let own = pick.rest < cell.threshold;
     return SkyChoice(select(cell.alias_index, pick.index, own), select(cell.alias_density, cell.density, own));

@@ -41,7 +41,7 @@ fn sphere_cone_pdf(cone: SphereCone) -> f32 {
 
 // Rounding moves some directions of the cone out of it, where they miss the sphere, and moves none in. With d the rounding error,
 // that would lose a fraction 2 d / sine of the light. So directions are drawn from a cone that is narrower by a bound of d, and
-// the density stays that of the whole cone. The estimate is then the mean of the integrand over the narrower cone, times the whole
+// the density stays that of the full cone. The estimate is then the mean of the integrand over the narrower cone, times the full
 // solid angle. It is off by d times the change of the integrand over the cone, or by less if the integrand is smooth. d is 3 u
 // from the axis and the basis, 4 u from the three products and two sums, and 4 u from the perpendicular in the intersection test.
 const SPHERE_LIMB: f32 = 12.0 * UNIT_ROUNDOFF;

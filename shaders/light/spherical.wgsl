@@ -1,12 +1,12 @@
 //@ use lib/angle
 // Spherical triangles: their solid angle, and directions uniform in it, by Arvo's method ("Stratified Sampling of Spherical
-// Triangles", SIGGRAPH 1995). An arc from p to a point of the arc a c cuts the triangle p, a, c so that the part beside a has a given
+// Triangles", SIGGRAPH 1995). An arc from p to a point of the arc a c cuts the triangle p, a, c so that the part next to a has a given
 // fraction of the solid angle. The direction lies on this arc, at a given fraction of the arc's height. Arvo's formulas use the angles
 // of the triangle, and the sum of the angles minus pi suffers cancellation in small triangles. The formulas here use tangents only.
 //
 // Own derivation. Let t be the unit tangent at a towards c, and m = p.a, q = p.t, n = |a.(p x t)|, so that m^2 + q^2 + n^2 = 1.
 // For the point a cos s + t sin s of the arc a c, the formula of Van Oosterom and Strackee ("The Solid Angle of a Plane
-// Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives the solid angle E of the part beside a:
+// Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives the solid angle E of the part next to a:
 //     tan(E/2) = n sin s / ((1 + m)(1 + cos s) + q sin s),   so   tan(s/2) = (1 + m) sin(E/2) / (n cos(E/2) - q sin(E/2)).
 // With this s, the components of the point as seen from p, along the tangent at p towards a and across it, are, without common factors,
 //     n (cos E - m) - q sin E   and   n sin E - q (1 - cos E).
@@ -76,7 +76,7 @@ fn spherical_direction(
 
     let leaving = vec2<f32>(n * (below - rotation.y) - q * rotation.x, n * rotation.x - q * rotation.y);
     let size = max(abs(leaving.x), abs(leaving.y));
-    let turned = select(vec2<f32>(1.0, 0.0), normalize(leaving / size), size > 0.0);
-    let tangent = turned.x * tangent_a + turned.y * side;
+    let heading = select(vec2<f32>(1.0, 0.0), normalize(leaving / size), size > 0.0);
+    let tangent = heading.x * tangent_a + heading.y * side;
     return normalize((1.0 - height) * p.direction + sqrt(height * (2.0 - height)) * tangent);
 }

@@ -30,8 +30,8 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
         return absorbed();
     }
     let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
-    let straight = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
-    let share = with_lost_light(single, straight, hit);
+    let f0 = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    let share = compensated(single, f0, hit);
     let weight = share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
     return scatter_towards(direction, weight, lobe_of(width_of_reflection(alpha)));
 }

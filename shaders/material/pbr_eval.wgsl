@@ -65,8 +65,8 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     }
     let alpha = pbr_roughness(material) * pbr_roughness(material);
     let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
-    let full_layer = with_lost_light(layer, pbr_straight(material, hit), hit);
-    let glossy = mix(full_layer, with_lost_light(schlick(cos_facet, hit.colour), hit.colour, hit), metallic);
+    let full_layer = compensated(layer, pbr_f0(material, hit), hit);
+    let glossy = mix(full_layer, compensated(schlick(cos_facet, hit.colour), hit.colour, hit), metallic);
     let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
     let pdf = mix(cos_light / PI, facets, share);
     return Response(value, pdf, select(0.0, share * facets / pdf, is_narrow(width_of_reflection(alpha))));

@@ -2,12 +2,12 @@
 //@ use lib/fresnel_conductor
 // The layer of glTF's material with a share or a colour of its own (KHR_materials_specular).
 
-fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
-    return hit.straight;
+fn pbr_f0(material: Material, hit: Interaction) -> vec3<f32> {
+    return hit.f0;
 }
 
 fn pbr_layer(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
-    return schlick_up_to(cos_facet, hit.straight, hit.grazing);
+    return schlick_up_to(cos_facet, hit.f0, hit.f90);
 }
 
 // Its largest channel counts.

@@ -3,7 +3,7 @@
 //@ use data/path
 //@ use data/ray
 //@ use data/surface
-// All surfaces stop light as a whole.
+// All surfaces stop all light.
 fn begin_walk(path: ptr<function, Path>, block: u32) {
 }
 

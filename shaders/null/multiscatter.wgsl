@@ -1,10 +1,10 @@
 //@ use data/material
 //@ use data/surface
-// No material makes up for what single scattering loses.
-fn lost_over_kept(material: Material, surface: Surface, hit: Interaction) -> f32 {
-    return hit.lost_over_kept;
+// No material has energy compensation.
+fn energy_compensation(material: Material, surface: Surface, hit: Interaction) -> f32 {
+    return hit.compensation;
 }
 
-fn with_lost_light(reflectance: vec3<f32>, straight: vec3<f32>, hit: Interaction) -> vec3<f32> {
+fn compensated(reflectance: vec3<f32>, f0: vec3<f32>, hit: Interaction) -> vec3<f32> {
     return reflectance;
 }

@@ -3,7 +3,7 @@
 //@ use lib/rng
 // Owen-scrambled Sobol points: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020. A block of four dimensions is
 // two points of the two-dimensional Sobol sequence, each with its own shuffled order of the sequence (section 4.3, padding).
-// Each block, pixel, seed and half of a pixel's samples has its own scrambles. The functions take the place of those in
+// Each block, pixel, seed and half of a pixel's samples has its own scrambles. The functions replace those of
 // sampler/independent. Within a block, x and y are stratified together, and so are z and w.
 
 // The second dimension of the sequence, with its highest digit in the lowest bit. The first dimension is the index itself. The

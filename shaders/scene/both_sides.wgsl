@@ -4,9 +4,9 @@
 //@ use geometry/offset
 //@ use choice/shading
 //@ use scene/responses
-// On a smooth mesh, the two sides of a facet have two points. A material that responds on both chooses one of them before it aims at a
-// light. The other side is never aimed at. Light sampling has half of its density on the chosen one, which is the same to MIS as
-// twice the density of the material.
+// On a smooth mesh, an event has one point on each side of the facet. A material that responds on both sides chooses one of them, with
+// probability 1/2, and samples a light from there. To MIS, half the density of light sampling is the same as twice the density of the
+// material.
 
 fn choose_side(
     samples_lights: bool,
@@ -23,15 +23,15 @@ fn choose_side(
     return LightSide(select(point, facet_point, below), chooses, below);
 }
 
-// The response to a light in a direction from the chosen side, and the density of the drawn direction.
+// Returns the response to a sampled light, and the densities, for the chosen side: light on the other side does not count.
 fn respond_on_side(sampled: LightResponse, side: LightSide, direction: vec3<f32>, shading: vec3<f32>) -> LightResponse {
-    var own = sampled;
+    var chosen = sampled;
     if side.is_chosen {
-        let is_aimed_at = (dot(direction, shading) < 0.0) == side.is_below;
-        own.probed = select(0.0, 2.0, is_aimed_at);
-        own.response.value *= own.probed;
-        own.response.pdf *= 2.0;
-        own.drawn_pdf *= 2.0;
+        let is_on_side = (dot(direction, shading) < 0.0) == side.is_below;
+        chosen.probed = select(0.0, 2.0, is_on_side);
+        chosen.response.value *= chosen.probed;
+        chosen.response.pdf *= 2.0;
+        chosen.drawn_pdf *= 2.0;
     }
-    return own;
+    return chosen;
 }

@@ -13,8 +13,8 @@
 //@ use scene/primitives
 //@ use scene/surfaces
 //@ use choice/vertex_alpha
-// Cut-out and transparent surfaces. A surface stops the share of light that its coverage says, and lets the rest pass straight on, as if
-// it were not there. So a ray passes such a surface with the probability 1 - coverage.
+// Cut-out and transparent surfaces. The coverage of a surface is the share of light that it stops; the rest passes straight on. So a ray
+// passes such a surface with the probability 1 - coverage.
 
 // The sample whose ray is walked, and the block of random numbers for that ray.
 struct Walker {
@@ -24,7 +24,7 @@ struct Walker {
 }
 var<private> walker: Walker;
 
-// The walks that follow are of a ray of the path's sample, until the next call. `block` is that of the ray's random numbers at an event.
+// Sets the sample of the rays that are walked next. `block` is the block of random numbers for such a ray at the path's event.
 fn begin_walk(path: ptr<function, Path>, block: u32) {
     walker = Walker((*path).pixel, (*path).sample, bounce_dimension((*path).depth, block));
 }
@@ -41,8 +41,7 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);
 }
 
-// Whether a ray is stopped at a hit. For each surface of the scene, the random number is one of its own, and it does not depend on
-// the order of the walk.
+// Whether a ray is stopped at a hit. Each surface of the scene has its own random number, whatever the order of the walk.
 fn is_stopped(hit: Hit, ray: Ray) -> bool {
     if extensions[material_index(hit)].alpha == NO_EXTENSION {
         return true;

@@ -8,9 +8,9 @@
 //@ each extension
 //@ use extension/${name}
 //@ end
-// A material with extensions: rows of the table beside its own, each with a colour or a texture.
+// A material with extensions: further rows of the table of materials, each with a colour or a texture.
 
-// The most iterations of loops that this takes: seven octaves of noise over eight corners, for five textures of a material and one of a light.
+// The most loop iterations that shading takes: seven octaves of noise over eight corners, for five textures of a material and one of a light.
 const ITERATIONS_OF_SHADING: u32 = 384u;
 
 const OWN_COLOUR: u32 = 1u;
@@ -18,22 +18,22 @@ const OWN_COLOUR: u32 = 1u;
 const BIT_OF_${name}: u32 = 2u << ${rank}u;
 //@ end
 
-// One loop evaluates all rows: compilers write out each call of a function, and the code of all textures is long. `front` tells whether
-// the ray comes from the front.
+// One loop evaluates all rows: compilers inline each call of a function, and the code of all textures is long. `front`: whether the
+// ray hits the front of the surface.
 fn evaluate_material(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {
-    let own = extensions[surface.material];
+    let rows = extensions[surface.material];
     var evaluated: EvaluatedMaterial;
     evaluated.material = materials[surface.material];
     var left = OWN_COLOUR;
     //@ each extension
-    left |= select(0u, BIT_OF_${name}, begin_${name}(&evaluated, own, front));
+    left |= select(0u, BIT_OF_${name}, begin_${name}(&evaluated, rows, front));
     //@ end
     while left != 0u {
         let part = left & (~left + 1u);
         left ^= part;
         var index = surface.material;
         //@ each extension
-        index = select(index, own.${name}, part == BIT_OF_${name});
+        index = select(index, rows.${name}, part == BIT_OF_${name});
         //@ end
         let row = materials[index];
         var framed = surface;

@@ -3,7 +3,7 @@
 //@ use bind/face_pairs
 //@ use geometry/slab
 //@ use geometry/triangle
-// The leaves of a mesh's hierarchy: pairs of faces, which share two corners. So a walk reads four corners for two faces, in one place.
+// The leaves of a mesh's hierarchy: pairs of faces that share two corners. So a walk reads only four corners for two faces.
 
 // A pair as a ray sees it.
 struct SeenPair {
@@ -25,7 +25,7 @@ const BOTH_FACES: u32 = 3u;
 // The corners of the first face: 0, 1 and 2.
 const CORNERS_OF_FIRST: u32 = 0x24u;
 
-// Three of the four numbers, as two bits for each say.
+// Returns three of four numbers. Two bits of `corners` select each.
 fn three_of(numbers: vec4<f32>, corners: u32) -> vec3<f32> {
     let corner = vec3<u32>(corners) >> vec3<u32>(0u, 2u, 4u);
     let odd = (corner & vec3<u32>(1u)) != vec3<u32>(0u);
@@ -34,7 +34,8 @@ fn three_of(numbers: vec4<f32>, corners: u32) -> vec3<f32> {
     return select(low, high, (corner & vec3<u32>(2u)) != vec3<u32>(0u));
 }
 
-// `inverse` is slab_inverse(ray.direction), and the ray is in the mesh's space. The faces with the bits of `tested` are left out.
+// Returns a pair as a ray in the mesh's space sees it, without the faces whose bits are in `tested`. `inverse` is
+// slab_inverse(ray.direction).
 fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>, tested: u32) -> SeenPair {
     let pair = face_pairs[index];
     let shear = shear_along(ray, inverse);
@@ -63,8 +64,8 @@ fn hit_of_pair(pair: SeenPair) -> TriangleHit {
     return seen_hit(pair.over_z, three_of(seen.x, corners), three_of(seen.y, corners), three_of(seen.z, corners));
 }
 
-// A turn of a walk's loop tests one face: the first of those that are left. It is rare that the ray may hit the other one too, which then
-// has the next turn. The bit of the face that this turn tests if so; else 0.
+// An iteration of a walk tests one face: the first of those that are left. The ray can rarely hit the other one too, which is then
+// tested by the next iteration. Returns the bit of the face that this iteration tests if the other one is left too, or 0.
 fn tested_before_other(pair: SeenPair) -> u32 {
     return select(0u, FIRST_OF_PAIR, pair.left == BOTH_FACES);
 }

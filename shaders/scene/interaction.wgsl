@@ -5,7 +5,7 @@
 //@ use choice/normal_map
 //@ use choice/second_parts
 //@ use choice/multiscatter
-// What a ray meets at a surface.
+// The interaction of a ray with a surface, which materials take.
 
 fn shading_frame(hit: Hit, surface: Surface, incoming: vec3<f32>) -> ShadingFrame {
     let front = dot(incoming, surface.normal) < 0.0;
@@ -27,8 +27,8 @@ fn interaction_at(
     interaction.front = frame.front;
     interaction.colour = evaluated.colour;
     interaction.second = second_part_of(evaluated.material, surface.material);
-    interaction.straight = evaluated.straight;
-    interaction.grazing = evaluated.grazing;
-    interaction.lost_over_kept = lost_over_kept(evaluated.material, surface, interaction);
+    interaction.f0 = evaluated.f0;
+    interaction.f90 = evaluated.f90;
+    interaction.compensation = energy_compensation(evaluated.material, surface, interaction);
     return interaction;
 }

@@ -4,8 +4,8 @@
 //@ use data/ray
 //@ use scene/coverage
 //@ use scene/lights
-// The light of a surface that covers a part of what is behind it. The walk does not draw whether a shadow ray passes its own end, so the
-// coverage there is a factor.
+// Returns the light of a surface times its coverage. A walk tests the coverage of the surfaces before the end of a shadow ray, but not
+// that of the light at its end.
 fn cover_light_at_hit(radiance: vec3<f32>, ray: Ray, hit: Hit) -> vec3<f32> {
     // The sky and lights without size have no surface.
     if primitive_kind(hit.code) >= KIND_DELTA_LIGHT {

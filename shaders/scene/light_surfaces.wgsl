@@ -13,36 +13,36 @@
 //@ end
 // Surfaces at which shadow rays end.
 
-// A ray as the shape of a light takes it. Only the faces of meshes need the inverse.
-struct RayOfLight {
+// A ray in the space of a light's shape. Only the faces of meshes need the inverse.
+struct LightRay {
     ray: Ray,
     inverse: vec3<f32>,
     instance: u32,
 }
 
 //@ if emitting_mesh
-fn ray_to_shape(code: u32, instance: u32, shadow: Ray) -> RayOfLight {
+fn ray_to_shape(code: u32, instance: u32, shadow: Ray) -> LightRay {
     if primitive_kind(code) != KIND_TRIANGLE {
-        return RayOfLight(shadow, vec3<f32>(0.0), NO_INSTANCE);
+        return LightRay(shadow, vec3<f32>(0.0), NO_INSTANCE);
     }
     let ray = to_mesh(instances[at_run_time(instance)], shadow);
-    return RayOfLight(ray, slab_inverse(ray.direction), instance);
+    return LightRay(ray, slab_inverse(ray.direction), instance);
 }
 
 //@ else
-fn ray_to_shape(code: u32, instance: u32, shadow: Ray) -> RayOfLight {
-    return RayOfLight(shadow, vec3<f32>(0.0), NO_INSTANCE);
+fn ray_to_shape(code: u32, instance: u32, shadow: Ray) -> LightRay {
+    return LightRay(shadow, vec3<f32>(0.0), NO_INSTANCE);
 }
 
 //@ end
 // The hit of a shadow ray on the light of this code.
 fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
-    let own = ray_to_shape(code, instance, shadow);
-    let t = light_hit_distance(code, own.ray, own.inverse);
+    let light_ray = ray_to_shape(code, instance, shadow);
+    let t = light_hit_distance(code, light_ray.ray, light_ray.inverse);
     // Rounding can make a sampled direction miss a light that is tiny as seen from here, or miss the edge of any light. The
     // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
-    var limit = hit_at(code, select(distance_to_light(code, own.ray), t, t != NO_HIT));
-    limit.instance = own.instance;
+    var limit = hit_at(code, select(distance_to_light(code, light_ray.ray), t, t != NO_HIT));
+    limit.instance = light_ray.instance;
     return limit;
 }
 

@@ -5,7 +5,7 @@
 // Chooses a light by its estimated contribution to a point. The choice descends a tree over the lights. At each node, the
 // probability of the left child is its share of the sum of both children's importances (Conty Estevez and Kulla, "Importance
 // Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018; src/flatten/light_tree.rs). A sampled sky is the second node
-// of the first pair, and surrounds everything. So do directional lights: alone, or as the first node of a pair with the sky.
+// of the first pair, and surrounds everything. Directional lights do so too: alone, or as the first node of a pair with the sky.
 
 // The importance of a node: the intensity of its lights over the squared distance, times the largest cosine that any of their
 // normals can have to the point (section 4.2). Apart from the distance, this is an upper bound of the irradiance. The distance
@@ -19,7 +19,7 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     var cosine = dot(unit_from_octahedral(node.axis), to_point) * inverseSqrt(max(distance2, 0x1p-100f));
     cosine = select(cosine, abs(cosine), (node.child & LIGHT_NODE_TWO_SIDED) != 0u);
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    // That angle minus the spread, and 0 within the spread.
+    // That angle minus the half angle of the cone of the lights' normals, and 0 within the cone.
     let half_angle_sine = sqrt(max(1.0 - node.cos_half_angle * node.cos_half_angle, 0.0));
     let beyond = cosine < node.cos_half_angle;
     let less_cosine = select(1.0, cosine * node.cos_half_angle + sine * half_angle_sine, beyond);
@@ -27,18 +27,18 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     // From this, subtract half the angle that the node fills as seen from the point. Inside the node, every direction is possible.
     let seen_sine2 = radius2 / max(distance2, radius2);
     let seen_cosine = sqrt(1.0 - seen_sine2);
-    let turned = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
+    let largest_cosine = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
     let open = distance2 <= radius2 || less_cosine >= seen_cosine;
     //@ if delta_light
     if node.radius < 0.0 && !open {
         return 0.0;
     }
     //@ end
-    return node.intensity * max(select(turned, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
+    return node.intensity * max(select(largest_cosine, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
 }
 
-// Beside other lights, the sky has at least this probability and at most 1 minus this, because the importances do not know what
-// is occluded.
+// In a scene with other lights, the sky has at least this probability and at most 1 minus this, because importances ignore
+// occlusion.
 const LEAST_OF_SKY: f32 = 0.1;
 
 // The probability of the first node of a pair. If both nodes can contribute, however little, both keep some probability.

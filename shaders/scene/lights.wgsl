@@ -46,8 +46,8 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     }
 }
 
-// Distance to a light in front of the ray's origin, or NO_HIT, as primitive_distance (scene/primitives). It has no code for primitives
-// that are no lights, since GPUs inline each call.
+// The distance to a light in front of the ray's origin, or NO_HIT. Unlike primitive_distance (scene/primitives), it has no code for
+// primitives that are no lights, because GPUs inline each call.
 fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -67,7 +67,7 @@ fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
     }
 }
 
-// The hit record of a ray that hits a light, as surface_at (scene/surfaces).
+// The hit record of a ray that hits a light. Unlike surface_at (scene/surfaces), it has no code for other primitives.
 fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
@@ -134,7 +134,7 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
-// The number of the light that a ray hit. The sky has a number of its own, and lights without size are numbered by themselves.
+// The number of the light that a ray hit. The sky has a number of its own, and lights without size are numbered separately.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     if is_delta_light(hit.code) {

@@ -2,7 +2,7 @@
 //@ each material
 //@ use material/${name}
 //@ end
-// What the material at the hit does with the ray; only the kinds of material that this kernel serves.
+// Samples the material at a hit. It has only the kinds of material that this kernel serves.
 fn scatter_by_material(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     switch material.kind {
         //@ each material

@@ -13,7 +13,7 @@
 // Finds where media scatter rays.
 
 // The distance at which the medium scatters a ray after the optical depth `depth`, if that is nearer than `limit`; NO_HIT
-// otherwise, or WALK_CUT if finding out took too many steps. Only the kinds of boundary that the scene has.
+// otherwise, or WALK_CUT if the walk took too many steps. It has only the kinds of boundary that the scene has.
 fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let distance = depth / medium.density;
     let index = primitive_index(medium.boundary);

@@ -35,12 +35,12 @@ struct Crossing {
 fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>) -> Crossing {
     let inverse = slab_inverse(ray.direction);
     var next = Crossing(VERY_FAR, 0xffffffffu, 0);
-    // The nodes with children that are still to be visited: the index above a bit for each child. The one that was met last is not on
-    // the stack but in `waiting`, and has no bits if none of its children waits.
+    // The nodes with children that are still to be visited: a node's index above a bit for each child. The last of them is not on the
+    // stack but in `waiting`, and has no bits if none of its children waits.
     var stack: array<u32, CROSSING_STACK_SIZE>;
     var depth = 0u;
     var waiting = 0u;
-    // The face of this pair that has been tested, if the other one has this turn.
+    // The bit of the face of this pair that the last iteration tested, if this iteration tests the other one.
     var tested = 0u;
     var code = root;
     loop {
@@ -92,7 +92,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
 }
 
 // The distance at which the ray has travelled the length `distance` inside the mesh, if that is nearer than `limit`; NO_HIT
-// otherwise, or WALK_CUT if finding out took too many steps.
+// otherwise, or WALK_CUT if the walk took too many steps.
 fn collision_in_mesh(ray: Ray, index: u32, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);

@@ -8,9 +8,9 @@
 //@ use scene/meshes
 //@ use scene/uv_tables
 //@ use scene/mesh_tangents
-// Normal maps on meshes that have a table for them.
+// Normal maps on meshes with a table of texture coordinates for the map.
 
-// The vector `mapped` of a normal map around `normal`. The table of the map is that of this number.
+// Returns the vector `mapped` of a normal map in the frame of `normal`. `number` is that of the map's table.
 fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surface, number: f32) -> vec3<f32> {
     let index = primitive_index(hit.code);
     let instance = with_table(instances[at_run_time(hit.instance)], number);
@@ -23,14 +23,15 @@ fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surfa
 }
 
 //@ if vertex_tangents
-// A vertex's direction of u; 0 where its texture coordinates tell none.
+// A vertex's tangent along u; 0 where its texture coordinates give none.
 fn tangent_of_vertex(index: u32) -> vec3<f32> {
     let words = meshes[index].zw;
     return abs(bitcast<f32>(words.y)) * unit_from_octahedral(words.x);
 }
 
-// The vector of a normal map by the tangents of the vertices, in the mesh's space. As those do who make the maps, neither the normal nor the
-// tangent is normalised before, and the third axis is the product of both (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008).
+// Returns the vector of a normal map in the frame of the vertices' tangents, in the mesh's space. As in the programs that make the maps,
+// neither the normal nor the tangent is normalised first, and the bitangent is their cross product (Mikkelsen, "Simulation of Wrinkled
+// Surfaces Revisited", 2008).
 fn normal_by_tangents(
     mapped: vec3<f32>,
     otherwise: vec3<f32>,
@@ -39,17 +40,17 @@ fn normal_by_tangents(
     weights: vec3<f32>,
 ) -> vec3<f32> {
     let face = meshes[index];
-    let own = face + instance.to_uvs;
+    let vertices = face + instance.to_uvs;
     let normal = blend(weights, Corners(
         unit_from_octahedral(meshes[face.x].w),
         unit_from_octahedral(meshes[face.y].w),
         unit_from_octahedral(meshes[face.z].w),
     ));
-    let u = blend(weights, Corners(tangent_of_vertex(own.x), tangent_of_vertex(own.y), tangent_of_vertex(own.z)));
-    let signs = bitcast<vec3<f32>>(vec3<u32>(meshes[own.x].w, meshes[own.y].w, meshes[own.z].w));
+    let u = blend(weights, Corners(tangent_of_vertex(vertices.x), tangent_of_vertex(vertices.y), tangent_of_vertex(vertices.z)));
+    let signs = bitcast<vec3<f32>>(vec3<u32>(meshes[vertices.x].w, meshes[vertices.y].w, meshes[vertices.z].w));
     let v = sign(dot(weights, signs)) * cross(normal, u);
-    let turned = mapped.x * u + mapped.y * v + mapped.z * normal;
-    let length2 = dot(turned, turned);
-    return select(otherwise, turned * inverseSqrt(length2), length2 > 0.0);
+    let result = mapped.x * u + mapped.y * v + mapped.z * normal;
+    let length2 = dot(result, result);
+    return select(otherwise, result * inverseSqrt(length2), length2 > 0.0);
 }
 //@ end

@@ -4,8 +4,8 @@
 //@ use scene/meshes
 // The tangents of a face of a mesh.
 
-// From the texture coordinates of the face's corners: the edges are p = u (dp/du) + v (dp/dv). Both are multiplied by the determinant,
-// whose sign is that of the image: it is mirrored or not.
+// Returns dp/du and dp/dv in render space, both times the absolute value of the determinant: the edges of the face are
+// p = u (dp/du) + v (dp/dv), with the texture coordinates of its corners.
 fn mesh_tangents(instance: Instance, index: u32) -> Tangents {
     if instance.to_uvs == NO_UVS {
         return Tangents(vec3<f32>(0.0), vec3<f32>(0.0));

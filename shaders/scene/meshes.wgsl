@@ -55,7 +55,7 @@ fn corners_in_render_space(instance: Instance, index: u32) -> Corners {
     return Corners(from_mesh(instance, corners.a), from_mesh(instance, corners.b), from_mesh(instance, corners.c));
 }
 
-// The hit record of a ray that hits the face. The point is computed from the weights, which puts it back onto the face.
+// The hit record of a ray that hits the face. The point is computed from the barycentric weights, so that it lies on the face.
 fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     let corners = corners_of(index);
     let here = to_mesh(instance, ray);
@@ -73,7 +73,7 @@ fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
 
 fn colour_of_vertex(index: u32) -> vec3<f32> {
     let words = meshes[index].zw;
-    // Codes times a rounded step are the same on all devices, as a quotient is not.
+    // A product with a rounded step is the same on all devices. A quotient is not.
     return (1.0 / 65535.0) * vec3<f32>(vec3<u32>(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu));
 }
 
@@ -86,7 +86,7 @@ fn mesh_colour(instance: Instance, index: u32, weights: vec3<f32>) -> vec3<f32> 
     return blend(weights, Corners(colour_of_vertex(face.x), colour_of_vertex(face.y), colour_of_vertex(face.z)));
 }
 
-// Stored as what is missing of it, so that a mesh without alpha has the words of one whose colours have none.
+// Stored as 1 - alpha, so that colours without alpha have the words of those with an alpha of 1.
 fn alpha_of_vertex(index: u32) -> f32 {
     return (1.0 / 65535.0) * f32(65535u - (meshes[index].w >> 16u));
 }

@@ -1,19 +1,21 @@
 //@ use data/material
 //@ use data/surface
 //@ use bind/extensions
-//@ use scene/kept_share
-// Light that microfacets scatter more than once. Single scattering loses it; with this times the reflectance for light straight on the
-// surface, a material makes up for it (Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2019). It depends on
-// the view alone, so directions are drawn as before.
-fn lost_over_kept(material: Material, surface: Surface, hit: Interaction) -> f32 {
+//@ use scene/directional_albedo
+// Single scattering loses the light that microfacets scatter more than once. A material makes up for it by the factor 1 + F0 (1 - E) / E,
+// with E the directional albedo of a white metal (Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2019). The
+// factor depends on the view alone, so directions are sampled as before.
+
+// Returns (1 - E) / E; 0 for a material that does not make up for the loss.
+fn energy_compensation(material: Material, surface: Surface, hit: Interaction) -> f32 {
     if extensions[surface.material].multiscatter == NO_EXTENSION {
         return 0.0;
     }
-    let kept = kept_share(clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0), material.parameter);
-    return (1.0 - kept) / kept;
+    let albedo = directional_albedo(clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0), material.parameter);
+    return (1.0 - albedo) / albedo;
 }
 
-// A reflectance with the light that single scattering loses. `straight` is that of light straight on the surface.
-fn with_lost_light(reflectance: vec3<f32>, straight: vec3<f32>, hit: Interaction) -> vec3<f32> {
-    return reflectance * (1.0 + straight * hit.lost_over_kept);
+// Returns a reflectance with the light that single scattering loses. `f0` is the reflectance at normal incidence.
+fn compensated(reflectance: vec3<f32>, f0: vec3<f32>, hit: Interaction) -> vec3<f32> {
+    return reflectance * (1.0 + f0 * hit.compensation);
 }

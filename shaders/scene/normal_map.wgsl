@@ -37,8 +37,8 @@ fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
     }
 }
 
-// The normal by the map of the surface's material, if it has one. `shading` is the normal without it, on the side from which the ray
-// comes, and `code` is the map's texel.
+// Returns the normal by the map of the surface's material, if it has one. `shading` is the normal without the map, on the side from which
+// the ray comes, and `code` is the map's texel.
 fn mapped_normal(
     hit: Hit,
     surface: Surface,
@@ -51,8 +51,8 @@ fn mapped_normal(
     if row == NO_EXTENSION {
         return shading;
     }
-    let bumps = materials[row].parameter;
-    let mapped = (2.0 * code - 1.0) * vec3<f32>(bumps, bumps, 1.0);
+    let scale = materials[row].parameter;
+    let mapped = (2.0 * code - 1.0) * vec3<f32>(scale, scale, 1.0);
     let outward = select(-shading, shading, front);
     //@ if uv_tables
     if primitive_kind(hit.code) == KIND_TRIANGLE {
@@ -61,16 +61,16 @@ fn mapped_normal(
         return bent_back(select(-on_mesh, on_mesh, front), incoming, shading);
     }
     //@ end
-    let turned = normal_of_map(mapped, outward, tangents_at(hit, surface, frames[surface.frame + materials[row].kind]));
-    return bent_back(select(-turned, turned, front), incoming, shading);
+    let bumped = normal_of_map(mapped, outward, tangents_at(hit, surface, frames[surface.frame + materials[row].kind]));
+    return bent_back(select(-bumped, bumped, front), incoming, shading);
 }
 
-// Whether a direction is on the same side of the surface as of the mapped normal. Light cannot pass a closed surface because of its map.
+// Whether a direction is on the same side of the surface as of the mapped normal. A map must not let light through a closed surface.
 fn keeps_its_side(direction: vec3<f32>, mapped: vec3<f32>, shading: vec3<f32>) -> bool {
     return (dot(direction, mapped) > 0.0) == (dot(direction, shading) > 0.0);
 }
 
-// A drawn direction that changes sides by the map is absorbed.
+// Absorbs a sampled direction that is not.
 fn keep_side(bsdf: Scatter, mapped: vec3<f32>, shading: vec3<f32>) -> Scatter {
     if bsdf.event == SCATTERED && !keeps_its_side(bsdf.direction, mapped, shading) {
         return absorbed();
@@ -78,7 +78,7 @@ fn keep_side(bsdf: Scatter, mapped: vec3<f32>, shading: vec3<f32>) -> Scatter {
     return bsdf;
 }
 
-// The response to a light that changes sides by the map is 0.
+// Returns 0 for the response to light from such a direction.
 fn response_on_side(value: vec3<f32>, direction: vec3<f32>, mapped: vec3<f32>, shading: vec3<f32>) -> vec3<f32> {
     return select(vec3<f32>(0.0), value, keeps_its_side(direction, mapped, shading));
 }

@@ -3,9 +3,9 @@
 //@ use data/surface
 //@ use bind/materials
 //@ use choice/colour
-// A material whose row of the table says everything but its colour.
+// A material without extensions: its row of the table, and its colour, which may be a texture.
 
-// The most iterations of loops that this takes: seven octaves of noise over eight corners.
+// The most loop iterations that shading takes: seven octaves of noise over eight corners.
 const ITERATIONS_OF_SHADING: u32 = 64u;
 
 fn evaluate_material(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {

@@ -13,7 +13,7 @@
 //@ end
 // The scene's primitives by their codes; only the kinds that the scene has.
 
-// Distance to the primitive in front of the ray's origin, or NO_HIT. Faces of meshes are met in pairs (scene/face_pairs).
+// Distance to the primitive in front of the ray's origin, or NO_HIT. Faces of meshes are tested in pairs (scene/face_pairs).
 fn primitive_distance(code: u32, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -47,7 +47,7 @@ fn primitive_order(hit: Hit) -> u32 {
     }
 }
 
-// A number that tells the parts of one object apart: for a triangle, its face's number in its file.
+// A number that distinguishes the parts of one object: for a triangle, its face's number in its file.
 fn part_number(hit: Hit) -> u32 {
     var number = 0u;
     //@ if mesh

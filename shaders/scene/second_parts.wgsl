@@ -1,6 +1,6 @@
 //@ use data/material
 //@ use bind/materials
-// The second part of a material: the next element of the table, if its kind has two of them.
+// The second part of a material: the next element of the table, if its kind has two.
 fn second_part_of(material: Material, index: u32) -> Material {
     switch material.kind {
         //@ each two_part

@@ -30,8 +30,8 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
         return facing;
     }
     let normals = normals_of(hit.code);
-    let turned = rotated_from_mesh(instances[at_run_time(hit.instance)], blend(surface.local, normals));
-    let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
+    let interpolated = rotated_from_mesh(instances[at_run_time(hit.instance)], blend(surface.local, normals));
+    let sided = select(-interpolated, interpolated, dot(facing, surface.normal) > 0.0);
     // Vertex normals in opposite directions can cancel.
     return bent_back(sided, incoming, facing);
 }

@@ -1,5 +1,5 @@
 //@ use data/material
-// Light times the share that the surface of a clear solid lets pass, if it goes from one side to the other.
+// Returns the light times the tint of a transmissive surface, if the direction crosses the surface.
 fn tint_through(light: vec3<f32>, evaluated: EvaluatedMaterial, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     switch evaluated.material.kind {
         //@ each transmissive

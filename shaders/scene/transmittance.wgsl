@@ -10,7 +10,7 @@
 //@ if mesh_boundary
 //@ use scene/medium_in_mesh
 //@ end
-// The fraction of light that passes all media up to distance t, or WALK_CUT if finding out took too many steps.
+// The fraction of light that passes all media up to distance t, or WALK_CUT if a walk took too many steps.
 fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
     var depth = 0.0;
     for (var i = 0u; i < ${media}u; i++) {

@@ -19,12 +19,12 @@
 const STACK_SIZE: u32 = ${stack_size}u;
 
 // Mesa 22.3 silently ends all loops of an invocation after 65,535 iterations. This limit leaves room for the other loops
-// (stage/bounce). A walk takes this many steps only among tens of thousands of objects in one place. Its path is then rejected
+// (stage/bounce). A walk takes this many steps only among tens of thousands of objects that overlap. Its path is then rejected
 // and counted. The limit is higher if the numerics probe finds no limit on loops.
 override MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
 
-// The children of a node that wait, in one word: the node's index above six bits with their numbers, the nearest one lowest. The
-// last number is repeated if there are fewer than three.
+// The waiting children of a node, in one word: the node's index above three numbers of two bits, the nearest child lowest. The last
+// number is repeated if fewer than three wait.
 const WAITING_BITS: u32 = 6u;
 const NONE_WAIT: u32 = 0xffffffffu;
 
@@ -49,13 +49,13 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var inverse = slab_inverse(ray.direction);
     //@ if mesh
     var instance = NO_INSTANCE;
-    // The face of this pair that has been tested, if the other one has this turn.
+    // The bit of the face of this pair that the last iteration tested, if this iteration tests the other one.
     var tested = 0u;
     // The stack's depth and what was on top of it when the mesh was entered.
     var entered_at = 0u;
     var outside = NONE_WAIT;
     //@ end
-    // The nodes with children that are still to be visited. The one that was met last is not on the stack but in `waiting`.
+    // The nodes with children that are still to be visited. The last of them is not on the stack but in `waiting`.
     var stack: array<u32, STACK_SIZE>;
     var depth = 0u;
     var waiting = NONE_WAIT;
@@ -86,7 +86,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             let leaf = code;
             if primitive_kind(leaf) == KIND_TRIANGLE {
                 let pair = see_pair(primitive_index(leaf), here, inverse, tested);
-                // These come before the distance, so that it is computed with fewer numbers in registers (docs/gpu.md).
+                // Both come before the distance, which is then computed with fewer values in registers (docs/gpu.md).
                 code = code_of_face(pair);
                 tested = tested_before_other(pair);
                 if pair.left != 0u {
@@ -143,7 +143,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             let child = waiting & CHILD_MASK;
             next = (waiting >> WAITING_BITS) * 4u + child;
             let after = (waiting >> 2u) & CHILD_MASK;
-            // The next child moves to the lowest bits, and the last one keeps its place.
+            // The next child moves to the lowest bits, and the last one is repeated.
             let rest = (waiting & ~15u) | ((waiting >> 2u) & 15u);
             waiting = select(rest, NONE_WAIT, after == child);
         }

@@ -4,17 +4,17 @@
 //@ use choice/uv
 //@ use scene/at_run_time
 //@ use scene/meshes
-// Texture coordinates of images that have tables of their own on meshes.
+// Meshes with several tables of texture coordinates.
 
-// An instance whose mesh has its texture coordinates in the table of this number.
+// Returns an instance that reads the texture coordinates of the table of this number.
 fn with_table(instance: Instance, number: f32) -> Instance {
-    var own = instance;
-    own.to_uvs *= u32(number) + 1u;
-    return own;
+    var result = instance;
+    result.to_uvs *= u32(number) + 1u;
+    return result;
 }
 
-// As surface_uv; `number` is the phase of the texture's frame. It is the number of a table only if the texture is an image. Other kinds of
-// texture use no texture coordinates.
+// Like surface_uv. `number` is the phase of the texture's frame: for an image, the number of its table. Other textures use no texture
+// coordinates.
 fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     if number <= 0.0 || primitive_kind(hit.code) != KIND_TRIANGLE {
         return surface_uv(hit, point, local);

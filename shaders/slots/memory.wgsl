@@ -4,8 +4,8 @@
 //@ end
 //@ use bind/settings
 // Where the state of the slots' paths lies. It has only the fields that this scene's kernels pass to each other
-// (src/plan/state.rs lists them). Most fields lie in planes of one vec4 of words per slot, which are read and written as a
-// whole. Words that fit no plane lie in a separate buffer. If a vector has no fourth word of its own, the fourth word of its
+// (src/plan/state.rs lists them). Most fields lie in planes of one vec4 of words per slot, which are read and written at
+// once. Words that fit no plane lie in a separate buffer. If a vector has no fourth word of its own, the fourth word of its
 // vec4 holds another field, as long as there is one.
 
 //@ each path_plane

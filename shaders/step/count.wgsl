@@ -1,6 +1,6 @@
 //@ use bind/counters
 //@ use lib/carry
-// Adds to a count of 64 bits.
+// Adds to a counter of 64 bits.
 fn count(which: u32, added: u32) {
     let before = atomicAdd(&counters.counts[which][0], added);
     if carry(before, added) != 0u {

@@ -9,13 +9,13 @@
 const FIRST_SQUARE: u32 = 6u;
 
 // Whether a component is negative or NaN.
-fn is_no_sum(v: vec3<f32>) -> bool {
+fn is_negative_or_nan(v: vec3<f32>) -> bool {
     let bits = bitcast<vec3<u32>>(v);
     return any((bits > vec3<u32>(0x7f800000u)) & (bits != vec3<u32>(0x80000000u)));
 }
 
-// Adds a value to a sum of a pixel, rounded to the nearest multiple of 2^-fraction (halves away from 0). atomicAdd and atomicSub return what
-// the word was before, which tells whether it carries or borrows.
+// Adds a value to a sum of a pixel, rounded to the nearest multiple of 2^-fraction (halves away from 0). atomicAdd and atomicSub return
+// the word before, which shows whether it carries or borrows.
 fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
     let bits = bitcast<u32>(value) & 0x7fffffffu;
     // value = mantissa * 2^(exponent - 150) (IEEE 754-2019, section 3.4). Subnormal numbers round to 0 in either fixed point.
@@ -53,7 +53,7 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
             after = before + low;
             low = high + carry(before, low);
         }
-        // The highest bit is the sum's sign. It shows where the sum leaves its range of ±2^127. Words below come here with `low`.
+        // The highest bit is the sum's sign, and shows where the sum leaves its range of ±2^127. `low` may be a carry of the words below.
         if word == 3u && ((before ^ after) >> 31u) == 1u && (before >> 31u == 1u) == negative {
             atomicOr(&film[pixel].saturated, 1u << sum);
         }
@@ -62,7 +62,7 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
     }
 }
 
-// Adds a finished run to a pixel of the tile. Returns its samples.
+// Adds a finished run to a pixel of the tile. Returns the number of its samples, rejected ones included.
 fn add_run(pixel: u32, run: RunRecord) -> u32 {
     let accepted = run.counts & 0xffu;
     let nan = (run.counts >> 8u) & 0xffu;
@@ -78,11 +78,11 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
         atomicAdd(&counters.infinite, infinite);
         atomicAdd(&counters.cut, cut);
     }
-    if is_no_sum(unsigned_sum(sum)) || is_no_sum(squares) {
+    if is_negative_or_nan(unsigned_sum(sum)) || is_negative_or_nan(squares) {
         atomicAdd(&counters.refused, accepted);
         rejected += accepted;
     } else if is_infinite(sum.x) || is_infinite(sum.y) || is_infinite(sum.z) {
-        // Finite samples whose sum is not: too bright for the device's unit.
+        // The samples are finite and their sum is not: too bright for the device's unit of radiance.
         atomicAdd(&counters.infinite, accepted);
         rejected += accepted;
     } else if accepted != 0u {

@@ -5,7 +5,7 @@
 //@ use step/light
 // Emitters that BSDF sampling hits and that light sampling samples too.
 
-// The contribution of a surface's emission with its MIS weight.
+// Returns the contribution of a surface's emission times its MIS weight.
 fn weigh_emission(path: ptr<function, Path>, hit: Hit, emission: vec3<f32>, contribution: vec3<f32>) -> vec3<f32> {
     if !any(emission > vec3<f32>(0.0)) {
         return contribution;
@@ -15,7 +15,7 @@ fn weigh_emission(path: ptr<function, Path>, hit: Hit, emission: vec3<f32>, cont
     return weighed;
 }
 
-// Weighs the throughput of a path that ends on an emitter.
+// Multiplies the throughput of a path that ends on an emitter by the MIS weight.
 fn weigh_emitter_hit(path: ptr<function, Path>, hit: Hit, bsdf: Scatter) {
     if bsdf.event == EMITTED {
         (*path).throughput *= mis_weight(path, hit);

@@ -4,7 +4,8 @@
 //@ use scene/sky_light
 // The sky that BSDF sampling finds, where light sampling samples it too.
 
-// The throughput of a path that leaves the scene, with the MIS weight of the sky; 1 if light sampling cannot sample it.
+// Returns the throughput of a path that leaves the scene times the MIS weight of the sky, which is 1 if light sampling cannot
+// sample it.
 fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {

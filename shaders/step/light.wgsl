@@ -73,7 +73,8 @@ fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
     return hit_at(HIT_NOTHING, VERY_FAR);
 }
 
-// Traces the path's shadow ray, if it has one, and adds the light if nothing blocks it. Returns the number of iterations with its own.
+// Traces the path's shadow ray, if it has one, and adds the light if nothing blocks it. Returns
+// `iterations` plus its own.
 fn trace_shadow(path: ptr<function, Path>, iterations: u32) -> u32 {
     if (*path).light == NO_LIGHT {
         return iterations;
@@ -86,7 +87,7 @@ fn trace_shadow(path: ptr<function, Path>, iterations: u32) -> u32 {
 // The first hit of the shadow ray, up to the one on its light.
 fn shadow_hit(path: ptr<function, Path>, limit: Hit) -> Hit {
     if !(limit.t > 0.0) {
-        // The light is behind the origin. This hit is on nothing, and the light is a surface: it counts as hidden.
+        // The light is a surface behind the origin. A hit on nothing counts it as hidden.
         var none = hit_at(HIT_NOTHING, limit.t);
         none.steps = 1u;
         return none;
@@ -95,7 +96,7 @@ fn shadow_hit(path: ptr<function, Path>, limit: Hit) -> Hit {
     return first_hit((*path).shadow, settings.root, limit, true);
 }
 
-// Adds the light of the shadow ray with this first hit, if it is the one on its light. Returns the number of steps.
+// Adds the light of the shadow ray if its first hit is the one on its light. Returns the number of iterations.
 fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     let is_hidden = hit.code != (*path).light || hit.instance != limit.instance;
     (*path).light = NO_LIGHT;
@@ -112,7 +113,7 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     } else if hit.code == PATH_CUT {
         status = PATH_CUT;
     }
-    // A probe alone does not change the image.
+    // A ray that is only a probe does not change the image.
     if is_probe(path) && all((*path).light_weight == vec3<f32>(0.0)) {
         return steps;
     }
@@ -123,7 +124,7 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     return steps;
 }
 
-// The radiance of a light along a shadow ray; 1 for a light without size, whose intensity the weight of the ray has.
+// The radiance of a light along a shadow ray; 1 for a light without size, whose intensity is in the ray's weight.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     if is_delta_light(hit.code) {
         return vec3<f32>(1.0);

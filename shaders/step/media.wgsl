@@ -26,8 +26,8 @@ fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
 
 // Each medium samples the optical depth of its own scattering event, and the nearest event is the path's. Where media overlap,
 // their densities add up: the first event of independent Poisson processes is an event of the process with the sum of their
-// rates, and it belongs to each process with a probability proportional to its rate. Returns the number of
-// iterations with its own.
+// rates, and it belongs to each process with a probability proportional to its rate. Returns
+// `iterations` plus its own.
 fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     if (*path).status == PATH_CUT {
         return iterations;

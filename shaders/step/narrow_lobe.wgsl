@@ -8,21 +8,21 @@
 //@ use lib/rng
 //@ use choice/delta_lights
 //@ use scene/lights
-// Counts the light that narrow lobes hide from light sampling: those of mirrors, clear glass, polished metal and forward scattering. Only
-// directions that such a lobe draws find its light, or a sampled light that happens to lie in it. Small lights are found so
-// rarely that an image may lack them and still seem free of noise. So some events with a narrow lobe send a probe: a shadow ray
-// to a light within a cone around the direction that the lobe has drawn. The light that probes find is counted, and so is the light that the
-// path brings from these lobes. The counts do not change the image.
+// Narrow lobes (of mirrors, clear glass, polished metal and forward scattering) hide light from light sampling. Only directions
+// sampled from such a lobe find its light, or a sampled light that happens to lie in it. Small lights are found so rarely that an
+// image may lack them and still seem free of noise. So some events with a narrow lobe send a probe: a shadow ray to a light
+// within a cone around the sampled direction. The light that probes find is counted, and the light that paths find through
+// narrow lobes. The counts do not change the image.
 
-// A path's history, in bits. An event with a wide lobe has sampled a light.
+// The bits of a path's history. An event with a wide lobe has sampled a light.
 const AFTER_WIDE_LOBE: u32 = 1u;
 // The path's ray was drawn from a narrow lobe.
 const IN_NARROW_LOBE: u32 = 2u;
-// The light that the path's shadow ray brings counts as that of a narrow lobe.
+// The light of the path's shadow ray counts as found through a narrow lobe.
 const LIGHT_IN_NARROW_LOBE: u32 = 4u;
 
 // One in this many events with a narrow lobe sends a probe.
-const EVENTS_A_PROBE: u32 = 4u;
+const EVENTS_PER_PROBE: u32 = 4u;
 // The cosine of the cone's half angle, 25 degrees. The cone is wide enough to find small lights, and narrow enough that paths find what
 // the probes find.
 const CONE: f32 = 0.90630779;
@@ -35,7 +35,7 @@ const LIGHT_BINS: u32 = 32u;
 const PROBED: u32 = 0u;
 const FOUND: u32 = 1u;
 
-// The word of the depth has the history in its highest bits. No path has as many events as are left for the depth.
+// The depth's word has the history in its highest bits. No path has as many events as the other bits can count.
 const DEPTH_BITS: u32 = 29u;
 
 fn pack_depth(path: ptr<function, Path>) -> u32 {
@@ -51,20 +51,20 @@ fn start_history(path: ptr<function, Path>) {
     (*path).history = 0u;
 }
 
-// Whether an event that draws a direction from a lobe sends a probe: only where an earlier event with a wide lobe has sampled a light. Before
-// such an event, the light of narrow lobes is that of a few directions, which the camera's rays see as they are.
+// Whether an event whose direction is sampled from this lobe sends a probe: only after an event with a wide lobe, which has sampled a
+// light. Before that, the camera sees what narrow lobes show, and its rays find it directly.
 fn sends_probe(path: ptr<function, Path>, lobe: u32) -> bool {
     let follows = ((*path).history & AFTER_WIDE_LOBE) != 0u && (*path).depth < settings.max_depth;
-    return follows && lobe != LOBE_WIDE && words_of_probe(path).x % EVENTS_A_PROBE == 0u;
+    return follows && lobe != LOBE_WIDE && words_of_probe(path).x % EVENTS_PER_PROBE == 0u;
 }
 
-// Sets the weight of the path's shadow ray as a probe, per unit of throughput and radiance, for light sampling with the density 1. The
-// probe spreads the drawn direction evenly over the cone around it, on its side of the surface. `share` is what counts of lights in this
-// direction. The weight is negative in a specular lobe.
+// Sets the probe weight of the path's shadow ray, per unit of throughput and radiance, before the division by the light's density. The
+// probe takes the place of a direction that is uniform in the cone around the sampled one, on the same side of the surface. `share` is
+// the share of light from this direction that counts. The weight is negative in a specular lobe.
 fn aim_probe(path: ptr<function, Path>, probes: bool, drawn: Scatter, to_light: vec3<f32>, normal: vec3<f32>, share: f32) {
     let same_side = (dot(drawn.direction, normal) < 0.0) == (dot(to_light, normal) < 0.0);
     let within = probes && same_side && dot(drawn.direction, to_light) > CONE;
-    let weight = select(1.0, -1.0, drawn.lobe == LOBE_SPECULAR) * f32(EVENTS_A_PROBE) / SOLID_ANGLE_OF_CONE;
+    let weight = select(1.0, -1.0, drawn.lobe == LOBE_SPECULAR) * f32(EVENTS_PER_PROBE) / SOLID_ANGLE_OF_CONE;
     (*path).probe = select(0.0, share * weight, within);
 }
 
@@ -72,15 +72,15 @@ fn is_probe(path: ptr<function, Path>) -> bool {
     return (*path).probe != 0.0;
 }
 
-// Divides a probe's weight by the density of its light. No path finds a light without size in a specular lobe: its light is missing, which
-// the host warns of.
+// Divides a probe's weight by the density of its light. The probe of a light without size does not count in a specular lobe: no path
+// finds that light, and the host warns of it.
 fn weigh_probe(path: ptr<function, Path>, pdf: f32, has_size: bool) {
     let weight = (*path).probe;
     (*path).probe = select(0.0, abs(weight) / pdf, has_size || weight > 0.0);
 }
 
-// Notes an event in the path's history: the lobe of the drawn direction, and of the response to the sampled light the share that narrow
-// lobes have. The share is a probability here, so that a light counts as a whole or not at all.
+// Records an event in the path's history: the lobe of its sampled direction, and whether the light that it samples counts as found
+// through a narrow lobe. That has the probability `share`: the share of narrow lobes in the response to the light.
 fn record_event(path: ptr<function, Path>, lobe: u32, share: f32) {
     let follows = (*path).history & AFTER_WIDE_LOBE;
     let is_narrow_light = follows != 0u && share > 0.0 && f32(words_of_probe(path).z >> 8u) * 0x1p-24f < share;
@@ -88,7 +88,7 @@ fn record_event(path: ptr<function, Path>, lobe: u32, share: f32) {
     (*path).history = drawn | select(0u, LIGHT_IN_NARROW_LOBE, is_narrow_light);
 }
 
-// Counts light that the path's ray found: the hit on it, its radiance, and its contribution.
+// Counts light that the path's ray found at a hit: the emitted radiance, and its contribution.
 fn record_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, contribution: vec3<f32>) {
     let light = number_of_light(hit);
     if is_hidden_light(path) && light < NOT_SAMPLED {
@@ -107,7 +107,7 @@ fn is_hidden_light(path: ptr<function, Path>) -> bool {
     return ((*path).history & (AFTER_WIDE_LOBE | IN_NARROW_LOBE)) == (AFTER_WIDE_LOBE | IN_NARROW_LOBE);
 }
 
-// Counts light that the path's shadow ray found, as a probe and by light sampling: its radiance, and what arrives of it.
+// Counts light that the path's shadow ray found, as a probe and by light sampling: the emitted radiance, and what media let pass.
 fn record_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>, arriving: vec3<f32>) {
     let bin = bin_of_light(number_of_light(hit), emitted);
     if ((*path).history & LIGHT_IN_NARROW_LOBE) != 0u {

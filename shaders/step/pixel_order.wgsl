@@ -1,9 +1,10 @@
 //@ use bind/settings
-// Pixels are handed out in strips of eight rows, each walked column by column, so that neighbouring slots start on
-// neighbouring pixels. They are those of the part of the image that is rendered, and named by their indices in the whole image: random
-// numbers, and so the samples, do not depend on the part.
+// The order in which slots take the pixels of the rendered part of the image: strips of eight rows, column by column, so that
+// neighbouring slots start on neighbouring pixels. Pixels are named by their indices in the full image: random numbers, and so the
+// samples, do not depend on the part.
 const STRIP_ROWS: u32 = 8u;
 
+// Returns the pixel at a position in that order.
 fn pixel_in_order(position: u32) -> u32 {
     let strip_pixels = STRIP_ROWS * settings.film_width;
     let strip = position / strip_pixels;
@@ -14,7 +15,7 @@ fn pixel_in_order(position: u32) -> u32 {
     return row * settings.image_width + settings.film_left + within / rows;
 }
 
-// Where a pixel stands in that order.
+// Returns the position of a pixel in that order.
 fn rank_of_pixel(pixel: u32) -> u32 {
     let column = pixel % settings.image_width - settings.film_left;
     let row = pixel / settings.image_width - settings.film_top;

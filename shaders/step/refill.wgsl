@@ -20,9 +20,9 @@ fn has_ended(status: u32) -> bool {
     return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_TOO_DEEP || status == PATH_CUT;
 }
 
-// Counts a path that max_depth ended, with its throughput: the most that it could still have added per radiance. Rounded up, since the
-// sum is a bound.
-// (Few throughputs exceed 1: those of a material that draws one of its lobes more rarely than that lobe reflects.)
+// Counts a path that max_depth ended, and adds its throughput in units of 2^-16: the most light that it could still have added per
+// unit of radiance. It is rounded up, because the sum is a bound. (A throughput exceeds 1 only where a material samples one of its lobes
+// more rarely than that lobe reflects.)
 fn count_too_deep(throughput: vec3<f32>) {
     let most = clamp(max(max(throughput.x, throughput.y), throughput.z), 0.0, 32768.0);
     let added = u32(ceil(most * 65536.0));

@@ -35,7 +35,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let bsdf = keep_side(drawn, interaction.normal, frame.shading);
     record_surface(path, evaluated.material, bsdf, interaction.normal);
 
-    // Emission, weighted against the density of the event before; then a light from here, which sets the density of this one.
+    // Emission, whose MIS weight needs the density of the event before. Then light sampling, which stores the density of this event.
     add_surface_emission(path, hit, evaluated, bsdf);
     weigh_emitter_hit(path, hit, bsdf);
     sample_light_at_surface(path, hit, surface, frame, interaction, evaluated, bsdf, u.y);

@@ -3,7 +3,7 @@
 //@ use data/path
 //@ use data/surface
 //@ use choice/probe
-// A kernel whose materials sample no lights, in a scene where others do. Its lobes have no density for MIS.
+// For kernels whose materials sample no lights, in scenes where others do. Their lobes have no density for MIS.
 fn sample_light_at_surface(
     path: ptr<function, Path>,
     hit: Hit,

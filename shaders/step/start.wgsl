@@ -10,7 +10,7 @@
 //@ use step/pixel_order
 //@ use choice/probe
 //@ use choice/aov_record
-// Starting a sample, and a run.
+// Starts a sample or a run.
 
 // Puts the path onto the camera ray of its sample.
 fn start_sample(path: ptr<function, Path>) {
@@ -29,7 +29,7 @@ fn start_sample(path: ptr<function, Path>) {
     start_history(path);
 }
 
-// Takes the window's next run, or leaves the slot idle where there is none.
+// Takes the window's next run, or leaves the slot idle if there is none.
 fn start_run(path: ptr<function, Path>) {
     let run = atomicAdd(&counters.next, 1u);
     if run >= window.end {

@@ -25,7 +25,7 @@ fn sample_light_at_surface(
     let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated.material);
     let probes = bsdf.event == SCATTERED && sends_probe(path, bsdf.lobe);
     var sampled = LightResponse(Response(), 0.0, 1.0);
-    // Both sample a light here: GPUs inline the functions of all kinds of lights at each call.
+    // One call serves both, because GPUs inline the functions of all kinds of lights at each call.
     if samples_lights || probes {
         let side = choose_side(samples_lights, evaluated.material, frame.point, hit, surface, frame.facing, u);
         let light_sample = sample_light(path, side.point);

@@ -7,7 +7,7 @@ fn marble_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
     return texture.first * (0.5 * (1.0 + circle_point(within_one_turn(angle) * 0.15915494).y));
 }
 
-// The angle minus whole turns, in [-pi, pi]. A turn is split into two parts, and the first is short enough that its multiples
+// The angle minus a multiple of 2 pi, in [-pi, pi]. A turn is split into two parts, and the first is short enough that its multiples
 // are exact (Cody and Waite, "Software Manual for the Elementary Functions", 1980).
 fn within_one_turn(angle: f32) -> f32 {
     let turns = round(angle * 0.15915494);

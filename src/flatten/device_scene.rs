@@ -30,8 +30,8 @@ pub struct DeviceScene {
     pub materials: Vec<data::Material>,
     /// Where a material has extensions, those of each row of `materials`.
     pub extensions: Vec<data::Extension>,
-    /// If a material needs it, what single scattering by microfacets keeps of light.
-    pub kept_shares: Vec<[f32; 4]>,
+    /// The table of directional albedos; empty if no material has energy compensation.
+    pub directional_albedos: Vec<[f32; 4]>,
     /// The names in the scene file of the rows of `materials`.
     pub material_names: Vec<String>,
     pub textures: Vec<data::Texture>,

@@ -1,4 +1,4 @@
-//! What single scattering by microfacets keeps of light: a table that shaders/scene/kept_share interpolates.
+//! The directional albedo of single scattering by microfacets: a table that shaders/scene/directional_albedo interpolates.
 
 use std::f64::consts::PI;
 
@@ -11,23 +11,23 @@ const COLUMNS: usize = 32;
 const RINGS: u32 = 64;
 const SECTORS: u32 = 32;
 
-/// The share of light that comes back from a white metal, four columns an element. Row `i` has the roughness i/31. Column `j` has the
-/// cosine at which cosine (1 + alpha)/(cosine + alpha) is j/31, since the share changes where the cosine is about alpha.
-pub fn kept_shares() -> Vec<[f32; 4]> {
-    let share = |at: usize| {
+/// The directional albedo of a rough white metal, four columns an element. Row `i` has the roughness i/31. Column `j` has the
+/// cosine at which cosine (1 + alpha)/(cosine + alpha) is j/31, because the albedo changes most where the cosine is about alpha.
+pub fn directional_albedos() -> Vec<[f32; 4]> {
+    let albedo = |at: usize| {
         let (row, column) = (at / COLUMNS, at % COLUMNS);
         let roughness = (row as f64 / (ROWS - 1) as f64).max(f64::from(LEAST_ROUGHNESS));
         let alpha = roughness * roughness;
         let x = column as f64 / (COLUMNS - 1) as f64;
-        // At a grazing view, everything is mirrored to the other side.
-        if column == 0 { 1.0 } else { kept(x * alpha / (1.0 + alpha - x), alpha) as f32 }
+        // At a grazing view, all light is mirrored to the other side.
+        if column == 0 { 1.0 } else { integral(x * alpha / (1.0 + alpha - x), alpha) as f32 }
     };
-    (0..ROWS * COLUMNS / 4).map(|four| [0, 1, 2, 3].map(|one| share(4 * four + one))).collect()
+    (0..ROWS * COLUMNS / 4).map(|four| [0, 1, 2, 3].map(|one| albedo(4 * four + one))).collect()
 }
 
 /// The mean of G2 / G1 over the microfacets that the view sees, by the map of shaders/lib/microfacet from the unit square to them. The two
 /// sides of the plane of the view are alike.
-fn kept(cosine: f64, alpha: f64) -> f64 {
+fn integral(cosine: f64, alpha: f64) -> f64 {
     let root = |cosine: f64| (cosine * cosine + alpha * alpha * (1.0 - cosine) * (1.0 + cosine)).sqrt();
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let length = (alpha * sine).hypot(cosine);

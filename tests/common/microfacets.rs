@@ -29,13 +29,13 @@ pub struct In {
     pub padding1: u32,
     pub light: [f32; 3],
     /// Of a material that makes up for it.
-    pub lost_over_kept: f32,
+    pub compensation: f32,
     pub u: [f32; 4],
     pub material: data::Material,
     pub second: data::Material,
     /// Of glTF's material with a layer of its own.
-    pub straight: [f32; 3],
-    pub grazing: f32,
+    pub f0: [f32; 3],
+    pub f90: f32,
 }
 
 /// What it gives.
@@ -157,8 +157,8 @@ pub fn metal_reflectance(cos: f64, eta: f64, k: f64) -> f64 {
 }
 
 /// Schlick's approximation.
-pub fn schlick(cos: f64, straight: f64) -> f64 {
-    straight + (1.0 - straight) * (1.0 - cos).powi(5)
+pub fn schlick(cos: f64, f0: f64) -> f64 {
+    f0 + (1.0 - f0) * (1.0 - cos).powi(5)
 }
 
 /// Microfacets in cells. By area, `s = tan² / (alpha² + tan²)` is uniform. The rings are even in `1 - sqrt(1 - s)`, because the view
@@ -212,7 +212,7 @@ impl Facets {
 }
 
 /// The share of light that comes back under one angle: what single scattering keeps.
-pub fn kept(facets: &Facets) -> f64 {
+pub fn directional_albedo(facets: &Facets) -> f64 {
     let view = facets.view();
     let mut sum = 0.0;
     facets.integrate(facets.alpha, |_, facet, share| {

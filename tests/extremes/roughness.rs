@@ -5,7 +5,8 @@ use gpu_rt::data;
 
 use crate::common::kernel::Overlay;
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, frosted, kept, kernel, pane, uniforms, visible,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel, pane, uniforms,
+    visible,
 };
 use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::stats::Random;
@@ -171,10 +172,11 @@ fn furnace(
     cos: f64,
 ) -> (Cell, impl Fn(bool) -> f64 + use<>) {
     let alpha = f64::from(roughness as f32).powi(2);
-    let kept = if roughness * 1024.0 >= 1.0 { kept(&Facets { alpha, cos_view: cos }) } else { 1.0 };
-    let noise = 4.9 * (kept * (1.0 - kept)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();
+    let directional_albedo =
+        if roughness * 1024.0 >= 1.0 { directional_albedo(&Facets { alpha, cos_view: cos }) } else { 1.0 };
+    let noise = 4.9 * (directional_albedo * (1.0 - directional_albedo)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();
     let material = material.to_owned();
-    let error = move |planted: bool| (in_a_furnace(&material, cos, planted) - kept).abs();
+    let error = move |planted: bool| (in_a_furnace(&material, cos, planted) - directional_albedo).abs();
     let cell = Cell::new(
         Row::Roughness,
         range,

@@ -1,7 +1,7 @@
 //! Metals that make up for light that microfacets scatter more than once: the light that they return, and both integrators.
 
 use crate::common::kernel::Overlay;
-use crate::common::microfacets::{Facets, kept, masking, schlick, shadowing};
+use crate::common::microfacets::{Facets, directional_albedo, masking, schlick, shadowing};
 use crate::common::render::{Request, render, render_planted, same_expectation, scene};
 
 const ALPHA: f64 = 1e-6;
@@ -26,7 +26,7 @@ fn in_a_furnace(material: &str, cos: f64) -> ([f64; 3], [f64; 3]) {
 
 /// What a metal of this albedo returns by Turquin's formula, or by single scattering.
 fn returned(albedo: f64, facets: &Facets, multiscatter: bool) -> f64 {
-    let (view, all) = (facets.view(), kept(facets));
+    let (view, all) = (facets.view(), directional_albedo(facets));
     let mut sum = 0.0;
     facets.integrate(facets.alpha, |_, facet, share| {
         let cos_light = 2.0 * view.dot(facet) * facet.z - view.z;
@@ -89,7 +89,7 @@ fn light_sampling_changes_no_expectation_beside_metals_that_lose_nothing() {
     let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let lossy = Overlay::new(&[])
-        .rewritten("material/conductor_eval", |own| own.replace("with_lost_light(single, straight, hit)", "single"));
+        .rewritten("material/conductor_eval", |own| own.replace("compensated(single, f0, hit)", "single"));
     let lossy = render_planted(&room, &mis, &lossy);
     assert!(same_expectation(&bsdf, &lossy, 1e-5, ALPHA).is_err(), "light that is lost in one of the two is not found");
 }

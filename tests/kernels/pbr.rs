@@ -30,16 +30,16 @@ fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
         contrast_inside: metallic as f32,
         ..data::Material::default()
     };
-    In { colour: base, material, grazing: NO_LAYER, ..row }
+    In { colour: base, material, f90: NO_LAYER, ..row }
 }
 
 /// What the layer reflects: by KHR_materials_specular if the row has a layer of its own, else by appendix B.
 fn layer(row: &In, cosine: f64) -> [f64; 3] {
-    let [straight, grazing] = match row.grazing == NO_LAYER {
+    let [f0, f90] = match row.f90 == NO_LAYER {
         true => [[f64::from(row.material.contrast_outside); 3], [1.0; 3]],
-        false => [row.straight.map(f64::from), [f64::from(row.grazing); 3]],
+        false => [row.f0.map(f64::from), [f64::from(row.f90); 3]],
     };
-    [0, 1, 2].map(|c| straight[c] + (grazing[c] - straight[c]) * (1.0 - cosine).powi(5))
+    [0, 1, 2].map(|c| f0[c] + (f90[c] - f0[c]) * (1.0 - cosine).powi(5))
 }
 
 /// The formula of appendix B: value per channel with the cosine, and the densities of microfacets and of the cosine.
@@ -234,9 +234,9 @@ fn pbr_has_the_layer_of_the_extension() {
     let own = kernel_of("pbr", 1, &[], &["material/pbr_own_layer"]);
     for towards_light in [false, true] {
         let layered = |(i, row): (usize, In)| {
-            let grazing = [0.0, 0.5, 1.0, 0.01][i % 4];
+            let f90 = [0.0, 0.5, 1.0, 0.01][i % 4];
             let color = [[1.0; 3], [0.9, 0.3, 0.0], [0.0; 3]][i / 4 % 3];
-            In { straight: color.map(|c: f32| c * grazing * row.material.contrast_outside), grazing, ..row }
+            In { f0: color.map(|c: f32| c * f90 * row.material.contrast_outside), f90, ..row }
         };
         let rows: Vec<In> = rows(&mut random, 20_000, towards_light).into_iter().enumerate().map(layered).collect();
         assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
@@ -245,12 +245,12 @@ fn pbr_has_the_layer_of_the_extension() {
         }
         // The formula with the layer of appendix B, or with one that is 1 % brighter at grazing angles.
         let answers = own.run::<_, Out>(&rows);
-        let differ = |grazing: fn(f32) -> f32| {
-            let by_other = |(row, out): &(&In, &Out)| off(&In { grazing: grazing(row.grazing), ..**row }, out);
+        let differ = |f90: fn(f32) -> f32| {
+            let by_other = |(row, out): &(&In, &Out)| off(&In { f90: f90(row.f90), ..**row }, out);
             rows.iter().zip(&answers).filter(by_other).count()
         };
         assert!(differ(|_| NO_LAYER) > 3000, "the layer of appendix B is not told from it");
-        assert!(differ(|grazing| 1.01 * grazing) > 300, "a layer that is 1 % brighter is not found");
+        assert!(differ(|f90| 1.01 * f90) > 300, "a layer that is 1 % brighter is not found");
     }
 }
 

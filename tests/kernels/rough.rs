@@ -4,13 +4,13 @@
 use std::path::Path;
 
 use glam::DVec3;
-use gpu_rt::material::microfacets::kept_shares;
+use gpu_rt::material::microfacets::directional_albedos;
 use gpu_rt::scene::Scene;
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, frosted, kept, kernel, kernel_of,
-    masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, directional_albedo, frosted, kernel,
+    kernel_of, masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::{Answer, SurfaceHit, glass};
@@ -235,7 +235,7 @@ fn white_conductors_keep_what_single_scattering_keeps() {
         let Exact { cos_view, alpha, .. } = exactly(&row, roughness as f32);
         let found = many.run_with::<_, Out>(&[row], DRAWS, &[]);
         let mean = found.iter().map(|out| f64::from(out.weight[0])).sum::<f64>() / DRAWS as f64;
-        let expected = kept(&Facets { alpha, cos_view });
+        let expected = directional_albedo(&Facets { alpha, cos_view });
         println!("roughness {roughness}, cosine {cos}: {mean:.4} of {expected:.4}");
         // Weights are from 0 to 1: 4.9 standard errors, and 2e-4 of the integral. It would find 0.5 % of the light.
         let limit = 4.9 * 0.5 * (4.0 * expected * (1.0 - expected)).sqrt() / (DRAWS as f64).sqrt() + 2e-4;
@@ -257,17 +257,17 @@ fn the_table_of_what_single_scattering_keeps_is_right() {
             [cos as f32, roughness as f32]
         })
         .collect();
-    let own = Kernel::new("test/kept_share");
+    let own = Kernel::new("test/directional_albedo");
     let expected = |[cos, roughness]: [f32; 2]| {
-        kept(&Facets { alpha: f64::from(roughness.max(1.0 / 1024.0)).powi(2), cos_view: f64::from(cos) })
+        directional_albedo(&Facets { alpha: f64::from(roughness.max(1.0 / 1024.0)).powi(2), cos_view: f64::from(cos) })
     };
     let expected: Vec<f64> = rows.iter().map(|row| expected(*row)).collect();
     let worst = |shares: &[[f32; 4]]| {
-        let found = own.run_with::<_, f32>(&rows, rows.len(), &[array("kept_shares", shares)]);
+        let found = own.run_with::<_, f32>(&rows, rows.len(), &[array("directional_albedos", shares)]);
         let off = found.iter().zip(&expected).map(|(found, expected)| (f64::from(*found) / expected - 1.0).abs());
         off.fold(0.0, f64::max)
     };
-    let mut shares = kept_shares();
+    let mut shares = directional_albedos();
     println!("off by {:.4} at most", worst(&shares));
     assert!(worst(&shares) < 0.008);
     shares.rotate_left(8);
@@ -279,11 +279,11 @@ fn the_table_of_what_single_scattering_keeps_is_right() {
 fn multiple_scattering_is_a_factor() {
     let mut random = Random(181);
     let colour = [0.9f32, 0.5, 0.1];
-    let lost_over_kept = 0.75f32;
+    let compensation = 0.75f32;
     let mut rows = |of_material: &dyn Fn(In) -> In| -> Vec<In> {
         let arriving = (0..600).map(|i| {
             let row = arriving(&mut Random(i), 0.05 + 0.0015 * i as f64);
-            of_material(In { colour, lost_over_kept, u: uniforms(&mut random, i as usize), ..row })
+            of_material(In { colour, compensation, u: uniforms(&mut random, i as usize), ..row })
         });
         arriving.collect()
     };
@@ -299,23 +299,23 @@ fn multiple_scattering_is_a_factor() {
             In { material, colour, ..row }
         }
     };
-    let straight = |c: usize| metal_reflectance(1.0, 1.0 + f64::from(colour[c]), 2.0);
+    let f0 = |c: usize| metal_reflectance(1.0, 1.0 + f64::from(colour[c]), 2.0);
     let albedo = |c: usize| f64::from(colour[c]);
     type Case<'a> = (&'a str, Vec<In>, Box<dyn Fn(usize) -> f64 + 'a>);
     let cases: [Case; 4] = [
         ("conductor", rows(&|row| conductor(row, 0.5, None)), Box::new(albedo)),
-        ("conductor", rows(&|row| conductor(row, 0.5, Some([2.0; 3]))), Box::new(straight)),
+        ("conductor", rows(&|row| conductor(row, 0.5, Some([2.0; 3]))), Box::new(f0)),
         ("pbr", rows(&pbr(1.0)), Box::new(albedo)),
         ("pbr", rows(&pbr(0.0)), Box::new(|_| 0.3)),
     ];
-    for (material, rows, straight) in cases {
+    for (material, rows, f0) in cases {
         let (single, full) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
         let pairs = single.run::<_, Out>(&rows).into_iter().zip(full.run::<_, Out>(&rows));
         let mut compared = 0;
         for (single, full) in pairs {
             assert!(single.event == full.event && single.direction == full.direction && single.pdf == full.pdf);
             for c in 0..3 {
-                let factor = 1.0 + straight(c) * f64::from(lost_over_kept);
+                let factor = 1.0 + f0(c) * f64::from(compensation);
                 for (one, other) in [(single.value[c], full.value[c]), (single.weight[c], full.weight[c])] {
                     let (one, other) = (f64::from(one), f64::from(other));
                     assert!((one * factor - other).abs() <= 16.0 * U * other, "{material}: {one}, {other}, {factor}");
@@ -787,7 +787,7 @@ fn panes_reflect_and_pass_by_the_visible_microfacets() {
         // Reflection by the surface's normal instead of the microfacet's. Within a narrow lobe it hardly changes.
         let flat = p(pane_shares(&facets, alpha, |_| exactly(cos_view)));
         assert!(cos == 1.0 || roughness < 0.5 || flat < threshold, "{what}, by the surface: p = {flat:e}");
-        let (mean, expected) = (sum / DRAWS as f64, kept(&facets));
+        let (mean, expected) = (sum / DRAWS as f64, directional_albedo(&facets));
         let limit = 4.9 * (expected * (1.0 - expected)).sqrt() / (DRAWS as f64).sqrt() + 2e-4;
         assert!((mean - expected).abs() < limit && limit < 0.0051, "{what}: {mean} of {expected}");
     }

@@ -13,12 +13,12 @@ struct In {
     padding1: u32,
     // Zero to ask for the response to the answer.
     light: vec3<f32>,
-    lost_over_kept: f32,
+    compensation: f32,
     u: vec4<f32>,
     material: Material,
     second: Material,
-    straight: vec3<f32>,
-    grazing: f32,
+    f0: vec3<f32>,
+    f90: f32,
 }
 
 struct Out {
@@ -45,7 +45,7 @@ fn run(row: u32) {
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
     let hit = Interaction(
         given.incoming, given.normal, given.front != 0u, given.colour, given.second,
-        given.lost_over_kept, given.straight, given.grazing,
+        given.compensation, given.f0, given.f90,
     );
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
