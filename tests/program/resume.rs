@@ -542,15 +542,15 @@ fn damaged_states_are_refused() {
     };
     assert!(read(&bytes).expect("it is whole") == full.film);
     let mut refused = 0;
-    for sandbox in (0..bytes.len()).step_by(3) {
+    for position in (0..bytes.len()).step_by(3) {
         let mut broken = bytes.clone();
-        broken[sandbox] ^= 1 << (sandbox % 8);
+        broken[position] ^= 1 << (position % 8);
         match read(&broken) {
             // The bit was in the picture, in a name, or in what the state is of.
-            Some(film) => assert!((0..30).all(|pixel| film.words(pixel) == full.film.words(pixel)), "byte {sandbox}"),
+            Some(film) => assert!((0..30).all(|pixel| film.words(pixel) == full.film.words(pixel)), "byte {position}"),
             None => refused += 1,
         }
-        assert!(read(&bytes[..sandbox]).is_none_or(|film| film == full.film), "{sandbox} bytes");
+        assert!(read(&bytes[..position]).is_none_or(|film| film == full.film), "{position} bytes");
     }
     assert!(refused > 0);
 }
