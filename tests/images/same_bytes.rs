@@ -41,25 +41,25 @@ fn two_renders_in_a_row_are_the_same() {
 }
 
 /// Whole runs by scattered rays alone, and runs cut at both ends by the defaults. One path at a time, fewer than a row of pixels has, more than the
-/// image has runs. Each size of a workgroup is another kernel to compile, so that each way of linking has two: one here, one there.
+/// image has runs. Each size of a workgroup is another kernel to compile, so that each way of linking has two.
 #[test]
 fn slots_workgroups_and_submissions_do_not_show() {
     use Scatter::{Fused, Linked, Queues};
     let (_files, scene) = everything();
     let full = [
         (Linked, 1, 32, 50),
-        (Linked, 97, 32, 1),
+        (Linked, 97, 256, 1),
         (Linked, 4096, 32, 7),
-        (Queues, 1, 1, 7),
+        (Queues, 1, 64, 7),
         (Queues, 97, 1, 1),
-        (Queues, 4096, 1, 50),
-        (Fused, 1, 1, 1),
+        (Queues, 4096, 64, 50),
+        (Fused, 1, 64, 1),
         (Fused, 97, 1, 50),
-        (Fused, 100_000, 1, 50),
+        (Fused, 100_000, 64, 50),
     ];
     let cut = [
-        (Linked, 97, 256, 50),
-        (Linked, 100_000, 256, 7),
+        (Linked, 97, 32, 50),
+        (Linked, 100_000, 32, 7),
         (Queues, 97, 64, 7),
         (Queues, 4096, 64, 1),
         (Fused, 97, 256, 7),
