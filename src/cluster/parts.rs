@@ -108,7 +108,7 @@ impl Parts {
         parts
     }
 
-    /// Notes in a part what its state says.
+    /// Sets the progress of a part from its state.
     pub fn add_state(&mut self, part: &mut Part, state: &State, is_recent: bool, folder: &Folder) {
         if let Err(why) = self.fits(part, state, folder) {
             part.progress = Progress::NotUsable(why);

@@ -231,7 +231,7 @@ impl<'a> Sweep<'a> {
         Sweep::new(self.device, self.scene, size, self.seed)
     }
 
-    /// Notes a setting as not measured.
+    /// Records a setting as not measured.
     pub fn leave_out(&mut self, setting: Setting, why: &str) {
         self.unmeasured.push(Unmeasured { setting, why: why.to_string() });
     }
