@@ -1,4 +1,4 @@
-//! material/conductor, material/rough_dielectric, material/thin_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can tell, and as wide as there are; grazing views.
+//! material/conductor, material/rough_dielectric, material/thin_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can represent, and as wide as there are; grazing views.
 
 use glam::DVec3;
 use gpu_rt::data;
