@@ -360,8 +360,8 @@ fn about_constant(name: &str) -> String {
         "MOST_STEPS_OF_CROSSINGS" => {
             "steps after which the walks of a ray through meshes that bound media are given up"
         }
-        "stack_size" => "largest stack of a walk through the hierarchy",
-        "boundary_stack_size" => "largest stack in a mesh that bounds a medium",
+        "stack_size" => "what waits at most in a walk through the hierarchy",
+        "boundary_stack_size" => "the same in a mesh that bounds a medium",
         "media" => "media that rays cross",
         "sky_light" => "the index of the sky among the lights",
         "sky_columns" => "columns of the grid that directions to the sky are drawn from",
@@ -369,7 +369,7 @@ fn about_constant(name: &str) -> String {
         "run_length" => "samples of a run at most",
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
-        "film_sums" => "sums of a pixel of the film",
+        "film_sums" => "sums that the film has of a pixel",
         "path_sums" => "sums of --aov, one at least",
         _ => "",
     };
