@@ -1,4 +1,4 @@
-//! Channels beside the radiance (arbitrary output variables, AOVs): which there are, which sums of the film they are made of, and how files
+//! Channels of `--aov` (arbitrary output variables, AOVs): which there are, which sums of the film they are made of, and how files
 //! name them.
 
 use glam::{DMat3, DVec3};
@@ -58,7 +58,7 @@ pub enum ChannelNames {
     Blender,
 }
 
-/// The channels that a render has beside the radiance.
+/// The channels of `--aov` of a render.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Aovs {
     /// In their order, each once.
@@ -316,7 +316,7 @@ mod tests {
                     None => assert!(!names.iter().any(|name| name.starts_with(sum.name())), "{names:?}"),
                 }
             }
-            // With the nine of every film, a bit each tells which has left its range.
+            // With the nine of every film, a bit each shows which has left its range.
             assert!(9 + aovs.count() <= 32);
         }
     }

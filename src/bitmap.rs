@@ -64,7 +64,7 @@ pub fn from_srgb(code: f64) -> f32 {
 }
 
 impl Decoding {
-    /// The format of an image decoded so. `of_bytes` tells that its file has integers of 8 bits.
+    /// The format of an image decoded so. `of_bytes`: its file has integers of 8 bits.
     pub fn format(self, of_bytes: bool) -> Format {
         match self {
             _ if !of_bytes => Format::Float,

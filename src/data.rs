@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-/// Of a primitive's code: tells it from a BVH node's index.
+/// The bit of a primitive's code that distinguishes it from a BVH node's index.
 pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
 /// The bit position of the kind within a primitive's code.
 pub const PRIMITIVE_KIND_SHIFT: u32 = 27;
@@ -371,7 +371,7 @@ device_struct!(
 );
 
 device_struct!(
-    /// What a material has beside its row of the table: indices of rows behind those of all materials, or `NO_EXTENSION`.
+    /// The extensions of a material: indices of rows behind those of all materials, or `NO_EXTENSION`.
     Extension {
         absorption: [f32; 3],
         emission: u32,

@@ -20,7 +20,7 @@ pub struct Noisy<'a> {
     pub rgb: &'a [Rgb<f32>],
     /// The albedo of the first rough surface, from 0 to 1, with its own noise.
     pub albedo: Option<&'a [Rgb<f32>]>,
-    /// The normal there, with its own noise. The library takes it only beside an albedo.
+    /// The normal there, with its own noise. The library takes it only with an albedo.
     pub normal: Option<&'a [Rgb<f32>]>,
 }
 
@@ -55,7 +55,7 @@ impl Denoiser {
         format!("Open Image Denoise {}", self.0.version)
     }
 
-    /// The image without its noise, as far as the library can tell noise from detail. Values that are not finite or negative count as 0; all
+    /// The image without its noise, as far as the library can distinguish noise from detail. Values that are not finite or negative count as 0; all
     /// values of the result are finite, and none is negative.
     ///
     /// Albedo and normal are denoised first, each by itself. They are then exact enough that the image keeps all of their edges.

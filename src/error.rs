@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::printable::one_line;
 
-/// A place in a text file. Lines and columns count from 1; columns count characters. Of a file that is no text, both are 0.
+/// A position in a text file. Lines and columns count from 1; columns count characters. In a binary file, both are 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
     pub file: PathBuf,
@@ -33,7 +33,7 @@ fn lines(errors: &[Error], more: usize) -> Vec<String> {
     errors.iter().map(Error::to_string).chain(rest).collect()
 }
 
-/// All errors of gpu-rt. The text names the place or the limit, and what to do.
+/// All errors of gpu-rt. The text names the location or the limit, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scene file, or a file that it names, has an error.
@@ -47,7 +47,7 @@ pub enum Error {
     /// Errors of a scene file, in its order. `more` is the number of those that are not listed.
     #[error("{}", lines(errors, *more).join("\n"))]
     Several { errors: Vec<Error>, more: usize },
-    /// The command line asks for something impossible.
+    /// The command line requests something impossible.
     #[error("{0}")]
     Usage(String),
     /// A file could not be read or written.

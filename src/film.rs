@@ -1,7 +1,7 @@
-//! The film: exact totals of what each pixel has received, in which order cannot matter.
+//! The film: exact sums of the samples of each pixel, which do not depend on the order.
 //!
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
-//! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
+//! any order and split. It also adds the sums of squares that the error estimate needs. The host joins the device's totals here.
 
 mod channels;
 mod floats;
@@ -23,40 +23,40 @@ pub use words::{sample_variance_of, word_names};
 use channels::Channels;
 use floats::{exp2, to_f32};
 
-/// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
-/// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
+/// The value of [`Picture::variance`] if the variance is not known: the largest finite f32. An image file must hold finite values, 0
+/// would mean an exact pixel, and a program that takes this one for a variance ignores the pixel, which is right.
 pub const UNKNOWN_VARIANCE: f32 = f32::MAX;
 
-/// What a pixel takes on the host at the most: its totals, and seven bytes while a PNG is written. An EXR is written row by row.
+/// The most bytes of a pixel on the host: its totals, and seven bytes while a PNG is written. An EXR is written row by row.
 const BYTES_OF_A_PIXEL: u64 = size_of::<Pixel>() as u64 + 7;
 /// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
 const MAX_EXPONENT: i32 = 300;
 /// This share of the image's mean luminance keeps dark pixels from dominating the relative error.
 const DARK_PIXEL_FLOOR: f64 = 0.01;
-/// How many times the stated error the one relative to the other half of the samples may be, where it is called reliable.
+/// A stated error is unreliable if the error against a better image is more than this many times as large.
 const MOST_ACROSS: f64 = 2.0;
-/// The standard error, as a share, up to which a stated relative error is called reliable.
+/// A stated error is unreliable if its standard error is more than this share of it.
 const RELIABLE: f64 = 0.1;
-/// The largest share of a sum over pixels that is left to two halves of a single pixel. Should these agree by chance, the sum is too small
-/// by no more, and the error by half of it.
+/// The largest share of a sum over pixels that may come from the two halves of a single pixel. If these agree by chance, the sum is too
+/// small by this share, and the error by half of it.
 const MOST_OF_HALVES: f64 = 0.02;
-/// Degrees of freedom of a variance that comes from the squared deviations of a pixel's samples. A variance that k bright samples make is known to 1/√k of
-/// itself, as by 2k degrees of freedom. Two bright samples are assumed.
+/// Degrees of freedom of a variance from the squared deviations of a pixel's samples. If k bright samples make the variance, its standard
+/// error is 1/√k of it, as with 2k degrees of freedom. Two bright samples are assumed.
 const DEGREES_OF_SAMPLES: f64 = 4.0;
-/// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
-/// unit at most.
+/// A sum of squares counts as known from this value for each run on, in units of 2^-[`SQUARE_FRACTION`]: a run's squares are rounded by at
+/// most half a unit.
 const LEAST_SQUARES: i128 = 1 << 10;
 
-/// What one pixel has received, in device units.
+/// The totals of a pixel, in device units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 struct Pixel {
     /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
     sum: Rgb<i128>,
-    /// What the odd runs have of it.
+    /// The part of the odd runs.
     odd_sum: Rgb<i128>,
     /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`SQUARE_FRACTION`].
     squared_deviations: Rgb<i128>,
-    /// Accepted samples of even and of odd runs. A pixel's samples are numbered by 32 bits, so that either has at most 2^31.
+    /// Accepted samples of even and of odd runs. 32 bits number a pixel's samples, so either count is at most 2^31.
     even: u32,
     odd: u32,
     /// Runs with at least one accepted sample.
@@ -109,7 +109,7 @@ impl Pixel {
         [[0, 1, 2].map(even), [0, 1, 2].map(odd)]
     }
 
-    /// The variance of the pixel's mean, in device units squared. Unknown without samples in either half, or where a total has saturated.
+    /// The variance of the pixel's mean, in device units squared. `None` if a half has no samples, or a total has saturated.
     fn variance(&self, channel: usize, sampler: Sampler) -> Option<f64> {
         let saturated = self.sum[channel] == i128::MAX || self.squared_deviations[channel] == i128::MAX;
         match (saturated || !self.has_halves(), sampler) {
@@ -121,7 +121,7 @@ impl Pixel {
         }
     }
 
-    /// Of all channels.
+    /// The variances of all channels.
     fn variances(&self, sampler: Sampler) -> Option<Rgb<f64>> {
         Some([self.variance(0, sampler)?, self.variance(1, sampler)?, self.variance(2, sampler)?])
     }
@@ -136,13 +136,14 @@ impl Pixel {
         if sampler == Sampler::Independent && known() { (self.samples() - u64::from(self.runs)) as f64 } else { 1.0 }
     }
 
-    /// From the even runs' mean A and the odd ones' B, of a and b samples, N in all: v = a b (A - B)² / N². The halves are scrambled
-    /// apart, and so independent, whatever is between the points of one: with variances V and W of their means, E[(A - B)²] = V + W,
-    /// while the pixel's mean a A/N + b B/N has the variance (a² V + b² W) / N². With a = b both agree. Where the last run is missing
-    /// on one side, v is right if V and W are as 1/a to 1/b, as for independent samples; where the larger half is better than
-    /// that, v is too large, by a factor of a/b at most (own derivation: V a = W b gives v; V = 0 gives v = a b W / N² for b² W / N²).
+    /// The variance of the pixel's mean by its halves: v = a b (A - B)² / N², with the mean A of a samples in even runs, the mean B of b
+    /// samples in odd ones, and N = a + b. The halves have separate scrambles, so they are independent, however the points of one half
+    /// are correlated. With the variances V and W of A and B, E[(A - B)²] = V + W, and the pixel's mean a A/N + b B/N has the variance
+    /// (a² V + b² W) / N². With a = b, that is the expectation of v. If one half has a run less, v is right for V / W = b / a, as with
+    /// independent samples. If the larger half is better than that, v is too large by a factor of at most a/b (own derivation: V a = W b
+    /// gives v; V = 0 gives v = a b W / N² instead of b² W / N²).
     fn variance_of_halves(&self, channel: usize) -> f64 {
-        // Means are rounded towards 0 by 2^-88 at most, so that nothing cancels but equal digits.
+        // Means are rounded towards 0 by at most 2^-88, so only equal digits cancel.
         let mean_odd = self.odd_sum[channel] / i128::from(self.odd);
         let mean_even = self.sum[channel].saturating_sub(self.odd_sum[channel]) / i128::from(self.even);
         let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-(SUM_FRACTION as i32));
@@ -151,9 +152,9 @@ impl Pixel {
         weights * difference * difference
     }
 
-    /// The variance that the mean of as many independent samples has: with W the squared deviations from the means of K runs, N samples in
-    /// all, W / ((N − K) N), since a run of n samples has n − 1 degrees of freedom. Sobol points have less, but where single samples make
-    /// most of it. Nothing where no run tells, or all are too close for the squares' fixed point.
+    /// The variance of the mean of as many independent samples: W / ((N − K) N), with W the squared deviations from the means of K runs, and N
+    /// samples in all, because a run of n samples has n − 1 degrees of freedom. The mean of Sobol points has a smaller variance, unless
+    /// single samples make most of it. `None` if no run has two samples, or all deviations are too small for the squares' fixed point.
     fn variance_of_samples(&self, channel: usize) -> Option<f64> {
         let degrees = self.samples().checked_sub(u64::from(self.runs)).filter(|degrees| *degrees > 0)?;
         let squares = self.squared_deviations[channel];
@@ -178,10 +179,10 @@ impl Pixel {
 /// The exact totals of an image.
 ///
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added
-/// without any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 500 fit. Its squared deviations hold 2^-96 to 2^31: 2^29
-/// samples that deviate by 2 fit. Below about 2^-43 they are not known, and the two halves tell the variance, which are exact to 2^-88.
-/// Beyond, the total saturates (a saturating sum of numbers of one sign is still the same in any order) and the
-/// variance is reported as unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
+/// without rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 500 fit. Its squared deviations hold 2^-96 to 2^31: 2^29
+/// samples that deviate by 2 fit. Deviations below about 2^-43 are not known; the variance then comes from the two halves, which are exact
+/// to 2^-88. Beyond the range, a total saturates (a saturating sum of numbers of one sign is still the same in any order), and the variance
+/// is unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
 ///
 /// Memory: 160 bytes a pixel, and 16 more for each sum of further channels.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,10 +191,10 @@ pub struct Film {
     sampler: Sampler,
     /// Whether its paths sample lights, or find them by BSDF sampling alone.
     samples_lights: bool,
-    /// The part of an image that it is of: as many pixels as there are.
+    /// The part of the image that the pixels are of.
     frame: Frame,
     pixels: Vec<Pixel>,
-    /// The channels beside the radiance.
+    /// The channels of `--aov`.
     channels: Channels,
     totals: Totals,
 }
@@ -207,9 +208,11 @@ impl Film {
         Film::with_sampler(width, height, exponent, Sampler::Independent)
     }
 
-    /// An empty film. The sampler decides what the error is told by: all samples, or the difference of two halves. Device radiance times 2^exponent is scene radiance; the exponent is within ±300. A render takes a film with the `radiance_exponent` of its scene, and refuses others.
+    /// An empty film. The error is estimated from all samples, or with Sobol points from two halves. Device radiance times 2^exponent is scene
+    /// radiance; the exponent is within ±300. A render takes a film with the `radiance_exponent` of its scene, and refuses others.
     ///
-    /// Fails where the image has no pixels, more than 2^32, or more than the memory holds.
+    /// # Errors
+    /// `Error::Usage` if the image has no pixels, more than 2^32, or more than memory holds.
     pub fn with_sampler(width: u32, height: u32, exponent: i32, sampler: Sampler) -> Result<Film> {
         let count = u64::from(width) * u64::from(height);
         // The device names pixels by u32.
@@ -229,7 +232,7 @@ impl Film {
         memory::check(count * BYTES_OF_A_PIXEL).map_err(needs)?;
         let cannot = |_| needs("more memory than can be had".to_string());
         let count = usize::try_from(count).map_err(|_| cannot(()))?;
-        // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
+        // Zeroed pages of the system: writing zeros would take longer than anything else before the first pass of a large film.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::full((width, height));
         let (channels, totals) = (Channels::default(), Totals::default());
@@ -241,35 +244,35 @@ impl Film {
         Film { samples_lights, ..self }
     }
 
-    /// Gives an empty film further channels. `space` is that in which the kernels see the scene.
+    /// Adds channels of `--aov` to an empty film. `space` maps the kernels' space to the scene's.
     ///
     /// # Errors
-    /// `Error::Usage` where the memory does not hold them.
+    /// `Error::Usage` if memory does not hold them.
     pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
         Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self })
     }
 
-    /// The channels that it has beside the radiance.
+    /// The channels of `--aov` that it has.
     pub fn aovs(&self) -> &Aovs {
         &self.channels.aovs
     }
 
-    /// The space in which the kernels see the scene, if it has such channels.
+    /// The space of the kernels, if the film has channels of `--aov`.
     pub fn space(&self) -> Option<SceneSpace> {
         (!self.channels.aovs.is_empty()).then_some(self.channels.space)
     }
 
-    /// Makes it the film of a part of an image; the part has the film's size.
+    /// Returns it as the film of a part of an image. The part has the film's size.
     pub fn of_part(self, frame: Frame) -> Film {
         Film { frame, ..self }
     }
 
-    /// The part of the image that it is of.
+    /// The part of the image that it holds.
     pub fn frame(&self) -> Frame {
         self.frame
     }
 
-    /// Takes everything back.
+    /// Removes all samples.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
         self.channels.clear();
@@ -284,7 +287,7 @@ impl Film {
         self.frame.part.height
     }
 
-    /// Scene radiance is the film's radiance times 2 to this power.
+    /// Scene radiance is the film's radiance times 2 to this exponent.
     pub fn exponent(&self) -> i32 {
         self.exponent
     }
@@ -297,8 +300,8 @@ impl Film {
         self.totals
     }
 
-    /// Adds what the device has added up for pixels, named by their indices (row 0 on top, `y * width + x`), and what it has counted
-    /// meanwhile. Any order and any split into calls gives the same film. A pixel that is not in the image is left out.
+    /// Adds the device's totals of pixels, each with its index (row 0 on top, `y * width + x`), and the totals `counted` of the film. Any order
+    /// and any split into calls gives the same film. A pixel outside the image is ignored.
     pub fn add<'a>(&mut self, pixels: impl IntoIterator<Item = (usize, &'a PixelTotals)>, counted: Totals) {
         for (index, totals) in pixels {
             if let Some(pixel) = self.pixels.get_mut(index) {
@@ -308,7 +311,7 @@ impl Film {
         self.totals += counted;
     }
 
-    /// Adds the totals of pixels, named as by [`Film::add`], as a device of this film holds them.
+    /// Adds the totals of pixels in the layout of the device's film. The indices are those of [`Film::add`].
     pub fn add_from_device(&mut self, pixels: impl IntoIterator<Item = usize>, bytes: &[u8]) {
         if let (true, Ok(totals)) = (self.channels.aovs.is_empty(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes))
         {
@@ -323,7 +326,7 @@ impl Film {
         }
     }
 
-    /// Adds another film of the same image. It is the same as if this film had got the other's records too.
+    /// Adds another film of the same image. The result is the film of all samples of both.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
         let shape = |film: &Film| (film.frame.part.size(), film.exponent, film.sampler, film.channels.aovs.clone());
         if shape(self) != shape(other) {
@@ -351,7 +354,7 @@ impl Film {
         self.pixels.iter().map(largest).sum::<f64>() / self.pixels.len() as f64
     }
 
-    /// The image in scene units.
+    /// Returns the image in scene units.
     pub fn develop(&self) -> Picture {
         let mut picture = Picture { width: self.width(), height: self.height(), ..Picture::default() };
         for pixel in (0..self.pixels.len()).map(|index| self.developed(index)) {
@@ -363,7 +366,7 @@ impl Film {
         picture
     }
 
-    /// A pixel of the image in scene units. One that is not in the image is black.
+    /// Returns a pixel in scene units; black outside the image.
     pub fn developed(&self, index: usize) -> PicturePixel {
         let scale = exp2(self.exponent);
         let pixel = self.pixels.get(index).copied().unwrap_or_default();
@@ -376,52 +379,52 @@ impl Film {
     }
 
     /// The image's relative error: sqrt(mean(v / (I² + 0.01 Ī²))) over pixels and channels, v the variance of the pixel's mean, I that
-    /// mean, Ī the image's mean luminance (docs/light-transport.md, "The stated error"). It is taken channel by channel, so that v and I
-    /// belong to the same quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels'
-    /// covariance.
+    /// mean, Ī the image's mean luminance (docs/light-transport.md, "The stated error"). It is computed by channel, from the
+    /// layers of the file alone: the variance of a luminance would need the covariances of the channels.
     ///
-    /// Pixels that have rejected samples and less than two replicates are left out, lest one broken pixel hides the error of all others.
-    /// Nothing while any other pixel has less than two, where a total has saturated, and for an image without light.
+    /// A pixel with rejected samples and an empty half is left out, so that it does not hide the error of all others. `None` if any other
+    /// pixel has an empty half or a saturated total, and for an image without light.
     pub fn relative_error(&self) -> Option<f64> {
         self.error_estimate(0.5).map(|estimate| estimate.value)
     }
 
-    /// The relative error, and the bound that the one of this very image is above with a probability of `level` only: the one that a
-    /// reference without error would tell, sqrt(mean((I - R)² / (R² + 0.01 R̄²))).
+    /// The relative error, and an upper bound that the error of this very image exceeds only with the probability `level`: its error against
+    /// a reference R without noise, sqrt(mean((I - R)² / (R² + 0.01 R̄²))).
     ///
-    /// With x the mean of v / (I² + 0.01 Ī²) over a pixel's channels, T = Σ x over n pixels tells the expectation of Y = Σ y, y the same
-    /// with (I - R)² instead of v. Both scatter about it. Pixels are independent, since random numbers are keyed by them, so that Var T =
-    /// Σ Var x and Var Y = Σ Var y, and as sums of scaled chi-squares T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y degrees of
-    /// freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). What the halves of normal samples differ in is independent of what
-    /// they have in common, so that Y/T has Fisher's distribution F(μ, ν).
+    /// Let x be the mean of v / (I² + 0.01 Ī²) over a pixel's channels, and y the same with (I - R)² for v. T = Σ x over n pixels estimates the
+    /// expectation of Y = Σ y, and both have noise. Pixels are independent, because they are keys of the random numbers. So Var T = Σ Var x
+    /// and Var Y = Σ Var y. As sums of scaled chi-squares, T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y degrees of freedom
+    /// (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). The difference of two normal halves is independent of their mean, so
+    /// Y/T has Fisher's distribution F(μ, ν).
     ///
-    /// With the pixel's deviations normal, of covariances C_cd between its channels, y = Σ w_c d_c² has Var y = 2 Σ w_c w_d C_cd² ≤ 2 (E x)²,
-    /// since C_cd² ≤ C_cc C_dd; with equality where the channels vary together. An x of k degrees of freedom, one of
-    /// two halves, has E[x²] ≤ (1 + 2/k) (E x)². So Σ 2k/(k + 2) x² is what is at hand of Var Y, and of Var T with two halves (own derivation).
-    /// Of independent samples it is too large for Var T.
+    /// If the deviations d_c of a pixel are normal, with covariances C_cd between its channels, y = Σ w_c d_c² has Var y = 2 Σ w_c w_d C_cd² ≤
+    /// 2 (E x)², because C_cd² ≤ C_cc C_dd; both are equal if the channels vary together. An x of k degrees of freedom has E[x²] ≤
+    /// (1 + 2/k) (E x)², with k = 1 for two halves. So Σ 2k/(k + 2) x² estimates Var Y, and Var T if x comes from halves (own derivation).
+    /// With independent samples it is too large for Var T.
     ///
-    /// - **Few pixels that hold the noise.** Where the halves of such a pixel agree by chance, it is missing in T and in Σ x² alike. So a
-    ///   pixel counts with the variance of its samples instead of its halves, w with σ²/N for v, where w is more than
-    ///   [`MOST_OF_HALVES`] of all. Sobol points take much of σ² from smooth pixels and edges, and nothing from what single samples make,
-    ///   so that w is too large if anything; pixels are chosen by w alone, so that no chance of the halves has a say.
-    /// - **What the error is relative to.** A pixel that a rare bright path met has a large v and a large I, and x is near 1 whatever it is. The
-    ///   half that the path is not in says how bright the pixel mostly is: in the bound, x and w have the mean of 1/(I² + 0.01 Ī²) over
-    ///   the halves' own I. What this is too much, by the noise of halves, is some 12 v/I² of itself: 1 % where the relative error is 3 %.
-    /// - **A pixel near 0.** With samples of either sign (`--filter mitchell`) a bright edge makes pixels near 0, and the halves of one may lie on
-    ///   either side. Then its true value may be 0, and it counts with 1/(0.01 Ī²).
-    /// - **Many rare bright paths.** Where that sum is more than four times T, half of each weight still comes from the bright half, which is
-    ///   too small. There the weight moves to that of the darker half as v/I² moves to 1, where one half holds everything. The bound is
-    ///   the larger of both.
+    /// - **Few pixels with most of the noise.** If the halves of such a pixel agree by chance, it is missing in T and in Σ x² alike. Let w be x
+    ///   with the variance σ²/N of the pixel's samples for v. If w is more than [`MOST_OF_HALVES`] of the sum, the pixel counts with w. Sobol
+    ///   points remove much of σ² in smooth pixels and at edges, but not the part of single bright samples, so w is not too small. Pixels
+    ///   are chosen by w alone, so the chance of the halves has no influence.
+    /// - **The radiance that the error is relative to.** A pixel with a rare bright path has a large v and a large I, and its x is near 1,
+    ///   whatever v is. The half without that path shows the usual radiance of the pixel. So in the bound, x and w have the mean of
+    ///   1/(I² + 0.01 Ī²) over the two halves' I. The noise of the halves makes this too large by about 12 v/I² of itself: 1 % at a
+    ///   relative error of 3 %.
+    /// - **A pixel near 0.** With samples of either sign (`--filter mitchell`), a bright edge makes pixels near 0, whose halves may have
+    ///   different signs. The true value may then be 0, and the pixel counts with 1/(0.01 Ī²).
+    /// - **Many rare bright paths.** If that sum is more than four times T, half of each weight still comes from the bright half, and is too
+    ///   small. Then the weight moves to that of the darker half as v/I² approaches 1, where one half holds everything. The bound is the
+    ///   larger of both.
     ///
-    /// It is never below the relative error itself, whose weights may be larger in dark pixels.
+    /// The bound is at least the relative error itself, whose weights may be larger in dark pixels.
     ///
-    /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as rare
-    /// bright paths make it. Then what has not been seen yet may be more than what has, and the estimate is called unreliable. So it is where
-    /// T with the halves' own I is more than four times as large: the error relative to a better image is more than twice the
-    /// stated one. How often the bound holds is measured in docs/light-transport.md.
+    /// The relative error has a standard error of sqrt(1/(2ν)) of itself. If that is more than a tenth, ν < 50, few pixels carry the sum, as
+    /// with rare bright paths. More light may then be missing than has been found, and the estimate is unreliable. It is also unreliable if T
+    /// with the halves' I is more than four times as large: the error against a better image is then more than twice the stated one. How
+    /// often the bound holds is measured in docs/light-transport.md.
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
         let mean_luminance = self.pixels.iter().map(|p| luminance(p.means())).sum::<f64>() / self.pixels.len() as f64;
-        // A filter with negative lobes may make it negative; what counts is its square.
+        // A filter with negative lobes may make it negative. Only its square is used.
         if mean_luminance == 0.0 {
             return None;
         }
@@ -475,16 +478,16 @@ fn weighted(variance: Rgb<f64>, weight: Rgb<f64>) -> f64 {
 /// The squared relative errors of pixels ([`Film::error_estimate`]), summed.
 #[derive(Clone, Debug, Default)]
 struct NoiseSum {
-    /// Σ x, and what is at hand of its variance.
+    /// Σ x, and the estimate of its variance.
     total: f64,
     variance: f64,
-    /// The pixels whose samples have the largest variance, the largest w first: w, x, and the part of the variance. More pixels than these cannot
-    /// have more than [`MOST_OF_HALVES`] each.
+    /// The pixels with the largest w, the largest first: w, x, and the part of the variance. No more pixels than these can have more than
+    /// [`MOST_OF_HALVES`] each.
     largest: Vec<Rgb<f64>>,
 }
 
 impl NoiseSum {
-    /// Adds a pixel: its x, of so many degrees of freedom, and its w.
+    /// Adds a pixel: its x, the degrees of freedom of x, and its w.
     fn add(&mut self, x: f64, degrees: f64, w: f64) {
         const MOST: usize = (1.0 / MOST_OF_HALVES) as usize;
         let variance = 2.0 * degrees / (degrees + 2.0) * x * x;
@@ -497,7 +500,7 @@ impl NoiseSum {
         }
     }
 
-    /// What the sum of the image's own squared errors exceeds with the probability `level`, and the degrees of freedom of the estimate.
+    /// The bound that the sum of the image's own squared errors exceeds with the probability `level`, and the degrees of freedom of the estimate.
     fn bound(&self, level: f64) -> (f64, f64) {
         let (mut of_halves, mut of_samples) = ([self.total, self.variance], [0.0, 0.0]);
         for [w, x, variance] in &self.largest {
@@ -508,7 +511,7 @@ impl NoiseSum {
             of_halves = [(of_halves[0] - x).max(0.0), (of_halves[1] - variance).max(0.0)];
         }
         let total = of_samples[0] + of_halves[0];
-        // T² is too large for (E T)² by the variance of T, where the halves tell both: hence the difference.
+        // T² overestimates (E T)² by the variance of T, which is subtracted for pixels that count by halves.
         let degrees = |of_samples: f64| match of_samples + of_halves[1] {
             variance if variance > 0.0 => (2.0 * (total * total - of_halves[1]) / variance).max(0.0),
             _ => f64::INFINITY,
@@ -522,17 +525,17 @@ impl NoiseSum {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     pub value: f64,
-    /// What the error of this image is below, but for the requested probability; infinite where nothing is known.
+    /// The error of this image is below this, but for the requested probability; infinite if nothing is known.
     pub bound: f64,
-    /// The error relative to an image without the bright samples of this one, as far as its halves tell.
+    /// The error relative to an image without the bright samples of this one, estimated by its halves.
     pub against_better: f64,
-    /// Whether enough pixels tell it, and the halves agree in what it is relative to.
+    /// Whether enough pixels carry it, and the halves agree on the radiance that it is relative to.
     pub reliable: bool,
 }
 
-/// What a variable of Fisher's distribution F(μ, ν) is above with the probability `level` ≤ 1/2, by Paulson's cube root (Annals of
-/// Mathematical Statistics 13(2), 1942; Abramowitz and Stegun, 26.6.15). Of ν below 10 it is too large, infinite at last, which errs on the
-/// safe side.
+/// The value that a variable of Fisher's distribution F(μ, ν) exceeds with the probability `level` ≤ 1/2, by Paulson's cube root (Annals of
+/// Mathematical Statistics 13(2), 1942; Abramowitz and Stegun, 26.6.15). For ν below 10 it is too large, and at last infinite, which is
+/// safe.
 fn upper_fisher(mu: f64, nu: f64, level: f64) -> f64 {
     if !(mu > 0.0 && nu > 0.0) {
         return f64::INFINITY;
@@ -557,10 +560,10 @@ fn upper_fisher(mu: f64, nu: f64, level: f64) -> f64 {
 pub struct Picture {
     pub width: u32,
     pub height: u32,
-    /// Mean radiance, linear Rec. 709. What f32 cannot hold is f32::MAX.
+    /// Mean radiance, linear Rec. 709. Values beyond f32 are f32::MAX.
     pub rgb: Vec<Rgb<f32>>,
-    /// Variance of that mean, radiance squared; [`UNKNOWN_VARIANCE`] where it is not known. Above zero it is at least the smallest
-    /// normal f32: a variance that is too small for the format is overstated, not lost.
+    /// Variance of that mean, radiance squared; [`UNKNOWN_VARIANCE`] if it is not known. Above zero it is at least the smallest normal
+    /// f32: a smaller variance is overstated, not lost.
     pub variance: Vec<Rgb<f32>>,
     /// Accepted samples.
     pub samples: Vec<u32>,

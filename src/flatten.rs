@@ -47,7 +47,7 @@ pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, NotSampled,
 pub use hierarchies::Hierarchies;
 pub use sampled_lights::MOST_LIGHTS;
 
-/// A walk keeps six bits beside the index of a node whose children wait (shaders/scene/traverse). So many nodes take 4 GiB.
+/// A walk packs six bits with the index of a node (shaders/scene/traverse). This number of nodes takes 4 GiB.
 const MAX_NODES: usize = 1 << 26;
 
 /// The most media. Each takes one of the loop iterations that an invocation is allowed (shaders/stage/bounce).
@@ -73,7 +73,7 @@ pub fn flatten_with(
     mut hierarchies: Option<&mut Hierarchies>,
 ) -> Result<DeviceScene> {
     if let Some(hierarchies) = &mut hierarchies {
-        hierarchies.keep_those_of(scene);
+        hierarchies.retain(scene);
     }
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
@@ -262,7 +262,7 @@ fn needs_light_sampling(scene: &Scene, object: &Object) -> Error {
     scene.error_of(object, &message)
 }
 
-/// The warning that mirrors or glass stop the light of lights without size, which BSDF sampling cannot hit.
+/// The warning that mirrors or glass stop the light of lights without size, which BSDF sampling cannot find.
 fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> Option<String> {
     let (object, _) = finder.lights.first()?;
     let shiny = features.specular.iter().flatten().next()?;
@@ -281,12 +281,12 @@ fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> 
     ))
 }
 
-/// How many lights without size count for the unit of radiance: the brightest.
+/// The number of the brightest lights without size that count for the unit of radiance.
 const MOST_DELTA_LIGHTS: usize = 64;
-/// The least distance of a light from what it lights, as a share of the scene's extent.
+/// The smallest assumed distance of a light from a lit surface, as a share of the scene's extent.
 const LEAST_LIGHT_DISTANCE: f64 = 1.0 / (1u64 << 14) as f64;
 
-/// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest bounding shape of an object.
+/// An estimate of the largest radiance of a white diffuse surface lit by a light without size: at the nearest bounding shape of an object.
 fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
     let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).collect();

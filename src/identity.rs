@@ -1,4 +1,4 @@
-//! What an image is a function of, beside its samples and the driver: only renders in which all of it agrees can be joined.
+//! The identity of an image: all that it depends on, except its samples and the driver. Only renders of equal identity can be joined.
 
 mod digest;
 
@@ -57,7 +57,7 @@ impl Identity {
         (frame.part.is_in(frame.full) && frame.part.size() == size).then_some(frame)
     }
 
-    /// The channels that there are beside the radiance.
+    /// The channels of `--aov`.
     pub fn aovs(&self) -> Aovs {
         RenderOptions::of_settings(&self.settings).aov
     }

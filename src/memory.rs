@@ -1,6 +1,6 @@
 //! The memory of the machine.
 
-/// The bytes that can still be had without ending other programs, where the system tells.
+/// The bytes that can still be had without ending other programs, if the system reports it.
 pub fn available() -> Option<u64> {
     let text = |path: &str| std::fs::read_to_string(path).ok();
     let machine = text("/proc/meminfo").and_then(|text| of_machine(&text));

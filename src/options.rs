@@ -12,7 +12,7 @@ use crate::bvh::Quality;
 use crate::data::Sampler;
 use crate::job::{MOST_SAMPLES, Size};
 
-/// The options of a render beside its scene and its job. The default is that of the command line.
+/// The options of a render, without its scene and its job. The default is that of the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     pub integrator: Integrator,
@@ -66,7 +66,7 @@ impl RenderOptions {
 
     /// The options that change the image, by their names, with their values.
     pub fn of_image(&self) -> impl Iterator<Item = (&'static str, String)> {
-        // Without channels beside the picture, nobody asks what they are like.
+        // Without channels of `--aov`, their settings do not matter.
         let counts = |spec: &&OptionSpec| match spec.class {
             Class::Exact => false,
             Class::Channels => !self.aov.is_empty() && !spec.is_default(self),
@@ -212,7 +212,7 @@ pub enum Class {
     Look,
     /// What the image converges to is another one.
     Bias,
-    /// Nothing: the picture is the same to the byte, and the file has more channels beside it.
+    /// Nothing: the picture is the same to the byte, and the file has further channels.
     Channels,
     /// An image that differs by the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
     Numerics,
@@ -617,7 +617,7 @@ pub const AOV: OptionSpec = OptionSpec {
     ..PLAIN
 };
 
-/// What a file has beside the picture.
+/// The further channels of a file.
 const OF_FILES: &[&OptionSpec] = &[
     &AOV,
     &OptionSpec {
@@ -674,7 +674,7 @@ const TUNING: &[&OptionSpec] = &[
         about: "What kernels contain: only what the scene requires, or everything that any scene can require.",
         default: Some("scene"),
         reading: word!(features: FeatureSet),
-        // Tests and `plan` compare kernels with all features; nobody renders better or faster by them.
+        // For tests and `plan`: a render with all features is neither better nor faster.
         is_hidden: true,
         ..PLAIN
     },

@@ -38,11 +38,11 @@ pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
 /// A kernel: a linked shader and what it binds.
 #[derive(Debug)]
 pub struct Kernel {
-    /// `scatter_metal` where it serves one material alone, else the stage's name.
+    /// `scatter_metal` if it serves one material alone, else the stage's name.
     pub name: String,
     /// The entry point, and the file under shaders/stage.
     pub stage: &'static str,
-    /// What it was linked with.
+    /// The choices that it was linked with.
     pub choices: Choices,
     pub linked: Linked,
     pub module: naga::Module,
@@ -53,7 +53,7 @@ pub struct Kernel {
     pub reason: Reason,
 }
 
-/// What a render of a scene takes: kernels, buffers and sizes.
+/// The plan of a render: its kernels, buffers and sizes.
 #[derive(Debug)]
 pub struct Plan<'a> {
     pub scene: &'a DeviceScene,
@@ -69,17 +69,17 @@ pub struct Kernels {
     pub bounce: Bounce,
     /// Adds finished runs to the film, after some bounces.
     pub accumulate: Kernel,
-    /// What slots keep of their paths from one dispatch to the next.
+    /// The state of a path that slots keep from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
-    /// The channels beside the radiance.
+    /// The channels of `--aov`.
     pub aovs: Aovs,
-    /// What they are linked for.
+    /// The features that they are linked for.
     pub features: Features,
     tables: UniformTables,
 }
 
-/// The settings as the kernels of a plan have them: just the members that they need.
+/// The members of `Settings` that the kernels of a plan use.
 #[derive(Clone, Debug)]
 pub struct SettingsLayout(Vec<Member>);
 
@@ -88,7 +88,7 @@ impl SettingsLayout {
         Ok(SettingsLayout(layout::members(module, "Settings")?.map_or_else(Vec::new, |(members, _)| members)))
     }
 
-    /// How many they are with their padding.
+    /// Bytes of the settings, with padding.
     fn size(&self) -> u64 {
         u64::from(layout::packed_bytes(&self.0))
     }
@@ -99,30 +99,30 @@ impl SettingsLayout {
     }
 }
 
-/// From a ray to what becomes of it.
+/// The kernels of a bounce.
 #[derive(Debug)]
 pub enum Bounce {
     Fused(Box<Kernel>),
     Staged(Box<Staged>),
 }
 
-/// The stages of a bounce as kernels of their own.
+/// A kernel for each stage of a bounce.
 #[derive(Debug)]
 pub struct Staged {
     pub intersect: Kernel,
-    /// Media on the way to what a ray met; absent where there are none.
+    /// Samples events in media before the hit; absent if there are no media.
     pub medium: Option<Kernel>,
-    /// Sizes the scatter dispatches; absent where one linked kernel serves all slots.
+    /// Sizes the scatter dispatches; absent if one linked kernel serves all slots.
     pub dispatch: Option<Kernel>,
-    /// One linked kernel, or one for each queue in the queues' order; none where there is nothing to hit.
+    /// One linked kernel, or one for each queue in the queues' order; none if the scene has no surface.
     pub scatter: Vec<Kernel>,
-    /// Rays to lights; absent where there is none to sample.
+    /// Traces shadow rays; absent if no light is sampled.
     pub shadow: Option<Kernel>,
     pub refill: Kernel,
 }
 
 impl<'a> Plan<'a> {
-    /// Decides on the kernels, the buffers and the sizes for a device of this class, and links the kernels.
+    /// Chooses the kernels, the buffers and the sizes for a device of this class, and links the kernels.
     ///
     /// # Errors
     /// As of [`Kernels::link`].
@@ -134,7 +134,7 @@ impl<'a> Plan<'a> {
         Ok(Plan { scene, options: options.clone(), kernels, tuning })
     }
 
-    /// The most radiance of a contribution of indirect light, in device radiance; 0 where it is not limited.
+    /// The limit of `--clamp` on a contribution of indirect light, in device radiance; 0 without it.
     pub fn indirect_limit(&self) -> f32 {
         let Some(limit) = self.options.clamp else { return 0.0 };
         // Values beyond the range of f32 become its least or largest.
@@ -160,10 +160,10 @@ impl<'a> Plan<'a> {
 }
 
 impl Kernels {
-    /// Decides and links the kernels.
+    /// Chooses and links the kernels.
     ///
     /// # Errors
-    /// `Error::Shader` where a kernel does not link or validate: a defect of gpu-rt, not of the scene.
+    /// `Error::Shader` if a kernel does not link or validate: a defect of gpu-rt, not of the scene.
     pub fn link(
         features: &Features,
         options: &RenderOptions,
@@ -171,7 +171,7 @@ impl Kernels {
         tables: &UniformTables,
     ) -> Result<Kernels> {
         let materials = entries(MATERIALS, &features.materials);
-        // A queue each is no use where there is one material.
+        // With one material there is nothing to sort.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
@@ -197,7 +197,7 @@ impl Kernels {
             let if_any = |reason: &Option<Reason>, name, why: &str| {
                 reason.as_ref().map(|reason| kernel(name, name, &choices, why, reason)).transpose()
             };
-            // A scatter kernel for each material: the linked kernel's own file with a list of one.
+            // The scatter kernel of one material is the stage's file with a list of one material.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
                 let served = [Entry { closes: true, ..material.clone() }];
                 let own = decide(features, options, tables, &materials, &served, queue, bounces).choices;
@@ -251,7 +251,7 @@ impl Kernels {
         all
     }
 
-    /// How many queues slots are sorted into.
+    /// The number of queues that slots are sorted into.
     fn queues(&self) -> u64 {
         match &self.bounce {
             Bounce::Staged(staged) if staged.dispatch.is_some() => staged.scatter.len() as u64,
@@ -297,7 +297,7 @@ impl Kernels {
             .made_of(make_up_of_texels(flat))
             .shrunk_by(largest_images(flat)),
             array(table("sky", &flat.sky, "the background's image as a distribution of directions")),
-            array(table("extensions", &flat.extensions, "what materials have beside their rows")),
+            array(table("extensions", &flat.extensions, "extensions of materials")),
             array(table(
                 "directional_albedos",
                 &flat.directional_albedos,
@@ -326,7 +326,7 @@ impl Kernels {
     }
 }
 
-/// The make-up of the texels: how many images there are of each format, and their bytes.
+/// The number of images of each format, and their bytes.
 fn make_up_of_texels(flat: &DeviceScene) -> String {
     let of_format = |(number, name): (usize, &&str)| {
         let images = flat.images.iter().filter(|(_, bitmap)| bitmap.format.number() == number);
@@ -338,7 +338,7 @@ fn make_up_of_texels(flat: &DeviceScene) -> String {
     if formats.is_empty() { "no image".to_string() } else { formats.join("; ") }
 }
 
-/// What to do about images that take too much.
+/// What to do if images take too much memory.
 fn largest_images(flat: &DeviceScene) -> Option<String> {
     let images = flat.images.iter();
     let images = images.map(|(path, bitmap)| (path.as_str(), (bitmap.width, bitmap.height), bitmap.bytes()));
@@ -355,7 +355,7 @@ fn names_with_reasons(names: &[&str], used: &[Option<String>], suffix: &str) -> 
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
+/// The choices of a kernel for all materials of the scene, for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
     let materials = entries(MATERIALS, &features.materials);
     decide(features, options, tables, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices

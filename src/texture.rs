@@ -363,7 +363,7 @@ impl Texture {
     }
 
     /// The struct that kernels read, with values multiplied by `brightness`; none for a plain colour. `add_image`
-    /// returns the place of an image's first word.
+    /// returns the index of an image's first word.
     pub fn upload(
         &self,
         brightness: f64,

@@ -4,7 +4,7 @@ use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, ScopedJoinHandle, available_parallelism, scope};
 
-/// The number of threads that run at the same time on this machine; 1 if the system does not tell.
+/// The number of threads that run at the same time on this machine; 1 if the system does not report it.
 pub fn cores() -> usize {
     available_parallelism().map_or(1, usize::from)
 }

@@ -201,8 +201,8 @@ fn images_with_other_options_are_what_they_were_in_all_ways() {
     ["rough", "first"].into_iter().for_each(|set| check(set, &SCATTERS));
 }
 
-/// Every table has a row for each scene and each set of options. A driver's table is compared where the driver is, so that nobody would notice for
-/// long that a row is missing.
+/// Every table has a row for each scene and each set of options. A table is compared only with its driver, so a missing row would go unnoticed for
+/// long.
 #[test]
 fn tables_have_every_scene_and_set() {
     let keys = |name: &String| SETS.map(|(set, _)| format!("{name} {set}"));

@@ -2,7 +2,7 @@
 //@ use choice/filter_weight
 // The share of the radiance that is direct: light seen directly, and light on the first surface or medium of a path.
 
-// Notes a contribution of light that reaches the camera by this number of scattering events.
+// Records a contribution of light that reaches the camera by this number of scattering events.
 fn record_direct(path: ptr<function, Path>, contribution: vec3<f32>, events: u32) {
     if events < INDIRECT_FROM {
         (*path).direct += contribution;

@@ -5,7 +5,7 @@
 //@ use scene/responses
 // The albedo and the normal of the surface that the camera sees (`--aov-surface`).
 
-// Notes a BSDF sample at a surface with this shading normal. The albedo is the path's throughput times the share of light that the event
+// Records a BSDF sample at a surface with this shading normal. The albedo is the path's throughput times the share of light that the event
 // scatters; of a light the share is 1.
 fn record_surface(path: ptr<function, Path>, material: Material, bsdf: Scatter, normal: vec3<f32>) {
     let passes = bsdf.event == SCATTERED && !is_non_specular(material);
@@ -13,12 +13,12 @@ fn record_surface(path: ptr<function, Path>, material: Material, bsdf: Scatter, 
     record_event_seen(path, passes, (*path).throughput * share, normal);
 }
 
-// Notes an event in a medium, which has no normal.
+// Records an event in a medium, which has no normal.
 fn record_medium(path: ptr<function, Path>, albedo: vec3<f32>) {
     record_event_seen(path, false, albedo, vec3<f32>(0.0));
 }
 
-// `passes` tells that the event is at a mirror or at clear glass.
+// `passes`: the event is at a mirror or at clear glass.
 fn record_event_seen(path: ptr<function, Path>, passes: bool, event_albedo: vec3<f32>, event_normal: vec3<f32>) {
     if !is_seen(path, passes) {
         return;

@@ -1,3 +1,3 @@
 //@ use data/material
-// What each material has beside its row of the table.
+// The extensions of each material.
 @group(0) @binding(29) var<storage, read> extensions: array<Extension>;

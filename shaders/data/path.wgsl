@@ -1,7 +1,7 @@
 //@ use generated/path
 //@ use data/hit
-// `Path` is the state of a path, and of the run that its sample belongs to. The plan writes it from its table of fields
-// (src/plan/state.rs), which says what each holds. `status` is the code of the primitive that the ray hit, or what the path is doing
+// `Path` is the state of a path, and of the run that its sample belongs to. The plan generates it from its table of fields,
+// which describes each (src/plan/state.rs). `status` is the code of the primitive that the ray hit, or what the path is doing
 // (data/primitive); once the path has ended, `throughput` holds its radiance. `pdf` is that of the ray's direction by the last event, and 0 for
 // camera rays and in specular lobes. `light` is the code of the shadow ray's light, or NO_LIGHT. `aov` has the sums of `--aov` over the
 // samples of the run.

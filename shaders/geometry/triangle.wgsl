@@ -3,7 +3,7 @@
 //@ use lib/float
 //@ relies on signs
 // Intersects rays with triangles, without gaps: no ray passes between triangles that share an edge or a vertex, and none hits
-// two of them there. The vertices are sheared so that the ray runs along z. Three edge functions tell on which sides of the
+// two of them there. The vertices are sheared so that the ray runs along z. Three edge functions show on which sides of the
 // edges the origin of the x, y plane lies (Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
 // Here the signs of the edge functions are exact for the sheared vertices, however a driver rounds or fuses. They are never 0,
 // because the origin is treated as if moved by an infinitesimal (Edelsbrunner and Mücke, "Simulation of Simplicity", ACM TOG
@@ -175,7 +175,7 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
     let edge = vec2<f32>(px.z - px.y, py.z - py.y);
     let total = edge.x * (py.x - py.y) - edge.y * (px.x - px.y);
     let part = px.y * edge.y - py.y * edge.x;
-    // In a needle, or seen along an edge, areas can be 0 as floats. Then they do not tell where in the triangle the hit lies.
+    // In a needle, or seen along an edge, areas can be 0 as floats. Then they do not show where in the triangle the hit lies.
     let tip = select(clamp(part / total, 0.0, 1.0), 1.0 / 3.0, total == 0.0);
     let rest = ends.y + ends.z;
     let share = select(clamp(ends.z / rest, 0.0, 1.0), 0.5, rest == 0.0);

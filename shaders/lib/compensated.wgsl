@@ -1,10 +1,10 @@
-// Sums that keep their rounding error beside them: Kahan, "Pracniques: further remarks on reducing truncation errors",
+// Sums with a term for their rounding error: Kahan, "Pracniques: further remarks on reducing truncation errors",
 // Communications of the ACM 8(1), 1965. For n terms of one sign, the relative error of sum - excess is 2 u plus a multiple of n
 // u² (Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed., section 4.3).
 
 struct Compensated {
     sum: vec3<f32>,
-    // How much the sum is too large.
+    // The rounding error: the sum is too large by this.
     excess: vec3<f32>,
 }
 

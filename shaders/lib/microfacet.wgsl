@@ -5,7 +5,7 @@
 // square of the perceptual roughness, as glTF has it. The view is the side from which the ray comes. All cosines are not negative.
 
 // A roughness below this makes a smooth surface. Its alpha is 2^-20, and the f32 components of directions are rounded by up to
-// 2^-25: they do not tell narrower lobes apart.
+// 2^-25: they cannot represent narrower lobes.
 const LEAST_ROUGHNESS: f32 = 0x1p-10f;
 
 // The direction in which a smooth surface mirrors a ray. It is made a unit vector twice, so that it has the bytes of a metal without fuzz.
@@ -13,7 +13,7 @@ fn mirror_direction(incoming: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     return normalize(normalize(incoming - 2.0 * dot(incoming, normal) * normal));
 }
 
-// Whether a boundary between clear solids is rough: `contrast` is (ior - 1)(ior + 1). Where the index is close to 1, the refracted lobe
+// Whether a boundary of a transmissive solid is rough: `contrast` is (ior - 1)(ior + 1). Where the index is close to 1, the refracted lobe
 // is narrow by as much.
 fn is_rough_boundary(alpha: f32, contrast: f32) -> bool {
     return alpha * min(abs(contrast), 1.0) >= LEAST_ROUGHNESS * LEAST_ROUGHNESS;
@@ -25,7 +25,7 @@ fn width_of_reflection(alpha: f32) -> f32 {
     return 2.0 * alpha;
 }
 
-// The width of the lobe that they refract: by Snell's law, a microfacet that turns by an angle turns a ray that meets it straight on by
+// The width of the lobe that they refract: by Snell's law, a microfacet that turns by an angle turns a ray at normal incidence by
 // 1 - 1/eta of it, with eta the index of the far side over that of the near side.
 fn width_of_refraction(alpha: f32, eta: f32) -> f32 {
     return alpha * abs(1.0 - 1.0 / eta);

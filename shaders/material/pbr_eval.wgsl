@@ -25,13 +25,13 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return !pbr_is_smooth(material) || pbr_metallic(material) < 1.0;
 }
 
-// The reflectance of the microfacets at this cosine, of the layer and of the metal, as single scattering has it.
+// The reflectance of the microfacets of layer and metal at this cosine, by single scattering.
 fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
     return mix(pbr_layer(material, hit, cos_facet), schlick(cos_facet, hit.colour), pbr_metallic(material));
 }
 
-// The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. A grazing view
-// makes the matt share 0 for light from straight ahead alone, so that it does not decide whether there is a matt part.
+// The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. At a
+// grazing view the matt share is 0 only for light at normal incidence, so it does not decide whether there is a matt part.
 fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f32 {
     let base = hit.colour;
     let metallic = pbr_metallic(material);

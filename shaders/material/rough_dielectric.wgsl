@@ -2,7 +2,7 @@
 //@ use choice/fresnel
 //@ use lib/basis
 //@ use lib/microfacet
-// A boundary of a clear solid with microfacets. `parameter` is its roughness, and that of its second part the index of refraction. A
+// A boundary of a transmissive solid with microfacets. `parameter` is its roughness, and that of its second part the index of refraction. A
 // microfacet is drawn from those that are visible. It reflects with the probability of its reflectance and refracts otherwise, so the
 // weight is the share of the visible microfacets that the light reaches too (Walter et al., EGSR 2007). Light that ends on the wrong
 // side of the surface is lost. Radiance is not scaled by the index squared, as with a dielectric.

@@ -2,7 +2,7 @@
 //@ use choice/fresnel
 //@ use lib/basis
 //@ use lib/microfacet
-// A pane of clear solid that is thin: what it refracts leaves it in the direction in which it came. `parameter` is its roughness. A
+// A thin pane of a transmissive solid: light that it refracts leaves it in the direction in which it came. `parameter` is its roughness. A
 // microfacet is drawn from those that are visible. It reflects with the probability of its reflectance. The light that passes is
 // spread as the reflected light is, on the other side of the pane, so both have the weight of a microfacet's reflection.
 fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {

@@ -1,6 +1,6 @@
 //@ use data/path
 //@ use data/window
-// The film has no channel beside the radiance.
+// The film has no channel but radiance.
 fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
 }
 

@@ -1,6 +1,6 @@
 //@ use generated/slots
 //@ use aov/hit
-// Notes the hit of a slot's camera ray.
+// Records the hit of a slot's camera ray.
 fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);

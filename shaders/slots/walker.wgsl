@@ -1,5 +1,5 @@
 //@ use generated/slots
-// What a walk needs to draw whether a transparent surface stops its ray.
+// What a walk needs to decide at random whether a transparent surface stops its ray.
 fn load_walker(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);

@@ -5,7 +5,8 @@
 //@ use step/film
 //@ use choice/aov_film
 //@ use step/pixel_order
-// Adds the finished runs to the film. In a kernel of its own, every invocation has a run to add. Where runs end, few would.
+// Adds the finished runs to the film. It is a kernel of its own, where every invocation has a run to add. In the kernel that ends runs,
+// few invocations would.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -59,7 +59,7 @@ fn sends_probe(path: ptr<function, Path>, lobe: u32) -> bool {
 }
 
 // Sets the probe weight of the path's shadow ray, per unit of throughput and radiance, before the division by the light's density. The
-// probe takes the place of a direction that is uniform in the cone around the sampled one, on the same side of the surface. `share` is
+// probe stands for a uniform direction in the cone around the sampled one, on the same side of the surface. `share` is
 // the share of light from this direction that counts. The weight is negative in a specular lobe.
 fn aim_probe(path: ptr<function, Path>, probes: bool, drawn: Scatter, to_light: vec3<f32>, normal: vec3<f32>, share: f32) {
     let same_side = (dot(drawn.direction, normal) < 0.0) == (dot(to_light, normal) < 0.0);

@@ -1,5 +1,5 @@
 //@ use bind/texels
-// Three sRGB codes in a word, red in the lowest byte. Their linear values stand in a table before all images.
+// Three sRGB codes in a word, red in the lowest byte. Their linear values are in a table before all images.
 fn srgb_texel(first: u32, index: u32) -> vec3<f32> {
     let codes = texels[first + index];
     let red = texels[codes & 255u];

@@ -1,4 +1,4 @@
-//! What has come of the parts of a render that many processes share. The headers of their files tell it; nothing else is read.
+//! The progress of the parts of a render that many processes share. Only the headers of their files are read.
 
 use std::cmp::Reverse;
 use std::io::ErrorKind;
@@ -20,7 +20,7 @@ pub struct Part {
     /// Those that its file has.
     pub samples: Samples,
     pub progress: Progress,
-    /// Seconds that a process has taken for one sample of every pixel, where the file tells.
+    /// Seconds that a process has taken for one sample of every pixel, if the file has it.
     pub seconds_per_sample: Option<f64>,
 }
 
@@ -54,13 +54,13 @@ impl Part {
 #[derive(Clone, Debug)]
 pub struct Parts {
     pub all: Vec<Part>,
-    /// The file that tells what all usable parts are of, and its state; nothing where no part is usable.
+    /// A file that describes the render of all usable parts, and its state; `None` if no part is usable.
     pub reference: Option<(PathBuf, State)>,
     /// The devices and drivers of the usable parts.
     pub devices: Vec<(String, String)>,
 }
 
-/// What a header tells.
+/// The contents of a header.
 struct PartHeader {
     state: State,
     seconds_per_sample: Option<f64>,
@@ -108,7 +108,7 @@ impl Parts {
         parts
     }
 
-    /// Notes in a part what its state says.
+    /// Sets the progress of a part from its state.
     pub fn add_state(&mut self, part: &mut Part, state: &State, is_recent: bool, folder: &Folder) {
         if let Err(why) = self.fits(part, state, folder) {
             part.progress = Progress::NotUsable(why);

@@ -7,7 +7,7 @@ use super::scripts::{line, text_of};
 use super::{Folder, LOG, MERGE, RENDER};
 use crate::error::{Error, Result};
 
-/// The tasks of an array where the cluster does not tell: Slurm's default.
+/// The tasks of an array if the cluster does not report its limit: Slurm's default.
 const TASKS: u32 = 1001;
 
 /// A cluster, or none, for which scripts are written.
@@ -50,7 +50,7 @@ impl Slurm {
         Ok(Slurm { there: there && !dry_run, most_tasks: most_tasks.unwrap_or(TASKS).max(1) })
     }
 
-    /// Submits these tasks of the folder, and the join after them. Without a cluster, it gives the lines to `tell`.
+    /// Submits these tasks of the folder, and the join after them. Without a cluster, it passes the lines to `tell`.
     pub fn submit(
         &self,
         folder: &Folder,
@@ -119,7 +119,7 @@ impl Slurm {
     }
 }
 
-/// The most tasks of an array, where Slurm tells.
+/// The most tasks of an array, if Slurm reports it.
 fn most_tasks() -> Option<u32> {
     let ran = Command::new("scontrol").args(["show", "config"]).stdin(Stdio::null()).output().ok()?;
     let said = String::from_utf8_lossy(&ran.stdout);

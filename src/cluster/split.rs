@@ -10,8 +10,7 @@ pub fn runs(samples: &Range<u32>) -> u32 {
     samples.end.saturating_sub(samples.start).div_ceil(RUN_LENGTH)
 }
 
-/// Splits a range into at most so many parts. Each has as many runs as another, or one more; it starts where the range starts, or whole
-/// runs later.
+/// Splits a range into at most `parts` parts, at multiples of a run from its start. Their numbers of runs differ by at most one.
 pub fn even(samples: &Range<u32>, parts: u32) -> Vec<Range<u32>> {
     let runs = u64::from(runs(samples));
     let parts = u64::from(parts).min(runs);

@@ -138,7 +138,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     })?;
     let broken: Vec<usize> = (0..width * height).filter(|&pixel| !images.counts(pixel)).collect();
 
-    // Means are over the finite pixels. FLIP needs the whole image: all other pixels are black in both.
+    // Means are over the finite pixels. FLIP needs the full image: all other pixels are black in both.
     for &pixel in &broken {
         (a.rgb[pixel], b.rgb[pixel]) = ([0.0; 3], [0.0; 3]);
     }

@@ -43,7 +43,7 @@ pub struct DenoiseArgs {
 pub struct Denoising {
     pub denoiser: Denoiser,
     pub exr: PathBuf,
-    /// The picture beside it.
+    /// Its PNG.
     pub png: Option<PathBuf>,
     pub view: ViewTransform,
 }
@@ -56,7 +56,7 @@ pub struct Denoised {
     png: Option<String>,
     /// The name and version of the library.
     denoiser: String,
-    /// The layers that it used beside the image.
+    /// The layers that it used as well as the image.
     layers: Vec<&'static str>,
     biases: [&'static str; 1],
     /// Of denoising, without reading and writing.
@@ -125,7 +125,7 @@ pub fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Deno
     Ok((denoised, *size))
 }
 
-/// The layers that the denoiser uses. It takes a normal only beside an albedo.
+/// The layers that the denoiser uses. It takes a normal only with an albedo.
 fn layers(noisy: &NoisyFile) -> Vec<&'static str> {
     match (&noisy.albedo, &noisy.normal) {
         (Some(_), Some(_)) => vec!["albedo", "normal"],

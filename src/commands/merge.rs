@@ -71,7 +71,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
 
     let Joined { count, samples, devices, checks, noise } = &joined;
     let complete = samples.ranges().len() == 1;
-    // The parts were asked for the same; the results are those of the whole.
+    // The parts have the same request; the results are those of the joined image.
     let mut attributes = read_attributes(first.path)?;
     let biases = attribute_text(&attributes, "gpu-rt:biases");
     let finish = Finish::new(&film, samples, devices, *noise, complete);
@@ -81,7 +81,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         record.insert("noise".to_string(), json!(error));
         record.insert("noise_reached".to_string(), json!(noise.reached));
     }
-    // Also what is not known of the whole, and has no attribute.
+    // Also values that the joined image lacks, and that have no attribute.
     let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
     attributes.retain(|(name, _)| {
         name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))

@@ -72,7 +72,7 @@ fn steps_of(device: Option<&str>) -> Option<u32> {
     numerics(&device).ok()?.most_steps()
 }
 
-/// The whole report. With `why`, only that kernel.
+/// The full report; with `why`, only that kernel.
 fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Value {
     let is_listed = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
     let kernels: Vec<_> = report.kernels.iter().filter(is_listed).map(|kernel| kernel_json(report, kernel)).collect();

@@ -37,7 +37,7 @@ pub use summary::{error_words, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
 
-/// Renders the scene as asked, once or whenever it changes.
+/// Renders the scene once, or whenever it changes.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     Viewers::check(args)?;
     if args.watch {

@@ -24,7 +24,7 @@ pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Asse
     }
 }
 
-/// Reads the scene without telling its progress.
+/// Reads the scene without showing progress.
 pub fn load(scene: &SceneArgs) -> Result<Scene> {
     load_with(scene, &mut |_, _, _| {}, &mut Assets::default())
 }
@@ -63,7 +63,7 @@ pub fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -
     Ok((size, flatten(scene, size, options)?))
 }
 
-/// The size of the image: the one asked for, or the scene's.
+/// The size of the image: the requested one, or the scene's.
 pub fn size_of(scene: &Scene, requested: Option<Size>) -> (u32, u32) {
     let of_scene = (scene.image.width, scene.image.height);
     requested.map_or(of_scene, |size| size.in_pixels(of_scene))

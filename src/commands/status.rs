@@ -209,7 +209,7 @@ struct Report<'a> {
     /// Samples of a pixel: requested, and rendered so far.
     requested: u64,
     done: u64,
-    /// Seconds that a process takes for one sample of every pixel: the mean over the parts that tell.
+    /// Seconds that a process takes for one sample of every pixel: the mean over the parts that report it.
     seconds_per_sample: Option<f64>,
 }
 
@@ -302,7 +302,7 @@ impl Report<'_> {
             1 => "with one part at a time".to_string(),
             parts => format!("with {parts} parts at a time"),
         };
-        // Of hours, nobody needs the seconds.
+        // Seconds do not matter in hours.
         let step = |seconds: f64| if seconds > 3600.0 { 60.0 } else { 1.0 };
         let rounded = |seconds: f64| (seconds / step(seconds)).ceil() * step(seconds);
         match self.seconds_left().map(|seconds| (seconds, Duration::try_from_secs_f64(rounded(seconds)))) {
@@ -341,7 +341,7 @@ impl Report<'_> {
     }
 }
 
-/// What the user should know beside the report.
+/// Warnings and notes that follow the report.
 fn notes(folder: &Folder, parts: &Parts, png: &Option<PathBuf>, is_joined: bool) -> Vec<String> {
     let mut notes = Vec::new();
     if parts.devices.len() > 1 && !folder.request.options.iter().any(|word| word == "--mixed-drivers") {

@@ -1,4 +1,4 @@
-//! The device that a command names: opened, or asked for its limits alone.
+//! The device that a command names: opened, or only its limits.
 
 use super::console::tell;
 use crate::error::{Error, Result};

@@ -290,7 +290,8 @@ fn swept_options(args: &TradeoffArgs) -> Result<Vec<&'static OptionSpec>> {
     Ok(all().filter(|spec| args.knobs.is_empty() || args.knobs.iter().any(|name| name == spec.name)).collect())
 }
 
-/// What denoises; none if nothing is denoised. Who asks for it by name is told what is wrong with its library. Otherwise the setting is not measured.
+/// The denoiser; none if nothing is denoised. If the user names the setting, a missing library is an error. Otherwise the setting is not
+/// measured.
 fn denoiser_of(args: &TradeoffArgs, specs: &[&OptionSpec]) -> Result<Option<Denoiser>> {
     if !specs.iter().any(|spec| spec.name == DENOISE.name) {
         return Ok(None);

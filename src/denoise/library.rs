@@ -172,7 +172,7 @@ impl Library {
 
 impl Drop for Library {
     fn drop(&mut self) {
-        // SAFETY: the device is not null, and nobody has it any more.
+        // SAFETY: the device is not null, and nothing refers to it any more.
         unsafe { (self.functions.release_device)(self.device) };
     }
 }

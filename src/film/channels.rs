@@ -1,4 +1,4 @@
-//! The exact sums of the channels beside the radiance.
+//! The exact sums of the channels of `--aov`.
 
 use std::mem::size_of;
 
@@ -19,12 +19,12 @@ pub(super) struct Channels {
     sums: Vec<i128>,
 }
 
-/// The bytes that a pixel of the device's film takes.
+/// Bytes of a pixel of the device's film.
 pub fn device_bytes(aovs: &Aovs) -> u64 {
     (size_of::<PixelTotals>() + aovs.count() * size_of::<[u32; 4]>()) as u64
 }
 
-/// The bytes that a finished run takes on its way to it.
+/// Bytes of a finished run's record.
 pub fn record_bytes(aovs: &Aovs) -> u64 {
     (size_of::<RunRecord>() + aovs.count() * size_of::<f32>()) as u64
 }
@@ -50,7 +50,7 @@ impl Channels {
         self.sums.iter_mut().zip(&other.sums).for_each(|(mine, theirs)| *mine = mine.saturating_add(*theirs));
     }
 
-    /// Adds the sums that a device has of a pixel, which follow its totals.
+    /// Adds the sums of a pixel from a device, where they follow its totals.
     pub fn add_from_device(&mut self, index: usize, totals: &PixelTotals, sums: &[u8]) {
         let Some(mine) = self.of_mut(index) else { return };
         for (number, (mine, words)) in mine.iter_mut().zip(sums.chunks_exact(size_of::<[u32; 4]>())).enumerate() {
@@ -74,7 +74,7 @@ impl Channels {
         self.sums.get_mut(index * count..(index + 1) * count)
     }
 
-    /// A component of a sum; 0 where there is none, and nothing where it has left its range.
+    /// A component of a sum; 0 if the film lacks it, and `None` if it has left its range.
     pub fn sum(&self, index: usize, sum: Sum, component: usize) -> Option<f64> {
         let sum_index = self.aovs.first_sum(sum).map_or(usize::MAX, |first| first + component);
         match self.sums_of_pixel(index).get(sum_index).copied().unwrap_or(0) {
@@ -83,7 +83,7 @@ impl Channels {
         }
     }
 
-    /// Three components, divided by a count; 0 where that is 0.
+    /// The three components divided by a count; 0 if the count is 0.
     pub fn mean(&self, index: usize, sum: Sum, count: f64) -> Option<DVec3> {
         let component = |component| self.sum(index, sum, component);
         let sums = DVec3::new(component(0)?, component(1)?, component(2)?);

@@ -1,4 +1,4 @@
-//! What is counted over the film, in integers, so that order cannot matter.
+//! Totals over the film, in integers, which do not depend on the order.
 
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +43,7 @@ pub struct Totals {
 }
 
 impl std::ops::AddAssign for Totals {
-    /// Saturates, which cannot depend on the order either.
+    /// A saturating sum, which does not depend on the order either.
     fn add_assign(&mut self, other: Totals) {
         let add = |mine: &mut u64, theirs: u64| *mine = mine.saturating_add(theirs);
         add(&mut self.paths, other.paths);
@@ -61,7 +61,7 @@ impl std::ops::AddAssign for Totals {
 }
 
 impl Totals {
-    /// What max_depth cut off.
+    /// The light that max_depth cut off.
     pub fn too_deep(&self) -> TooDeep {
         TooDeep { paths: self.too_deep, throughput: self.too_deep_throughput as f64 / 65_536.0 }
     }
@@ -73,7 +73,7 @@ impl Totals {
     }
 }
 
-/// What max_depth cut off. The throughput of such a path is the largest share of radiance that it could still have added.
+/// The light that max_depth cut off. The throughput of such a path is the largest share of radiance that it could still have added.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TooDeep {
     pub paths: u64,
@@ -96,12 +96,12 @@ pub struct HiddenLight {
 }
 
 impl HiddenLight {
-    /// The light in other units.
+    /// The light times a factor, such as a change of units.
     pub fn times(&self, factor: f64) -> HiddenLight {
         HiddenLight { bins: self.bins.map(|(probed, found)| (probed * factor, found * factor)) }
     }
 
-    /// The light that there is to find.
+    /// The light that probes found.
     pub fn probed(&self) -> f64 {
         self.bins.iter().map(|(probed, _)| probed).sum()
     }
@@ -111,7 +111,7 @@ impl HiddenLight {
         self.bins.iter().map(|(_, found)| found).sum()
     }
 
-    /// The light that is certainly missing. Paths find about what probes find; a quarter of that may be error.
+    /// The light that is certainly missing. Paths should find about as much as probes; a quarter of that may be noise.
     pub fn missing(&self) -> f64 {
         self.bins.iter().map(|(probed, found)| (0.75 * probed - found).max(0.0)).sum()
     }

@@ -1,4 +1,4 @@
-//! The values of the channels beside the radiance, in scene units.
+//! The values of the channels of `--aov`, in scene units.
 
 use super::Film;
 use super::floats::{exp2, to_f32};
@@ -6,16 +6,16 @@ use crate::aov::{Aov, Channel, Sum};
 
 /// The depth of a pixel whose rays all miss: beyond everything.
 const NO_DEPTH: f32 = f32::MAX;
-/// The share of its radiance below which a pixel's indirect radiance is the rounding of f32 and written as 0: a run's sum is rounded by 2^-24, and
+/// Indirect radiance below this share of a pixel's radiance is written as 0. It is the rounding of f32: a run's sum is rounded by 2^-24, and
 /// so is each of the few contributions to a sample.
 const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 impl Film {
-    /// A channel of a pixel, in scene units; `f32::MAX` where the sum has left its range.
+    /// A channel of a pixel, in scene units; `f32::MAX` if the sum has left its range.
     ///
-    /// The albedo and the normal are means over all samples; those that meet no surface count as 0. The depth and the position are means over
+    /// The albedo and the normal are means over all samples; samples without a surface count as 0. The depth and the position are means over
     /// the samples that hit a surface; without any, the depth is `f32::MAX` and the position 0. Objects and materials are those of the
-    /// pixel's sample 0, numbered from 1; 0 is none. The indirect radiance is the radiance less the direct one.
+    /// pixel's sample 0, numbered from 1; 0 is none. The indirect radiance is the radiance minus the direct one.
     pub fn channel(&self, index: usize, channel: &Channel) -> f32 {
         self.channel_value(index, channel).map_or(f32::MAX, to_f32)
     }

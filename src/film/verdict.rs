@@ -1,47 +1,47 @@
-//! What a film says of its own error, and whether that can be relied on.
+//! The stated error of a film, and whether it is reliable.
 
 use super::{ErrorEstimate, Film, HiddenLight};
 
-/// The relative error that missing light makes, over its share of the image's light: 1 where it lies on all pixels alike, and 4, as a caustic,
-/// where it lies on a sixteenth of them.
+/// The relative error by missing light, over its share of the image's light: 1 if all pixels lack it alike, and 4 if a sixteenth of them do, as
+/// in a caustic.
 const CONCENTRATION: f64 = 4.0;
 
 /// The stated error of a film, and the light that it may lack, as shares of the image's light.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
-    /// None while nothing is known of it.
+    /// `None` while it is not known.
     pub error: Option<ErrorEstimate>,
     /// Light that narrow lobes hide from light sampling.
     pub hidden: HiddenLight,
-    /// Where lights are not sampled: the most light that no path has found.
+    /// The most light that no path has found, if lights are not sampled; else 0.
     pub unfound: f64,
 }
 
 impl Film {
-    /// The film's error and what it may lack. Its bounds are wrong with a probability of `level` each.
+    /// The film's error and the light that it may lack. Each bound is wrong with the probability `level`.
     pub fn verdict(&self, level: f64) -> Verdict {
         let light = self.mean_radiance() * self.totals.paths as f64;
         let share = if light > 0.0 { 1.0 / light } else { 0.0 };
-        // A path brings at most the brightest radiance of the scene, which is at most 1 in device units. If k such paths are expected, none
-        // comes with the probability e^-k.
+        // A path carries at most the largest radiance of the scene, which is at most 1 in device units. If k such paths are expected, the
+        // probability of none is e^-k.
         let unfound = if self.samples_lights { 0.0 } else { level.recip().ln() * share };
         Verdict { error: self.error_estimate(level), hidden: self.totals.hidden_light().times(share), unfound }
     }
 }
 
 impl Verdict {
-    /// Whether light may be missing that makes an error larger than the stated bound.
+    /// Whether missing light may make an error larger than the stated bound.
     pub fn lacks_light(&self) -> bool {
         let error_of_missing = CONCENTRATION * self.hidden.missing();
         self.error.is_some_and(|error| error_of_missing.max(self.unfound) > error.bound)
     }
 
-    /// Whether the stated error can be relied on.
+    /// Whether the stated error is reliable; `None` while it is not known.
     pub fn reliable(&self) -> Option<bool> {
         self.error.map(|error| error.reliable && !self.lacks_light())
     }
 
-    /// Why the stated error cannot be relied on.
+    /// Why the stated error is not reliable.
     pub fn reasons_unreliable(&self) -> Vec<String> {
         let percent = |share: f64| format!("{:.2}", 100.0 * share);
         let mut reasons = Vec::new();

@@ -47,7 +47,7 @@ impl Pixel {
         }
     }
 
-    /// Squares below the least count as this: they are not known, and no larger.
+    /// The variance of the samples in scene units. Squares below the smallest known value count as that value, which bounds them.
     fn sample_variance(&self, exponent: i32) -> SampleVariance {
         let samples = u32::try_from(self.samples()).unwrap_or(u32::MAX);
         let degrees = samples.saturating_sub(self.runs);
@@ -84,21 +84,21 @@ impl Film {
         word_names(&self.channels.aovs)
     }
 
-    /// Writes the exact totals of a pixel, the lowest word of each first; zeros where it is not in the image. There is a word for each name.
+    /// Writes the exact totals of a pixel in the order of [`Film::word_names`]; zeros outside the image.
     pub fn put_words(&self, index: usize, words: &mut [u16]) {
         let (of_pixel, of_channels) = words.split_at_mut(OF_PIXEL);
         self.pixels.get(index).copied().unwrap_or_default().put(of_pixel);
         put_sums(self.channels.sums_of_pixel(index).iter(), of_channels);
     }
 
-    /// The words of a pixel, as a list.
+    /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
         let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.aovs.count()];
         self.put_words(index, &mut words);
         words
     }
 
-    /// Adds the exact totals that a pixel of another film of this image has.
+    /// Adds the words of a pixel of another film of this image.
     pub fn add_words(&mut self, index: usize, words: &[u16]) {
         let (of_pixel, of_channels) = words.split_at(OF_PIXEL);
         if let Some(pixel) = self.pixels.get_mut(index) {
@@ -109,7 +109,7 @@ impl Film {
         }
     }
 
-    /// Adds what another film of this image has counted.
+    /// Adds the totals of another film of this image.
     pub fn add_totals(&mut self, totals: super::Totals) {
         self.totals += totals;
     }

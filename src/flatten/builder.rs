@@ -22,7 +22,7 @@ use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, Ren
 const MOST_BY_BRUTE_FORCE: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
-/// A scene on its way to a `DeviceScene`.
+/// Builds a `DeviceScene`.
 pub struct Builder<'a> {
     pub scene: &'a Scene,
     pub space: RenderSpace,
@@ -31,14 +31,13 @@ pub struct Builder<'a> {
     pub around_media: HashSet<usize>,
     /// The hierarchies of an earlier flattening, if there was one.
     pub hierarchies: Option<&'a mut Hierarchies>,
-    /// Where the meshes lie that have been laid out.
+    /// The layouts of the meshes that have been added.
     pub layouts: Vec<Option<MeshLayout>>,
-    /// The tables of each mesh beside its vertices.
+    /// The tables of texture coordinates of each mesh.
     pub tables: Vec<Vec<Table>>,
     /// The index in the table of each of the scene's materials that an object uses.
     pub materials: Vec<u32>,
-    /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind
-    /// the other.
+    /// The textures of each of the scene's materials, without plain colours. On every object, each has its own frame, in this order.
     pub textures: Vec<Vec<&'a Texture>>,
     /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
@@ -97,7 +96,7 @@ impl Builder<'_> {
         (shape.kind().table.count(tables) - 1, Bounds { min, max })
     }
 
-    /// Where a mesh lies in the tables; the default for other shapes.
+    /// The layout of a mesh in the tables; the default for other shapes.
     pub fn layout_of(&mut self, shape: &Shape) -> MeshLayout {
         shape.mesh().map(|mesh| self.layout_of_mesh(mesh)).unwrap_or_default()
     }
@@ -187,8 +186,8 @@ impl Builder<'_> {
         self.flat.material_names.push(name.to_owned());
     }
 
-    /// Adds what materials have beside their rows: rows behind those of all materials. The emission of a light has one too, since a
-    /// kernel asks all emitters alike.
+    /// Adds the extensions of materials: rows behind those of all materials. The emission of a light has such a row too, so that kernels
+    /// treat all emitters alike.
     pub fn add_extensions(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
         let mut extensions = vec![data::Extension::NONE; self.flat.materials.len()];

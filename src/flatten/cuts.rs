@@ -18,7 +18,7 @@ const LEAST_SAVED: f32 = 0.1;
 /// The most leaves of a mesh that is cut: its nodes then take half of the 128 MiB that every device gives a buffer.
 pub const MOST_LEAVES: usize = 1 << 21;
 
-/// The pairs that a thread cuts at a time.
+/// The pairs that a thread cuts in a batch.
 const PAIRS_AT_ONCE: usize = 4096;
 
 /// A bound of the rounding in f64 of a corner of a clipped face, if no coordinate is above 1.
@@ -54,7 +54,7 @@ pub fn boxes(
     if parts.len() <= most { parts } else { uncut }
 }
 
-/// The parts into which the box of some faces is cut.
+/// The parts that the box of some faces is cut into.
 fn cut(bounds: Bounds, faces: &[[DVec3; 3]], least_saved: f32) -> Vec<Bounds> {
     let (mut done, mut open) = (Vec::new(), vec![bounds]);
     while let Some(bounds) = open.pop() {

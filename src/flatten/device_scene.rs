@@ -1,4 +1,4 @@
-//! A scene as the kernels see it.
+//! A scene in the layout of the kernels.
 
 use super::features::Features;
 use crate::aov::SceneSpace;
@@ -8,7 +8,7 @@ use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT};
 use crate::scene::Bitmap;
 use crate::shape::Tables;
 
-/// A scene as the kernels see it.
+/// A scene in the layout of the kernels.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceScene {
     pub features: Features,
@@ -28,7 +28,7 @@ pub struct DeviceScene {
     /// The distribution of directions by the background's image.
     pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
-    /// Where a material has extensions, those of each row of `materials`.
+    /// The extensions of each row of `materials`; empty if no material has one.
     pub extensions: Vec<data::Extension>,
     /// The table of directional albedos; empty if no material has energy compensation.
     pub directional_albedos: Vec<[f32; 4]>,
@@ -40,9 +40,9 @@ pub struct DeviceScene {
     pub images: Vec<(String, Bitmap)>,
     /// The number of objects that rays can hit. An instance of a mesh counts as one.
     pub primitives: u32,
-    /// The scene's radiance is the device's radiance times 2 to this power.
+    /// The scene's radiance is the device's radiance times 2 to this exponent.
     pub radiance_exponent: i32,
-    /// Render space in the scene.
+    /// The map from render space to the scene.
     pub space: SceneSpace,
     /// Warnings about the scene, each with a location in the file, the number and a remedy.
     pub warnings: Vec<String>,
@@ -73,8 +73,8 @@ impl DeviceScene {
         moved(bvh.root)
     }
 
-    /// Fills the tables of features that the scene lacks, because kernels with everything bind them: a light that is
-    /// never chosen, a black sky.
+    /// Fills the tables of features that the scene lacks, for kernels with all features: a light that is never chosen, a
+    /// black sky.
     pub(super) fn require_all(&mut self, sample_lights: bool) {
         if sample_lights && self.sky.is_empty() {
             self.sky.push(data::SkyCell::default());

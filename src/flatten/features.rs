@@ -50,7 +50,7 @@ pub struct Features {
     pub texel_formats: [Option<String>; FORMATS.len()],
     /// Meshes with vertex normals, which have smooth shading.
     pub smooth: Option<String>,
-    /// Images on meshes with tables of their own: further texture coordinates, or tangents.
+    /// Images that use further tables of a mesh: other texture coordinates, or tangents.
     pub uv_tables: Option<String>,
     /// Normal maps on meshes with vertex normals, which have tangents.
     pub vertex_tangents: Option<String>,
@@ -73,7 +73,7 @@ pub struct Features {
     pub not_sampled: Option<NotSampled>,
     /// The index of the sky among the lights.
     pub sky_light: u32,
-    /// Whether paths trace shadow rays, and an invocation therefore has two walks. It depends only on the scene, also with
+    /// Whether an invocation may have two walks, the second one for a shadow ray. It depends only on the scene, even with
     /// `--features all`.
     pub shadow_rays: bool,
     /// The number of media.
@@ -102,8 +102,8 @@ impl Features {
         features
     }
 
-    /// Adds everything that a scene can have, for `--features all`. Features that select one of two algorithms, such as
-    /// the number of lights, stay as they are, and so do the settings that approximate.
+    /// Adds all features, for `--features all`. Features that select one of two algorithms, such as
+    /// the number of lights, do not change, nor do approximations.
     fn add_all(&mut self, sample_lights: bool) {
         let add = |used: &mut Option<String>| {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
@@ -154,7 +154,7 @@ impl Features {
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
     }
 
-    /// Whether a material has anything in the table of extensions.
+    /// Whether a material has an extension.
     pub(super) fn has_extensions(&self) -> bool {
         self.extensions.iter().flatten().chain(&self.absorbing).any(Option::is_some)
     }

@@ -27,7 +27,7 @@ pub struct WorldMedium<'a> {
     pub to_world: Similarity,
     /// The transform from the medium's own space, which is also that of its texture, to the world.
     pub own: Similarity,
-    /// Per unit of length in the world.
+    /// The density per unit of length in the world.
     pub density: f64,
     pub albedo: &'a Texture,
     pub anisotropy: f64,
@@ -113,8 +113,8 @@ fn similarity(transforms: &[Transform]) -> Similarity {
     transforms.iter().fold(Similarity::IDENTITY, |done, next| one(next).after(&done))
 }
 
-/// The largest distance of a shape's points from the eye along an axis; of a large sphere, that of its nearest point, because rays seldom
-/// get far from there.
+/// The largest distance of a shape's points from the eye along an axis. Of a large sphere only the nearest point counts, because rays seldom
+/// get far from it.
 pub fn extent_of(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     if let Some(large_sphere) = shape.large_sphere() {
         return large_sphere.extent(to_world);

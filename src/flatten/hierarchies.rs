@@ -1,4 +1,4 @@
-//! The hierarchies of meshes that a scene was flattened with. If it is flattened again, those of the same meshes are taken from here.
+//! A cache of the meshes' hierarchies, for a scene that is flattened again.
 
 use std::sync::Arc;
 
@@ -45,12 +45,12 @@ impl Hierarchy {
 #[derive(Default)]
 pub struct Hierarchies {
     kept: Vec<Kept>,
-    /// How many have been built since the start.
+    /// The number of hierarchies built so far.
     pub built: usize,
 }
 
 struct Kept {
-    /// The mesh is kept as long as its hierarchy, so that no other mesh gets its address.
+    /// The mesh lives as long as its hierarchy, so that no other mesh gets its address.
     mesh: Arc<Mesh>,
     quality: Quality,
     hierarchy: Arc<Hierarchy>,
@@ -58,11 +58,11 @@ struct Kept {
 
 impl Hierarchies {
     /// Drops the hierarchies of meshes that the scene does not have.
-    pub fn keep_those_of(&mut self, scene: &Scene) {
+    pub fn retain(&mut self, scene: &Scene) {
         self.kept.retain(|kept| scene.meshes.values().any(|mesh| Arc::ptr_eq(mesh, &kept.mesh)));
     }
 
-    /// The hierarchy of a mesh of the scene. Builds it if it is not there.
+    /// Returns the hierarchy of a mesh of the scene, and builds it if it is not in the cache.
     pub fn get_or_build(
         &mut self,
         scene: &Scene,

@@ -13,7 +13,7 @@ use crate::shape::Aabb;
 const DEEPEST: u32 = 32;
 const BINS: usize = 12;
 
-/// The kinds of lights that the tree keeps apart.
+/// The kinds of lights. Each kind has a subtree of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
     /// At a position, such as emitters and point lights.
@@ -24,19 +24,19 @@ pub enum LightKind {
     Sky,
 }
 
-/// The bounds of some lights: a box, and a cone around all their normals. They emit up to a quarter turn beyond the cone.
+/// The bounds of some lights: a box, and a cone around all their normals. They emit up to 90 degrees beyond the cone.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
     pub around: Aabb,
     pub axis: DVec3,
-    /// The half angle of the cone; pi if they are dark on no side.
+    /// The half angle of the cone; pi if they emit in all directions.
     pub half_angle: f64,
-    /// Whether they emit against the cone as they do along it.
+    /// Whether they emit to both sides.
     pub two_sided: bool,
     /// Whether they emit nothing beyond the cone, as spot lights do.
     pub is_beam: bool,
     pub kind: LightKind,
-    /// The mean radiance times the area; for a convex body, times its mean projected area. Of directional lights the irradiance.
+    /// The mean radiance times the area; for a convex body, times its mean projected area. For directional lights, the irradiance.
     pub intensity: f64,
 }
 
@@ -115,8 +115,8 @@ impl LightTree {
         tree
     }
 
-    /// Makes the subtree under a node: a light or a pair of nodes. Returns its code and its bounds. `at` is the node's
-    /// depth and its trail.
+    /// Builds the subtree of a node: a light or a pair of nodes. Returns its code and its bounds. `at` is the node's depth
+    /// and trail.
     fn under(&mut self, lights: &[LightBounds], order: &mut [usize], unit: f64, at: (u32, u32)) -> (u32, LightBounds) {
         match order {
             [light] => {
@@ -151,8 +151,8 @@ impl LightTree {
     }
 }
 
-/// The number of positional lights, which come first, if there are lights at infinity too; or else the number of directional lights, if
-/// there is a sky. `None` if all lights are of one kind.
+/// The number of lights of the first kind: positional ones before lights at infinity, or directional ones before the sky. `None` if all
+/// lights are of one kind.
 fn first_kind(lights: &[LightBounds], order: &[usize]) -> Option<usize> {
     let count = |is_first: fn(LightKind) -> bool| {
         Some(order.iter().filter(|&&light| is_first(lights[light].kind)).count())
@@ -182,7 +182,7 @@ fn cut(lights: &[LightBounds], order: &mut [usize], depth: u32) -> usize {
                 let bin = &mut bins[bin(axis, i)];
                 *bin = join(*bin, &lights[i]);
             }
-            // Long and thin nodes are worse than their surface suggests.
+            // A long and thin node is worse than its surface area suggests.
             let shape = extent.max_element() / extent[axis];
             for first_right in 1..BINS {
                 let side = |part: &[Option<LightBounds>]| part.iter().flatten().fold(None, join);
@@ -215,13 +215,13 @@ fn node(bounds: &LightBounds, unit: f64, child: u32) -> data::LightNode {
     // A margin, so that rounding cannot exclude a light.
     const ROUNDING: f64 = 1e-4;
     const ROUNDING_OF_F32: f64 = f32::EPSILON as f64;
-    // Its square is a normal number in f32, and far below that of any distance that counts.
+    // Its square is a normal number in f32, and far below the square of any distance that matters.
     const LEAST_RADIUS: f64 = 1.0 / (1u64 << 60) as f64;
     let radius = 0.5 * (bounds.around.max - bounds.around.min).length() * (1.0 + 1e-6);
     let center = bounds.around.center();
     data::LightNode {
         center: center.as_vec3().to_array(),
-        // The sign tells beams. Only they need the bound of the centre's rounding, because they emit nothing beyond the cone.
+        // The sign marks beams. Only these need a bound of the centre's rounding, because they emit nothing beyond the cone.
         radius: if bounds.is_beam { -(radius + 2.0 * ROUNDING_OF_F32 * center.length() + LEAST_RADIUS) } else { radius }
             as f32,
         intensity: not_lost(bounds.intensity * unit),

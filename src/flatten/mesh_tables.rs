@@ -1,8 +1,8 @@
-//! The tables of a mesh beside its vertices: further texture coordinates, and tangents.
+//! The tables of a mesh for its vertices: texture coordinates and tangents.
 
 use crate::scene::{Mesh, Texture};
 
-/// A table of a mesh beside its vertices. The first one has the first set of texture coordinates, and the colours and alphas of the vertices.
+/// A table of a mesh. The first one has the first set of texture coordinates, and the colours and alphas of the vertices.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Table {
     pub uv_set: u32,

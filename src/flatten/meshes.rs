@@ -53,7 +53,7 @@ impl Builder<'_> {
         self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0)
     }
 
-    /// Where a mesh lies in the tables. Lays it out on the first call.
+    /// The layout of a mesh in the tables. The first call adds the mesh.
     pub fn layout_of_mesh(&mut self, mesh: &MeshShape) -> MeshLayout {
         if let Some(layout) = self.layouts[mesh.number] {
             return layout;

@@ -1,19 +1,19 @@
-//! Pairs of faces that share two corners. They are the leaves of a mesh's hierarchy, because a walk then reads four corners for two
-//! faces, in half as many leaves.
+//! Pairs of faces that share two corners: the leaves of a mesh's hierarchy. A walk then reads four corners for two faces, and visits half
+//! as many leaves.
 
 use glam::Vec3;
 
 use crate::bvh::Bounds;
 use crate::data::{FacePair, KIND_TRIANGLE, NO_FACE, primitive_code};
 
-/// The numbers of two faces, or of one that shares no edge with a face that is free.
+/// The numbers of two faces, or of one that found no partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair {
     first: u32,
     second: Option<u32>,
 }
 
-/// Each face in one pair. The longest edges join first: the boxes around their pairs are the smallest against those of the faces.
+/// Puts each face into one pair. Faces join at the longest edges first: the boxes of such pairs are the smallest relative to their faces'.
 pub fn pairs(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<Pair> {
     let edge = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     let edges_of = |(face, &[a, b, c]): (u32, &[u32; 3])| [edge(a, b), edge(b, c), edge(c, a)].map(|edge| (edge, face));
@@ -47,7 +47,7 @@ impl Pair {
         corners.fold(nothing, |all, corner| Bounds { min: all.min.min(corner), max: all.max.max(corner) })
     }
 
-    /// The pair as kernels read it. The mesh's faces are numbered from `first_face` on.
+    /// The pair in the layout of the kernels. The mesh's faces are numbered from `first_face` on.
     pub fn laid_out(self, triangles: &[[u32; 3]], positions: &[Vec3], first_face: u32) -> FacePair {
         let first @ [a, b, c] = triangles[self.first as usize];
         let second = self.second.map_or(first, |face| triangles[face as usize]);

@@ -26,7 +26,7 @@ struct LightGroup<'a> {
     /// The lights, each with its intensity (`LightBounds::intensity`).
     emitters: Vec<(Emitter, f64)>,
     two_sided: bool,
-    /// The intensity of all its lights together.
+    /// The sum of the intensities of its lights.
     intensity: f64,
 }
 
@@ -140,7 +140,7 @@ impl Builder<'_> {
     }
 
     /// Leaves out primitives with all their lights until at most `most` lights remain, first the primitives whose lights have the
-    /// lowest mean intensity. Only BSDF sampling finds these; a warning says so.
+    /// lowest mean intensity. Only BSDF sampling finds these, as a warning says.
     fn drop_faintest<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
         let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
         if total <= most {
@@ -177,7 +177,7 @@ impl Builder<'_> {
         fitting.into_iter().map(|(group, _)| group).collect()
     }
 
-    /// Writes into a primitive the index of its first light, or that it is not sampled.
+    /// Stores the index of its first light in a primitive, or that it is not sampled.
     fn set_light(&mut self, group: &LightGroup<'_>, light: u32) {
         let shape = &group.primitive.shape;
         let layout = self.layout_of(shape);

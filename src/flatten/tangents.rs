@@ -1,4 +1,4 @@
-//! Tangents of smooth meshes under normal maps: those of the file, or else those that MikkTSpace finds, by which tools make such maps
+//! Tangents of smooth meshes under normal maps: those of the file, or those of MikkTSpace, with which tools make such maps
 //! (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008; glTF 2.0, 3.7.2.1).
 
 use std::collections::HashMap;
@@ -11,8 +11,8 @@ use crate::data::NO_NORMAL;
 use crate::guard::guarded;
 use crate::scene::Mesh;
 
-/// A tangent as kernels read it: its direction in octahedral form, and the sign of normal × u that v has. Where the texture coordinates
-/// do not tell a direction, both are 0.
+/// A tangent in the layout of the kernels: its direction in octahedral form, and the sign of the bitangent along normal × tangent. Both are 0
+/// if the texture coordinates give no direction.
 pub type Words = [u32; 2];
 
 const NONE: Words = [NO_NORMAL, 0];
@@ -25,12 +25,12 @@ fn words(tangent: Vec4) -> Words {
     }
 }
 
-/// The faces of a mesh, with more vertices than it has where corners at a vertex have different tangents.
+/// The faces of a mesh, with copies of vertices whose corners have different tangents.
 pub struct Split {
     pub triangles: Vec<[u32; 3]>,
     /// For each vertex, the vertex of the mesh that it is a copy of. The vertices of the mesh come first.
     copy_of: Vec<u32>,
-    /// For each of the sets of texture coordinates that have tangents, the tangents of all vertices.
+    /// The tangents of all vertices, for each set of texture coordinates that has tangents.
     pub tangents: Vec<Vec<Words>>,
 }
 
@@ -53,7 +53,7 @@ impl Split {
             return;
         }
         let mut corners = Corners { mesh, positions, uvs, tangents: vec![[NONE; 3]; mesh.triangles.len()] };
-        // Where it gives up, the normal stays as it is without a map.
+        // If it fails, the normal is that without a map.
         let _ = guarded(|| generate_tangents(&mut corners));
         let corners = corners.tangents;
         // The tangent at each vertex, once it is known from a corner, and copies of the vertex with other tangents.

@@ -21,7 +21,7 @@ pub struct View<'a> {
     pub axes: DMat3,
     /// The width of a pixel at distance 1.
     pub pixel: f64,
-    /// From the world to that space, which differs from the world only in its axes.
+    /// The rotation from the world to render space.
     pub to_space: Similarity,
     /// Whether that space has the camera's axes.
     pub has_camera_axes: bool,

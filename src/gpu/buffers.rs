@@ -205,7 +205,7 @@ impl Readback {
         let slice = self.staging.slice(..bytes);
         let (sender, receiver) = std::sync::mpsc::channel();
         slice.map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver is gone only where the wait below failed, and then nobody asks.
+            // The receiver is gone only if the wait below failed, and then the result is not needed.
             let _ = sender.send(result);
         });
         device.wait(submission)?;

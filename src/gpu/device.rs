@@ -24,7 +24,7 @@ pub struct AdapterName {
     /// Driver and version.
     pub driver: String,
     pub backend: String,
-    /// The address on the PCI bus, which tells equal adapters apart; empty where the backend knows none.
+    /// The address on the PCI bus, which distinguishes equal adapters; empty if the backend knows none.
     pub pci_bus_id: String,
     pub kind: &'static str,
     /// Whether it is a software driver, which computes on the processor.

@@ -21,7 +21,7 @@ pub struct MaterialKind {
     /// Whether it transmits light.
     pub is_transmissive: bool,
     pub emits: bool,
-    /// What materials of the kind may have beside their row of the table.
+    /// The extensions that materials of the kind may have.
     pub extensions: &'static [ExtensionKind],
     /// Whether kernels read more numbers of it than one element of their table holds. Then it has two of them.
     pub has_second_part: bool,
@@ -63,7 +63,7 @@ pub struct Model<'a> {
     pub warning: Option<(&'static Field, String)>,
     /// What is expected, if fields that exclude or require each other are not given so.
     pub lacks: Option<&'static str>,
-    /// What it has beside its row of the table.
+    /// Its extensions.
     pub extensions: Vec<Extension<'a>>,
     /// Of a clear solid: what it absorbs per scene unit.
     pub absorption: Option<Colour>,
@@ -81,10 +81,10 @@ pub struct Slot<'a> {
     pub texture: &'a Texture,
 }
 
-/// What a material may have beside its row of the table: a row of its own for each (shaders/data/material).
+/// The extensions of materials, each with its own row of the table (shaders/data/material).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExtensionKind {
-    /// The radiance that it emits beside what it scatters.
+    /// The radiance that it emits in addition to what it scatters.
     Emission,
     /// The share of light that it stops.
     Alpha,
@@ -129,7 +129,7 @@ pub const EXTENSIONS: usize = ExtensionKind::VertexAlpha as usize + 1;
 pub struct Extension<'a> {
     pub kind: ExtensionKind,
     pub slot: Slot<'a>,
-    /// The number beside its texture. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1.
+    /// The parameter of its row. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1.
     pub parameter: f32,
 }
 
@@ -154,7 +154,7 @@ pub struct Emission<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// Adds an emission beside what the material scatters.
+    /// Adds an emission to a material that scatters.
     pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
         self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));

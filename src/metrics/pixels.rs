@@ -1,6 +1,6 @@
 //! Tests single pixels: whether one differs by more than any noise that it may have.
 //!
-//! The variance of a pixel's mean does not tell. It comes from two halves, which agree by chance in one pixel of some. Two other things do.
+//! The variance of a pixel's mean is not enough. It comes from two halves, which agree by chance in some pixels. Two other things are used.
 //!
 //! - **Equal pixels.** Renders with random numbers of their own differ in nearly all pixels that have noise. If most of these are equal to
 //!   the bit, the images share their random numbers, and what differs in the others is no noise of sampling.
@@ -50,7 +50,7 @@ pub enum Pixels {
     /// The images share their random numbers. `differing` pixels differ, and all the others are equal; the one of them that differs most.
     Shared { differing: usize, most: Single },
     /// The pixel with the smallest p-value. `visible` is the relative difference from which on a single pixel shows, in the median over
-    /// pixels; infinite if too few samples tell its noise.
+    /// pixels; infinite if there are too few samples to know its noise.
     Tested { most: Single, visible: f64 },
     /// The noise of single pixels is unknown. The pixel with the largest difference, with a p-value of 1; none if all are equal.
     Untested(Option<Single>),

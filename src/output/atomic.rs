@@ -19,7 +19,7 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> 
 }
 
 /// Replaces the file as [`replace`] does, if it `may` be replaced, which is checked last; if not, that is the error. Writers check one after another, so that
-/// nobody replaces the old file between the check and the replacement. Other kinds of files are not checked.
+/// no other process replaces the old file between the check and the replacement. Other kinds of files are not checked.
 pub fn replace_if(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
@@ -61,7 +61,7 @@ fn replace_file(
     Ok(())
 }
 
-/// The reason why no file could be made beside the target. It has only the kind of the error, because the full text names the
+/// The reason why no file could be made in the folder of the target. It has only the kind of the error, because the full text names the
 /// temporary file, which means nothing to the user.
 pub(super) fn no_file(error: io::Error) -> String {
     format!("no file can be made in its folder: {}", error.kind())

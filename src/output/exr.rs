@@ -26,7 +26,7 @@ mod tests {
     use super::*;
     use crate::film::{Picture, UNKNOWN_VARIANCE};
 
-    /// All kinds of values that a film can produce, over the whole range of f32.
+    /// All kinds of values that a film can produce, over the full range of f32.
     fn picture() -> Picture {
         let count = 7 * 5;
         let value = |i: usize| f32::from_bits((i as u32).wrapping_mul(0x0123_4567) & 0x7f7f_ffff);

@@ -8,7 +8,7 @@ use crate::data::Rgb;
 use crate::error::{Error, Result};
 use crate::output::{atomic, magma::magma, view_transform::ViewTransform};
 
-/// Writes a picture as an 8-bit sRGB PNG. `rgb` tells the radiance of a pixel, row 0 on top. It takes up to 7 bytes of memory a pixel.
+/// Writes a picture as an 8-bit sRGB PNG. `rgb` returns the radiance of a pixel, row 0 on top. It takes up to 7 bytes of memory a pixel.
 pub fn write_png(path: &Path, size: (u32, u32), rgb: &dyn Fn(usize) -> Rgb<f32>, view: &ViewTransform) -> Result<()> {
     let bytes = encode(size, rgb, view).map_err(|reason| failed(path, reason))?;
     atomic::write(path, &bytes)

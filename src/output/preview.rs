@@ -37,7 +37,7 @@ enum Protocol {
     Blocks { true_colour: bool },
 }
 
-/// Shows an image again and again, in one place.
+/// Shows images one over the other, at one position on the terminal.
 pub struct Preview {
     protocol: Protocol,
     size: (usize, usize),
@@ -61,7 +61,7 @@ impl Preview {
         Preview { protocol, size: (size.0 as usize, size.1 as usize), view, drawn: None }
     }
 
-    /// Draws the image above the progress, over the last one if that still stands there. `rgb` tells the radiance of a pixel, row 0 on top.
+    /// Draws the image above the progress, over the last one if that still stands there. `rgb` returns the radiance of a pixel, row 0 on top.
     pub fn show(&mut self, rgb: &dyn Fn(usize) -> Rgb<f32>, progress: &Progress) {
         let window = size_of_stderr();
         let Some(cells) = fitting(self.size, window) else { return };

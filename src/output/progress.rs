@@ -38,7 +38,7 @@ pub struct Status {
 /// The end of a render until an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Until {
-    /// The upper bound of the error, with the confidence that the render asks for.
+    /// The upper bound of the error, with the confidence of the render.
     pub bound: f64,
     /// The samples per pixel at which it is expected to end; none where nothing says so.
     pub samples: Option<u64>,

@@ -1,7 +1,7 @@
-//! Temporary files, each beside the file that it is to replace.
+//! Temporary files, each in the folder of the file that it replaces.
 //!
 //! A writer holds a lock on its temporary file. The system gives up the lock when the writer dies, however it dies. So a temporary
-//! file that nobody has locked is what a dead writer left. A process number would not tell, because hosts share folders.
+//! file without a lock was left by a dead writer. A process number would not show that, because hosts share folders.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, TryLockError};

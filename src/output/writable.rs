@@ -7,7 +7,7 @@ use super::atomic::no_file;
 use super::destination::{Destination, folder_of};
 use super::temporary;
 
-/// The place that the path leads to, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
+/// The destination of the path, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
 /// reason why it cannot.
 ///
 /// A stream is not opened. Temporary files that dead writers of the file have left are removed.

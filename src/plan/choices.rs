@@ -1,5 +1,4 @@
-//! What the plan decides for the directives of the shaders: which conditions hold, what the lists have, which modules and values are chosen,
-//! each with the reason.
+//! The choices of the plan for the directives of the shaders: conditions, lists, modules and values, each with its reason.
 
 use std::collections::BTreeMap;
 
@@ -14,17 +13,17 @@ use crate::material::{ExtensionKind, Material};
 use crate::options::{self, FeatureSet, Filter, OptionSpec, RenderOptions};
 use crate::shape::KINDS;
 
-/// The reason of what sorts slots into queues.
+/// The reason for kernels and modules that sort slots into queues.
 pub(super) const QUEUES: &str = "--scatter queues";
 
-/// How the steps of a bounce are cut into kernels.
+/// How the stages of a bounce are split into kernels.
 #[derive(Clone, Copy)]
 pub(super) struct Bounces {
     pub fused: bool,
     pub queues: bool,
 }
 
-/// The choices that `plan` lists: those between modules that do the same in different ways. The others say whether a feature is there.
+/// The choices that `plan` lists: between modules that do one job in different ways. The other choices switch a feature on or off.
 pub const ALTERNATIVES: [&str; 16] = [
     "axes",
     "camera",
@@ -47,15 +46,15 @@ pub const ALTERNATIVES: [&str; 16] = [
 macro_rules! tables {
     ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
 }
-/// The tables but those of shapes by name, and the names of the values that say how each is bound.
+/// All tables but those of shapes: the name, and the names of the values for its address space and its size.
 const OTHER_TABLES: [(&str, &str, &str); 8] =
     tables!["nodes", "media", "lights", "delta_lights", "light_nodes", "materials", "textures", "frames"];
 
-/// What a kernel is linked with.
+/// The choices of a kernel, and what the plan needs to know of them.
 pub(super) struct Decided {
     pub choices: Choices,
     pub path_fields: Vec<PathField>,
-    /// Why there are kernels that only some scenes have.
+    /// The reasons for kernels that only some scenes have.
     pub surface: Option<Reason>,
     pub medium: Option<Reason>,
     pub light: Option<Reason>,
@@ -85,7 +84,7 @@ fn either(why: &Option<Reason>, module: &'static str, other: &'static str) -> Ch
     why.clone().map_or(usual(other), |why| Chosen { module, why })
 }
 
-/// The kinds that the scene uses, by the index of their names; the last one closes a switch over them.
+/// The kinds that the scene uses; a kind's number is the index of its name. The last one closes a switch over them.
 pub(super) fn entries(names: &[&str], used: &[Option<String>]) -> Vec<Entry> {
     let kinds = (0..).zip(names).zip(used);
     closed(kinds.filter_map(|((number, name), used)| Some((*name, number, reason_of(used)?))))
@@ -100,7 +99,7 @@ fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32, Reason)>) -> Vec<Entry>
     entries
 }
 
-/// Why there are meshes among these kinds, and the other kinds. Where there are, it is their lines that close a switch.
+/// Splits meshes from the other kinds: the reason for meshes, and the others. If there are meshes, their case closes a switch.
 fn split_meshes(kinds: Vec<Entry>) -> (Option<Reason>, Vec<Entry>) {
     let (meshes, mut others): (Vec<_>, Vec<_>) =
         kinds.into_iter().partition(|kind| [KIND_TRIANGLE, KIND_INSTANCE].contains(&kind.number));
@@ -108,7 +107,7 @@ fn split_meshes(kinds: Vec<Entry>) -> (Option<Reason>, Vec<Entry>) {
     (meshes.into_iter().next().map(|mesh| mesh.why), others)
 }
 
-/// Decides for a kernel that serves some of the scene's materials, and `queue` if they are sorted into queues.
+/// The choices of a kernel that serves some of the scene's materials, and the queue with this index if slots are sorted into queues.
 pub(super) fn decide(
     features: &Features,
     options: &RenderOptions,
@@ -121,7 +120,7 @@ pub(super) fn decide(
     let Bounces { fused, queues } = bounces;
     let if_so = |condition: bool, why: Reason| condition.then_some(why);
     let by_option = |spec: &OptionSpec| Chosen { module: spec.module(options), why: option(&spec.as_given(options)) };
-    // What approximates, where the scene has what the option is about.
+    // An approximation is linked only if the scene has what it applies to.
     let approximate = |spec: &OptionSpec, in_scene: bool| match in_scene && !spec.is_default(options) {
         true => by_option(spec),
         false => usual(spec.module(&RenderOptions::default())),
@@ -162,7 +161,7 @@ pub(super) fn decide(
     };
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
-    // A specular lobe may hide lights with a size, and any other narrow lobe all lights.
+    // A specular lobe may hide lights with a size. Any other narrow lobe may hide all lights.
     let any_narrow = first_reason(&features.narrow).or(reason_of(&features.narrow_media));
     let hidden = any_narrow.or(extended.clone().and(first_reason(&features.specular)));
     let probed = light.clone().and(hidden);
@@ -237,7 +236,7 @@ pub(super) fn decide(
         let components = (0..).zip(options.aov.sum_components()).filter(|(_, (sum, _))| sum.finder() == finder);
         let entry = |(number, (sum, name)): (u32, (Sum, String))| {
             let component = name.rsplit('.').next().unwrap_or_default().to_lowercase();
-            // As the modules under shaders/aov have it: a function of the first hit, or a variable.
+            // In the modules under shaders/aov: a function of the first hit, or a variable.
             let vector = if finder == Finder::Hit { format!("{}(path)", sum.name()) } else { sum.name().to_string() };
             let name = if sum.components().len() > 1 { format!("{vector}.{component}") } else { vector };
             Some(Entry { name, number, closes: false, why: why.clone()? })
@@ -267,22 +266,22 @@ pub(super) fn decide(
         ("not_sampled", not_sampled),
         // Normal maps on smooth meshes have tangents in their tables.
         ("vertex_tangents", uv_tables.clone().and(reason_of(&features.vertex_tangents))),
-        // Images have tables of texture coordinates of their own on meshes.
+        // Meshes have several tables of texture coordinates.
         ("uv_tables", uv_tables),
-        // Some material of the scene has a number that may be that of an image.
+        // A number of some material may be that of an image.
         ("number_images", number_images),
         // Lights at infinity are sampled: the sky or directional lights.
         ("light_at_infinity", emitting_sky.clone().or(reason_of(&features.directional_lights))),
         // Lights without size are sampled.
         ("delta_light", delta_light.clone()),
-        // Lights are sampled, and narrow lobes hide some of their light, which probes count.
+        // Probes count the light that narrow lobes hide.
         ("probed", probed.clone()),
         ("mesh", mesh),
         // Every ray tests all primitives.
         ("brute_force", brute_force),
         // Faces of meshes are sampled as lights.
         ("emitting_mesh", emitting_mesh),
-        // The film has channels beside the radiance.
+        // The film has channels of `--aov`.
         ("aov", any_aov.clone()),
     ];
     let transmissive: Vec<Entry> = served.iter().filter(is_transmissive).cloned().collect();
@@ -326,13 +325,13 @@ pub(super) fn decide(
         ("transmittance", either(&medium, "scene/transmittance", "null/transmittance")),
         ("scatter", either(&surface, "step/scatter", "null/scatter")),
         ("roulette", by_option(&options::ROULETTE)),
-        // Light sampling: what sends shadow rays, and what traces them.
+        // Light sampling: modules that send shadow rays or trace them.
         ("surface_light", surface_light),
         ("medium_light", either(&light, "step/medium_light", "null/medium_light")),
         ("shadow", either(&light, "step/light", "null/shadow")),
         ("both_sides", either(&both_sides, "scene/both_sides", "null/both_sides")),
         ("probe", either(&probed, "step/narrow_lobe", "null/narrow_lobe")),
-        // Light that BSDF sampling finds, weighed against light sampling.
+        // Light that BSDF sampling finds, with its MIS weight.
         ("surface_emission", either(&own_emission, "step/surface_emission", "null/surface_emission")),
         ("found_light", either(&found_light, "step/found_light", "null/found_light")),
         ("found_sky", either(&emitting_sky, "step/found_sky", "null/found_sky")),
@@ -349,14 +348,14 @@ pub(super) fn decide(
         ("sphere_chord", approximate(&options::PRECISION, has_spheres)),
         ("walk", walk),
         ("sampler", by_option(&options::SAMPLER)),
-        // Channels beside the radiance.
+        // Channels of `--aov`.
         ("aov_hit", either(&aov_hit, "aov/hit", "null/aov_hit")),
         ("aov_surface", either(&aov_surface, "aov/surface", "null/aov_surface")),
         ("seen", either(&aov_rough, "aov/seen_rough", "aov/seen_first")),
         ("aov_direct", either(&aov_direct, "aov/direct", "null/aov_direct")),
         ("aov_record", either(&any_aov, "aov/record", "null/aov_record")),
         ("aov_film", either(&any_aov, "aov/film", "null/aov_film")),
-        // What only stages that are kernels of their own have.
+        // Modules that only separate stages have.
         ("aov_hit_slot", either(&aov_hit, "slots/aov_hit", "null/aov_hit_slot")),
         ("aov_direct_slot", either(&aov_direct, "slots/aov_direct", "null/aov_direct_slot")),
         ("walker_slot", either(&alpha, "slots/walker", "null/walker_slot")),
@@ -366,9 +365,9 @@ pub(super) fn decide(
         ("queue_of_events", either(&queue_why, "slots/sort_by_material", "null/sort")),
         ("queued_slot", either(&queue_why, "slots/queued_slot", "null/queued_slot")),
     ];
-    // What `//@ each` goes through.
+    // The lists of `//@ each`.
     let lists = [
-        // The kinds of primitive but for the faces of meshes, which `mesh` is about: those need more than the others.
+        // The kinds of primitive but for faces of meshes, which have the condition `mesh`.
         ("primitive", primitive),
         // The kinds of primitive that are sampled as lights, but for faces of meshes.
         ("emitter", emitter),
@@ -377,13 +376,13 @@ pub(super) fn decide(
         // The materials that the kernel serves.
         ("material", served.to_vec()),
         ("non_specular", non_specular),
-        // The materials of the kernel that have two elements of the table.
+        // The materials of the kernel that take two elements of the table.
         ("two_part", two_part),
         // The non-specular materials of the kernel that respond to light from both sides.
         ("both_sided", both_sided),
         // The extensions of a material that the kernel evaluates.
         ("extension", extension),
-        // Channels of the first hit by their modules, their sums by components, and those of the surface that is seen and of direct light.
+        // The channels of the first hit by their modules, then the components of the sums: of the first hit, of the seen surface, of direct light.
         ("hit_channel", hit_channel),
         ("hit_sum", sums_of(Finder::Hit, &aov_hit)),
         ("surface_sum", sums_of(Finder::Surface, &aov_surface)),
@@ -402,7 +401,7 @@ pub(super) fn decide(
     ];
     // The numbers behind `${…}`.
     let values = [
-        // No array has no elements.
+        // WGSL has no empty arrays.
         ("stack_size", features.stack_size + 1),
         ("boundary_stack_size", features.boundary_stack_size + 1),
         ("media", features.media),
@@ -412,7 +411,7 @@ pub(super) fn decide(
         // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
         ("most_steps", if features.shadow_rays { 19_000 } else { 48_000 }),
         ("run_length", RUN_LENGTH),
-        // The sums of a pixel of the film, and those that a path has beside the radiance's.
+        // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count()) as u32),
         ("path_sums", options.aov.count().max(1) as u32),
         ("queues", materials.len() as u32),

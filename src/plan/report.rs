@@ -1,4 +1,4 @@
-//! A plan in words and numbers: what is there, how large, and which object of the scene or option needs it.
+//! A plan in words and numbers: kernels, modules and buffers, their sizes, and the object or option that needs each.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +22,7 @@ pub struct Report {
     pub choices: Vec<Choice>,
     /// Whether rays are sent to lights, and why not.
     pub integrator: String,
-    /// How the stages of a bounce are linked, and why so.
+    /// How the stages of a bounce are linked, and why.
     pub scatter: String,
     pub kernels: Vec<KernelReport>,
     pub slots: u32,
@@ -33,7 +33,7 @@ pub struct Report {
     pub limits: [u64; 2],
 }
 
-/// One of several ways, decided for all kernels.
+/// A choice between modules, the same in all kernels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
     pub name: &'static str,
@@ -47,7 +47,7 @@ pub struct KernelReport {
     /// The file of its entry point under shaders, without the ending.
     pub root: String,
     pub why: String,
-    /// Names of features of the scene that it has code of.
+    /// Names of the scene's features that it has code for.
     pub features: Vec<String>,
     pub modules: Vec<Module>,
     /// By name, and how each is bound.
@@ -56,7 +56,7 @@ pub struct KernelReport {
     pub storage_limit: u64,
     pub path_fields: Vec<PathField>,
     pub wgsl_bytes: u64,
-    /// As SPIR-V, where it was measured.
+    /// As SPIR-V, if it was measured.
     pub size: Option<KernelSize>,
 }
 
@@ -64,7 +64,7 @@ pub struct KernelReport {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Module {
     pub name: String,
-    /// The module that uses it; nothing of the kernel's root.
+    /// The module that uses it; `None` for the kernel's root.
     pub used_by: Option<String>,
     /// The object of the scene or the option that needs it; `None` for modules of all renders.
     pub reason: Option<String>,
@@ -77,7 +77,7 @@ pub struct Constant {
     pub value: String,
     pub what: String,
     pub reason: String,
-    /// Whether it is an override constant; else it stands in the text.
+    /// Whether it is an override constant; otherwise it is filled into the text.
     pub is_override: bool,
     pub kernels: Vec<String>,
 }
@@ -88,7 +88,7 @@ pub struct Buffer {
     pub name: &'static str,
     pub what: &'static str,
     pub bytes: u64,
-    /// What determines them.
+    /// How the number of bytes comes about.
     pub size: String,
     /// "uniform" or "storage".
     pub binding: &'static str,
@@ -104,7 +104,7 @@ impl Buffer {
 }
 
 impl Choice {
-    /// What was chosen, in a word: "yes" and "no" where it is that kind of choice, or the default of the option that chose.
+    /// The chosen module in a word: "yes" or "no" for a feature, or the default of an option.
     pub fn answer(&self) -> String {
         let name = self.module.rsplit('/').next().unwrap_or(&self.module);
         let own: Vec<&str> = self.name.split('_').collect();
@@ -178,10 +178,10 @@ impl Report {
         }
     }
 
-    /// Takes the sizes of the kernels.
+    /// Measures the sizes of the kernels.
     ///
     /// # Errors
-    /// `Error::Shader` where a kernel is not written as SPIR-V: a defect of gpu-rt.
+    /// `Error::Shader` if a kernel cannot be written as SPIR-V: a defect of gpu-rt.
     pub fn measure(&mut self, plan: &Plan<'_>) -> Result<()> {
         for (report, kernel) in self.kernels.iter_mut().zip(plan.kernels()) {
             let workgroup = [("WORKGROUP_SIZE", f64::from(plan.tuning.workgroup))];
@@ -190,7 +190,7 @@ impl Report {
         Ok(())
     }
 
-    /// Takes the steps that a device allows the walks, where they are not those that stand in the kernels.
+    /// Sets the steps that a device allows the walks, if they differ from the kernels' own.
     pub fn allow_steps(&mut self, most: Option<u32>) {
         let of_steps = |constant: &&mut Constant| STEPS.contains(&constant.name.as_str());
         if let Some(most) = most {
@@ -202,7 +202,7 @@ impl Report {
         self.path_fields.iter().map(PathField::bytes).sum()
     }
 
-    /// Of all buffers.
+    /// Bytes of all buffers.
     pub fn gpu_bytes(&self) -> u64 {
         self.buffers.iter().map(|buffer| buffer.bytes).sum()
     }
@@ -257,7 +257,7 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all
 }
 
-/// The modules of a kernel, each behind the one that uses it.
+/// The modules of a kernel, each after the one that uses it.
 fn modules(kernel: &Kernel) -> Vec<Module> {
     let linked = &kernel.linked;
     let mut users: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
@@ -288,15 +288,15 @@ fn path_fields(kernel: &Kernel, plan: &Plan<'_>) -> Vec<PathField> {
     plan.kernels.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
 }
 
-/// The reason for a module of a kernel: its own, or else that of the kernel.
+/// The reason for a module of a kernel: its own, or that of the kernel.
 fn why_module<'a>(kernel: &'a Kernel, module: &str) -> &'a Reason {
     let own = kernel.linked.why.get(module).filter(|why| **why != Reason::EveryRender);
     own.unwrap_or(&kernel.reason)
 }
 
-/// Why there is a buffer: the reason of a kernel that has it in every render, or else of the first that has it.
+/// The reason for a buffer: that of a kernel that has it in every render, or else of the first kernel that has it.
 fn why_buffer<'a>(kernels: &[&'a Kernel], name: &str) -> &'a Reason {
-    // What sorts slots into queues also reads tables that are there without queues.
+    // The modules of queues also read tables that exist without queues.
     let rank = |why: &&Reason| match why {
         Reason::EveryRender => 0,
         Reason::Requested(by) => 1 + u8::from(by == QUEUES),
@@ -340,7 +340,7 @@ fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
     }
     for kernel in kernels {
         for (name, (value, module)) in &kernel.linked.values {
-            // How a table is bound is listed with the buffers; the steps of a walk are an override's value.
+            // The address spaces of tables are listed with the buffers, and the steps of a walk as the value of an override.
             if !name.starts_with("space_of_") && *name != "most_steps" && !value.is_empty() {
                 add(kernel, name.to_string(), value.trim_start_matches([',', ' ']).to_string(), module, false);
             }
@@ -349,7 +349,7 @@ fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
     found
 }
 
-/// What a constant is.
+/// The meaning of a constant.
 fn about_constant(name: &str) -> String {
     if let Some(table) = name.strip_prefix("size_of_") {
         return format!("elements that the binding `{table}` has room for");
@@ -357,7 +357,9 @@ fn about_constant(name: &str) -> String {
     let what = match name {
         "WORKGROUP_SIZE" => "invocations of a workgroup",
         "MOST_STEPS_OF_WALK" => "steps after which a walk is given up; 262144 where the driver's loops have no limit",
-        "MOST_STEPS_OF_CROSSINGS" => "the same of all walks through the meshes that bound media",
+        "MOST_STEPS_OF_CROSSINGS" => {
+            "steps after which the walks of a ray through meshes that bound media are given up"
+        }
         "stack_size" => "what waits at most in a walk through the hierarchy",
         "boundary_stack_size" => "the same in a mesh that bounds a medium",
         "media" => "media that rays cross",
@@ -368,7 +370,7 @@ fn about_constant(name: &str) -> String {
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
         "film_sums" => "sums that the film has of a pixel",
-        "path_sums" => "those of them that are of --aov, one at least",
+        "path_sums" => "sums of --aov, one at least",
         _ => "",
     };
     what.to_string()

@@ -1,33 +1,33 @@
-//! What slots keep of their paths from one dispatch to the next: just the fields that the kernels of a scene hand to each other, and where
-//! they lie.
+//! The state of a path that slots keep from one dispatch to the next: the fields that the kernels of a scene pass to each other, and their
+//! layout in memory.
 
 use std::fmt::Write;
 
 use crate::aov::{Aovs, Finder};
 use crate::gpu::link::Reason;
 
-/// The reason of what stages hand to each other where they are kernels of their own.
+/// The reason for fields that separate stages pass to each other.
 const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
 /// A field of the paths' state: words of 32 bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathField {
-    /// As `shaders/slots` spells it.
+    /// The name in `shaders/slots`.
     pub name: String,
     pub words: u32,
     /// The vector with which it shares a vec4, as its fourth word.
     pub w_of: Option<&'static str>,
     pub what: String,
-    /// What asked for it.
+    /// The reason for it.
     pub why: String,
-    /// The group of fields that stages load and store as one.
+    /// The group of fields that stages load and store together.
     pub group: &'static str,
-    /// Where the kernels have it in a path.
+    /// The member of the shaders' `Path` that holds it.
     pub member: String,
     pub code: Code,
 }
 
-/// How a word of memory holds a field.
+/// How a field is encoded in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Code {
     Float,
@@ -46,7 +46,7 @@ impl PathField {
         u64::from(self.words) * 4
     }
 
-    /// Whether a kernel that has declarations of these names reads or writes it.
+    /// Whether a kernel with declarations of these names reads or writes it.
     pub fn is_used(&self, has: impl Fn(&str) -> bool) -> bool {
         match (self.words, self.w_of) {
             (1, None) => has(&format!("load_{}", self.name)) || has(&format!("store_{}", self.name)),
@@ -54,7 +54,7 @@ impl PathField {
         }
     }
 
-    /// The statement that takes it from a word.
+    /// The statement that sets it from a word.
     fn taken_from(&self, word: &str) -> String {
         let member = &self.member;
         match self.code {
@@ -64,7 +64,7 @@ impl PathField {
         }
     }
 
-    /// The word that holds it.
+    /// The expression of the word that holds it.
     fn as_word(&self) -> String {
         let member = &self.member;
         match self.code {
@@ -75,11 +75,11 @@ impl PathField {
     }
 }
 
-/// The most bytes that they are, of any scene: without channels beside the radiance, and what these add.
+/// The most bytes of a path's state in any scene: without channels of `--aov`, and what these add.
 const MOST_PATH_BYTES: u64 = 168;
 const MOST_BYTES_OF_AOVS: u64 = 80;
 
-/// The most bytes that they are, of any scene with these channels.
+/// The most bytes of a path's state in any scene with these channels.
 pub fn most_path_bytes(aovs: &Aovs) -> u64 {
     MOST_PATH_BYTES + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
 }
@@ -87,7 +87,7 @@ pub fn most_path_bytes(aovs: &Aovs) -> u64 {
 /// The reasons for fields that not every render has.
 #[derive(Clone, Debug, Default)]
 pub struct Needs {
-    /// Stages are kernels of their own.
+    /// Stages are separate kernels.
     pub is_staged: bool,
     pub light: Option<Reason>,
     pub mesh: Option<Reason>,
@@ -95,9 +95,9 @@ pub struct Needs {
     pub probed: Option<Reason>,
     /// There is a surface or a medium.
     pub event: Option<Reason>,
-    /// Light that is not that at the end of a path.
+    /// Light that a path gets before its end.
     pub sampled_light: Option<Reason>,
-    /// What finds channels beside the radiance.
+    /// The stages that record channels of `--aov`.
     pub aov_hit: Option<Reason>,
     pub aov_surface: Option<Reason>,
     pub aov_rough: Option<Reason>,
@@ -107,11 +107,11 @@ pub struct Needs {
 /// The member of a path that holds the sums of `--aov`.
 const AOV: &str = "aov";
 
-/// The members of a path that are no field: structs, whose members are fields, and what a field holds beside its own.
+/// The members of a path that are no fields: structs, whose members are fields, and the history, which is packed with the depth.
 const OTHER_MEMBERS: [(&str, &str); 4] =
     [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32")];
 
-/// All groups of fields, in the order in which a path is loaded; those that only stages of a bounce hand to each other come last.
+/// All groups of fields, in the order in which a path is loaded. Groups that only separate stages have come last.
 const GROUPS: [&str; 12] = [
     "ray",
     "throughput",
@@ -127,19 +127,19 @@ const GROUPS: [&str; 12] = [
     "light_weight",
 ];
 
-/// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
+/// The fields that kernels pass to each other. The fused kernel does not store what lies between a ray and its scattering.
 pub fn path_fields(needs: &Needs, aovs: &Aovs) -> Vec<PathField> {
     all_fields(needs, aovs).into_iter().filter_map(|(field, why)| Some(PathField { why: why?, ..field })).collect()
 }
 
-/// All fields, each with what asked for it, if it is there.
+/// All fields, each with its reason if the scene has it.
 fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     let words = |why: &Option<Reason>| why.as_ref().map(Reason::to_string);
     let always = Some(Reason::EveryRender.to_string());
-    // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
+    // Fields that only separate stages pass on.
     let staged = |why| words(why).filter(|_| needs.is_staged).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
     let (lights, meshes, mesh_lights) = (staged(&needs.light), staged(&needs.mesh), staged(&needs.emitting_mesh));
-    // Without a surface or a medium nobody asks how far it is.
+    // Without a surface or a medium no stage needs the distance.
     let events = (needs.is_staged && needs.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
     let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {
         let (name, member, what) = (name.to_string(), member.to_string(), what.to_string());
@@ -229,7 +229,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     all
 }
 
-/// The module `generated/path`: the struct of a path. It has all members; a kernel does not pay for those that its modules do not use.
+/// The module `generated/path`: the struct of a path. It has all members; unused ones cost a kernel nothing.
 pub fn path_module(aovs: &Aovs) -> String {
     let mut members: Vec<(String, String)> =
         OTHER_MEMBERS.iter().map(|(name, kind)| (name.to_string(), kind.to_string())).collect();
@@ -245,14 +245,14 @@ pub fn path_module(aovs: &Aovs) -> String {
         };
         members.push((field.member, kind.to_string()));
     }
-    // No array has no elements.
+    // WGSL has no empty arrays.
     members.push((AOV.to_string(), format!("array<f32, {}>", aovs.count().max(1))));
     let members: String = members.iter().map(|(name, kind)| format!("    {name}: {kind},\n")).collect();
     format!("//@ use data/ray\n//@ use lib/compensated\nstruct Path {{\n{members}}}\n")
 }
 
-/// The module `generated/slots`: for each group of fields a function that loads those that the kernels hand on, and one that stores them. A word
-/// behind a vector has functions of its own beside.
+/// The module `generated/slots`: for each group of fields, a function that loads them and one that stores them. A word that shares a vec4
+/// with a vector also has functions of its own.
 pub fn slots_module(fields: &[PathField]) -> String {
     let mut text = String::from("//@ use slots/memory\n//@ use data/path\n//@ use choice/probe\n");
     for group in GROUPS {
@@ -292,19 +292,19 @@ pub fn slots_module(fields: &[PathField]) -> String {
     text
 }
 
-/// Where the fields lie: names and numbers.
+/// The layout of the fields: names and numbers.
 #[derive(Clone, Debug, Default)]
 pub struct PathLayout {
     /// Vectors, by plane.
     pub planes: Vec<(String, u32)>,
     /// Words in planes: four times the plane, and the component.
     pub words: Vec<(String, u32)>,
-    /// Words beside the planes.
+    /// Words outside the planes.
     pub others: Vec<(String, u32)>,
 }
 
-/// Vectors have a plane each. Words without a vector of their own stand behind those that have none, then four to a plane; what is left
-/// fills no plane.
+/// Vectors have a plane each. Words that are not packed with a vector first fill the fourth words of vectors without one, then planes of
+/// four words. The last ones, which fill no plane, lie in a separate buffer.
 pub fn path_layout(fields: &[PathField]) -> PathLayout {
     let vectors: Vec<&PathField> = fields.iter().filter(|field| field.words > 1).collect();
     let alone = |vector: &&PathField| !fields.iter().any(|field| field.w_of == Some(vector.name.as_str()));
@@ -324,13 +324,13 @@ pub fn path_layout(fields: &[PathField]) -> PathLayout {
 }
 
 impl PathLayout {
-    /// Bytes of a slot's planes: more than their fields, where vectors without a companion are more than the words that are left.
+    /// Bytes of a slot's planes. They are more than the fields' if some fourth word is unused.
     pub fn plane_bytes(&self) -> u64 {
         let planes = self.words.iter().map(|(_, word)| word / 4 + 1);
         16 * u64::from(planes.max().unwrap_or(0).max(self.planes.len() as u32))
     }
 
-    /// Bytes of a slot's words beside the planes.
+    /// Bytes of a slot's words outside the planes.
     pub fn word_bytes(&self) -> u64 {
         4 * self.others.len() as u64
     }
@@ -340,7 +340,7 @@ impl PathLayout {
 mod tests {
     use super::*;
 
-    /// No two vectors or words overlap, and all lie within the bytes that a slot is given, however many there are of either.
+    /// No two vectors or words overlap, and all lie within the bytes of a slot, for any numbers of both.
     #[test]
     fn every_field_has_words_of_its_own() {
         let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];

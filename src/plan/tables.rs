@@ -7,14 +7,14 @@ use crate::flatten::DeviceScene;
 use crate::gpu::device::DeviceClass;
 use crate::shape::{self, KINDS, ShapeKind};
 
-/// The uniforms of a kernel that are no tables: `settings` and `window`.
+/// The uniforms of a kernel other than tables: `settings` and `window`.
 const OTHER_UNIFORMS: u32 = 2;
 
-/// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
+/// The address spaces of the scene's tables. Small ones fit a uniform binding, which software drivers read several times as fast as
 /// a storage binding; real GPUs serialise lanes that read a uniform at different indices.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UniformTables {
-    /// Elements of the uniform array, by the table's name; the others are storage.
+    /// Elements of the uniform array, by the table's name. Other tables are storage.
     pub(super) uniform: BTreeMap<&'static str, u64>,
 }
 

@@ -7,11 +7,11 @@ use super::report::{Buffer, Constant, KernelReport, Module, Report};
 use crate::gpu::buffers::LEAST;
 use crate::gpu::link::Reason;
 
-/// Columns that paragraphs are broken at; tables are as wide as they are.
+/// The width of paragraphs. Tables are not broken.
 const WIDTH: usize = 110;
 
 impl Report {
-    /// All that a user sees at a glance.
+    /// The summary of the plan.
     pub fn text(&self) -> String {
         let mut out = String::new();
         out += "\nasked for\n";
@@ -44,7 +44,7 @@ impl Report {
         out
     }
 
-    /// Why a kernel has what it has; nothing where there is no kernel of that name.
+    /// The modules, constants and fields of a kernel, each with its reason; `None` if there is no kernel of that name.
     pub fn why(&self, name: &str) -> Option<String> {
         let kernel = self.kernels.iter().find(|kernel| kernel.name == name)?;
         let mut out = format!("\n{name}: for {}\n", kernel.why);
@@ -55,7 +55,7 @@ impl Report {
         }
         let modules = &kernel.modules;
         out += &format!(
-            "\nmodules: {} files of shaders/, each below the one that uses it, and what asked for it\n",
+            "\nmodules: {} files of shaders/, each below the one that uses it, and its reason\n",
             modules.len()
         );
         let row = |module: &Module| {
@@ -120,14 +120,14 @@ fn storage_notice(kernel: &KernelReport) -> String {
     }
 }
 
-/// How many modules lead from a kernel's root to this one.
+/// The depth of a module below the kernel's root.
 fn depth(modules: &[Module], module: &Module) -> usize {
     let user_of = |name: &str| modules.iter().find(|module| module.name == name)?.used_by.as_deref();
     // A chain is no longer than there are modules.
     std::iter::successors(module.used_by.as_deref(), |name| user_of(name)).take(modules.len()).count()
 }
 
-/// The fields with one reason in one row.
+/// A row for each reason, with its fields.
 fn by_reason(fields: &[PathField]) -> Vec<Vec<String>> {
     let mut rows: Vec<(&str, u64, Vec<String>)> = Vec::new();
     for field in fields {
@@ -145,7 +145,7 @@ fn by_reason(fields: &[PathField]) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// "noise/marble texture" of "noise texture" and "marble texture" that follow each other.
+/// Joins "noise texture" and "marble texture", one after the other, to "noise/marble texture".
 fn by_last_word(names: &[String]) -> Vec<String> {
     let mut groups: Vec<(Vec<&str>, Option<&str>)> = Vec::new();
     for name in names {
@@ -161,7 +161,7 @@ fn by_last_word(names: &[String]) -> Vec<String> {
     groups.into_iter().map(joined).collect()
 }
 
-/// A row a constant, those of one name together; the sizes of tables in one row.
+/// A row for each constant, and one for the sizes of all tables.
 fn constant_table(constants: &[&Constant]) -> String {
     let is_table = |constant: &&&Constant| constant.name.starts_with("size_of_");
     let mut values: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
@@ -192,7 +192,7 @@ fn buffer_row(buffer: &Buffer, kind: Option<&str>) -> Vec<String> {
         buffer.bytes.to_string(),
         kind.unwrap_or(buffer.binding).to_string(),
         buffer.size.clone(),
-        // Of the table of spheres nobody needs to be told that it holds spheres.
+        // A purpose that only repeats the name, such as that of `spheres`, is left out.
         if buffer.what == buffer.name { String::new() } else { buffer.what.to_string() },
         format!("{}{over}", buffer.reason),
     ]

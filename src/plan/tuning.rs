@@ -1,4 +1,4 @@
-//! Sizes that suit a device for a job; they do not change the image.
+//! Sizes for a device and a job. They do not change the image.
 
 use super::most_path_bytes;
 use crate::film::{device_bytes, record_bytes};
@@ -7,30 +7,30 @@ use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 use crate::threads::cores;
 
-/// The most memory of a device that the film takes; a larger one is in tiles.
+/// The most memory of a device that the film takes. A larger film is rendered in tiles.
 const MOST_FILM_BYTES: u64 = 512 << 20;
 
-/// Sizes that do not change the image, only how fast it comes.
+/// Sizes that change only the speed, not the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
     /// Paths in flight.
     pub slots: u32,
     pub workgroup: u32,
     pub scatter: Scatter,
-    /// Bounces of a submission; measured and adapted where this is absent.
+    /// Bounces of a submission; if absent, measured and adapted.
     pub bounces: Option<u32>,
-    /// Finished runs of a slot for which there is room until the film has them.
+    /// Finished runs of a slot that there is room for before they are added to the film.
     pub records_per_slot: u32,
     /// Pixels of the film that the device holds at a time.
     pub tile: u32,
 }
 
 impl Tuning {
-    /// The requested sizes; the others are chosen for the device.
+    /// The sizes that options give; the others are chosen for the device.
     pub fn new(device: DeviceClass, job: &Job, options: &RenderOptions) -> Tuning {
         let runs = job.runs().unwrap_or(u64::MAX);
         // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its
-        // latencies. A slot should serve several runs, or the render is all tail.
+        // latencies. A slot should serve several runs, or most of the render has idle slots.
         let (fewest, most) = match device.software {
             true => (2048, 4096 * cores().clamp(2, 16) as u64),
             false => (65_536, 1 << 20),

@@ -20,12 +20,11 @@ use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
 
-/// The time that a submission should take, unless a caller wants to be asked more often: long enough to hide what it costs to make one,
-/// short enough that no watchdog fires and no user waits.
+/// The default time of a submission: long enough to hide the cost of making it, and short enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
 /// Submissions in flight. While the device executes one, the next one waits in its queue, and the host reads the counters of the last one.
 const IN_FLIGHT: usize = 2;
-/// Bytes of the film that go to the host at a time.
+/// The most bytes of the film in a transfer to the host.
 const FILM_AT_ONCE: u64 = 16 << 20;
 
 /// A device that is ready to render: kernels compiled, buffers filled.
@@ -40,7 +39,7 @@ pub struct DeviceRenderer<'a> {
     reports: Reports,
 }
 
-/// The pipelines of a plan, and how its kernels read their settings.
+/// The pipelines of a plan, and the layout of its settings.
 struct Kernels {
     generate: Stage,
     /// The stages of a bounce; one for all bounces of a submission if they are fused.
@@ -64,33 +63,33 @@ enum StageSize {
     Queue(u64),
 }
 
-/// How many bounces a submission has.
+/// Controls the number of bounces of a submission.
 struct Pace {
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
     is_fixed: bool,
-    /// Bounces of a submission at most.
+    /// The most bounces of a submission.
     most: u32,
     /// The time that a submission should take.
     submission: Duration,
     /// When the last submission ended.
-    landed: Instant,
+    last_end: Instant,
 }
 
-/// The film of the device, which is of one tile.
+/// The film of one tile on the device.
 struct DeviceFilm {
     /// The size of the image.
     size: (u32, u32),
-    /// The scale of the film, as that of the scene.
+    /// The radiance exponent of the scene and its film.
     exponent: i32,
-    /// The channels that the film has beside the radiance.
+    /// The channels of `--aov` in the film.
     aovs: Aovs,
     /// The film on its way to the host.
     readback: Readback,
     tile: Range<u32>,
-    /// What it has received since it was last brought to the host.
+    /// The totals since it was last read.
     received: Totals,
-    /// Whether its contents are no longer needed. If so, the next submission clears it.
+    /// Whether the next submission must clear it.
     is_stale: bool,
 }
 
@@ -120,8 +119,8 @@ impl<'a> DeviceRenderer<'a> {
     /// Allocates the buffers and compiles the kernels.
     ///
     /// # Errors
-    /// `Error::Device` where a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on what the
-    /// numerics probe does not find.
+    /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
+    /// the numerics probe does not find.
     pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer<'a>> {
         let tuning = plan.tuning;
         let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
@@ -206,7 +205,7 @@ impl<'a> DeviceRenderer<'a> {
                 is_fixed: tuning.bounces.is_some(),
                 most: 1,
                 submission: SUBMISSION,
-                landed: Instant::now(),
+                last_end: Instant::now(),
             },
             film: DeviceFilm {
                 size: job.size,
@@ -225,7 +224,7 @@ impl<'a> DeviceRenderer<'a> {
         Ok(renderer)
     }
 
-    /// Dispatches nothing by each kernel: some drivers compile at the first dispatch.
+    /// Dispatches each kernel with no workgroups, because some drivers compile at the first dispatch.
     fn warm_up(&self) -> Result<()> {
         let mut encoder = encoder(self.device);
         {
@@ -237,15 +236,15 @@ impl<'a> DeviceRenderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Gets ready for another job.
+    /// Prepares for another job.
     pub fn begin(&mut self, job: &Job) {
         self.reports.stages = StageTimes::default();
         self.drop_film();
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
     }
 
-    /// Has submissions take so long.
-    pub fn aim_at(&mut self, submission: Duration) {
+    /// Sets the time that a submission should take.
+    pub fn set_submission_time(&mut self, submission: Duration) {
         self.pace.submission = submission;
     }
 
@@ -254,7 +253,7 @@ impl<'a> DeviceRenderer<'a> {
         &self.reports.stages
     }
 
-    /// Renders blocks of samples of every pixel while there are any left.
+    /// Renders blocks of samples of every pixel until none are left.
     pub fn work(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
         let samples = &shared.samples;
         self.settings.first_sample = samples.start;
@@ -269,7 +268,7 @@ impl<'a> DeviceRenderer<'a> {
             let mut blocks = taken.clone();
             for tile in tiles(pixels, self.tuning.tile) {
                 if tile != self.film.tile {
-                    self.hand_over(shared)?;
+                    self.finish_film(shared)?;
                     self.film.tile = tile.clone();
                 }
                 // The first tile may end early. The others get as many blocks.
@@ -278,16 +277,16 @@ impl<'a> DeviceRenderer<'a> {
             schedule.adapt(begin.elapsed());
             if shared.finish(blocks, taken.end) {
                 let begin = Instant::now();
-                self.hand_over(shared)?;
+                self.finish_film(shared)?;
                 shared.show_complete(begin);
             }
         }
         // Other devices may show the film before this one renders again.
-        if shared.devices > 1 { self.hand_over(shared) } else { Ok(()) }
+        if shared.devices > 1 { self.finish_film(shared) } else { Ok(()) }
     }
 
-    /// Brings what the device's film has received to the film on the host, or drops it if nobody wants it.
-    fn hand_over(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
+    /// Adds the device's film to the film on the host, or drops it after a pace probe.
+    fn finish_film(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
         let mut state = shared.state();
         match state.caller.probe {
             Some(PaceProbe { is_dropped: true }) => self.drop_film(),
@@ -296,8 +295,8 @@ impl<'a> DeviceRenderer<'a> {
         Ok(())
     }
 
-    /// Renders blocks of samples of the tile, until every slot is idle. The result is one past the last block: if `may_end_early` and the
-    /// caller asks for it, that is the block that has been started.
+    /// Renders blocks of samples of the tile, until every slot is idle. Returns one past the last block. If `may_end_early` and the caller
+    /// decides so, the last block is the one that has been started.
     fn render_tile(&mut self, blocks: Range<u32>, may_end_early: bool, shared: &SampleRange<'_, '_>) -> Result<u32> {
         let pixels = self.film.tile.len() as u32;
         let first_block = blocks.start;
@@ -308,10 +307,10 @@ impl<'a> DeviceRenderer<'a> {
         let mut counters = Counters::default();
         let mut submitted = 0;
         let mut wants_snapshot = false;
-        // Whether the tile ends early, and whether its end is known: nothing may be in flight for that.
+        // Whether the tile must end early, and whether its end is set, which nothing may be in flight for.
         let (mut to_cut, mut cut) = (false, false);
         loop {
-            // If all runs have been started, a second submission might find only idle slots. Each slot asks for a run in the first
+            // If all runs have been started, a second submission might find only idle slots. Each slot takes a run in the first
             // submission.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while counters.idle < self.tuning.slots && !wants_snapshot && !to_cut && flights.len() < wanted {
@@ -320,7 +319,7 @@ impl<'a> DeviceRenderer<'a> {
             }
             match flights.pop_front() {
                 Some(flight) => {
-                    let before = std::mem::replace(&mut counters, self.land(flight)?);
+                    let before = std::mem::replace(&mut counters, self.finish(flight)?);
                     let counted = totals_since(&counters, &before);
                     self.film.received += counted;
                     match shared.state().caller.add(counted) {
@@ -349,8 +348,8 @@ impl<'a> DeviceRenderer<'a> {
         Ok(first_block + window.end / pixels)
     }
 
-    /// Waits for a submission, and reads what it has counted.
-    fn land(&mut self, flight: Flight) -> Result<Counters> {
+    /// Waits for a submission, and returns its counters.
+    fn finish(&mut self, flight: Flight) -> Result<Counters> {
         let Flight { submission, report, bounces, begin } = flight;
         let Report { counters, timing } = &mut self.reports.each[report];
         let bytes = size_of::<Counters>() as u64;
@@ -362,7 +361,7 @@ impl<'a> DeviceRenderer<'a> {
         Ok(counted)
     }
 
-    /// Drops what the device's film has received. A buffer that nobody has written is clear.
+    /// Drops the contents of the device's film. A buffer that was never written is clear.
     pub fn drop_film(&mut self) {
         self.film.is_stale = !self.film.tile.is_empty();
         self.film.received = Totals::default();
@@ -392,7 +391,7 @@ impl<'a> DeviceRenderer<'a> {
         Ok(())
     }
 
-    /// Refuses a film that does not fit: on one of another scale the image would be too dark or too bright.
+    /// Refuses a film of another size, other channels or another radiance exponent, which would change the brightness.
     pub fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
         let needed = (job.size, self.film.exponent, &self.film.aovs);
         let found = ((film.width(), film.height()), film.exponent(), film.aovs());
@@ -443,14 +442,14 @@ impl<'a> DeviceRenderer<'a> {
         }
         let counters = self.buffers.get("counters")?;
         readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
-        // The film now has the runs of the records.
+        // The records have been added to the film.
         encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
         let submission = self.device.queue.submit([encoder.finish()]);
         Ok(Flight { submission, report, bounces, begin })
     }
 
-    /// The most bounces of a submission. They leave room for the records of all finished runs: a slot finishes the run that it has, and then
-    /// at most one for each bounce of its samples. There is also a timestamp for each pass, if passes are timed.
+    /// The most bounces of a submission, for which there are records for all finished runs: a slot finishes the run that it has, and then at
+    /// most one run for as many bounces as the run has samples. If passes are timed, there is also a timestamp for each.
     fn most_bounces(&self, samples: &Range<u32>) -> u32 {
         let has_full_runs = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
         let shortest = match has_full_runs {
@@ -464,7 +463,7 @@ impl<'a> DeviceRenderer<'a> {
         };
         let kernels = self.kernels.bounce.len() as u32;
         let timed = match self.reports.each.iter().any(|report| report.timing.is_some()) {
-            // Beside the first kernel and the last.
+            // Without the first kernel and the last.
             true => (MAX_PASSES as u32 - 2) / kernels,
             false => u32::MAX,
         };
@@ -477,11 +476,11 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Pace {
-    /// Aims the next submission at its target time, by one with so many bounces that began then and has just ended.
+    /// Sets the bounces of the next submission by the time of one that began at `begin` and has just ended.
     fn adapt(&mut self, bounces: u32, begin: Instant) {
-        // The device starts a submission when the one before has ended.
+        // The device starts a submission when the previous one has ended.
         let now = Instant::now();
-        let took = now - begin.max(std::mem::replace(&mut self.landed, now));
+        let took = now - begin.max(std::mem::replace(&mut self.last_end, now));
         if !self.is_fixed {
             let ratio = self.submission.as_secs_f64() / took.as_secs_f64().max(1e-6);
             self.bounces = (f64::from(bounces) * ratio.clamp(0.25, 4.0)).round().clamp(1.0, 4096.0) as u32;

@@ -1,4 +1,4 @@
-//! Renders whose number of samples is not given: until a deadline, or until an error.
+//! Renders until a deadline or until an error, whose number of samples is not given.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -14,12 +14,12 @@ use crate::samples::Samples;
 
 /// The samples of a pixel at the first check of a render until an error.
 pub const FIRST_CHECK: u32 = 2 * RUN_LENGTH;
-/// The samples of a pixel from which on it gives up if more are of no use: the error has no bound, because pixels are too few or have no light;
-/// or the noise is small, and paths still do not find light that is there.
+/// The samples of a pixel from which on a render until an error gives up if more are of no use: the error has no bound, because pixels are
+/// too few or have no light; or the noise is small, and paths still do not find light that is there.
 pub const LAST_CHECK: u32 = 1 << 14;
 
-/// The samples of a pixel at a check of the error, after `checks` earlier ones: 16, 32, 48, 64, then each quarter of a doubling. The two
-/// halves of a pixel have equally many samples then.
+/// The samples of a pixel at a check of the error, after `checks` earlier ones: 16, 32, 48, 64, then each quarter of a doubling. At a
+/// check, the two halves of a pixel have the same number of samples.
 pub fn samples_at_check(checks: u32) -> u32 {
     match checks.checked_sub(4) {
         None => FIRST_CHECK * (checks + 1),
@@ -41,7 +41,7 @@ fn seconds_until(deadline: Instant) -> f64 {
 }
 
 impl Renderer<'_> {
-    /// Renders as many samples as fit until the deadline: one at least, where the film is empty.
+    /// Renders as many samples as fit before the deadline, at least one if the film is empty.
     pub(super) fn render_until(&mut self, most: Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<()> {
         if let Some(mut pace) = self.probe_pace(&most, deadline, caller)? {
             self.fill(most, deadline, &mut pace, caller)?;
@@ -49,8 +49,8 @@ impl Renderer<'_> {
         Ok(())
     }
 
-    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing where no other sample fits. Then the one stays,
-    /// but in a film that goes on with an earlier render: it would cut a run in two.
+    /// Renders one sample of each pixel, and removes it. Returns the pace in samples per second; `None` if no further sample fits. Then the
+    /// sample stays, except in a film that goes on with an earlier render, where it would split a run.
     fn probe_pace(&mut self, most: &Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
         let goes_on = caller.film.totals().paths > 0;
@@ -62,7 +62,7 @@ impl Renderer<'_> {
         if last && !goes_on {
             return Ok(None);
         }
-        // Its runs of one sample would be parts of longer runs.
+        // Runs of this one sample would be parts of longer runs.
         self.drop_film();
         if !goes_on {
             caller.film.clear();
@@ -72,13 +72,13 @@ impl Renderer<'_> {
         Ok((!last).then_some(pace))
     }
 
-    /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
+    /// Renders as many samples as fit before the deadline, which may be none. Returns one past the last.
     ///
-    /// Their number is fixed before the last range begins, from the pace of the one before it: to stop when a pass happens
-    /// to end would favour short paths. The last range is short, so that an error of the pace does little, and ends within a
-    /// run: whole runs may be longer than what an error of the pace does.
+    /// Their number is fixed before the last range begins, from the pace of the one before it: a render that stopped when a pass
+    /// happened to end would favour short paths. The last range is short, so that an error of the pace matters little. It may end
+    /// within a run, because a run may take longer than that error.
     fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, caller: &mut Caller<'_>) -> Result<u32> {
-        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
+        /// The shares of the time after which the pace is measured again. The last leaves room for its error.
         const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
         let begin = Instant::now();
         let all = seconds_until(deadline);
@@ -93,7 +93,7 @@ impl Renderer<'_> {
                 true => aim,
                 false => aim / RUN_LENGTH * RUN_LENGTH,
             };
-            // On a machine that has become faster, a share that ended early has room for more.
+            // If the machine has become faster, there is time for more samples in this share.
             if end <= done || last {
                 shares = later;
             }
@@ -108,7 +108,7 @@ impl Renderer<'_> {
             }
         }
         if done == most.start && caller.outcome.totals.paths == 0 && caller.film.totals().paths == 0 {
-            // The probe was wrong about a second sample, and is gone.
+            // The probed pace promised a second sample, and the sample of the probe was removed.
             self.render_samples(done..done + 1, caller)?;
             done += 1;
         }
@@ -117,11 +117,11 @@ impl Renderer<'_> {
 
     /// Renders until the relative error is below the requested one.
     ///
-    /// The error is checked several times ([`samples_at_check`]), and each check may pass by chance. So each has a share of the probability
-    /// of being wrong that all have together ([`level_after`]), by the union bound. All samples stay in the film, and the image is that of
-    /// `--spp` with their number.
+    /// The error is checked several times ([`samples_at_check`]), and each check may pass by chance. So each check has a share of the total
+    /// probability of being wrong ([`level_after`]), by the union bound. All samples stay in the film, and the image is that of `--spp`
+    /// with their number.
     ///
-    /// The error of a few pixels is never known with such confidence, nor that of an image without light. Such renders end without it.
+    /// The error of a few pixels, or of an image without light, is never known with such confidence. Such renders end without reaching it.
     pub(super) fn render_noise(&mut self, job: &Job, caller: &mut Caller<'_>) -> Result<()> {
         let Goal::Noise { error, deadline, end, begun, checks } = job.goal else { return Ok(()) };
         let most = job.first_sample..end;

@@ -1,26 +1,26 @@
-//! What a render came to, beside its film.
+//! The outcome of a render, apart from its film.
 
 use crate::data::{Counters, LIGHT_BINS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
 use crate::film::{Rejected, Totals};
 use crate::samples::Samples;
 
-/// What a render came to, beside its film.
+/// The outcome of a render, apart from its film.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The samples that every pixel has, and none beyond. While a render goes on, those of the last snapshot of a whole film.
+    /// The samples of every pixel. While a render goes on, those of the last complete snapshot.
     pub samples: Samples,
     pub interrupted: bool,
-    /// What this render has added to the film, including what only the device's film has so far.
+    /// The totals that this render has added, including those that only a device's film has so far.
     pub totals: Totals,
-    /// Of a render until an error: what came of it.
+    /// The checks of a render until an error.
     pub noise: Option<Noise>,
-    /// Seconds of the passes, from the first to the last.
+    /// Seconds from the first pass to the last.
     pub seconds: f64,
     /// Seconds until the first pass had ended.
     pub first_pass: f64,
-    /// Processor seconds of the thread that renders, from the first pass to the last. A driver's own threads are not in it.
+    /// Processor seconds of the threads that render, without a driver's own threads.
     pub host_seconds: f64,
-    /// The times on the device, where they were asked for and the device can tell.
+    /// The times on the device, if they were requested and the device has timestamps.
     pub profile: Profile,
 }
 
@@ -34,7 +34,7 @@ pub struct Profile {
 }
 
 impl Outcome {
-    /// Adds what a later render of the same film came to.
+    /// Adds the outcome of a later render of the same film.
     pub fn join(&mut self, later: Outcome) {
         let idle = [&*self, &later].map(|outcome| outcome.profile.idle.map(|idle| idle * outcome.seconds));
         self.samples = later.samples;
@@ -60,10 +60,10 @@ impl Outcome {
     }
 }
 
-/// What came of a render until an error.
+/// The checks of a render until an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// How often the error has been compared with the requested one, in all renders that this one goes on with.
+    /// The number of checks so far, with those of the renders that this one continues.
     pub checks: u32,
     /// Whether the bound was below the requested error.
     pub reached: bool,
@@ -72,27 +72,27 @@ pub struct Noise {
 /// The probability that a render until an error ends with a larger one, over all its checks.
 pub const NOISE_LEVEL: f64 = 0.05;
 
-/// The probability that a check has for finding the error below its bound by chance, after so many checks: of the k-th check a share of
-/// 1 / (k (k + 1)), so that all have [`NOISE_LEVEL`] together.
+/// The probability that a check, after so many earlier ones, is allowed to find the error below its bound by chance. The k-th check has the
+/// share 1 / (k (k + 1)) of [`NOISE_LEVEL`], so that all together have at most that.
 pub fn level_after(checks: u32) -> f64 {
     let number = f64::from(checks) + 1.0;
     NOISE_LEVEL / (number * (number + 1.0))
 }
 
 impl Noise {
-    /// The probability that was left to the last check.
+    /// The probability of the last check ([`level_after`]).
     pub fn level(&self) -> f64 {
         level_after(self.checks.saturating_sub(1))
     }
 }
 
-/// What has been added to a count of 64 bits since the last reading.
+/// The difference of two readings of a 64-bit counter.
 fn added([low, high]: [u32; 2], [low_before, high_before]: [u32; 2]) -> u64 {
     let count = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
     count(low, high).wrapping_sub(count(low_before, high_before))
 }
 
-/// What has been counted since the last reading.
+/// The difference of two readings of the counters.
 pub(super) fn totals_since(now: &Counters, before: &Counters) -> Totals {
     let since = |which: u32| added(now.counts[which as usize], before.counts[which as usize]);
     let count = |of: fn(&Counters) -> u32| u64::from(of(now).wrapping_sub(of(before)));

@@ -1,4 +1,4 @@
-//! A render by one device or by several, which add to one film.
+//! A render by one or several devices, which add to one film.
 
 use std::ops::Range;
 use std::thread;
@@ -19,7 +19,7 @@ use crate::options::{Integrator, RenderOptions};
 use crate::plan::Plan;
 use crate::threads::each;
 
-/// A render that is ready to go.
+/// Devices that are ready to render.
 pub struct Renderer<'a> {
     devices: Vec<DeviceRenderer<'a>>,
 }
@@ -28,13 +28,13 @@ impl<'a> Renderer<'a> {
     /// Allocates the buffers and compiles the kernels.
     ///
     /// # Errors
-    /// `Error::Device` where a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on what the
-    /// numerics probe does not find.
+    /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
+    /// the numerics probe does not find.
     pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<Renderer<'a>> {
         Renderer::of_devices(&[(device, plan)], job, profile)
     }
 
-    /// A render by several devices, each with its plan. What they render is the same as by one of them, if their drivers round alike.
+    /// A render by several devices, each with its plan. The image is that of one of them, if their drivers round alike.
     ///
     /// # Errors
     /// As of [`Renderer::new`].
@@ -43,18 +43,18 @@ impl<'a> Renderer<'a> {
         Ok(Renderer { devices: ready.into_iter().collect::<Result<_>>()? })
     }
 
-    /// Has submissions take so long, so that the caller is asked as often what it wants next.
+    /// Sets the time that a submission should take, after which `watch` is called.
     pub fn set_submission_time(&mut self, time: Duration) {
-        self.devices.iter_mut().for_each(|device| device.aim_at(time));
+        self.devices.iter_mut().for_each(|device| device.set_submission_time(time));
     }
 
     /// Renders until the goal is reached. Calls `watch` after each submission with the outcome so far; fields that are known only at the end
-    /// have their defaults. If `watch` asks for a snapshot, it is called again with the film. The job may differ from the one that the renderer
+    /// have their defaults. If `watch` returns a snapshot as its decision, it is called again with the film. The job may differ from the one that the renderer
     /// was made for, but not in its size.
     ///
     /// # Errors
     /// `Error::Usage` if the film has another size than the job, or another scale than the scene. `Error::Device` if a device fails; the
-    /// film then has what it had after the last snapshot. `Error::Dropped` if `watch` asks for that.
+    /// film then has what it had after the last snapshot. `Error::Dropped` if `watch` returns [`Next::Drop`](super::watch::Next::Drop).
     pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
         self.devices.iter().try_for_each(|device| device.check_film(job, film))?;
         let mut outcome = Outcome::default();
@@ -98,12 +98,12 @@ impl<'a> Renderer<'a> {
         each(count, &mut self.devices, work).into_iter().collect()
     }
 
-    /// Brings what the devices have rendered to the film.
+    /// Adds the devices' films to the film on the host.
     pub(super) fn read_film(&mut self, film: &mut Film) -> Result<()> {
         self.devices.iter_mut().try_for_each(|device| device.read_film(film))
     }
 
-    /// Drops what the devices' films have received.
+    /// Drops the contents of the devices' films.
     pub(super) fn drop_film(&mut self) {
         self.devices.iter_mut().for_each(DeviceRenderer::drop_film);
     }

@@ -1,4 +1,4 @@
-//! A range of samples of every pixel, which the devices share out among themselves.
+//! A range of samples of every pixel, which devices share.
 
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -11,27 +11,27 @@ use crate::data::RUN_LENGTH;
 use crate::film::{Film, Totals};
 use crate::job::blocks;
 
-/// The caller of a render: its film, and what it is told and asked.
+/// The caller of a render: its film, its outcome so far, and its `watch`.
 pub struct Caller<'a> {
     pub film: &'a mut Film,
     pub watch: Watch<'a>,
     pub start: Instant,
     pub outcome: &'a mut Outcome,
-    /// Whether a snapshot of the whole film is asked for.
+    /// Whether the caller wants a complete snapshot.
     pub wants_complete: bool,
-    /// Set while a sample is rendered only to learn its pace. It is in no snapshot.
+    /// Set while a sample is rendered only to measure the pace. No snapshot has it.
     pub probe: Option<PaceProbe>,
 }
 
-/// A sample whose time tells the pace, and that is rendered again later.
+/// A sample that is rendered to measure the pace, and again later.
 #[derive(Clone, Copy)]
 pub struct PaceProbe {
-    /// Whether the film must not get it.
+    /// Whether it must not be added to the film.
     pub is_dropped: bool,
 }
 
 impl Caller<'_> {
-    /// Asks what is wanted next. A snapshot has the time when it began, and whether the film is whole.
+    /// Calls `watch`, and returns the caller's decision. `snapshot`: when it began, and whether the film is complete.
     pub fn notify(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
         let snapshot = snapshot.map(|(begin, is_complete)| Snapshot { film: self.film, begin, is_complete });
         let next = (self.watch)(self.outcome, snapshot);
@@ -41,7 +41,7 @@ impl Caller<'_> {
         next
     }
 
-    /// Adds what a submission has counted, and asks what is wanted next.
+    /// Adds the totals of a submission, and returns the caller's decision.
     pub fn add(&mut self, counted: Totals) -> Next {
         self.outcome.totals += counted;
         if self.outcome.first_pass == 0.0 {
@@ -51,7 +51,7 @@ impl Caller<'_> {
     }
 }
 
-/// The samples that devices share, and who renders them.
+/// The samples that devices share, and the devices that take part.
 pub struct SampleRange<'a, 'b> {
     pub samples: Range<u32>,
     /// The number of devices that may take part.
@@ -62,24 +62,24 @@ pub struct SampleRange<'a, 'b> {
 
 pub struct State<'a, 'b> {
     pub caller: &'a mut Caller<'b>,
-    /// The blocks of samples that nobody has taken, in order.
+    /// The blocks of samples that no device has taken, in order.
     left: Vec<Range<u32>>,
-    /// The number of devices that take part, and of those that wait for a snapshot of the whole film.
+    /// The number of devices that take part, and of those that wait for a complete snapshot.
     working: usize,
     waiting: usize,
-    /// Snapshots of the whole film so far.
+    /// Complete snapshots so far.
     snapshots: u64,
     /// Whether a device has failed.
     failed: bool,
 }
 
 impl State<'_, '_> {
-    /// Whether devices are to end with the block of samples that has been started.
+    /// Whether devices must stop after the block of samples that they have started.
     pub fn ends_early(&self) -> bool {
         self.caller.wants_complete || self.ends()
     }
 
-    /// Whether nobody is to begin anything.
+    /// Whether devices must not start another block.
     fn ends(&self) -> bool {
         self.caller.outcome.interrupted || self.failed
     }
@@ -96,14 +96,14 @@ impl<'a, 'b> SampleRange<'a, 'b> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes part until the result is dropped.
+    /// Registers a device, until the result is dropped.
     pub fn enter(&self) -> Participant<'_, 'a, 'b> {
         self.state().working += 1;
         Participant { range: self, failed: true }
     }
 
-    /// Takes the next blocks of samples, as many as a device's schedule has. Several devices leave the others something to do: half of
-    /// what is left is for later, so that all end at about the same time.
+    /// Takes the next blocks of samples, up to the size of the schedule's next round. Of several devices, each takes at most its share of
+    /// half of what is left, so that all end at about the same time.
     pub fn take(&self, schedule: &Schedule) -> Option<Range<u32>> {
         let mut state = self.state();
         if state.ends() {
@@ -118,8 +118,8 @@ impl<'a, 'b> SampleRange<'a, 'b> {
         Some(taken)
     }
 
-    /// Adds the blocks that a device has rendered, and gives back those up to `end` that it has not. The result is whether a snapshot of the
-    /// whole film is asked for.
+    /// Adds the blocks that a device has rendered, and gives back the others up to `end`. Returns whether the caller wants a complete
+    /// snapshot.
     pub fn finish(&self, rendered: Range<u32>, end: u32) -> bool {
         let mut state = self.state();
         let rest = rendered.end..end;
@@ -133,7 +133,7 @@ impl<'a, 'b> SampleRange<'a, 'b> {
         state.caller.wants_complete
     }
 
-    /// Waits until all devices have brought their films, and one of them has shown it.
+    /// Waits until all devices have added their films, and one of them has shown the complete film to the caller.
     pub fn show_complete(&self, begin: Instant) {
         let mut state = self.state();
         let snapshots = state.snapshots;
@@ -155,12 +155,12 @@ impl<'a, 'b> SampleRange<'a, 'b> {
 /// A device that takes part.
 pub struct Participant<'s, 'a, 'b> {
     range: &'s SampleRange<'a, 'b>,
-    /// Also if its thread panics.
+    /// True until the device leaves, so that a panic of its thread counts.
     failed: bool,
 }
 
 impl Participant<'_, '_, '_> {
-    /// Leaves without a failure.
+    /// Ends the device's part without a failure.
     pub fn leave(mut self) {
         self.failed = false;
     }
@@ -171,7 +171,7 @@ impl Drop for Participant<'_, '_, '_> {
         let mut state = self.range.state();
         state.working -= 1;
         state.failed |= self.failed;
-        // Those who wait may be all that are left.
+        // All remaining devices may be waiting.
         self.range.changed.notify_all();
     }
 }

@@ -1,26 +1,26 @@
-//! The tiles of a film, how many blocks of samples they get at a time, and the order of their pixels.
+//! The tiles of a film, the blocks of samples that they get in a round, and the order of their pixels.
 
 use std::ops::Range;
 use std::time::Duration;
 
 use crate::data::STRIP_ROWS;
 
-/// The runs of a tile are counted in 32 bits, with room for each slot to ask once too often.
+/// The runs of a tile are counted in 32 bits, with room for one request too many by each slot.
 const MOST_RUNS: u32 = 1 << 31;
-/// Blocks of samples that a tile gets at a time at most: enough to make the transfer of its totals cheap.
+/// The most blocks of samples of a tile in a round: enough to make the transfer of its totals cheap.
 const MOST_BLOCKS: u32 = 64;
-/// The time that a round over several tiles should take at most. A film is whole between rounds, and only then can a render be stopped.
+/// The longest time that a round over several tiles should take. A film is complete between rounds, and only then can a render be stopped.
 const ROUND: Duration = Duration::from_secs(10);
 
-/// The tiles of an image of so many pixels, of which each has `tile` at most.
+/// The tiles of an image with this number of pixels, each with at most `tile` pixels.
 pub fn tiles(pixels: u32, tile: u32) -> impl Iterator<Item = Range<u32>> {
     let tile = tile.clamp(1, pixels.max(1));
     (0..pixels).step_by(tile as usize).map(move |first| first..pixels.min(first.saturating_add(tile)))
 }
 
-/// How many blocks of samples the tiles of a film render in a round. A film of one tile takes all blocks in one. Otherwise the first round has
-/// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough. Several devices begin
-/// in the same way, because their paces are not known.
+/// The number of blocks of samples that the tiles of a film render in a round. A film of one tile takes all blocks in one round. Otherwise the
+/// first round has one block, so that the picture is complete early, and each later round doubles the blocks while it is short enough.
+/// Several devices begin in the same way, because their paces are not known.
 pub struct Schedule {
     next: u32,
     most: u32,
@@ -40,7 +40,7 @@ impl Schedule {
         left.start..left.end.min(left.start.saturating_add(self.next))
     }
 
-    /// Learns how long a round took.
+    /// Adapts the next round to the time of the last one.
     pub fn adapt(&mut self, time: Duration) {
         self.next = match () {
             () if time > ROUND => (self.next / 2).max(1),
@@ -50,10 +50,9 @@ impl Schedule {
     }
 }
 
-/// The index (row 0 on top, `y * width + x`) of the pixel at a place in the order in which pixels are handed out, as shaders/step/pixel_order.wgsl
-/// has it.
+/// The index (row 0 on top, `y * width + x`) of the pixel at a position in the order of shaders/step/pixel_order.wgsl.
 pub fn pixel_in_order(rank: u32, (width, height): (u32, u32)) -> usize {
-    // In 32 bits, which divide faster: this is called for each pixel. A strip that they do not hold is the only one.
+    // In 32 bits, which divide faster: this runs for each pixel. A strip with more pixels than they can count is the only one.
     let strip = STRIP_ROWS.saturating_mul(width);
     let first_row = rank / strip * STRIP_ROWS;
     let rows = STRIP_ROWS.min(height - first_row);
@@ -65,7 +64,7 @@ pub fn pixel_in_order(rank: u32, (width, height): (u32, u32)) -> usize {
 mod tests {
     use super::*;
 
-    /// Every pixel has a place in one tile, and rounds take all blocks in order.
+    /// Every pixel is in one tile, and rounds take all blocks in order.
     #[test]
     fn every_pixel_gets_every_block_once() {
         for (size, tile, blocks) in
@@ -87,7 +86,7 @@ mod tests {
         }
     }
 
-    /// Rounds grow while they are short, and shrink where they are long. Their runs are numbered by 32 bits.
+    /// Rounds grow while they are short, and shrink while they are long. 32 bits number their runs.
     #[test]
     fn rounds_are_short() {
         let mut schedule = Schedule::new(100, 10, false);

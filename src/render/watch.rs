@@ -1,4 +1,4 @@
-//! What the caller of a render sees after each submission, and decides.
+//! What the caller of a render gets and decides after each submission.
 
 use std::time::Instant;
 
@@ -14,20 +14,20 @@ pub struct Snapshot<'a> {
     pub is_complete: bool,
 }
 
-/// Called after each submission with the render's outcome so far, and with the film if the last call asked for a snapshot. Each device has a
-/// thread, which calls.
+/// Called after each submission with the render's outcome so far, and with the film if the last call returned a snapshot as its decision. The
+/// threads of all devices call it.
 pub type Watch<'a> = &'a mut (dyn FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send);
 
 /// The caller's decision after each submission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     GoOn,
-    /// Bring the film up to date, and show it as a [`Snapshot`]. Runs that are under way are not in it.
+    /// Call again with the film, up to date but for the runs in flight.
     Snapshot,
-    /// End the block of samples that has been started, and show the film when it is whole.
+    /// End the block of samples that has been started, and call again with the complete film.
     CompleteSnapshot,
-    /// End the block of samples that has been started, and nothing after it.
+    /// End the block of samples that has been started, and render no other.
     Stop,
-    /// End at once. Nobody wants the image: the render fails with [`Error::Dropped`].
+    /// End at once, without the image: the render fails with [`Error::Dropped`].
     Drop,
 }

@@ -11,7 +11,7 @@ use super::inputs::{Input, buffers};
 use crate::bitmap::{Bitmap, Decoding};
 use crate::shape::mesh::Mesh;
 
-/// What tells that a file has changed: the time of its last write, its length, and its inode, which another file of its name would not
+/// The stamp of a file, which shows that it has changed: the time of its last write, its length, and its inode, which another file of its name would not
 /// have. `None` if there is no file.
 pub type Stamp = Option<(SystemTime, u64, u64)>;
 

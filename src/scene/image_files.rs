@@ -27,7 +27,7 @@ use budget::{Budget, Wanted};
 /// The memory that a decoder may take for what comes before the pixels. A PNG's colour profile is the largest of it.
 const HEADERS: u64 = 64 << 20;
 
-/// Decodes every image of the scene once, in all ways that the scene asks for. The keys are the paths as the scene file writes them. Errors
+/// Decodes every image of the scene once, in all ways that the scene uses. The keys are the paths as the scene file writes them. Errors
 /// point at the `path` field.
 pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets: &mut Assets) -> Bitmaps {
     let mut wanted: HashMap<String, BTreeSet<Decoding>> = HashMap::new();

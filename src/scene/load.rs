@@ -274,7 +274,7 @@ fn of_gltf(
     Ok(scene)
 }
 
-/// Whether anything in the scene emits light beside its background: a light without size, or a surface.
+/// Whether anything in the scene other than the background emits light: a light without size, or a surface.
 fn emits(scene: &Scene) -> bool {
     let shines = |material: &Material| {
         let model = material.model();

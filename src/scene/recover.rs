@@ -40,10 +40,10 @@ fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Res
 /// The bytes that are parsed again, all in all: a large file has its first errors listed.
 const MOST_BYTES: usize = 1 << 26;
 
-/// Notes the errors of a text that does not parse, and returns the parts of it that have none.
+/// Collects the errors of a text that does not parse, and returns the parts of it that have none.
 pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
     let spans = &source.spans;
-    // Of brackets that do not match, nobody knows what is in what.
+    // If brackets do not match, the nesting is unknown.
     if spans.mismatched || spans.unclosed_bracket.is_some() || spans.unclosed_comment.is_some() {
         return Parts::default();
     }

@@ -15,7 +15,7 @@ pub const FEWEST_PIXELS: f64 = 1_024.0;
 /// The number of rounds that the size is chosen for.
 const ROUNDS: f64 = 12.0;
 
-/// The number of pixels for which `time` is enough to measure all settings, if a sample of one pixel takes `of_pixel` seconds.
+/// The number of pixels for which `time` suffices to measure all settings, if a sample of one pixel takes `of_pixel` seconds.
 pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
     let round = of_pixel * SAMPLES_OF_ROUND * settings as f64;
     (time.as_secs_f64() / (round * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
@@ -36,13 +36,13 @@ pub struct FullSize {
 }
 
 impl FullSize {
-    /// For a sweep that is itself at full size.
+    /// The ratios of a sweep that is itself at full size.
     pub fn of_sweep(sweep: &Sweep<'_>) -> FullSize {
         let images = sweep.subjects.first().map_or(Vec::new(), |defaults| defaults.images(LEVEL));
         FullSize { slower: 1.0, noisier: 1.0, size: sweep.size, images, seconds_to_denoise: 0.0 }
     }
 
-    /// For a full size that was not measured: the time is assumed to grow with the number of pixels.
+    /// The ratios if the full size was not measured: the time is assumed to grow with the number of pixels.
     pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> FullSize {
         FullSize {
             slower: pixels_ratio(size, sweep.size),
@@ -53,7 +53,7 @@ impl FullSize {
         }
     }
 
-    /// The bias of an image with smaller sides: that of the mean, and that of the pixels, squared. The expectation of a
+    /// The bias of the mean, and the squared bias of the pixels, of an image with smaller sides. The expectation of a
     /// pixel is the mean over the full-size pixels that it covers, so that the full-size images determine the bias, and
     /// nothing else is rendered. Images of another size would have another bias, because edges cover a larger share of
     /// a smaller image.
@@ -69,7 +69,7 @@ impl FullSize {
 /// ratio from few images with rare bright paths was 0.46 by chance, and the predicted times were wrong by this factor.
 const USUAL: f64 = 0.1;
 
-/// The ratio of two noises: the measured logarithm and the prior, weighted by their certainties.
+/// The ratio of two noises: the measured logarithm and the prior, weighted by their precisions.
 fn ratio(full: Estimate, small: Estimate) -> f64 {
     let error = (full.error / full.value).hypot(small.error / small.value);
     let believed = USUAL * USUAL / (USUAL * USUAL + error * error);
@@ -103,7 +103,7 @@ pub fn calibrate(sweep: &mut Sweep<'_>, full: (u32, u32), until: Instant, stop: 
     };
     let samples = (0..u32::BITS).map(|halved| MOST_SAMPLES >> halved).take_while(|samples| *samples > 0).find(fitting);
     let Some(samples) = samples else { return Ok(None) };
-    // The two sizes take turns, so that other load on the machine slows both. The small image is timed with as many samples as the
+    // The two sizes alternate, so that other load on the machine slows both. The small image is timed with as many samples as the
     // measured seconds had: a single sample of it ends before the device is busy.
     let (mut at_full_size, mut at_small, mut slower) = (Vec::new(), Vec::new(), Vec::new());
     for image in 0..FEWEST_ROUNDS as u32 {

@@ -36,14 +36,14 @@ pub struct Measured {
     /// The number of blocks of [`LEVEL`] samples that both it and the defaults have.
     pub rounds: usize,
     pub seconds_compile: f64,
-    /// Seconds for one sample in every pixel, at the size of the sweep.
+    /// Seconds for one sample of every pixel, at the size of the sweep.
     pub seconds_here: f64,
     /// Half the width of the 95 % interval of the model's seconds, which are those of full size.
     pub seconds_half_width: f64,
     /// The relative standard error of the model's seconds.
     pub seconds_error: f64,
     pub model: Model,
-    /// The relative MSE of the noise for each measured number of samples, at full size; of denoised images that of noise and bias.
+    /// The relative MSE of the noise for each measured number of samples, at full size; for denoised images, of noise and bias.
     pub noises: Vec<(u32, f64)>,
     /// The FLIP of an image for each measured number of samples, at the size of the sweep.
     pub flips: Vec<(u32, f64)>,
@@ -54,14 +54,14 @@ pub struct Measured {
     pub squared: Estimate,
     /// Whether either bias is significant, corrected for the number of settings and tests.
     pub biased: bool,
-    /// Whether it is declared unbiased and differs by more than noise, and rare bright paths that were not met may explain the difference.
+    /// Whether it is declared unbiased and differs by more than noise, and rare bright paths that were not found may explain the difference.
     pub lacks_paths: bool,
     /// Whether the biases are against the reference.
     pub against_reference: bool,
-    /// Whether its noise is known, and also its bias if it may have one. If most of the noise is in few pixels,
-    /// estimates are too low until paths have found these.
+    /// Whether its noise is known, and its bias if it may have one. If most of the noise is in few pixels, estimates are
+    /// too low until paths have found these.
     pub reliable: bool,
-    /// Why a render of all its samples would call its error unreliable, as `render` words it.
+    /// The reasons why a render of all its samples would call its error unreliable.
     pub reasons_unreliable: Vec<String>,
     /// The relMSE of its noise over the relative MSE.
     pub relmse_ratio: f64,
@@ -75,12 +75,12 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The seconds until FLIP reaches [`FLIP_TARGET`]; none if it is not known to.
+    /// The seconds until FLIP reaches [`FLIP_TARGET`]; none if that is not known.
     pub fn seconds_to_flip(&self) -> Option<f64> {
         samples_to(&self.flips, FLIP_TARGET).map(|samples| self.model.seconds_of(samples))
     }
 
-    /// The squared bias: what remains with infinitely many samples, or of denoised images with [`LEVEL`] of them.
+    /// The squared bias with infinitely many samples; for denoised images, with [`LEVEL`] samples.
     pub fn bias_squared(&self) -> f64 {
         if self.setting.denoise { self.squared.value.max(0.0) } else { self.model.squared_bias }
     }
@@ -93,12 +93,12 @@ impl Measured {
         1.0 / (variance * self.model.seconds)
     }
 
-    /// Whether it has no bias: none is declared, and none was found.
+    /// Whether no bias is declared, and none was found.
     pub fn is_faithful(&self) -> bool {
         self.setting.declared_unbiased() && !self.biased && !self.lacks_paths
     }
 
-    /// Whether it reaches all targets as soon as another setting, or as late, within the error of the timings.
+    /// Whether it reaches all targets at the same time as another setting, within the error of the timings.
     pub fn is_as_fast_as(&self, other: &Measured) -> bool {
         let tie = tie_ratio(self.seconds_error, other.seconds_error);
         self.times.iter().zip(other.times).all(|(own, theirs)| match (own, theirs) {
@@ -171,7 +171,7 @@ pub struct Judged {
     pub weights: Option<Weights>,
 }
 
-/// Judges every subject with at least three rounds. The others are noted as not measured, with `unreached` as the reason.
+/// Judges every subject with at least three rounds. The others are recorded as not measured, with `unreached` as the reason.
 ///
 /// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. If the
 /// defaults differ from a given reference, or are not known well, biases are against the reference instead. The loss of
@@ -242,14 +242,14 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
         let matters = measured.signed.value.powi(2).max(measured.squared.value) > NEGLIGIBLE;
         measured.lacks_paths = declared && !measured.biased && matters && shows(&measured.signed, &measured.squared);
         measured.reliable &= measured.bias_known && !measured.lacks_paths;
-        // A setting that is declared unbiased has no bias unless one is found. That of denoised images falls with the samples, and is in
-        // the error that was measured at each number of them.
+        // A setting that is declared unbiased has no bias unless one is found. The bias of denoised images falls with the samples, and is
+        // part of the error measured at each number of samples.
         if !measured.setting.denoise && (!declared || measured.biased) {
             let (least, most) = by_mean(&measured.signed, &weights);
             measured.model.squared_bias = measured.squared.value.max(least);
             measured.model.squared_bias_upper = measured.squared.upper().max(most);
         }
-        // A relative MSE of ε² is a relative error of ε. What certainly loses a larger share of the light does not reach it.
+        // A relative MSE of ε² is a relative error of ε. A setting that certainly loses a larger share of the light does not reach it.
         let lost = (measured.signed.value.abs() - measured.signed.half_width()).max(0.0);
         let is_faithful = |target: &f64| !measured.biased || lost <= target.sqrt();
         let time = |target: f64| Some(target).filter(is_faithful).and_then(|target| measured.model.seconds_to(target));
@@ -267,7 +267,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
     for (measured, ranking) in found.iter_mut().zip(rankings(&all)) {
         measured.ranking = ranking;
     }
-    // Timings that differ by less than their error are no verdict. So what is as fast as the defaults is one group.
+    // Settings whose times differ by less than the error of the timings are not ranked, so those as fast as the defaults form one group.
     if let Some((defaults, others)) = found.split_first_mut() {
         let reaches = defaults.ranking != Ranking::NeverReaches;
         others
@@ -316,7 +316,7 @@ fn unmet(brightest: f64, rounds: usize, level: f64, weights: &Weights) -> (f64, 
     let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
     let light = level.recip().ln() * brightest / samples;
     let mean = mean_luminance(image);
-    // The mean of a black image is 0, so that no share of it exists.
+    // A black image has the mean 0, of which there is no share.
     let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
     (of_mean, 0.5 / weights.floor.sqrt() * light)
 }
@@ -360,7 +360,7 @@ fn measured(
         Some(blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>())
     };
     let (own_images, base_images) = (images(subject, LEVEL)?, images(defaults, LEVEL)?);
-    // The bias of denoised images falls with the samples, so it is a part of what falls.
+    // The bias of denoised images falls with the samples, so it belongs to the falling part.
     let denoises = subject.setting.denoise;
     let error = |level: u32| {
         let (own, apart) = (images(subject, level)?, rounds_between(level));

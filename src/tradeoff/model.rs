@@ -10,7 +10,7 @@ pub struct Falling {
     pub noise: f64,
     /// The exponent p, above 0: 1 for independent samples.
     pub exponent: f64,
-    /// ln N where the fit is most certain, the standard error of the noise's logarithm there, and that of the exponent.
+    /// The ln N at which the fit is most certain, the standard error of the noise's logarithm there, and that of the exponent.
     pub middle: f64,
     pub error: f64,
     pub exponent_error: f64,
@@ -51,17 +51,17 @@ pub struct Model {
     pub noise: Falling,
     /// The seconds for one sample in every pixel.
     pub seconds: f64,
-    /// The seconds of an image that do not depend on its samples: those of denoising it.
+    /// The seconds of an image that do not depend on its samples: denoising.
     pub fixed_seconds: f64,
 }
 
 /// The range of plausible exponents. Sobol points reach at most 3, in smooth pixels.
 const EXPONENTS: (f64, f64) = (0.8, 3.0);
-/// The least plausible exponent of what is denoised, whose error is mostly bias: it falls more slowly than noise.
+/// The least plausible exponent of denoised images, whose error is mostly bias, which falls more slowly than noise.
 pub const LEAST_OF_DENOISED: f64 = 0.1;
 /// The prior of the exponent, with its standard error. Noise from rare bright paths is measured too poorly to determine
 /// an exponent, and a wrong exponent is far off at many samples. The mean is that of independent samples; the standard
-/// error is what Sobol points gain on the scenes of this repository.
+/// error is the gain of Sobol points on the scenes of this repository.
 const USUAL: (f64, f64) = (1.0, 0.1);
 
 impl Model {
@@ -82,14 +82,14 @@ impl Model {
         self.fixed_seconds + self.seconds * samples
     }
 
-    /// The relative standard error of [`Model::seconds_to`] that the noise's makes: d ln N = (d ln c N^-p) / p.
+    /// The relative standard error of [`Model::seconds_to`] by that of the noise: d ln N = (d ln c N^-p) / p.
     pub fn relative_error_to(&self, target: f64) -> f64 {
         let left = target - self.squared_bias_upper;
         if left > 0.0 { self.noise.relative_error(self.noise.samples_to(left)) / self.noise.exponent } else { 0.0 }
     }
 }
 
-/// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its certainty. Of independent samples p is 1.
+/// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its precision. With independent samples p is 1.
 pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> {
     fitted(levels, (sampler == Sampler::Sobol).then_some(EXPONENTS))
 }
@@ -126,7 +126,7 @@ fn fitted(levels: &[(u32, Estimate)], exponents: Option<(f64, f64)>) -> Option<F
     Some(Falling { noise: (y + exponent * x).exp(), exponent, middle: x, error: weight.sqrt().recip(), exponent_error })
 }
 
-/// The number of samples at which a figure comes down to a target, at least one. `figures` has the figure at some numbers of samples.
+/// The number of samples at which a figure falls to a target, at least one. `figures` has the figure at some numbers of samples.
 /// Between them it is a straight line in logarithms; beyond them the line goes through the last two or the first two. None if the line
 /// does not fall, or if the number is beyond [`FARTHEST`] times the last.
 pub fn samples_to(figures: &[(u32, f64)], target: f64) -> Option<f64> {
@@ -135,14 +135,14 @@ pub fn samples_to(figures: &[(u32, f64)], target: f64) -> Option<f64> {
     let line = lines.clone().find(|line| line[1].1 <= target.ln()).or_else(|| lines.clone().last())?;
     let slope = (line[1].1 - line[0].1) / (line[1].0 - line[0].0);
     let (farthest, at) = (points.last()?.0 + FARTHEST.ln(), line[0].0 + (target.ln() - line[0].1) / slope);
-    // If the first figure is below the target already, a line that rises says nothing.
+    // If the first figure is already below the target, a rising line does not matter.
     match slope < 0.0 {
         true => Some(at).filter(|at| *at <= farthest).map(|at| at.exp().max(1.0)),
         false => figures.iter().find(|(_, figure)| *figure <= target).map(|(n, _)| f64::from(*n)),
     }
 }
 
-/// How far figures are extrapolated.
+/// Figures are extrapolated up to this many times the last number of samples.
 const FARTHEST: f64 = 64.0;
 
 /// The ranking of a setting among the others.
@@ -218,7 +218,7 @@ mod tests {
         assert!((found.at(found.samples_to(1e-3)) / 1e-3 - 1.0).abs() < 1e-9);
         assert_eq!(falling(&levels[1..2], Sampler::Sobol).map(|found| found.exponent), Some(1.0));
         assert_eq!(falling(&[], Sampler::Sobol), None);
-        // Independent samples have an exponent of 1, whatever chance says of it.
+        // Independent samples have an exponent of 1, whatever the noise of the measurement.
         let independent = falling(&levels, Sampler::Independent).unwrap();
         assert_eq!((independent.exponent, independent.exponent_half_width()), (1.0, 0.0));
         assert!((independent.relative_error(1e6) / independent.error - 1.0).abs() < 1e-9);

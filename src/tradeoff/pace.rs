@@ -1,8 +1,8 @@
 //! The relative times of settings, on a machine that other load slows down at times.
 //!
 //! The defaults are timed again and again between the blocks of the other settings: they are the clock. A block's time counts relative to the
-//! clock around it, so that a load that lasts longer than a few blocks slows both alike. What is left differs from round to round, and
-//! gives each time an interval.
+//! clock around it, so that a load that lasts longer than a few blocks slows both alike. The interval of a time comes from the differences
+//! between rounds that remain.
 
 use crate::metrics::estimate::CONFIDENCE;
 use crate::metrics::student;
@@ -17,7 +17,7 @@ pub struct Timed {
 /// The time of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// Seconds, where the machine is as fast as it was for half of the clock's blocks.
+    /// Seconds, at the speed of the machine in the median block of the clock.
     pub seconds: f64,
     /// Half the width of the interval of their logarithm, with [`CONFIDENCE`].
     pub half_width: f64,
@@ -162,7 +162,7 @@ mod tests {
     }
 
     /// On a busy machine, at most one in twenty settings that do the same work is faster or slower by its interval, whether the load
-    /// stays for a part of a block or for a whole sweep. Planted: all blocks of a setting one after another, and no clock.
+    /// stays for a part of a block or for all of a sweep. Planted: all blocks of a setting one after another, and no clock.
     #[test]
     fn load_makes_no_setting_faster() {
         const SEEDS: u64 = 60;

@@ -13,7 +13,7 @@ use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, Width, svg};
 
-// No width is fixed, so that no screen scrolls sideways: where the table's columns have no room, each row is a card.
+// No width is fixed, so that no screen scrolls sideways: on narrow screens, each row of the table is a card.
 const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #1b1b1f; --paper: #ffffff; --line: #d6d6dc; --soft: #5c5c64; --front: #e7f4ea; }
 @media (prefers-color-scheme: dark) {

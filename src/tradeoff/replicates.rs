@@ -2,7 +2,7 @@
 //!
 //! Every result is a mean over pairs of different replicates. The expected product of two replicates' differences from
 //! the baseline is the squared bias: their noise is independent, so that nothing has to be subtracted (independent
-//! halves). Pixels that lose light count even if others gain as much. The noise of one replicate is half the squared
+//! halves). Pixels that lose light count even if others gain the same amount. The noise of one replicate is half the squared
 //! difference of two.
 
 use crate::metrics::error::{floor_of, mean_luminance};
@@ -229,7 +229,7 @@ pub(super) mod tests {
         Weights::of_image(mean())
     }
 
-    /// How often the interval of an estimate holds the truth.
+    /// The number of times that the interval of an estimate holds the truth.
     fn coverage(of: impl Fn(&mut Random) -> Estimate, truth: f64) -> f64 {
         let mut random = Random(17);
         let held = (0..400).filter(|_| {

@@ -26,9 +26,9 @@ pub struct Findings {
     pub budget: f64,
     /// The seconds until the report.
     pub seconds: f64,
-    /// How much the speed of the machine changed meanwhile: the ratio of the times of one render, slow to fast.
+    /// The change of the machine's speed: the ratio of the times of one render, slow to fast.
     pub swing: f64,
-    /// The file; none if the images of the unbiased settings are pooled instead.
+    /// The reference file; none if the images of the unbiased settings are pooled instead.
     pub reference: Option<String>,
     /// The relative MSE of the noise of the reference or of the pooled image, if known.
     pub error_of_truth: Option<f64>,
@@ -164,7 +164,7 @@ fn digits(value: f64) -> usize {
 fn bias_text(measured: &Measured) -> String {
     let (value, half) = (100.0 * measured.signed.value, 100.0 * measured.signed.half_width());
     match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
-        // A limit that no sample has met yet may meet a later one.
+        // A limit that has clamped no sample yet may clamp a later one.
         true if measured.setting.class() == Class::Bias => "0 so far".to_string(),
         true => "0".to_string(),
         // The mean of a smaller image is the same, but for rounding.
@@ -416,7 +416,7 @@ impl Findings {
         ]
     }
 
-    /// The table for the terminal. It has the columns for which 80 characters suffice; the page and the CSV have all of them.
+    /// The table for the terminal, with the columns that fit into 80 characters. The page and the CSV have all of them.
     pub fn table(&self) -> String {
         const COLUMNS: usize = 6;
         let of_terminal = |measured: &Measured| {
@@ -461,7 +461,7 @@ impl Findings {
         csv(COLUMNS, &rows)
     }
 
-    /// The settings as JSON and CSV hold them: the measured ones, then the others.
+    /// The settings for JSON and CSV: the measured ones, then the others.
     fn rows(&self) -> Vec<Value> {
         let row = |setting: &Setting, measured: bool, verdict: String| {
             json!({

@@ -25,7 +25,7 @@ pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
 /// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
-/// Whether to stop. The threads of all devices ask.
+/// Whether to stop. The threads of all devices call it.
 pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// The number of rounds from one block of `samples` samples to the next.
@@ -33,7 +33,7 @@ pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
 }
 
-/// The defaults are timed between so many blocks of [`LEVEL`] samples: the clock of the other settings' times.
+/// The defaults are timed after this number of blocks of [`LEVEL`] samples, as the clock of the other settings' times.
 const BLOCKS_A_CLOCK: usize = 3;
 
 /// The mean cost of a round for a setting and its share of the clock, in samples per pixel.
@@ -78,7 +78,7 @@ impl Setting {
 #[derive(Clone, Debug)]
 pub struct Block {
     pub image: Pixels,
-    /// Only the time of the passes. Denoising is not in it: its time does not grow with the samples.
+    /// Only the time of the passes, without denoising, whose time does not grow with the samples.
     pub seconds: f64,
     /// The middle of that time, in seconds since the sweep began.
     pub at: f64,
@@ -101,17 +101,17 @@ pub struct Subject<'a> {
     /// The blocks for each number of samples per pixel, in the order of the rounds. The n-th blocks of all subjects
     /// have the same random numbers.
     pub blocks: BTreeMap<u32, Vec<Block>>,
-    /// All samples of the blocks on one film, for what it says of its error.
+    /// All samples of the blocks in one film, for the error that it states.
     pub total: Film,
 }
 
 impl Subject<'_> {
-    /// The blocks of so many samples per pixel.
+    /// The blocks with this number of samples per pixel.
     pub fn blocks_of(&self, samples: u32) -> &[Block] {
         self.blocks.get(&samples).map_or(&[], Vec::as_slice)
     }
 
-    /// The images of so many samples per pixel.
+    /// The images with this number of samples per pixel.
     pub fn images(&self, samples: u32) -> Vec<Pixels> {
         self.blocks_of(samples).iter().map(|block| block.image.clone()).collect()
     }
@@ -157,7 +157,7 @@ impl Effect {
     fn new(plan: &Plan<'_>, max_depth: u32) -> Effect {
         let shaders = plan.kernels().into_iter().map(|kernel| kernel.linked.text.clone()).collect();
         let indirect_limit = plan.indirect_limit();
-        // Without a walk, nobody reads the hierarchy.
+        // Without a walk, the hierarchy is not read.
         let walks = plan.buffers().iter().any(|buffer| buffer.name == "nodes");
         let root = if walks { plan.scene.settings.root } else { 0 };
         let nodes = if walks { plan.scene.nodes.clone() } else { Vec::new() };
@@ -206,7 +206,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Compiles a setting; the first must be the defaults. A setting that does nothing to this scene, or that the
-    /// device refuses, is noted as not measured.
+    /// device refuses, is recorded as not measured.
     ///
     /// # Errors
     /// If the defaults themselves fail.
@@ -231,7 +231,7 @@ impl<'a> Sweep<'a> {
         Sweep::new(self.device, self.scene, size, self.seed)
     }
 
-    /// Notes a setting as not measured.
+    /// Records a setting as not measured.
     pub fn leave_out(&mut self, setting: Setting, why: &str) {
         self.unmeasured.push(Unmeasured { setting, why: why.to_string() });
     }
@@ -312,7 +312,7 @@ impl<'a> Sweep<'a> {
 
     /// Renders rounds of blocks of every subject until the time is over, `stop` is true, or `most` rounds are done,
     /// including those of earlier calls. The order of the subjects rotates from round to round, and the defaults are timed
-    /// between the others, so that a machine that becomes slower slows all of them alike.
+    /// between the others, so that a slower machine slows all of them alike.
     ///
     /// # Errors
     /// If the device fails.
@@ -366,7 +366,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Forgets all images, for a measurement with another seed.
+    /// Drops all images, for a measurement with another seed.
     pub fn begin_again(&mut self, seed: u32) {
         (self.seed, self.rounds) = (seed, 0);
         self.clock.clear();
@@ -392,7 +392,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// How often denoising is timed. The least counts, because other load on the machine only adds to it.
+/// The number of times that denoising is timed. The smallest time counts, because other load on the machine only adds to it.
 const TIMED: u32 = 3;
 
 /// The picture and the two layers that help to denoise it.

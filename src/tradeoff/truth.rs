@@ -1,4 +1,4 @@
-//! The image that others are measured against, with its own noise. It comes from a file, or is the mean of the sweep's own images.
+//! The reference image of the measurement, with its noise: a file, or the mean of the sweep's own images.
 
 use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean};
 use super::sweep::{Subject, Sweep};
@@ -27,7 +27,7 @@ pub struct Distance {
 }
 
 impl Truth {
-    /// A file's image, reduced to a size that divides its own. With the box filter, it equals the image rendered at that size.
+    /// The image of a file, reduced to a size that divides its own. With the box filter, it equals the image rendered at that size.
     pub fn of_file(file: &ExrImage, size: (u32, u32)) -> Truth {
         let by = file.width / size.0;
         // The variance of a mean of n pixels is an n-th of their mean variance.
@@ -55,7 +55,7 @@ impl Truth {
     /// Leaves out the first `skipped` images of each number of samples.
     fn joined(sweep: &Sweep<'_>, skipped: usize, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
         // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves
-        // share none, so that their difference measures the noise, whatever the number of settings.
+        // share none, so that their difference measures the noise for any number of settings.
         let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
         let (mut sums, mut weights) = ([empty.clone(), empty], [0.0f64; 2]);
         for (i, subject) in sweep.subjects.iter().enumerate() {

@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, HashSet};
 use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{Arena, Expression, Function, Handle, LocalVariable, Module, Statement, Type, TypeInner};
 
-/// A function by its place in the module; entry points have none.
+/// A function by its handle in the module; entry points have none.
 type Name = Option<Handle<Function>>;
 
 /// What may hold a constant.

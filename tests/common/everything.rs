@@ -1,4 +1,4 @@
-//! A scene with everything in it, by its scale, place and brightness; and what it takes for two renders to be the same.
+//! A scene with everything in it, at any scale, position and brightness, and the comparison of two of its renders.
 
 use glam::DVec3;
 use gpu_rt::film::Totals;
@@ -139,7 +139,7 @@ fn octahedron() -> String {
     text
 }
 
-/// The film as a whole, but for the report about light by chance, and the picture bit by bit: two pictures compare as equal where a zero has the other sign, bits do not.
+/// Compares all of the film, except the count of hidden light, and the picture bit by bit: as numbers, zeros of both signs would be equal.
 pub fn same(a: &Shot, b: &Shot) -> bool {
     let bits = |shot: &Shot| {
         let floats = shot.picture.rgb.iter().chain(&shot.picture.variance).flatten();

@@ -17,7 +17,7 @@ pub const ALPHA: f64 = 1e-6;
 /// whole on the way at most, and emission, each albedo, each product and the picture are rounded once each. In units of 2^-24 that is
 /// less than 16 for paths of a few events.
 const ROUNDING: f64 = 1e-6;
-/// Side of the tiles that are tested beside single pixels and the whole: small enough to show what is wrong with one object, large
+/// The side of the tiles that are tested as well as single pixels and the full image: small enough to show what is wrong with one object, large
 /// enough to average noise.
 const TILE: u32 = 8;
 
@@ -30,7 +30,7 @@ pub struct Expectations {
     pub planted: Vec<(String, String)>,
     /// Flips of the image that must fail: of its columns, of its rows.
     pub flips: Vec<(bool, bool)>,
-    /// The relative errors of the whole image, and of one tile, that must fail.
+    /// The relative errors of the full image, and of one tile, that must fail.
     pub finds: f64,
     pub finds_in_tile: f64,
 }
@@ -42,7 +42,7 @@ pub struct Expectation {
     /// The scene's own max_depth where absent.
     pub depth: Option<u32>,
     area: Area,
-    /// Columns and rows; the whole image where absent.
+    /// Columns and rows; the full image if absent.
     within: Option<[u32; 4]>,
     rgb: [Expr; 3],
     tolerance: Tolerance,
@@ -198,7 +198,7 @@ impl Expectations {
         mean
     }
 
-    /// The values of all names at a place of the image.
+    /// The values of all names at a point of the image.
     fn names(&self, view: &View, x: f64, y: f64) -> HashMap<&str, f64> {
         let d = view.direction(x, y);
         let mut names = HashMap::from([("pi", PI), ("x", x), ("y", y), ("dx", d.x), ("dy", d.y), ("dz", d.z)]);
@@ -282,7 +282,7 @@ impl Expectation {
         if self.area == Area::Mean {
             return test(&area, ALPHA, "the mean");
         }
-        // Three tests share the false alarms: the whole, tiles, pixels.
+        // Three tests share the false alarms: the full image, tiles, pixels.
         let alpha = sidak(ALPHA, 3);
         test(&area, alpha, "the mean")?;
         let tiles = tiles(&area);
@@ -326,7 +326,7 @@ impl Expectation {
     }
 }
 
-/// A pixel's place and what is expected of it.
+/// A pixel's position and its expected value.
 type Wanted = ((u32, u32), [f64; 3]);
 
 /// The means of what was found and of what is expected over an area.
@@ -420,7 +420,7 @@ fn pixels_within_noise(shot: &Shot, area: &[Wanted], alpha: f64) -> Result<(), S
     }
 }
 
-/// The whole tiles of an area, by the place of their first pixel.
+/// The complete tiles of an area, by the position of their first pixel.
 fn tiles(area: &[Wanted]) -> Vec<((u32, u32), Vec<Wanted>)> {
     let mut tiles: HashMap<(u32, u32), Vec<Wanted>> = HashMap::new();
     for wanted in area {
@@ -450,7 +450,7 @@ impl View {
         View { forward, right: right * (half * width / height), up: right.cross(forward) * half, size: (width, height) }
     }
 
-    /// The unit direction through a place of the image, in pixels from its top left corner.
+    /// The unit direction through a point of the image, in pixels from its top left corner.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let (u, v) = (2.0 * x / self.size.0 - 1.0, 1.0 - 2.0 * y / self.size.1);
         (self.forward + u * self.right + v * self.up).normalize()

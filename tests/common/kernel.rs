@@ -1,6 +1,6 @@
 //! Test kernels: small WGSL modules under tests/shaders that import production modules by name and run them on rows of
 //! input on the device. A module `test/x` is tests/shaders/x.wgsl; every other name is the production file. A wrong form
-//! is planted by a module of tests/shaders/control that takes a production module's place.
+//! is planted by a module of tests/shaders/control that replaces a production module.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -104,7 +104,7 @@ pub struct Setup<'a> {
     pub values: &'a [(&'static str, &'a str)],
     /// The modules behind `choice/name`.
     pub choices: &'a [(&'static str, &'static str)],
-    /// What a plan would link with, where the kernel uses modules that ask a plan for more than that.
+    /// The choices of a plan, for kernels whose modules need more of them than those.
     pub plan: Choices,
 }
 
@@ -118,7 +118,7 @@ impl Kernel {
     pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
         let mut choices = setup.plan.clone();
         let chosen = |module| Chosen { module, why: Reason::EveryRender };
-        // Where nothing else is asked: what a plan decides for a scene of nothing.
+        // By default, the choices of a plan for an empty scene.
         let nothing = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
         for condition in SETTINGS {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));

@@ -6,7 +6,7 @@ use image::{Rgb, RgbImage};
 use super::everything::{Everything, World};
 use super::render::scene_in;
 
-/// What a scene of the lattice has in place of the least.
+/// What a scene of the lattice has instead of the minimum.
 #[derive(Clone, Copy)]
 struct Point {
     name: &'static str,

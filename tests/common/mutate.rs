@@ -129,7 +129,7 @@ pub fn mutated(good: &[u8], other: &[u8], start: usize, random: &mut Random) -> 
     bytes
 }
 
-/// Replaces the first number in digits behind a place.
+/// Replaces the first number in digits after an offset.
 fn replace_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     let is_part = |byte: &u8| byte.is_ascii_digit() || b"+-.e".contains(byte);
     let Some(begin) = bytes[at..].iter().position(u8::is_ascii_digit).map(|found| at + found) else { return };
@@ -143,7 +143,7 @@ fn replace_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     drop(bytes.splice(begin..end, number.into_bytes()));
 }
 
-/// Claims a size, in formats whose sizes stand at a known place.
+/// Claims a size, in formats whose sizes are at a known offset.
 pub fn claim_size(name: &str, bytes: &mut [u8], random: &mut Random) {
     let behind = |mark: &[u8]| bytes.windows(mark.len()).position(|window| window == mark).map(|at| at + mark.len());
     let (offset, length, is_big_endian) = match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
@@ -164,7 +164,7 @@ pub fn claim_size(name: &str, bytes: &mut [u8], random: &mut Random) {
     }
 }
 
-/// The place where a file's header ends, about: what stands behind it is the content.
+/// The approximate offset where a file's header ends and its content begins.
 pub fn end_of_header(name: &str, bytes: &[u8]) -> usize {
     let behind = |mark: &[u8], more: usize| {
         let found = bytes.windows(mark.len()).position(|window| window == mark);

@@ -17,14 +17,14 @@ use gpu_rt::scene::Scene;
 use super::device::software;
 use super::stats::{sidak, student_two_sided};
 
-/// What is asked of a render; what is absent is the scene's own.
+/// The request of a render. Absent fields are the scene's own.
 #[derive(Clone, Debug)]
 pub struct Request {
     pub size: Option<(u32, u32)>,
     pub samples: Option<Range<u32>>,
     pub max_depth: Option<u32>,
     pub seed: u32,
-    /// [`plain`] ones, unless asked otherwise.
+    /// [`plain`] ones by default.
     pub options: RenderOptions,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
@@ -136,7 +136,7 @@ pub fn render(scene: &Scene, request: &Request) -> Shot {
 }
 
 /// Renders several ranges of samples, one after the other by the same kernels and buffers, each onto a film of its own. The samples
-/// that are asked for elsewhere do not count.
+/// that are requested elsewhere do not count.
 pub fn render_each(scene: &Scene, request: &Request, ranges: &[Range<u32>]) -> Vec<Shot> {
     let mut shots = Vec::new();
     render_all(scene, request, ranges.iter().map(|samples| (request.seed, samples.clone())), |shot| shots.push(shot));
@@ -429,7 +429,7 @@ impl Shot {
         }
     }
 
-    /// The mean over the whole image.
+    /// The mean over the image.
     pub fn mean_of_all(&self) -> Mean {
         self.mean(0..self.picture.width, 0..self.picture.height)
     }
@@ -455,7 +455,7 @@ pub struct Difference {
     pub tile: String,
 }
 
-/// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the whole image, each by Welch's test of the
+/// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the full image, each by Welch's test of the
 /// difference of the means. For noise without rare values: a tile has hundreds of runs, so that its mean is normal. Noise aside, values may
 /// differ by `rounding` of them.
 pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {

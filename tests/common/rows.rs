@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::Material;
 
-/// What tests/shaders/scatter.wgsl takes: a ray that meets a surface.
+/// The input of tests/shaders/scatter.wgsl: a ray that hits a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct SurfaceHit {
@@ -17,7 +17,7 @@ pub struct SurfaceHit {
     pub material: Material,
 }
 
-/// What it gives.
+/// Its output.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct Answer {
@@ -71,7 +71,7 @@ pub struct Aimed {
     pub padding: u32,
 }
 
-/// What tests/shaders/camera.wgsl takes: a pixel, and the place in it and on the lens.
+/// The input of tests/shaders/camera.wgsl: a pixel, and the points in it and on the lens.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct OnFilm {
@@ -81,7 +81,7 @@ pub struct OnFilm {
     pub u: [f32; 4],
 }
 
-/// What it gives.
+/// Its output.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct CameraRay {

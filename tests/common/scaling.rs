@@ -12,7 +12,7 @@ pub const MEASURED: &str = "## What was measured\n";
 /// What stands below this line is computed from it.
 pub const COMPUTED: &str = "## Time against nodes\n";
 
-/// Samples of a pixel that are asked for.
+/// The requested samples of a pixel.
 const SAMPLES: f64 = 1e5;
 /// Parts are cut at multiples of it.
 const RUN: f64 = 8.0;
@@ -48,7 +48,7 @@ pub struct Inputs {
     pub merge: f64,
 }
 
-/// The place of an input.
+/// The position of an input.
 type Field = fn(&mut Inputs) -> &mut f64;
 
 /// The rows of the table of inputs.
@@ -256,7 +256,7 @@ pub fn plot(scenes: &[Inputs]) -> String {
     svg(&plot).unwrap_or_default()
 }
 
-/// The document with these measurements in place of its own.
+/// The document with these measurements instead of its own.
 pub fn with_measurements(document: &str, measured: &str) -> Option<String> {
     let (before, rest) = document.split_once(MEASURED)?;
     let (_, computed) = rest.split_once(COMPUTED)?;

@@ -30,7 +30,7 @@ fn paths(value: &Value) -> Vec<String> {
     }
 }
 
-/// The row that tells of a path: its own, or that of what is around it, where that has no rows below it.
+/// The row of a path: its own, or that of what is around it, where that has no rows below it.
 fn row_of<'a>(rows: &'a BTreeSet<String>, path: &str) -> Option<&'a String> {
     let is_inside =
         |inner: &str, outer: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with(['.', '[']));

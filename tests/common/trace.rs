@@ -46,7 +46,7 @@ pub struct Out {
     pub v: f32,
 }
 
-/// The direction of a second ray at this cosine with the normal, in a basis around it: anywhere around, on the side that is asked for.
+/// The direction of a second ray at this cosine with the normal, in a basis around it: at any azimuth, on the given side.
 pub fn leaving(random: &mut Random, cosine: f64, outwards: bool) -> [f32; 3] {
     let (sin, phi) = ((1.0 - cosine * cosine).sqrt(), random.uniform() * std::f64::consts::TAU);
     rounded(DVec3::new(sin * phi.cos(), sin * phi.sin(), if outwards { cosine } else { -cosine }))

@@ -20,7 +20,7 @@ struct Out {
 }
 
 /// The largest of the deviations from unit length and from right angles, without bound where the basis is left-handed;
-/// and the largest error of a place in the basis.
+/// and the largest error of a point in the basis.
 fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
     let rows: Vec<[f32; 4]> = normals.iter().map(|n| rounded(*n)).map(|[x, y, z]| [x, y, z, 0.0]).collect();
     let (mut angle, mut point) = (0.0f64, 0.0f64);

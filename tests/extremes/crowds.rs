@@ -1,4 +1,4 @@
-//! No object, one, a million, and ten thousand in one place.
+//! No object, one, a million, and ten thousand that coincide.
 
 use std::io::Write;
 
@@ -43,12 +43,12 @@ fn few() -> Vec<Cell> {
         .into()
 }
 
-/// So many bodies in one place, all but the first lamps.
+/// The number of bodies that coincide, all but the first lamps.
 fn crowd(body: &str, count: usize, first: &str) -> String {
     body.replace("ITS", first) + "," + &(body.replace("ITS", "both") + ",").repeat(count - 1)
 }
 
-/// Bodies in one place, of which the first is grey and the others are lamps.
+/// Bodies that coincide, of which the first is grey and the others are lamps.
 fn coincident() -> Vec<Cell> {
     let bodies = [
         ("spheres", 10_000, "Sphere(center: (0, 0, 0), radius: 1, material: \"ITS\")"),
@@ -80,7 +80,7 @@ fn coincident_cell(name: &str, count: usize, body: &str) -> Cell {
     .planted("image of another object", differ(pixels(count, "both")))
 }
 
-/// More meshes in one place than a walk may go through where loops are limited: the render counts and tells what it
+/// More coincident meshes than a walk may go through where loops are limited: the render counts and tells what it
 /// cuts, and the scene is warned of.
 fn too_many(count: usize, body: &str) -> Cell {
     let scene = scene(CAMERA, 1.0, &crowd(body, count, "grey"));

@@ -1,4 +1,4 @@
-//! Scenes that have no picture: refused, at the place in the file.
+//! Scenes that have no picture: refused, with the location in the file.
 
 use std::path::Path;
 

@@ -103,7 +103,7 @@ fn judge(kernel: &Kernel, rows: &[(f64, In)]) -> Verdict {
         found.reflectance = found.reflectance.max(error / of_r);
         found.relative = found.relative.max(error / reflectance);
         if t == 0.0 || of_t == 0.0 {
-            // All is reflected, or said to be: `edge` tells whether that is right.
+            // All is reflected, or said to be: `edge` says whether that is right.
             continue;
         }
         found.cos = found.cos.max((t - transmitted).abs() / of_t);

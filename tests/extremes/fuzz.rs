@@ -70,7 +70,7 @@ fn direction_error(fuzz: f64, replaced: &[(&str, &str)]) -> f64 {
     direction_error_of(fuzz, fuzz, replaced)
 }
 
-/// The error of directions if the device is told another fuzz.
+/// The error of directions if the device gets another fuzz.
 fn direction_error_of(fuzz: f64, given: f64, replaced: &[(&str, &str)]) -> f64 {
     let mut random = Random(74);
     let rows: Vec<In> = (0..5000)

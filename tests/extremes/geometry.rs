@@ -447,7 +447,7 @@ impl Ground {
         for (ray, out) in rays.iter().zip(&trace(&tracer(kind, &[]), primitives, &rays)) {
             let d = exact(ray.direction);
             let along = (r + HEIGHT) * self.downs[ray.primitive as usize].dot(d);
-            // What the eye's place makes of the sphere's equation, without its cancellation.
+            // The sphere's equation at the eye, without its cancellation.
             let power = HEIGHT * (2.0 * r + HEIGHT);
             let root = (along * along - power * d.length_squared()).sqrt();
             // At the limb of small ones little is known of the distance.
@@ -574,7 +574,7 @@ fn on_surfaces() -> Vec<Cell> {
         ]
     };
     for (name, down, objects) in on(0.0) {
-        // In general position nobody can say on which side of the sphere the eye is.
+        // In general position, the side of the sphere on which the eye is is not known.
         if name.contains("general") {
             continue;
         }
@@ -591,7 +591,7 @@ fn on_surfaces() -> Vec<Cell> {
     for exponent in [1, 3, 5, 6, 7, 20] {
         let height = 10f64.powi(-exponent);
         for (name, down, objects) in on(height) {
-            // What has its place far below knows the height to 4 u of that, but not a sphere; in f64, 1e-20 above it is upon it.
+            // The height over an object whose position is far below is known to 4 u of that distance, but not over a sphere; in f64, 1e-20 above it is upon it.
             if exponent > 6 && !name.contains("floor") && !(name.contains("sphere") && exponent == 7) {
                 continue;
             }

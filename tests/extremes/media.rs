@@ -230,7 +230,7 @@ fn h_of_one(albedo: f64) -> f64 {
 }
 
 /// Thick slabs that scatter to all sides, under a sky that shines from all: 1 - sqrt(1 - a) H(1) straight out of them (the same
-/// book, section 38, by what is absorbed), however thick. An event's place has the digits of f32 at the farthest distance R of the
+/// book, section 38, by what is absorbed), however thick. An event's position has the digits of f32 at the farthest distance R of the
 /// slab from the camera: what counts is how many mean free paths the last digit is, s = σ R 2^-24.
 fn bright_slabs() -> Vec<Cell> {
     const ALBEDO: f64 = 0.8;

@@ -115,7 +115,7 @@ fn seams() -> Vec<Cell> {
     all
 }
 
-/// Spheres of radius 1 so far from the origin of their own space, moved back before the camera: the host reduces the place by
+/// Spheres of radius 1 so far from the origin of their own space, moved back before the camera: the host reduces the position by
 /// the noise's period before it becomes f32.
 fn far_objects() -> Vec<Cell> {
     const SCALE: f64 = 4.0;
@@ -163,10 +163,10 @@ fn far_objects() -> Vec<Cell> {
             array("frames", &flat.frames),
         ];
         let found = kernel.run_with::<_, [f32; 4]>(&rays, rays.len(), &buffers);
-        // The place as it is, and as it would be in f32: cells are counted in integers in both.
+        // The position as it is, and as it would be in f32: cells are counted in integers in both.
         let worst = |in_f32: bool| {
             points.iter().zip(&found).fold(0.0f64, |worst, ((center, n), out)| {
-                // The period, taken off in integers, leaves the place its digits in f64 too.
+                // The period, taken off in integers, leaves the position its digits in f64 too.
                 let full = (SCALE * *center).to_array().map(|x| x.rem_euclid(256.0));
                 let p = SCALE * *n + DVec3::from_array(full);
                 let expected = 0.5 * (1.0 + perlin(p));
@@ -177,7 +177,7 @@ fn far_objects() -> Vec<Cell> {
                 worst.max((reduced - expected).abs())
             })
         };
-        // The point on the sphere is off by 4 u of its radius and distance, the ray's by 8 u, reduced places up to 256 by u.
+        // The point on the sphere is off by 4 u of its radius and distance, the ray's by 8 u, reduced positions up to 256 by u.
         let cell = Cell::new(
             Row::Noise,
             format!("object {far:e} from the origin of its space"),

@@ -1,11 +1,11 @@
-//! The scene as a whole, scaled and moved.
+//! The scene, scaled and moved.
 
 use crate::common::everything::{Everything, World, same};
 use crate::common::render::{Request, Shot, render, worst_difference};
 use crate::common::stats::{normal_two_sided, one_sample_t, student_two_sided};
 use crate::table::{Cell, Row};
 
-/// The table's cells of scales and places.
+/// The table's cells of scales and positions.
 pub fn cells() -> Vec<Cell> {
     let mut all = powers_of_two();
     all.extend(scales_and_positions());
@@ -34,11 +34,11 @@ fn powers_of_two() -> Vec<Cell> {
         .into()
 }
 
-/// Other scales and places round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored
+/// Other scales and positions round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored
 /// to 1.5e-8 of its unit.
 ///
 /// The seed is that of the usual scene, so that what both have alike cancels: of their pixels' differences, over tiles
-/// of 8 x 8 pixels and the whole image, Student's test tells whether their mean is none, but for 1e-5 of the value. The
+/// of 8 x 8 pixels and the full image, Student's test says whether their mean is none, but for 1e-5 of the value. The
 /// lamp is dim here, and makes about a tenth of the light: a lamp that is brighter by a twentieth is half a percent of
 /// it. A camera that is moved by a fiftieth of its distance moves light from pixel to pixel: the images as if of two
 /// seeds tell that, of whose tiles the means' difference has a standard error of 0.7 % up to 1.8 %. (What both have

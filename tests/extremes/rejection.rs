@@ -27,7 +27,7 @@ pub fn folds() -> bool {
     !numerics(device::software()).expect("the probe runs").nan_compares
 }
 
-/// A sky of one colour, of which three of eight samples in the right half are no numbers. A sphere behind the camera asks for all
+/// A sky of one colour, of which three of eight samples in the right half are no numbers. A sphere behind the camera uses all
 /// kernels that a bounce has.
 fn broken_sky(scatter: Scatter, more: &[(&str, &str)]) -> Film {
     let text = format!(

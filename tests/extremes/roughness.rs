@@ -1,4 +1,4 @@
-//! material/conductor, material/rough_dielectric, material/thin_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can tell, and as wide as there are; grazing views.
+//! material/conductor, material/rough_dielectric, material/thin_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can represent, and as wide as there are; grazing views.
 
 use glam::DVec3;
 use gpu_rt::data;
@@ -172,11 +172,10 @@ fn furnace(
     cos: f64,
 ) -> (Cell, impl Fn(bool) -> f64 + use<>) {
     let alpha = f64::from(roughness as f32).powi(2);
-    let directional_albedo =
-        if roughness * 1024.0 >= 1.0 { directional_albedo(&Facets { alpha, cos_view: cos }) } else { 1.0 };
-    let noise = 4.9 * (directional_albedo * (1.0 - directional_albedo)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();
+    let albedo = if roughness * 1024.0 >= 1.0 { directional_albedo(&Facets { alpha, cos_view: cos }) } else { 1.0 };
+    let noise = 4.9 * (albedo * (1.0 - albedo)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();
     let material = material.to_owned();
-    let error = move |planted: bool| (in_a_furnace(&material, cos, planted) - directional_albedo).abs();
+    let error = move |planted: bool| (in_a_furnace(&material, cos, planted) - albedo).abs();
     let cell = Cell::new(
         Row::Roughness,
         range,

@@ -69,7 +69,7 @@ pub const ROWS: &[(Row, &str)] = &[
 pub const TEXTBOOK_SPHERE: &str = "textbook's sphere";
 pub const FIXED_T_MIN: &str = "fixed t_min";
 pub const OFFSET_BY_BITS: &str = "offset of 256 ulps";
-/// Not among the forms that must be planted: nobody uses it.
+/// Not among the forms that must be planted, because it is not used.
 pub const NO_OFFSET: &str = "no offset";
 pub const SCHLICK: &str = "Schlick's reflectance";
 pub const RUNNING_SUM: &str = "running sum in f32";
@@ -108,7 +108,7 @@ pub struct Cell {
     pub achieved: f64,
     /// What `check` says of the objects of such a scene, where f32 cannot hold it: the figure may then be over its limit.
     pub warnings: Vec<String>,
-    /// What a known wrong form would have achieved in its place, by name. Each must be above the limit.
+    /// What a known wrong form would have achieved instead, by name. Each must be above the limit.
     pub planted: Vec<(&'static str, f64)>,
 }
 
@@ -164,7 +164,7 @@ impl Cell {
     }
 }
 
-/// The places of a document's cells: row, figure and range each.
+/// The cells of a document: row, figure and range each.
 fn cells_of(document: &str) -> Vec<(&str, &str, &str)> {
     let (mut row, mut figure, mut all) = ("", "", Vec::new());
     for line in document.lines() {

@@ -56,7 +56,7 @@ impl Oblique {
     }
 }
 
-/// The mean of a function over each pixel of an image of `size`, by 32 x 32 places: of the direction (x, y, -1) in the
+/// The mean of a function over each pixel of an image of `size`, by 32 x 32 points: of the direction (x, y, -1) in the
 /// camera's space.
 fn integrated((width, height): (u32, u32), vertical_fov: f64, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
     const GRID: u32 = 32;
@@ -83,7 +83,7 @@ fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on
-/// its edge. What is rendered has a view so many times as wide, and kernels with modules in others' places.
+/// its edge. What is rendered has a view so many times as wide, and kernels with replaced modules.
 fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, replaced: &[(&str, &str)]) -> f64 {
     let camera = Oblique::new();
     let beside = DVec3::new(0.13 * radius, -0.07 * radius, -distance);
@@ -252,7 +252,7 @@ fn lenses() -> Vec<Cell> {
     all
 }
 
-/// A gradient sky: in a picture of many pixels each must show its own place, in one pixel the mean of all.
+/// A gradient sky: in a picture of many pixels each must show its own direction, in one pixel the mean of all.
 fn sizes() -> Vec<Cell> {
     let render_sky = |width: u32, height: u32, fov: f64, samples: u32| {
         let text = format!(

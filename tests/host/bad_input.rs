@@ -1,4 +1,4 @@
-//! What the scene loader refuses and accepts: every error at its place, with its field, in the
+//! What the scene loader refuses and accepts: every error at its location, with its field, in the
 //! format's own words, and never a panic.
 
 use crate::common::marked::{MARK, fault, unmarked};
@@ -22,7 +22,7 @@ fn compare(error: &Error, file: &Path, text: &str, field: &str, words: &[&str]) 
         Error::Scene { .. } => fault(error, file, text, field, words),
         _ => Err(format!("not a scene's error: {error}")),
     });
-    // Objects without a material are told so, too.
+    // Objects without a material get an error, too.
     let faults: Vec<_> = faults.collect();
     faults.iter().find(|fault| fault.is_ok()).or(faults.first()).cloned().unwrap_or(Ok(()))
 }
@@ -465,7 +465,7 @@ fn locations_inside_objects_are_found() {
     let error = scene.error(&steps, "is too small").to_string();
     let field = "objects[3].Transformed.object.Group[2].Transformed.object.Sphere.radius";
     assert_eq!(error, format!("{FILE}:{}:{}: {field}: is too small", at.line, at.column));
-    // What is not in the file has the place of what is around it.
+    // A missing value has the location of what is around it.
     assert_eq!(scene.location(&[]).line, 3);
     let camera = scene.location(&[Step::Field("camera")]);
     assert_eq!(scene.location(&[Step::Field("camera"), Step::Field("roll")]), camera);
@@ -719,7 +719,7 @@ fn deep_nesting_is_an_error_and_no_crash() {
     }
 }
 
-/// An error's place is inside the text, or just past the end of its line.
+/// An error's location is inside the text, or just past the end of its line.
 fn assert_inside(error: &Error, text: &str) {
     for error in error.each() {
         let Error::Scene { location, .. } = error else {
@@ -805,7 +805,7 @@ fn no_mutated_image_panics() {
     }
 }
 
-/// Angles in radians are warned of at their places, and angles in degrees are not.
+/// Angles in radians get a warning at their location, and angles in degrees are not.
 #[test]
 fn angles_that_are_surely_radians_are_warned_of() {
     let turned = |angle: &str| {
@@ -848,7 +848,7 @@ fn marks(text: &str) -> Vec<(usize, usize)> {
     lines.flat_map(of_line).collect()
 }
 
-/// The places of the errors of a text, which are at its marks and nowhere else.
+/// The locations of the errors of a text, which are at its marks and nowhere else.
 #[track_caller]
 fn all_at_marks(text: &str) -> Error {
     let error = parse(&unmarked(text)).expect_err("the scene is bad");

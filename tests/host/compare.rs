@@ -23,7 +23,7 @@ enum Kind {
     Even,
     /// A hundredth of the samples bring a hundred times the mean: few pixels hold nearly all of the noise.
     Rare,
-    /// Even, but for this many pixels. The noise of each is normal, and 30 times that of the whole mean of the others.
+    /// Even, but for this many pixels. The noise of each is normal, and 30 times that of the mean of all others.
     Ruled(usize),
     /// Even, but for this many pixels. In a half of each a small lamp is met by chance, this many times in the mean.
     Lamps(usize, f64),
@@ -34,7 +34,7 @@ enum Kind {
 
 const KINDS: [Kind; 2] = [Kind::Even, Kind::Rare];
 
-/// Brighter to the right, with two halves of samples a pixel, whose difference tells the variance.
+/// Brighter to the right, with two halves of samples a pixel, whose difference gives the variance.
 fn noisy(random: &mut Random, size: (usize, usize), kind: Kind) -> Noisy {
     rendered(random, size, kind, 1)
 }
@@ -134,7 +134,7 @@ fn allowed(of: usize, probability: f64) -> usize {
     k
 }
 
-/// The whole image judged by its variances alone: the rule that lacks its guard.
+/// The full image judged by its variances alone: the rule without its guard.
 fn unguarded(a: &Noisy, b: &Noisy) -> bool {
     let luminance =
         |rgb: [f32; 3]| 0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2]);
@@ -157,7 +157,7 @@ fn noise_is_called_noise() {
     let small = ruled.map(|kind| (kind, (16, 16), 400));
     for (seed, (kind, size, pairs)) in (1..).zip(large.into_iter().chain(small)) {
         for samples in [1, 2048] {
-            // Most tiles have not met the rare light. Beside the truth all of these are darker, and nothing tells that it is by chance.
+            // Most tiles lack the rare light. All of these are darker than the truth, and nothing shows that this is by chance.
             if samples > 1 && matches!(kind, Kind::Rare) {
                 continue;
             }
@@ -227,7 +227,7 @@ fn a_difference_next_to_a_pixel_that_rules_the_noise_is_found() {
     assert!(found >= 70, "{found} of 100");
 }
 
-/// A light place and a dark one whose means cancel, in colours that do and in luminance.
+/// A light region and a dark one whose means cancel, in colours that do and in luminance.
 #[test]
 fn differences_that_cancel_are_found() {
     let mut random = Random(5);
@@ -289,7 +289,7 @@ fn noise_that_neighbours_share_is_called_noise() {
     assert!(alarms <= 7, "{alarms} of 100");
 }
 
-/// No size and no values make it fail; what cannot be told is not claimed.
+/// No size and no values make it fail; what cannot be known is not claimed.
 #[test]
 fn any_images_have_a_verdict() {
     let mut random = Random(9);
@@ -440,7 +440,7 @@ fn noise_of_single_pixels_is_called_noise() {
 }
 
 /// By other settings, the light of each pixel comes from few samples of one image, and from all samples of the other. Where no sample has
-/// brought any, the pixels around tell what it would have brought. The control takes the settings for the same.
+/// contributed, the pixels around it show what it would have contributed. The control takes the settings for the same.
 #[test]
 fn samples_that_find_light_more_seldom_make_no_difference() {
     let size = (32, 24);

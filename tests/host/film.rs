@@ -202,7 +202,7 @@ fn variance_is_unbiased() {
     let ratios: Vec<f64> = variance_ratios(30_000, 20).into_iter().step_by(3).collect();
     let found = one_sample_t(&ratios, 1.0);
     assert!(found.p > 1e-6, "{found:?}");
-    // The negative control: 1 % off, and dividing by N − 1 in place of N − K, must be found.
+    // The negative control: 1 % off, and dividing by N − 1 instead of N − K, must be found.
     let biased = |factor: f64| one_sample_t(&ratios.iter().map(|r| r * factor).collect::<Vec<_>>(), 1.0).p;
     assert!(biased(1.01) < 1e-6 && biased(0.99) < 1e-6);
     assert!(biased(70.0 / 89.0) < 1e-6);
@@ -230,7 +230,7 @@ fn variance_of_halves_follows_the_formula() {
             == runs(&squared_deviations.map(|record| Run { counts: record.counts ^ ODD_RUN, ..record }))
     );
     assert_ne!(runs(&squared_deviations).variance, picture.variance);
-    // One half alone tells nothing, nor do halves that are equal tell of an error.
+    // One half alone shows nothing, and equal halves show no error.
     assert_eq!(film_of_halves(1, &[records[0], records[2]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
     assert_eq!(film_of_halves(1, &[records[1], records[1]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
     assert_eq!(film_of_halves(1, &[records[0], odd(run(0, [8.0; 3], 8))]).develop().variance, [[0.0; 3]]);
@@ -346,7 +346,7 @@ fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
 }
 
 /// One pixel of many holds most of the noise: a bulb that `share` of its samples meet, before smooth ones. Where its halves agree by chance, as
-/// they do in a fifth of films, a bound by halves alone has lost it; the spread of its samples tells.
+/// they do in a fifth of films, a bound by halves alone has lost it; the variance of its samples shows it.
 #[test]
 fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
     const FILMS: usize = 1000;
@@ -391,13 +391,13 @@ fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
             // 95 % of 1000 has a deviation of 0.7 %: four of them.
             assert!(covered(below) >= 0.92, "{}", covered(below));
             assert!(covered(below_halves) < 0.9, "{}", covered(below_halves));
-            // What no sample has met, no film can tell: 1.4 films of a thousand at most; nine have a chance of 1e-5.
+            // No film can show what no sample has hit: 1.4 films of a thousand at most; nine have a chance of 1e-5.
             assert!(unseen <= 8, "{unseen} films are called reliable and are not");
         }
     }
 }
 
-/// Each pixel tells its error as well as any, but what the error is relative to is the very path that made it.
+/// Each pixel shows its error as well as any, but the error is relative to the very path that made it.
 #[test]
 fn many_rare_bright_paths_are_unreliable() {
     for sampler in [Sampler::Sobol, Sampler::Independent] {
@@ -443,13 +443,13 @@ fn few_pixels_that_make_the_error_are_unreliable() {
     }
     let found = film.error_estimate(0.05).unwrap();
     assert!(!found.reliable && found.bound > 1.5 * found.value, "{found:?}");
-    // A single pixel tells its error, but not that of its error.
+    // A single pixel shows its error, but not the error of that.
     let one = film_of_halves(1, &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8))]).error_estimate(0.05).unwrap();
     assert!(one.value > 0.0 && one.bound > 10.0 * one.value && !one.reliable, "{one:?}");
     let runs = [1.0, 3.0, 2.0, 4.0].map(|s| run(0, [s; 3], 8));
     let one = self::film(1, 1, &[runs[0], odd(runs[1]), runs[2], odd(runs[3])]).error_estimate(0.05).unwrap();
     assert!(one.value > 0.0 && one.bound > 2.0 * one.value && !one.reliable, "{one:?}");
-    // Halves that agree by chance tell nothing, but samples do.
+    // Halves that agree by chance show nothing, but samples do.
     let samples = run_of(0, &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
     let one = film_of_halves(1, &[samples, odd(samples)]).error_estimate(0.05).unwrap();
     assert!(one.value == 0.0 && one.bound > 0.5 && !one.reliable, "{one:?}");

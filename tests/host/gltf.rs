@@ -1,4 +1,4 @@
-//! Scenes that are glTF files: what is read, what is named as not read, and what is refused with its place in the JSON.
+//! Scenes that are glTF files: what is read, what is named as not read, and what is refused with its path in the JSON.
 
 use std::fs;
 use std::path::Path;
@@ -524,7 +524,7 @@ fn tangents_of_a_file_are_checked() {
     assert!(message.contains("expected a tangent for each of 4 vertices, found 3"), "{error}");
 }
 
-/// The room with a point, a spot and a directional light in place of the lamp.
+/// The room with a point, a spot and a directional light instead of the lamp.
 fn with_lights() -> Value {
     let mut json = changed("/scenes/0/nodes", json!([0, 2, 3]));
     json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
@@ -571,7 +571,7 @@ fn lights_are_those_of_the_file() {
     assert!(error.contains("nodes[3].extensions.KHR_lights_punctual.light: there is no light 9"), "{error}");
 }
 
-/// Without a light without size the units do not matter, and nothing is told of them.
+/// Without a light without size the units do not matter, and nothing is reported about them.
 #[test]
 fn lights_of_files_by_blender_are_in_watts_unless_they_are_said_not_to_be() {
     let of = |generator: &str| {
@@ -613,7 +613,7 @@ fn lights_of_files_by_blender_are_in_watts_unless_they_are_said_not_to_be() {
         let off =
             off.zip(found).map(|(expected, found): (f64, f64)| (found / expected - 1.0).abs()).fold(0.0, f64::max);
         assert!(off < 1e-12, "{given:?}: {found:?}");
-        // It is told where nobody asked.
+        // It is reported without a request.
         let is_reported = given.is_none() && expected != standard;
         assert_eq!(reported(json, given).len(), usize::from(is_reported), "{given:?}: {:?}", reported(json, given));
     }
@@ -841,7 +841,7 @@ fn gltf_options_are_refused_for_scene_files() {
     assert!(error.to_string().starts_with("--camera is for scenes that are .glb or .gltf: "), "{error}");
 }
 
-/// Every error is one of the scene, and what is accepted can be asked for its warnings.
+/// Every error is one of the scene, and what is accepted can be searched for warnings.
 #[test]
 fn no_mutated_scene_panics() {
     let folder = tempfile::tempdir().unwrap();

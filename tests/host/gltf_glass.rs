@@ -125,7 +125,7 @@ fn load_as((json, binary): &(Value, Vec<u8>), thin: Thin) -> Scene {
     Scene::load_as(&path, &options, &mut |_, _, _| {}, &mut Assets::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The names and kinds of the materials, and what is told of them.
+/// The names and kinds of the materials, and the notes about them.
 fn read_as(file: &(Value, Vec<u8>), thin: Thin) -> (Vec<(String, &'static str)>, Vec<String>) {
     let scene = load_as(file, thin);
     let kinds = scene.materials.iter().map(|(name, material)| (name.clone(), material.name())).collect();
@@ -133,7 +133,7 @@ fn read_as(file: &(Value, Vec<u8>), thin: Thin) -> (Vec<(String, &'static str)>,
     (kinds, reported)
 }
 
-/// Whether one mesh of clear glass is solid, which is told.
+/// Whether one mesh of clear glass is solid, which is reported.
 fn is_solid(parts: &[Part], what: &str) -> bool {
     let materials = [glass("Glass", json!({})), json!({"name": "Paint"})];
     of_file(&file(&[parts], &materials), what)
@@ -191,7 +191,7 @@ fn closed_meshes_of_files_by_blender_are_solid_glass() {
     assert!(is_solid(&[cube(), Part::new(inner(0.5, 0.0), &turned)], "a bubble"));
     assert!(is_solid(&[cube(), Part::new(inner(1.0, 3.0), &FACES)], "two bodies"));
 
-    // Two sheets in one place have no volume; a thin body has one.
+    // Two coincident sheets have no volume; a thin body has one.
     let sheet = |x: f32| corners().into_iter().map(|[_, y, z]| [x, y, z]).collect::<Vec<_>>();
     let sheets = [[0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]];
     assert!(!is_solid(&[Part::new(sheet(0.3), &sheets)], "two sheets"));
@@ -225,7 +225,7 @@ fn all_forms_of_meshes_are_examined() {
         json["buffers"][0]["byteLength"] = binary.len().into();
         json["bufferViews"].as_array().unwrap().len() - 1
     };
-    // A sparse accessor puts a corner to its place.
+    // A sparse accessor puts a corner at its position.
     let mut apart = cube().split();
     let right = std::mem::replace(&mut apart.positions[7], [9.0; 3]);
     let (mut sparse, mut own) = file(&[&[apart]], &materials);
@@ -246,7 +246,7 @@ fn all_forms_of_meshes_are_examined() {
     quantised["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     assert!(of_file(&(quantised, binary), "quantised positions"));
 
-    // What is broken is told where the mesh is read, as it is of other materials.
+    // Defects are reported where the mesh is read, as with other materials.
     let mut broken = cube();
     broken.positions[3][1] = f32::NAN;
     let (json, binary) = file(&[&[broken]], &materials);

@@ -30,7 +30,7 @@ fn damaged(file: &str, bytes: &[u8]) -> [Vec<u8>; 2] {
     [zeros, overwritten]
 }
 
-/// The lengths at which a truncated file is accepted with another picture than the whole file has.
+/// The lengths at which a truncated file is accepted with another picture than that of the full file.
 fn accepted_in_part(file: &str, bytes: &[u8]) -> Vec<usize> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let full = image(folder.path(), file, bytes).unwrap_or_else(|error| panic!("{error}"));

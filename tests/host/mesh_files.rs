@@ -50,7 +50,7 @@ fn mesh(file: &str, bytes: &[u8]) -> Mesh {
     scene.meshes.remove(file).and_then(Arc::into_inner).unwrap()
 }
 
-/// The error's text behind its place, which is the object's path.
+/// The error's text after its location, which is the object's path.
 fn refused(file: &str, bytes: &[u8]) -> String {
     let error = scene_of(file, bytes).err().unwrap_or_else(|| panic!("{file} was accepted"));
     assert_eq!(error.exit_status(), 2);
@@ -182,7 +182,7 @@ const PLAIN: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 2 0 0\n";
 
 #[test]
 fn faces_without_area_are_left_out_and_reported() {
-    // Two corners at one place; three on a line, which stays; a polygon of which a part stays.
+    // Two corners at one position; three on a line, which stays; a polygon of which a part stays.
     let text = format!("{PLAIN}f 1 2 3\nf 1 4 2\nf 1 2 5\nf 1 4 2 3\nf 3 3 3\n");
     let scene = scene_of("flat.obj", text.as_bytes()).unwrap();
     assert_eq!(scene.meshes["flat.obj"].faces, [0, 2, 3]);
@@ -220,7 +220,7 @@ fn broken_normals_are_dropped_and_reported() {
     }
 }
 
-/// Numbers that are not finite are named with their place, in every list of every format, and not told as missing.
+/// Numbers that are not finite are named with their location, in every list of every format, and not reported as missing.
 #[test]
 fn numbers_that_are_not_finite_are_named_with_their_location() {
     for (written, found) in [("nan", "NaN"), ("NaN", "NaN"), ("inf", "inf"), ("-inf", "-inf"), ("1e999", "inf")] {

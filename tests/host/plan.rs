@@ -1,4 +1,4 @@
-//! The plan: what scenes require, who asked for it, and that it is nothing else. Snapshots of four of the scenes that ship stand in
+//! The plan: what scenes require, the reason for it, and that there is nothing else. Snapshots of four of the scenes that ship stand in
 //! tests/plans; `GPU_RT_RENEW=1` writes them anew.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,7 +49,7 @@ fn classes() -> [Class; 2] {
     ]
 }
 
-/// What `render` asks for by default, or with everything on.
+/// The options of `render` by default, or with everything on.
 fn options(features: FeatureSet) -> RenderOptions {
     RenderOptions { features, ..RenderOptions::default() }
 }
@@ -102,7 +102,7 @@ fn snapshot(name: &str, scene: &Scene) -> String {
     out
 }
 
-/// Each module with the kernels that have it and what asked for it, each binding with the kernels that have it.
+/// Each module with the kernels that have it and its reason, each binding with the kernels that have it.
 fn modules_of(report: &Report) -> String {
     let mut modules: BTreeMap<&str, (Vec<&str>, &str)> = BTreeMap::new();
     let mut bindings: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
@@ -219,7 +219,7 @@ const LUXURIES: [&str; 12] = [
     "lens",
 ];
 
-/// Members of structs that all scenes share with the host, which lays them out once for all: words of memory that nobody reads.
+/// Members of structs that all scenes share with the host, which lays them out once for all: words of memory that are not read.
 const SHARED_MEMBERS: &[(&str, &str)] = &[("Sphere", "frame"), ("Sphere", "light"), ("Material", "texture")];
 
 /// The words of an identifier, in lower case and singular.
@@ -337,13 +337,13 @@ fn a_sphere_before_a_gradient_has_nothing_else() {
     }
 }
 
-/// What asked for a feature of the plan.
+/// The reason for a feature of the plan.
 fn asker(report: &Report, feature: &str) -> String {
     let found = report.features.iter().find(|(name, _)| name == feature);
     found.unwrap_or_else(|| panic!("no {feature} in {:?}", report.features)).1.clone()
 }
 
-/// The object itself asks, however deep in others, and of meshes the one that is smooth.
+/// The reason is the object itself, however deep in others, and of meshes the one that is smooth.
 #[test]
 fn objects_ask_for_what_they_are() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -444,7 +444,7 @@ fn images_take_the_bytes_of_their_formats_and_the_largest_are_named() {
     assert_eq!(said, [expected]);
 }
 
-/// The image of a sky asks for its texels, whether or not rays are sent to it.
+/// The image of a sky needs its texels, whether or not it is sampled.
 #[test]
 fn the_background_asks_for_its_texels() {
     let scene = shipped("sky");
@@ -563,7 +563,7 @@ fn queues_sample_lights_where_their_material_answers() {
     }
 }
 
-/// Without surfaces the bounce is one kernel where it was asked to be one.
+/// Without surfaces the bounce is one kernel if that was requested.
 #[test]
 fn scenes_without_surfaces_are_fused_too() {
     let fog = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
@@ -649,7 +649,7 @@ fn a_glass_sphere_adds_its_material_and_nothing_else() {
         for name in ["generate", "intersect", "refill"] {
             let added: Vec<_> = after[name].difference(&before[name]).cloned().collect();
             let sorts = added.iter().filter(|module| queues.contains(module)).count();
-            // Sorting asks for the material of what was met.
+            // Sorting needs the material of the hit.
             let of_surfaces = added.iter().filter(|module| !queues.contains(module)).collect::<Vec<_>>();
             assert_eq!(sorts, if name == "intersect" { queues.len() } else { 0 }, "{name}: {added:?}");
             assert!(of_surfaces.is_empty() || name == "intersect", "{name}: {added:?}");
@@ -672,7 +672,7 @@ fn everything_in_a_plan_has_a_reason() {
                         assert!(!constant.what.is_empty() && !constant.reason.is_empty(), "{at}: {constant:?}");
                         assert!(constant.value.parse::<u64>().is_ok(), "{at}: {constant:?}");
                     }
-                    // Who asked is the scene, an option, or every render.
+                    // A reason is the scene, an option, or every render.
                     let known = |reason: &str| {
                         let stage = reason.strip_prefix("a kernel a stage").unwrap_or(reason);
                         stage.is_empty()
@@ -859,7 +859,7 @@ fn the_linker_notes_users_reasons_choices_and_values() {
     assert_eq!(linked.used_by, pairs(&users));
     let reasons = linked.why.iter().map(|(module, why)| (module.clone(), why.to_string())).collect();
     let every = |module| (module, "every render");
-    // `last` was chosen for whoever uses it: what asked for `entry` asked for it.
+    // `last` was chosen for the module that uses it: it has the reason of `entry`.
     let others = [("entry", "an object"), ("leaf", "an option"), ("last", "an object")];
     assert_eq!(pairs(&[["root", "deep", "long", "chosen"].map(every).as_slice(), &others].concat()), reasons);
     let z = ("z", "last".to_string());
@@ -906,7 +906,7 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
 
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("shaders");
-    // What an earlier plan left in a folder is said to be none of this one's; other files are nobody's business.
+    // What an earlier plan left in a folder is said to be none of this one's; other files do not matter.
     let shaders = folder.path().join("old");
     std::fs::create_dir(&shaders).expect("a folder is made");
     std::fs::write(shaders.join("shading.txt"), "").expect("a file is written");

@@ -162,7 +162,7 @@ fn compare<T: DeserializeOwned + PartialEq + std::fmt::Debug>(forms: &[Form]) {
             with(field, Some(sample(&field.takes))).unwrap_or_else(|e| panic!("{}.{}: {e}", form.name, field.name));
             let without = with(field, None);
             assert_eq!(without.is_ok(), !field.default.is_empty(), "{}.{}: {without:?}", form.name, field.name);
-            // A default that is no value is told in words.
+            // A default that is no value is described in words.
             if let (Ok(without), Ok(with)) = (&without, with(field, Some(field.default))) {
                 assert_eq!(*without, with, "{}.{}", form.name, field.name);
             } else {

@@ -38,7 +38,7 @@ fn scene_file(name: &str) -> Scene {
     Scene::load(&path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What is behind the camera does not matter; before it is a wall, 7 units away along its axis, beyond a mirror's and a ball's place.
+/// What is behind the camera does not matter; before it is a wall, 7 units away along its axis, beyond a mirror and a ball.
 fn wall(camera: &str, more: &str, background: &str) -> String {
     format!(
         "Scene(
@@ -87,7 +87,7 @@ fn a_wall_has_its_depth_its_position_and_its_normal() {
     }
 }
 
-/// The normal of a ball at the place of a pixel, by a quadrature in f64 over the pixel: the mean over rays that hit, times their share.
+/// The normal of a ball in a pixel, by a quadrature in f64 over the pixel: the mean over rays that hit, times their share.
 fn normal_of_ball(column: usize, row: usize) -> [f64; 3] {
     const STEPS: usize = 64;
     let pixel = 2.0 * 30f64.to_radians().tan() / 12.0;
@@ -166,7 +166,7 @@ fn a_ball_has_its_normals_in_the_axes_of_the_world() {
     }
 }
 
-/// Through a mirror and through glass, the albedo is that of what is seen there, times the mirror's, unless the first surface is asked for.
+/// Through a mirror and through glass, the albedo is that of what is seen there, times the mirror's, unless the first surface is requested.
 #[test]
 fn the_albedo_is_that_of_the_first_rough_surface() {
     let mirror = "Quad(corner: (98, 18, 3), u: (4, 0, 0), v: (0, 4, 0), material: \"mirror\"),

@@ -58,7 +58,7 @@ struct Distance {
     mean: f64,
     /// The mean of FLIP's map.
     flip: f64,
-    /// The largest difference of the means of a block, in shares of that of the reference, or of half the whole image's where that is
+    /// The largest difference of the means of a block, in shares of that of the reference, or of half the full image's where that is
     /// more; and the block's corner.
     block: f64,
     #[expect(dead_code, reason = "shown where a test fails")]
@@ -172,7 +172,7 @@ struct User {
     options: fn() -> GltfOptions,
     /// Adds what no glTF file has and docs/gltf.md says how to bring back: the world, and area lamps.
     bring_back: Planted,
-    /// The differences that docs/gltf.md tells: of the mean, and the largest of a block.
+    /// The differences that docs/gltf.md states: of the mean, and the largest of a block.
     declared: (f64, f64),
     /// The standard deviations of both over 16 seeds, or more.
     noise: (f64, f64),

@@ -1,4 +1,4 @@
-//! Lights without size: renders against closed forms, against a small sphere in their place, and at the ends of their ranges.
+//! Lights without size: renders against closed forms, against a small sphere instead of them, and at the ends of their ranges.
 
 use std::f64::consts::PI;
 
@@ -97,7 +97,7 @@ fn a_floor_is_lit_as_the_definitions_say() {
     assert!(planted > 20, "without the squares, {planted} images are wrong");
 }
 
-/// What stands in the way: the shadow of a ball, a ball behind the light, and a medium that absorbs, by its whole length or a part.
+/// What stands in the way: the shadow of a ball, a ball behind the light, and a medium that absorbs, along its full length or a part.
 #[test]
 fn shadow_rays_end_at_the_light_and_are_weakened_by_media() {
     let ball = |at: &str| format!("Sphere(center: {at}, radius: 0.1, material: \"floor\")");

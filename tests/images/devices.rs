@@ -75,7 +75,7 @@ fn devices_share_a_film() {
     assert!(by_one(192) != full);
 }
 
-/// A whole film that several devices show has just the samples that it says, and changes nothing.
+/// A complete film that several devices show has exactly the samples that it states, and changes nothing.
 #[test]
 fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
     for (devices, tile) in [(2, None), (3, Some(97))] {
@@ -102,7 +102,7 @@ fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
     }
 }
 
-/// Wherever several devices are stopped, each pixel has the samples that the outcome says, in whole runs.
+/// Wherever several devices are stopped, each pixel has the samples of the outcome, in complete runs.
 #[test]
 fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
     for stop in [1, 2, 5, 9, 20] {

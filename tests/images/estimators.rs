@@ -234,7 +234,7 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
     found
 }
 
-/// By Sobol points either way, whose pixels each have scrambles of their own: Welch's test of tiles and of the whole image. The difference of the
+/// By Sobol points either way, whose pixels each have scrambles of their own: Welch's test of tiles and of the full image. The difference of the
 /// means is known to 0.05 to 0.15 % of them (printed), of which 5.5 standard errors are found, 0.3 to 0.8 %: 1 % more light is planted, and found
 /// in each scene. A small lamp is hardly met by chance: it has closed forms instead (tests/extremes/lights.rs has
 /// one above a floor, and tests/images/closed_form.rs one that lights a room).
@@ -477,7 +477,7 @@ fn roulette_changes_no_expectation() {
 }
 
 /// By 16 seeds of 128 samples of either sampler, with rays to lights: nothing is assumed about the points of one image. In tiles and the
-/// whole image, by Welch's test, whose 17 to 30 degrees of freedom take some 8 standard errors: 2 % of the light is found in each scene, not less. A sampler knows
+/// full image, by Welch's test, whose 17 to 30 degrees of freedom take some 8 standard errors: 2 % of the light is found in each scene, not less. A sampler knows
 /// nothing of a scene but how many numbers are drawn: here are the materials and the lights that draw the most.
 #[test]
 fn both_samplers_expect_the_same_with_rays_to_lights() {
@@ -512,7 +512,7 @@ fn both_samplers_expect_the_same_with_rays_to_lights() {
     }
 }
 
-/// More faces emit than lights are sampled: a mesh of them is left to chance whole, and the small mesh beside it is sampled. Planted is a
+/// More faces emit than lights are sampled: a mesh of them is left to BSDF sampling, and the small mesh next to it is sampled. Planted is a
 /// density of what is not sampled.
 #[test]
 fn lights_beyond_the_limit_are_found_by_bsdf_sampling() {

@@ -47,7 +47,7 @@ fn everything_on_changes_no_byte() {
         let (_, scene) = scenes.iter().find(|(own, _)| *own == name).expect("the lattice has it");
         changes_no_byte(name, scene, scatter);
     }
-    // It could have told: the scenes' images differ.
+    // The test can fail: the scenes' images differ.
     let shots: Vec<_> = scenes.iter().take(3).map(|(_, scene)| render(scene, &usual(Scatter::Fused))).collect();
     assert!(!same(&shots[0], &shots[1]) && !same(&shots[1], &shots[2]));
 }
@@ -275,7 +275,7 @@ const TABLES: [&str; 11] = [
     "light_nodes",
 ];
 
-/// Codes of primitives: those that are constant say that there is none, and that was asked before a table is read.
+/// Codes of primitives: those that are constant say that there is none, and that is tested before a table is read.
 const EXEMPT: [(&str, &str); 2] = [("Hit", "code"), ("Path", "light")];
 
 #[test]

@@ -78,7 +78,7 @@ fn under_a_mirror(lamp: f64) -> String {
 
 const MIRROR: &str = "Metal(albedo: Rgb(0.9, 0.9, 0.9))";
 
-/// The scene with any material in place of the mirror. The sky is dark, so that much of the light is the mirror's.
+/// The scene with any material instead of the mirror. The sky is dark, so that much of the light is the mirror's.
 fn under_a(material: &str, lamp: f64) -> String {
     let above = "Quad(corner: (-1, 1.7, 1), u: (2, 0, 0), v: (0, 0, -2), material: \"black\"),
         Quad(corner: (-3, 4, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"mirror\"),";
@@ -150,7 +150,7 @@ fn counted(text: &str, samples: u32) -> Counted {
 /// Where a lamp is large enough for paths to find it, they find about as much as probes: what a mirror or a clear solid takes in it sends on, if
 /// elsewhere, and probes look for light within 25 degrees of where the path goes. That smooths what they find, and loses what
 /// the cone has below a surface: over eleven scenes at 1024 samples or more paths find 0.95 to 1.16 times as much, and 1.6 times by a mirror that stands
-/// on edge to lamp and floor. 1024 samples tell each sum to 3 %. Of light that would count twice, or by half, the test would tell.
+/// on edge to lamp and floor. 1024 samples give each sum to 3 %. Light that counted twice, or by half, would be found.
 #[test]
 fn paths_find_what_probes_find() {
     let ball = |position, radius| text(position, radius, 0.3);
@@ -314,7 +314,7 @@ fn lights_without_size_are_probed_where_paths_can_find_them() {
     assert_eq!(smooth, Counted { probed: 0.0, found: 0.0, missing: 0.0 });
 }
 
-/// The whole report, but for what differs by its nature. Of the scenes that ship, tests/unchanged.rs holds what is counted.
+/// The report, without what always differs. Of the scenes that ship, tests/unchanged.rs holds what is counted.
 #[test]
 fn reports_do_not_depend_on_how_stages_are_linked() {
     let ships = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
@@ -336,7 +336,7 @@ fn reports_do_not_depend_on_how_stages_are_linked() {
         assert_eq!(fused, queues, "{}", scene.display());
         let stopped_light = |report: &Value| report["light_stopped_by_glass"].as_f64().unwrap();
         assert_eq!(stopped_light(&fused) > 0.0, counts, "{fused}");
-        // It could have told.
+        // The test can fail.
         assert!(!counts || stopped_light(&of("fused", "1")) != stopped_light(&fused));
     }
     // The counters bin by bin.

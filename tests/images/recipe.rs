@@ -53,7 +53,7 @@ impl Library for With {
 }
 
 /// Its name and number in the lists of materials and of those that answer to lights, which the linker goes through wherever materials are
-/// told apart, in queues too: there it has the place of the Lambertian that stands in for it.
+/// distinguished, in queues too: there it has the queue of the Lambertian that stands in for it.
 fn listed(choices: &mut Choices, name: &str) {
     for list in ["material", "non_specular"] {
         let entries = choices.lists.get_mut(list).expect("the plan has the list");
@@ -63,13 +63,13 @@ fn listed(choices: &mut Choices, name: &str) {
     }
 }
 
-/// What its file of src/material would lay out in the scene's table, here in place of the material that the scene file names.
+/// The row of its file of src/material in the scene's table, here instead of the material that the scene file names.
 fn loaded(flat: &mut DeviceScene) {
     let material = &mut flat.materials[0];
     (material.kind, material.parameter) = (MATERIALS.len() as u32, GAIN);
 }
 
-/// A ball that the whole image shows, before a sky from `bottom` to `top`.
+/// A ball that fills the image, before a sky from `bottom` to `top`.
 fn ball(bottom: &str, top: &str, objects: &str) -> gpu_rt::scene::Scene {
     scene(&format!(
         "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),

@@ -1,7 +1,7 @@
 //! Whole images against references by an independent renderer, Mitsuba 3.9.1 (tests/references: scene, image, and how it was made).
 //!
 //! One test decides everything here: over an area, the mean of our image and that of the reference may differ by noise alone. The
-//! areas are the whole image and blocks of it; what noise there is, several seeds tell. Images are rendered by the defaults. That scattered rays
+//! areas are the full image and blocks of it; several seeds give the noise. Images are rendered by the defaults. That scattered rays
 //! alone expect the same is tested in tests/images/estimators.rs.
 
 use std::fs;
@@ -59,13 +59,13 @@ struct Difference {
     threshold: f64,
 }
 
-/// The image as it is rendered without being asked otherwise: lights sampled, Sobol points, roulette; by several seeds.
+/// The image by the defaults: lights sampled, Sobol points, roulette; by several seeds.
 fn by_defaults(scene: &Scene, seeds: std::ops::Range<u32>) -> Vec<Shot> {
     let request = Request::spp(16).mis().sobol().roulette();
     seeds.map(|seed| render(scene, &request.clone().seed(seed))).collect()
 }
 
-/// Where the mean of several seeds differs from the reference by the most, with a factor for each pixel: over the whole image and over blocks of
+/// Where the mean of several seeds differs from the reference by the most, with a factor for each pixel: over the full image and over blocks of
 /// `side` pixels. Each pixel's variance is that between the seeds, of k = seeds less one degrees of freedom, and pixels are independent: the
 /// degrees of an area are Satterthwaite's (tests/common/render.rs, `Shot::mean_over`).
 fn worst_by_seeds(reference: &Reference, shots: &[Shot], side: u32, factor: impl Fn(u32, u32) -> f64) -> Difference {
@@ -127,7 +127,7 @@ struct BySeeds {
     of_reference: [f64; 3],
 }
 
-/// What `gpu-rt render` does without being asked otherwise, against all references: the mean of the image and of blocks of 20 x 20 pixels, by
+/// The defaults of `gpu-rt render` against all references: the mean of the image and of blocks of 20 x 20 pixels, by
 /// Student's test.
 ///
 /// Power: the mean of an image is known to 0.01 to 0.05 % from 8 x 16 samples, so that half a percent is found in any of them; a block of

@@ -75,7 +75,7 @@ fn tiles_do_not_show() {
     }
 }
 
-/// A film that one binding of a software driver does not hold is in tiles, without being told to.
+/// A film that one binding of a software driver does not hold is in tiles, without an option.
 #[test]
 fn a_film_beyond_a_binding_is_complete() {
     let size = (1300, 1000);
@@ -159,7 +159,7 @@ fn a_stopped_render_has_a_complete_film() {
     }
 }
 
-/// A film that is shown as whole has the samples that the outcome says, and no part of a run beyond them.
+/// A film that is shown as complete has the samples of the outcome, and no part of a run beyond them.
 #[test]
 fn a_complete_film_has_equal_samples_in_all_pixels() {
     let options = options(Scatter::Fused);

@@ -140,7 +140,7 @@ fn bounds_hold_where_few_pixels_hold_the_noise() {
 }
 
 /// A lamp of radiance 1 is seen, and another of 1e17 shines in a closed box of its own: in its unit the squares of what is seen are below 2^-96, the
-/// resolution of the film. The stated error is the one without the box, by halves in place of samples: of 256 pixels, each of one degree of freedom,
+/// resolution of the film. The stated error is the one without the box, by halves instead of samples: of 256 pixels, each of one degree of freedom,
 /// it is known to 1/√(2 · 256 · 0.3) = 8 %, where 0.3 allows for pixels that matter more.
 #[test]
 fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {

@@ -92,7 +92,7 @@ fn every_option_of_render_that_changes_the_image_is_declared() {
     for name in SAME_IMAGE.iter().map(|(name, _)| *name).chain([WHICH_SAMPLES, WHICH_SCENE].concat()) {
         assert!(there(name), "{name} is no option of render");
     }
-    // An option that nobody put into the table is found.
+    // An option that is not in the table is found.
     let planted = command.clone().arg(clap::Arg::new("sharpen").long("sharpen"));
     assert_eq!(unknown(&planted), ["sharpen"]);
 }
@@ -128,7 +128,7 @@ fn the_command_line_says_what_the_table_says() {
     assert_eq!(names.len(), TRADE_OFFS.len(), "an option is declared twice");
 }
 
-/// What is asked for is linked where the scene has what it is about, and nowhere else.
+/// A requested approximation is linked if the scene has what it applies to, and not otherwise.
 #[test]
 fn settings_ask_for_nothing_that_the_scene_lacks() {
     let text = |objects: &str| {
@@ -310,7 +310,7 @@ const FOUND: f64 = 0.015;
 /// 1024 pixels of 256 samples, or as many samples of fewer pixels; the other sampler takes more. Of that the mean of the image is known
 /// to 0.15 % (printed), and that of the usual image to 0.11 %: 5.6 standard errors of the difference are 1 % of the light, and 1.5 % are
 /// planted and found. (tests/images/estimators.rs finds 1 % of what the integrator and the roulette do, and 2 % of the sampler.) Fewer samples are
-/// tested to what they tell: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
+/// tested as precisely as they allow: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
 #[test]
 fn values_of_noise_change_no_expectation() {
     let sandbox = Sandbox::new();
@@ -338,8 +338,8 @@ fn values_of_noise_change_no_expectation() {
         };
         let samples = image.samples.as_ref().and_then(|samples| samples.first()).copied().expect("a number");
         let found = match samples <= 8 {
-            // One run, or part of one, has no variance of its own: it is told by the usual image, whose points deviate as independent ones do, and
-            // only of the whole image.
+            // One run, or part of one, has no variance of its own: it is that of the usual image, whose points deviate as independent ones do, and
+            // only for the full image.
             true => {
                 let mut found = means(&image, 4, 1.0);
                 for (mean, usual) in found.iter_mut().zip(&usual) {
@@ -578,7 +578,7 @@ fn the_textbooks_spheres_fail_far_away() {
         means(&sandbox.render(&scene, options).image, 1, 1.0)[0].value
     };
     let expected = PI / (2.4 * 2.4);
-    // Sobol points tell the area to far below 1e-3; the sphere covers a little more than its disk, by r²/D².
+    // Sobol points give the area to far below 1e-3; the sphere covers a little more than its disk, by r²/D².
     let right = |found: f64| (found / expected - 1.0).abs() < 2e-3;
     for distance in [100.0, 1e5, 1e7] {
         let found = covered(distance, &[]);
@@ -626,7 +626,7 @@ fn a_render_with_a_setting_that_biases_says_so() {
         };
         let ran = sandbox.render(&scene, &options);
         let default = Some(value) == spec.default;
-        // As deep as the scene asks, or deeper, takes nothing away.
+        // A depth of the scene's own, or deeper, removes nothing.
         let cuts = spec.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
         let warns = matches!(spec.class, Class::Bias | Class::Numerics) && !default && cuts;
         let attribute =

@@ -140,7 +140,7 @@ fn the_alpha_of_vertices_multiplies_that_of_the_material() {
     near(&of([102, 102], black("BLEND", 0.5)), &|_| 0.8, "times a factor");
     near(&of([0, 255], black("BLEND", 1.0)), &|x| 1.0 - x, "interpolated");
     near(&of([0, 255], black("BLEND", 0.25)), &|x| 1.0 - 0.25 * x, "interpolated, times a factor");
-    // The cutoff is asked of the product. It is met in the middle of the image, and at a quarter.
+    // The cutoff is compared with the product. It is reached in the middle of the image, and at a quarter.
     let half = |edge: f64| move |x: f64| if x < edge { 1.0 } else { 0.0 };
     near(&of([0, 255], black("MASK", 1.0)), &half(0.5), "cut out");
     let mut quarter = black("MASK", 0.5);
@@ -169,7 +169,7 @@ fn the_alpha_of_vertices_multiplies_that_of_the_material() {
         "its own material, without that of vertices",
     );
 
-    // One corner's alpha in the place of another's.
+    // The alphas of two corners exchanged.
     let scene = of([0, 255], black("BLEND", 1.0));
     let planted = Overlay::new(&[])
         .rewritten("scene/meshes", |own| own.replace("alpha_of_vertex(face.y)", "alpha_of_vertex(face.x)"));

@@ -1,4 +1,4 @@
-//! The BVH where many objects lie in one place.
+//! The BVH where many objects coincide.
 
 use std::path::Path;
 
@@ -134,7 +134,7 @@ fn every_primitive_is_in_the_tree_once() {
 /// The nodes are the same on every run and for any number of threads; and they fit the bytes that a mesh has for them.
 #[test]
 fn threads_change_nothing_in_the_tree() {
-    // Enough for several pieces of work, a part of them in one place.
+    // Enough for several pieces of work, some of which coincide.
     let boxes: Vec<Bounds> = (0..100_000u32)
         .map(|i| {
             let at = |factor: u32| (i.wrapping_mul(factor) >> 8) as f32 / (1 << 24) as f32;

@@ -1,4 +1,4 @@
-//! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none
+//! Warnings about numbers that are allowed and dangerous: each at its location, with the number and what to do, and none
 //! for a twin scene just on the other side of its limit. The limits of surfaces near glass are compared with pictures.
 
 use crate::common::marked::{fault, unmarked};
@@ -794,7 +794,7 @@ fn the_ends_of_what_numbers_may_be() {
     }
     let mut flattened = 0;
     for text in &scenes {
-        // What is out of range as a whole is refused.
+        // A scene that is out of range altogether is refused.
         let scene = Scene::parse(text, &root().join("x.ron"));
         let Ok(flat) = scene.and_then(|scene| flatten(&scene, (40, 30), &RenderOptions::default())) else { continue };
         for warning in &flat.warnings {

@@ -59,7 +59,7 @@ impl Camera {
         (0.5 * self.vertical_fov).to_radians().tan()
     }
 
-    /// The ray through a place of the image in pixels from the top left corner, not normalised: one unit forward.
+    /// The ray through a point of the image in pixels from the top left corner, not normalised: one unit forward.
     fn towards(&self, x: f64, y: f64) -> DVec3 {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let half = self.half_height();
@@ -79,7 +79,7 @@ fn kernel(lens: &str) -> Kernel {
     Kernel::with("test/camera", &Setup { values: &[("camera", lens)], ..Setup::default() })
 }
 
-/// Corners, middle and other places of the image; on the lens the centre, the edge and others.
+/// Corners, middle and other points of the image; on the lens the centre, the edge and others.
 fn rows(random: &mut Random, size: (u32, u32)) -> Vec<In> {
     let last = 1.0 - U as f32;
     let (right, bottom) = (size.0 - 1, size.1 - 1);
@@ -122,7 +122,7 @@ fn pinhole_rays_go_through_their_film_points() {
                 // Three terms at right angles, so that none is longer than their sum: each is rounded as a vector, as a
                 // factor, in the product and in a sum; then normalize, with 2.5 ulps to its root and quotient.
                 assert!(off(x, y) <= 12.0 * U, "{camera:?} {row:?}: off by {} u", off(x, y) / U);
-                // A tenth of a pixel beside is another ray, where pixels are not so fine that f32 cannot tell.
+                // A tenth of a pixel beside is another ray, unless pixels are too fine for f32.
                 if vertical_fov >= 1.0 && camera.size.0 < 100 && camera.size.1 > 1 && vertical_fov <= 150.0 {
                     assert!(off(x + 0.1, y) > 12.0 * U && off(x, y + 0.1) > 12.0 * U, "{camera:?} {row:?}");
                 }

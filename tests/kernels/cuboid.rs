@@ -192,7 +192,7 @@ fn rays_along_the_axes_and_in_the_faces_are_decided() {
     }
     let (hits, found) = faults(&tracer("cuboid", &[]), &cuboids, &rays);
     assert!(found.is_empty(), "{} faults, the first: {}", found.len(), found[0]);
-    // Strictly inside two slabs at 3 x 3 of the 9 x 9 places, and on a face at 16 more, where either answer will do.
+    // Strictly inside two slabs at 3 x 3 of the 9 x 9 points, and on a face at 16 more, where either answer will do.
     assert!(hits * 81 > rays.len() * 9 && hits * 81 < rays.len() * 25, "{hits} of {}", rays.len());
 }
 

@@ -50,7 +50,7 @@ fn the_square_around_a_disk_has_its_axes() {
         assert!((v / size - nearest).length() < 4.0 * U, "{normal}: {v}");
         assert!((u / size - nearest.cross(n)).length() < 4.0 * U, "{normal}: {u}");
     }
-    // Their sizes and places are those of the scene, but for the power of two by which render space is scaled.
+    // Their sizes and positions are those of the scene, but for the power of two by which render space is scaled.
     let (center, _, radius) = circle(&squares[0]);
     assert!((center / radius - DVec3::new(2.0, 4.0, 6.0)).length() < 1e-6, "{center} {radius}");
 }
@@ -114,7 +114,7 @@ fn rays_hit_disks_where_f64_says() {
     assert!(found.iter().all(|out| out.again == NO_HIT));
     let without = tracer("disk", &[("geometry/offset", "test/control/offset_none")]);
     assert!(trace(&without, &disks, &rays).iter().filter(|out| out.t != NO_HIT && out.again != NO_HIT).count() > 1000);
-    // A radius that is off by 1 %, and a square in place of the disk.
+    // A radius that is off by 1 %, and a square instead of the disk.
     let larger: Vec<Quad> = disks.iter().map(|d| Quad { a_axis: d.a_axis.map(|x| 0.98 * x), ..*d }).collect();
     assert!(wrong(&larger, &rays).iter().sum::<usize>() > 500);
 }
@@ -166,7 +166,7 @@ fn off(rows: &[light_kernel::In], disks: &[Quad], found: &[Drawn], by: fn(f64) -
             values.push(cosine.abs() / f64::from(out.pdf));
         }
         wrong[0] += usize::from(!pdf_is_right);
-        // Where the directions' rounding moves more points over the cells' edges than chi-square finds, it cannot be told.
+        // Where the directions' rounding moves more points over the cells' edges than chi-square finds, the test is left out.
         if worst < 1e-3 {
             let inside = points.iter().map(|(share, turn)| (share.min(1.0 - U), *turn));
             wrong[1] += usize::from(uniform_in_cells((31, 17), inside) < sidak(ALPHA, rows.len()));

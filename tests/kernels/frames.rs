@@ -37,7 +37,7 @@ struct Object {
     texture: usize,
 }
 
-/// A place on an object: the point and normal in its own space, and its texture coordinates.
+/// A point on an object: its position and normal in its own space, and its texture coordinates.
 struct SurfacePoint {
     point: DVec3,
     normal: DVec3,
@@ -124,7 +124,7 @@ const CHECKER_SCALE: f64 = 0.32;
 const NOISE_SCALE: f64 = 4.0;
 const MARBLE_SCALE: f64 = 5.0;
 
-/// The colour's red at a place, in f64, and how far f32 may be off; nothing where a hair decides.
+/// The colour's red at a point, in f64, and how far f32 may be off; `None` where rounding decides.
 fn expected(object: &Object, at: &SurfacePoint, texels: &[[f32; 3]]) -> Option<(f64, f64)> {
     // The world's few units in f32, with the distance and the point each some roundings off: 1e-6 on the surface.
     const POINT: f64 = 4e-6;

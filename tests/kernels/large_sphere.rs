@@ -83,7 +83,7 @@ impl Exact {
             return corners.iter().all(Option::is_some).then(|| format!("missed, and hits at {:?}", corners[4]));
         }
         let t = f64::from(t);
-        // On which side of the surface the ray starts, nobody can say there.
+        // The side of the surface on which the ray starts is not known there.
         let first = if line.power.abs() < 2.0 * blur { 0.0 } else { f64::INFINITY };
         let low = corners.iter().flatten().copied().fold(first, f64::min);
         // Where the ray may miss, it may touch, too.

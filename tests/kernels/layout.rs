@@ -166,7 +166,7 @@ fn every_struct_of_the_host_is_laid_out_as_in_wgsl() {
 #[test]
 fn every_setting_of_a_kernel_is_one_of_the_hosts() {
     let modules = modules();
-    // Each byte tells where it comes from, so that a member in a wrong place shows.
+    // Each byte shows where it comes from, so that a member at a wrong offset is found.
     let words: Vec<u32> = (1..).take(size_of::<data::Settings>() / 4).collect();
     let host: &[u8] = bytemuck::cast_slice(&words);
     let host_word = |name: &str| {

@@ -252,7 +252,7 @@ fn lights_without_size_are_chosen_by_their_irradiance() {
             background: {background}, materials: {{{GREY}}}, objects: [{lights}, {RECEIVER}])"
         ))
     };
-    // The probabilities of all lights, those with a place first and the sky last.
+    // The probabilities of all lights, those with a position first and the sky last.
     let probabilities = |flat: &DeviceScene, from: DVec3| -> Vec<f64> {
         let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
         let lights = flat.features.lights.to_string();
@@ -284,7 +284,7 @@ fn lights_without_size_are_chosen_by_their_irradiance() {
         let suns = 1.0 - of_point;
         close(&probabilities(&beside, distance * DVec3::X), &[of_point, 0.75 * suns, 0.25 * suns]);
     }
-    // The sky has half of 4 pi times its luminance, and a tenth of what has no place at least.
+    // The sky has half of 4 pi times its luminance, and at least a tenth of the lights without a position.
     let luminance = 0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722;
     let sky = 2.0 * PI * luminance;
     let all = scene(SKY, &format!("{point}, {suns}"));

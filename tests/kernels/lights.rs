@@ -109,14 +109,14 @@ impl Flat {
         (x, if self.triangle { y / x } else { y })
     }
 
-    /// The part between these places, by its corners.
+    /// The part between these points, by its corners.
     fn part(&self, x: [f64; 2], y: [f64; 2]) -> [DVec3; 4] {
         let at = |x: f64, y: f64| self.a + x * self.along + if self.triangle { x * y } else { y } * self.across;
         [at(x[0], y[0]), at(x[1], y[0]), at(x[1], y[1]), at(x[0], y[1])]
     }
 }
 
-/// Cuts of 0..1: some evenly, some around a place at distances that double.
+/// Cuts of 0..1: some evenly, some around a point at distances that double.
 fn cuts(around: f64, width: f64) -> Vec<f64> {
     let mut cuts: Vec<f64> = (0..=7).map(|i| f64::from(i) / 7.0).collect();
     for i in -1..4 {
@@ -286,7 +286,7 @@ fn compare<S: Pod>(kind: Kind, cases: &[Case], shapes: &[S], replaced: &[(&str, 
     wrong
 }
 
-/// The p-value of the directions' being uniform, by cells of the light's sides, and whether it can be told.
+/// The p-value of the directions' being uniform, by cells of the light's sides, and whether it can be tested.
 fn uniformity(case: &Case, found: &[Out], full: f64) -> (f64, bool) {
     let from = case.from();
     let mut expected = Vec::new();
@@ -568,7 +568,7 @@ fn solid_angle_of_row(row: usize, rows: usize, columns: usize) -> f64 {
     2.0 * PI / columns as f64 * (edge(row).cos() - edge(row + 1).cos())
 }
 
-/// A direction's place on the image: shares from the left and from the top (lib/sphere_map), and the height 0..1 in the
+/// A direction's point on the image: shares from the left and from the top (lib/sphere_map), and the height 0..1 in the
 /// cell by its solid angle.
 fn sky_coordinates(direction: DVec3, columns: usize, rows: usize) -> (f64, f64) {
     let around = 0.5 + direction.x.atan2(-direction.z) / (2.0 * PI);
@@ -596,7 +596,7 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
             let texel = texels[y.clamp(0, height as i64 - 1) as usize * width + x.rem_euclid(width as i64) as usize];
             0.2126 * f64::from(texel[0]) + 0.7152 * f64::from(texel[1]) + 0.0722 * f64::from(texel[2])
         };
-        // What the kernels interpolate at a place (lib/bilinear), and the mean of that over each cell from 8 x 8 places.
+        // The kernels' interpolation at a point (lib/bilinear), and its mean over each cell from 8 x 8 points.
         let at = |x: f64, y: f64| {
             let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
             let (s, t) = (x - 0.5 - left, y - 0.5 - top);

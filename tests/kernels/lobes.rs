@@ -125,7 +125,7 @@ fn the_width_of_a_lobe_is_the_angle_that_half_of_its_directions_keep() {
         let found = kernel(shader, DRAWS, &[]).run_with::<_, Out>(&[row], DRAWS, &[]);
         let angle = |out: &Out| axis.cross(exact(out.direction)).length().asin();
         let within = |width: f64| found.iter().filter(|out| angle(out) < width).count() as f64 / DRAWS as f64;
-        // 16,384 draws tell a share to 0.4 %. The tangent for the angle, and reflected rays at glass, are 2 %.
+        // 16,384 draws give a share to 0.4 %. The tangent for the angle, and reflected rays at glass, are 2 %.
         assert!((within(width) - 0.5).abs() < 0.04, "{shader}: {}", within(width));
         assert!((within(1.2 * width) - 0.5).abs() > 0.04, "{shader}: a lobe of another width is not told from it");
     }

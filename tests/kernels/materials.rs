@@ -174,7 +174,7 @@ fn metal_scatters_by_the_density_of_its_lobe() {
             };
             let right = p(metal_shares(fuzz, cos, |theta| metal_density(theta, fuzz)));
             assert!(right > threshold, "fuzz {fuzz}, cosine {cos}: p = {right:e}");
-            // A lobe 3 % wider, and the whole cone instead of the ball's segment of it.
+            // A lobe 3 % wider, and the full cone instead of the ball's segment of it.
             let wider = p(metal_shares(fuzz, cos, |theta| metal_density(theta * 0.97, fuzz)));
             assert!(wider < threshold, "fuzz {fuzz}, cosine {cos}, wider: p = {wider:e}");
             let cone = |theta: f64| {

@@ -1,4 +1,4 @@
-//! The two-level walk: it finds what asking every face of every instance finds, to the bit, at any scale and place. The rays that leave
+//! The two-level walk: it finds what a test of every face of every instance finds, to the bit, at any scale and position. The rays that leave
 //! instances are in tests/extremes.
 
 use glam::DVec3;

@@ -20,7 +20,7 @@ const DRAWS: usize = 1 << 18;
 const RINGS: usize = 23;
 const SECTORS: usize = 17;
 
-/// In place of what a layer of its own reflects of grazing light.
+/// The F90 of a row without a layer of its own.
 const NO_LAYER: f32 = -1.0;
 
 fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {

@@ -196,7 +196,7 @@ fn refusals(device: &Device, objects: &str) -> [Option<String>; 2] {
 
 #[test]
 fn kernels_are_refused_where_a_driver_lacks_what_they_rely_on() {
-    // So many that they are not all asked of every ray: a walk through a tree is a loop that may be long.
+    // Too many for a test of all of them by every ray: a walk through a tree is a loop that may be long.
     const SPHERES: &str = "Sphere(center: (-6, -6, 0), radius: 1, material: \"m\"),
         Sphere(center: (6, -6, 0), radius: 1, material: \"m\"), Sphere(center: (0, 0, 0), radius: 1, material: \"m\"),
         Sphere(center: (-6, 6, 0), radius: 1, material: \"m\"), Sphere(center: (6, 6, 0), radius: 1, material: \"m\"),";
@@ -225,7 +225,7 @@ fn kernels_are_refused_where_a_driver_lacks_what_they_rely_on() {
             }
         }
     }
-    // What nobody relies on is no reason to refuse.
+    // A property that no kernel relies on is no reason to refuse.
     let device = pretend(|found| {
         found.two_sum_barrier = false;
         found.two_product_barrier = false;

@@ -681,7 +681,7 @@ fn rough_dielectrics_scatter_the_same_both_ways_but_for_the_index_squared() {
     assert!(unscaled > 1000 && refracted > 2000 && reflected > 4000, "{unscaled}, {refracted}, {reflected}");
 }
 
-/// A roughness of 0 makes the glass, bit by bit; and so does what no f32 direction tells from it.
+/// A roughness of 0 makes the glass, bit by bit; and so does a roughness that f32 directions cannot distinguish from it.
 #[test]
 fn smooth_rough_dielectrics_are_glass() {
     let mut random = Random(187);

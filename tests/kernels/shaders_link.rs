@@ -1,5 +1,5 @@
 //! The shaders without a device: every combination of features links and validates, no file is unused, modules import
-//! what their folders may, and the linker's errors name the place.
+//! what their folders may, and the linker's errors name the location.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -425,7 +425,7 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
                     unused(TEXTURES, &features.textures, "texture"),
                     unused(FORMATS, &features.texel_formats, "texel"),
                 ];
-                // Nor what approximates, unless it was asked for, nor Fresnel's reflection without what reflects by it.
+                // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
                 let glass = (0..)
                     .zip(&features.materials)
                     .any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
@@ -730,7 +730,7 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
     link(&library, "test/root", &choices).map_err(|error| error.to_string())
 }
 
-/// The error of linking or validating, which must name this place.
+/// The error of linking or validating, which must name this location.
 fn assert_fault(modules: &[(&'static str, &'static str)], location: &str, about: &str) {
     let error = match linked(modules) {
         Err(error) => error,

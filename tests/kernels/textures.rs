@@ -1,4 +1,4 @@
-//! texture/*, lib/bilinear and lib/sphere_map: colours at places, against f64.
+//! texture/*, lib/bilinear and lib/sphere_map: colours at points, against f64.
 
 use std::f64::consts::{PI, TAU};
 
@@ -187,7 +187,7 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
         rows.iter().zip(&of).zip(&found).fold(0.0f64, |worst, ((row, &i), out)| {
             let image = &images[i];
             let expected = image.at(&texels, f64::from(row.uv[0]), f64::from(row.uv[1]), row.wraps != 0);
-            // The place in texels is off by two roundings of itself, and the texels differ by 1 at most; 1 - v rounds at
+            // The position in texels is off by two roundings of itself, and the texels differ by 1 at most; 1 - v rounds at
             // most as much again. Three blends of four roundings.
             let rounding = 3.0 * U * f64::from(image.width + image.height);
             worst.max((exact(colour(out)) - expected).abs().max_element() / (rounding + 12.0 * U))

@@ -41,7 +41,7 @@ impl Mesh {
     }
 }
 
-/// Multiples of 2^-12, so that differences, and places 1024 sizes off, are exact in f32.
+/// Multiples of 2^-12, so that differences, and positions 1024 sizes off, are exact in f32.
 fn on_grid(p: DVec3) -> DVec3 {
     (p * 4096.0).round() / 4096.0
 }
@@ -217,7 +217,7 @@ fn distances_and_weights_are_right_to_the_last_digits() {
             let (t, weights) = crossing(origin, direction, [a, b, c]);
             let normal = (b - a).cross(c - a);
             let cos = normal.dot(direction) / (normal.length() * direction.length());
-            // The sheared vertices are off by 9 u of their distance, the slopes by 6 u of it, the place in the triangle by 17 u of
+            // The sheared vertices are off by 9 u of their distance, the slopes by 6 u of it, the point in the triangle by 17 u of
             // its size times l s / n, at most 2 for these; all across the ray, so over the cosine in the plane.
             let reach = [a, b, c].map(|p| (p - origin).length()).into_iter().fold(0.0, f64::max);
             let size = (b - a).length().max((c - b).length()).max((a - c).length());

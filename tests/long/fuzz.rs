@@ -68,7 +68,7 @@ fn resume(path: &Path) -> Result<(), Error> {
 fn read_text(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let flattened = |scene: Scene| {
         let _ = scene.warnings();
-        // Flattening refuses scenes too, where too many objects lie in one place.
+        // Flattening refuses scenes too, where too many objects coincide.
         flatten(&scene, (scene.image.width, scene.image.height), &RenderOptions::default()).map(drop)
     };
     // A file takes much longer than a text, and adds only the check of UTF-8.
@@ -217,7 +217,7 @@ struct Counts {
     slowest: f64,
 }
 
-/// The place of a panic in the program's own sources.
+/// The location of a panic in the program's own sources.
 static OWN_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
 /// Notes panics in the program's own sources. The guard of the loaders, which is for libraries, makes errors of them too.

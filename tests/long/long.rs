@@ -30,11 +30,11 @@ struct Stated {
 
 /// The true relative error of a render is below the bound that it states in 93 % of a thousand renders at least: 95 %, and three standard errors. The
 /// bound is on the safe side: it must be no less than the error with each half's own mean, pixels may count with the spread of their samples,
-/// the noise of all channels is taken to be one, and independent samples to tell their error as two halves do. So that up to 100 % are
+/// the noise of all channels is taken to be one, and independent samples to give their error as two halves do. So that up to 100 % are
 /// allowed, and a bound no wider than `widest`.
 ///
 /// The true one is against the mean of all thousand, whose own error is a thirtieth of theirs, and 0.05 % beside it. That the stated
-/// variances are right is told by the mean of all: the variance between renders agrees within 1 %, whose standard error is 0.2 %.
+/// variances are right is shown by the mean of all: the variance between renders agrees within 1 %, whose standard error is 0.2 %.
 #[test]
 #[ignore = "takes minutes"]
 fn stated_errors_are_true() {
@@ -99,7 +99,7 @@ fn check(name: &str, renders: &[Stated], samples: u32) {
     assert!(few || (ratio - 1.0).abs() < 0.02 && close > 0.95, "{name}: {ratio}, {close}");
 }
 
-/// Scenes of scenes/test, and what the slope of Sobol points is to be below. What depends on the place in the pixel alone and smoothly:
+/// Scenes of scenes/test, and what the slope of Sobol points is to be below. What depends on the position in the pixel alone and smoothly:
 /// -3/2 in theory (Owen, Annals of Statistics 25(4), 1997). On a direction too, smoothly: between that and -1/2, which is what remains of
 /// how the two go together. On whether a ray meets a lamp: little better than -1/2.
 const SCENES: [(&str, f64); 3] = [("mirror_sphere", -1.3), ("lambertian_gradient", -0.75), ("floor_quad_light", -0.55)];
@@ -195,7 +195,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// The error against the closed form falls with the samples, from 16 to 65,536, as their root where they are independent, faster where
 /// they are spread, and to no floor. A line is fitted to the logarithms of each seed's errors, where they are well above rounding; six
-/// seeds tell how well its slope is known.
+/// seeds show how well its slope is known.
 #[test]
 #[ignore = "takes minutes"]
 fn errors_fall_as_they_should_and_to_no_floor() {
@@ -203,7 +203,7 @@ fn errors_fall_as_they_should_and_to_no_floor() {
         let text = fs::read_to_string(scene_folder().join(name).with_extension("ron")).expect("the scene is there");
         let scene = scene(&text);
         let expectations = Expectations::parse(&text).expect("it says what it expects");
-        // A pixel by its quarters. Where it is what it is as a whole to 1e-6, the quadrature is better than that by 2^8 (its error is of the
+        // A pixel by its quarters. Where that agrees with the full pixel to 1e-6, the quadrature is better than that by 2^8 (its error is of the
         // eighth order): far better than all errors here.
         let full = expectations.of_every(SIZE, &scene.camera);
         let quarters = expectations.of_every((2 * SIZE.0, 2 * SIZE.1), &scene.camera);

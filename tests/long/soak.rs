@@ -1,4 +1,4 @@
-//! Random valid scenes over the whole grammar, rendered small: none crashes, no pixel is not finite, rays to lights change no
+//! Random valid scenes over the full grammar, rendered small: none crashes, no pixel is not finite, rays to lights change no
 //! expectation, and memory does not grow. Each scene has a seed, which is printed before it renders.
 
 use std::fmt::Write;

@@ -43,7 +43,7 @@ fn of_mesh(file: &str) -> String {
     scene("Solid((1, 1, 1))", &format!("Mesh(path: {file:?}, material: \"m\")"))
 }
 
-/// A file of zeros that takes no place on the disk.
+/// A file of zeros that takes no space on the disk.
 fn sparse(path: &Path, bytes: u64) {
     File::create(path).and_then(|file| file.set_len(bytes)).expect("a sparse file is made");
 }

@@ -52,7 +52,7 @@ fn render_ends_with_path_samples_error_and_time() {
     // With its bound.
     let bound: f64 = attribute(&sandbox.exr("picture one.exr"), "gpu-rt:relative_error_bound").parse().unwrap();
     assert!(line.contains(&format!("below {:.2} %)", 100.0 * bound)) && bound > percent, "{line}, {bound}");
-    // What it is not about is said when asked.
+    // What it excludes is stated on request.
     let excludes = |ran: &Ran| ran.stderr.contains("it excludes what max_depth cut off");
     assert!(!excludes(&ran) && excludes(&sandbox.render(&["--verbose"]).exits(0)), "{}", ran.stderr);
     assert!(number_before("s") >= 0.0);
@@ -256,7 +256,7 @@ fn noise_ends_where_the_error_is_reached_and_says_so() {
     let ran = sandbox.render(&["--noise", "0.02", "--json", "-o", "a.exr"]).exits(0);
     let (json, image) = (ran.json(), sandbox.exr("a.exr"));
     let samples = json["samples_per_pixel"].as_u64().expect("a number");
-    // It looks at each quarter of a doubling, which are whole runs.
+    // It checks at each quarter of a doubling, at ends of runs.
     assert!(samples.is_multiple_of((samples.next_power_of_two() / 8).max(16)), "{samples}");
     assert_eq!((json["noise_reached"].as_bool(), attribute(&image, "gpu-rt:noise_reached")), (Some(true), "1"));
     assert!(json["relative_error_bound"].as_f64().expect("a number") < 0.02);
@@ -337,7 +337,7 @@ fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
     assert_eq!(json["samples_per_pixel"], 24);
 }
 
-/// More faces in one place than a walk may take steps, on any driver: every sample that looks there is cut short, and none beside.
+/// More coincident faces than a walk may take steps, on any driver: every sample whose ray gets there is cut short, and no other.
 #[test]
 fn rejected_samples_are_reported_and_strict_fails() {
     const TOGETHER: usize = 600;
@@ -605,7 +605,7 @@ fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
     }
 }
 
-/// Images of other scenes are compared, with a warning: their headers tell.
+/// Images of other scenes are compared, with a warning from their headers.
 #[test]
 fn images_of_different_scenes_are_warned_of() {
     let sandbox = Sandbox::new();
@@ -667,7 +667,7 @@ fn compare_tells_noise_from_differences() {
     let json = noise("compare pixel.exr b.exr --json").json();
     let position_of_it = ["x", "y", "pixels_that_differ"].map(|key| json["single_pixel"][key].as_u64());
     assert_eq!(position_of_it, [Some(7), Some(9), Some(1)], "{json}");
-    // Where, if it is in one place.
+    // The location, if there is one.
     let local = last(sandbox.says("compare local.exr b.exr").exits(0));
     assert!(local.contains("around pixel ("), "{local}");
 }
@@ -880,7 +880,7 @@ fn a_closed_stderr_is_no_failure() {
     drop(child.stderr.take());
     assert_eq!(finish(child).code(), 0);
     assert_eq!(sandbox.files(), ["sphere.exr"]);
-    // An error that cannot be told is still an exit status.
+    // An error that cannot be printed is still an exit status.
     let mut child = sandbox.command(&["render", "missing.ron"]).spawn().expect("the program starts");
     drop(child.stderr.take());
     assert_eq!(finish(child).code(), 2);
@@ -896,7 +896,7 @@ fn check_finds_errors_and_dangers() {
     let json = sandbox.says("check ../scenes/sphere.ron --json").exits(0).json();
     assert_eq!(json["valid"], true);
     assert_eq!(json["warnings"].as_array().map(Vec::len), Some(0));
-    // An albedo of 1 is dangerous, and said to be, at its place.
+    // An albedo of 1 is dangerous, and said to be, at its location.
     let scene = sandbox.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
     let ran = sandbox.run(&["check", &scene]).exits(0);
     assert!(ran.stdout.contains(&format!("warning: {scene}:5:")), "{}", ran.stdout);
@@ -927,7 +927,7 @@ fn check_finds_errors_and_dangers() {
     }
 }
 
-/// All that a scene may ask for, and the same with everything asked for.
+/// All that a scene may require, and the same with all features.
 const RICH: &str = "Scene(
     image: (width: 20, height: 12),
     camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 50, aperture: 0.1),
@@ -961,7 +961,7 @@ fn plan_lists_what_the_scene_requires_as_render_does() {
     for name in names.iter().chain(&["spheres", "film"]) {
         assert!(text.contains(name), "{name} in {text}");
     }
-    // Which object asked.
+    // The object that requires it.
     assert!(text.contains(&format!("{sphere}:6:15")) && text.contains(&format!("{sphere}:5:")), "{text}");
     // Render agrees.
     let rendered = sandbox.run(&["render", sphere, device[0], device[1], "--json"]).exits(0).json();
@@ -980,7 +980,7 @@ fn shaders(folder: &Path) -> Vec<(String, String)> {
     shaders
 }
 
-/// A report that does not arrive is a failure that is told; a reader who has read enough is none (`a_closed_stdout_is_no_failure`).
+/// A report that does not arrive is a failure that is reported; a reader who has read enough is none (`a_closed_stdout_is_no_failure`).
 #[test]
 #[cfg(target_os = "linux")]
 fn lost_output_is_a_failure() {
@@ -1089,7 +1089,7 @@ fn a_render_says_what_the_numerics_probe_found() {
     assert!(listed["devices"].as_array().expect("a list").iter().any(same), "{listed}\n{header}");
 }
 
-/// Without any driver: check and plan work, render and devices say what to install, and nobody panics.
+/// Without any driver: check and plan work, render and devices say what to install, and nothing panics.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_driver_only_rendering_fails() {

@@ -1,4 +1,4 @@
-//! `--crop`: a part of an image has the bytes that it has in the whole, and stands where it stands there.
+//! `--crop`: a part of an image has the bytes and the position that it has in the full image.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn render(folder: &Path, more: &str) -> Ran {
     run(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
-/// Whether an image holds just what a part of another one does: its pixels and all that is told of them.
+/// Whether an image holds just what a part of another one does: its pixels and all further channels.
 fn is_part(part: &ExrImage, (left, top): (u32, u32), full: &ExrImage) -> bool {
     let bits = |image: &ExrImage, index: usize| {
         let [rgb, variance] =
@@ -59,7 +59,7 @@ fn a_part_has_the_bytes_of_the_full_image() {
             assert!(width == 24 || !is_part(&part, (left.max(1) - 1, top), &full), "{crop} passes as its neighbour");
             let picture = image::image_dimensions(folder.path().join("part.png")).expect("a PNG");
             assert_eq!(picture, (width, height));
-            // Where it stands in the whole.
+            // Its position in the full image.
             let header =
                 MetaData::read_from_file(folder.path().join("part.exr"), true).expect("it has a header").headers;
             for part in &header {
@@ -96,7 +96,7 @@ fn parts_go_on_and_join() {
         let header = MetaData::read_from_file(folder.path().join(name), true).expect("it has a header").headers;
         assert_eq!(header[0].own_attributes.layer_position, Vec2(3, 2), "{name}");
     }
-    // Another part, and the whole, are other images.
+    // Another part, and the full image, are other images.
     for other in ["--crop 4,2,7,13", ""] {
         let ran = render(folder.path(), &format!("--spp 24 {other} --resume -o a.exr"));
         assert!(ran.exits(2).stderr.contains("--crop is"), "{other}");

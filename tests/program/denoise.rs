@@ -125,7 +125,7 @@ fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
         errors.insert(name, error(&image.rgb));
     }
     let raw = error(&rgb);
-    // Tiles of two pixels look like noise of half their values, and the albedo tells them from it.
+    // Tiles of two pixels look like noise of half their values, and the albedo distinguishes them from it.
     assert!(errors["plain"] < raw, "{raw} {errors:?}");
     assert!(errors["albedo"] < 0.3 * errors["plain"] && errors["both"] < 0.8 * errors["albedo"], "{errors:?}");
     assert!(errors["normal"] == errors["plain"] && errors["blender"] == errors["both"], "{errors:?}");
@@ -366,7 +366,7 @@ fn a_library_that_is_missing_or_fails_is_an_error() {
     let files = sandbox.files();
     let how = ["pip install --target oidn pyoidn", "OIDN_DIR", "--oidn oidn/pyoidn/oidn/lib"];
     for (folder, fault, words, says_how) in [
-        // As where no variable is set: the system's own places, which have none here.
+        // As without a variable: the system's own folders, which have none here.
         ("", "", "libOpenImageDenoise.so.2: it cannot be loaded: ", true),
         ("empty", "", "empty: neither it nor its folder lib or bin has libOpenImageDenoise.so.2", true),
         ("missing", "", "missing: neither it", true),

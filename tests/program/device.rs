@@ -1,4 +1,4 @@
-//! Devices that fail: a Vulkan layer (tests/layer/fault.rs) returns errors in place of the driver.
+//! Devices that fail: a Vulkan layer (tests/layer/fault.rs) returns errors instead of the driver.
 //!
 //! A fault stays once it has begun, so that a second attempt meets it too.
 
@@ -142,7 +142,7 @@ fn a_device_that_is_lost_once_is_opened_again() {
 fn one_of_several_devices_that_is_lost_is_opened_again() {
     let twice = [software(), software()].join(",");
     is_opened_again(&twice, &[("vkQueueSubmit", 12, "1h"), ("vkQueueSubmit", 5, "1ns")]);
-    // Where it stays lost, nobody waits for it.
+    // If it stays lost, the program does not wait for it.
     let folder = sandbox();
     let fault = Fault::new(folder.path(), "vkQueueSubmit", 1, "lost");
     let mut command = command(folder.path(), &[&["render", "sphere.ron", "--device", &twice], &ENDLESS[..]].concat());
@@ -228,7 +228,7 @@ fn a_device_that_fails_after_the_render_does_no_harm() {
     }
 }
 
-/// Two devices that only their numbers tell apart: the layer has each device twice.
+/// Two devices that only their numbers distinguish: the layer has each device twice.
 #[test]
 fn a_name_that_two_devices_have_chooses_neither() {
     let folder = sandbox();

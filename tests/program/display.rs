@@ -37,7 +37,7 @@ fn viewer() -> (String, Arc<Mutex<Vec<u8>>>, std::thread::JoinHandle<()>) {
     (address.to_string(), bytes, std::thread::spawn(read))
 }
 
-/// The packets that have come whole.
+/// The complete packets so far.
 fn packets(mut bytes: &[u8]) -> Vec<&[u8]> {
     let mut packets = Vec::new();
     while let Some(length) = bytes.first_chunk().map(|length| u32::from_le_bytes(*length) as usize) {
@@ -112,7 +112,7 @@ fn a_viewer_gets_the_image_of_the_file() {
     assert_eq!(warnings(&ran.stderr), 0, "{}", ran.stderr);
 }
 
-/// Also if nobody looks at stderr.
+/// Also if stderr is not a terminal.
 #[test]
 fn a_viewer_gets_the_image_so_far() {
     let sandbox = Sandbox::new();

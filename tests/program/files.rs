@@ -41,7 +41,7 @@ fn destinations_that_cannot_be_written_are_refused_before_rendering() {
         (&too_long, "File name too long"),
     ];
     if cfg!(target_os = "linux") {
-        // A folder where nobody may make files, not even root.
+        // A folder where not even root may make files.
         outputs.push(("/proc/sys/a.exr", "no file can be made in its folder"));
     }
     for (output, words) in outputs {
@@ -262,7 +262,7 @@ fn a_checkpoint_that_fails_is_reported_at_once_and_tried_again() {
     fs::rename(at("out"), at("away")).unwrap();
     let says = "warning: no checkpoint: out/a.exr: cannot write: the folder out does not exist. The render goes on";
     meanwhile(&mut child, || said(&sandbox).contains(says));
-    // Another reason is told too.
+    // Another reason is reported too.
     fs::create_dir_all(at("other/a.exr")).unwrap();
     fs::rename(at("other"), at("out")).unwrap();
     meanwhile(&mut child, || {

@@ -6,7 +6,7 @@ use crate::common::device::index as software;
 use crate::common::gltf::{glb, png, room};
 use crate::sandbox::Sandbox;
 
-/// A place with room.glb among its scenes.
+/// A sandbox with room.glb among its scenes.
 fn with_room() -> Sandbox {
     let sandbox = Sandbox::new();
     let (json, binary) = room();
@@ -101,7 +101,7 @@ fn a_shared_render_has_the_files_and_the_camera() {
     assert!(job.contains("--camera") && job.contains("Left"), "{job}");
 }
 
-/// A place with lamps.glb among its scenes: squares of the room, lit by a point as Blender's exporter writes it.
+/// A sandbox with lamps.glb among its scenes: squares of the room, lit by a point as Blender's exporter writes it.
 fn with_lamps() -> Sandbox {
     let sandbox = Sandbox::new();
     let (mut json, binary) = room();
@@ -162,7 +162,7 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
     assert!(refused.stderr.contains("expected on or off"), "{}", refused.stderr);
 }
 
-/// The scripts of a shared render have what was asked. By default each part finds the file's generator in the copy.
+/// The scripts of a shared render have the requested options. By default each part finds the file's generator in the copy.
 #[test]
 #[cfg(unix)]
 fn a_shared_render_has_the_gltf_options_that_were_given() {

@@ -332,7 +332,7 @@ fn resume_refuses_another_render_and_names_the_difference() {
     assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before);
 }
 
-/// Another driver may round otherwise: it is refused, unless it is asked for; then the header lists both.
+/// Another driver may round otherwise: it is refused, unless it is allowed; then the header lists both.
 #[test]
 fn drivers_are_mixed_only_on_request() {
     let sandbox = Sandbox::new();

@@ -1,4 +1,4 @@
-//! What shells and `man` are told of the program.
+//! The completions of shells and the manual page.
 
 use std::fs;
 use std::process::Command;

@@ -49,14 +49,14 @@ fn a_signal_that_nohup_ignores_stays_ignored() {
     child.wait().unwrap();
 }
 
-/// The PNG is a pipe that nobody reads: there the program waits until the second signal.
+/// The PNG is a pipe without a reader: there the program waits until the second signal.
 #[test]
 fn a_second_signal_ends_the_program_while_it_writes() {
     let sandbox = Sandbox::new();
     make_pipe(&sandbox.work().join("pipe"));
     let arguments = [&sandbox.render_sphere(), ["--png", "pipe", "--checkpoint", "1h"].as_slice()].concat();
     let mut child = sandbox.command(&arguments).spawn().expect("the program starts");
-    // Without a checkpoint before, it is the whole image.
+    // Without an earlier checkpoint, it is the full image.
     meanwhile(&mut child, || sandbox.work().join("sphere.exr").exists());
     until(&mut child, |child| {
         send(child, libc::SIGTERM);
@@ -120,7 +120,7 @@ fn an_interrupt_writes_the_image_and_reports_the_samples_that_it_has() {
     let all = samples.iter().map(|&n| u64::from(n)).sum::<u64>();
     assert_eq!(attribute(&image, "gpu-rt:paths").parse::<u64>().unwrap(), all);
     assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
-    // The report, the line about the image, and the header do not claim what was asked for.
+    // The report, the line about the image, and the header do not claim the requested samples.
     let reported = ran.json()["samples_per_pixel"].as_u64().expect("a number");
     assert!((least..=most).contains(&(reported as u32)), "{reported} are reported, the pixels have {least}..={most}");
     assert!(!ran.stderr.contains(&format!("{ENDLESS} samples")), "{}", ran.stderr);

@@ -1,4 +1,4 @@
-//! `gpu-rt status`: what it tells of a folder of parts, whatever has come of them.
+//! `gpu-rt status`: its report about a folder of parts, whatever their state.
 
 use std::fs;
 use std::path::PathBuf;
@@ -160,7 +160,7 @@ fn parts_are_counted_by_their_states() {
     assert_eq!((&report["image"], report["seconds_left"].as_f64()), (&"complete".into(), Some(0.0)), "{report}");
 }
 
-/// In rounds, the image is complete when the error is reached, also with fewer samples than have been asked for.
+/// In rounds, the image is complete when the error is reached, also with fewer samples than requested.
 #[test]
 fn a_render_in_rounds_is_complete_when_its_error_is_reached() {
     let mut sandbox = Sandbox::new(4, 16);
@@ -207,7 +207,7 @@ fn the_time_left_follows_from_the_pace() {
     sandbox.render(2, 15, "--resume");
     assert!((left() - 8.0).abs() < 1e-6, "{}", left());
 
-    // A file that tells no pace.
+    // A file without a pace.
     let path = sandbox.part(0);
     let file = StateFile::open(&path).expect("it is read").expect("there is a state");
     let (mut film, state) = (file.state.film().expect("it fits"), file.state.clone());
@@ -219,7 +219,7 @@ fn the_time_left_follows_from_the_pace() {
     assert!(said.contains("time left: unknown"), "{said}");
 }
 
-/// A checkpoint tells the pace, and a part that is replaced all the time is never an error.
+/// A checkpoint has the pace, and a part that is replaced all the time is never an error.
 #[test]
 fn a_render_that_goes_on_is_under_way() {
     let sandbox = Sandbox::new(2, 100_000_000);
@@ -242,7 +242,7 @@ fn a_render_that_goes_on_is_under_way() {
     child.wait().expect("it ends");
 }
 
-/// What an open file tells is of one moment, also where it has been replaced since.
+/// The contents of an open file are consistent, even if it has been replaced since.
 #[test]
 fn an_open_part_stays_as_it_was() {
     let sandbox = Sandbox::new(1, 16);

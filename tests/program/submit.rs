@@ -16,7 +16,7 @@ use crate::common::program::{Ran, command, finish, meanwhile, send, with_signals
 /// Takes a job: keeps its arguments, each on a line, and says its number.
 const SBATCH: &str =
     "n=$(($(ls \"$fake\" | grep -c '^job') + 1))\nprintf '%s\\n' \"$@\" >\"$fake/job$n\"\necho $((40 + n))\n";
-/// Tells the limit, tells the state of jobs, and keeps what is to start again.
+/// Reports the limit and the state of jobs, and keeps what is to start again.
 const SCONTROL: &str = "case $1 in
 show) case $2 in config) echo \"MaxArraySize = $(cat \"$fake/most\")\" ;; job) cat \"$fake/state\" ;; esac ;;
 requeue) echo \"$2\" >>\"$fake/requeued\" ;;
@@ -85,7 +85,7 @@ impl Cluster {
         }
     }
 
-    /// `submit slurm` with these words, and what is told to the new folder.
+    /// `submit slurm` with these words, and its answers for the new folder.
     fn submit(&self, more: &str) -> Ran {
         let scene = self.scene();
         let job = self.job("");
@@ -223,7 +223,7 @@ fn a_submitted_render_has_the_bytes_of_one() {
     assert!(said.contains("parts/024-048.exr: cannot read"), "{said}");
 }
 
-/// A task that a lost node has left running, and the one that Slurm has started in its place.
+/// A task that a lost node has left running, and the one that Slurm has started instead.
 #[test]
 fn two_that_write_one_part_do_no_harm() {
     let cluster = Cluster::new();
@@ -234,7 +234,7 @@ fn two_that_write_one_part_do_no_harm() {
     assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.full("--spp 64")), [""; 0]);
 }
 
-/// SIGTERM to the script, as Slurm sends it before the time is over: the part is kept, the task asks to be started again, and goes on.
+/// SIGTERM to the script, as Slurm sends it before the time is over: the part is kept, the task requests a restart, and goes on.
 #[test]
 fn a_task_that_is_ended_starts_again_and_goes_on() {
     let cluster = Cluster::new();
@@ -283,7 +283,7 @@ fn a_task_starts_again_five_times_at_most() {
     assert_eq!([ends_with(137), ends_with(137)], [11, 12]);
 }
 
-/// When a task asks to be started again, its program has ended: Slurm would kill what it is about to write.
+/// When a task requests a restart, its program has ended: Slurm would kill what it is about to write.
 #[test]
 fn a_task_waits_for_its_program() {
     let cluster = Cluster::new();
@@ -463,7 +463,7 @@ fn each_task_takes_its_gpu() {
     assert!(says(Some("3")).contains("--device the o'ther"));
 }
 
-/// What a scene names by its whole path stays where it is, and that is said.
+/// A file that a scene names by its absolute path stays where it is, as a note says.
 #[test]
 fn absolute_paths_stay() {
     let cluster = Cluster::new();

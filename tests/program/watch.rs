@@ -17,7 +17,7 @@ struct Watch {
     scene: &'static str,
     child: Child,
     said: PathBuf,
-    /// How many changes it must have told of before it is done.
+    /// The number of changes that it must have reported before it is done.
     changes: usize,
 }
 
@@ -51,7 +51,7 @@ impl Watch {
         meanwhile(&mut self.child, || fs::read_to_string(&said).unwrap().matches(words).count() >= times);
     }
 
-    /// Waits until it has done what the last change asks, and has said this of it. The result is all that it has said of it. A file that is
+    /// Waits until it has handled the last change, and has printed this. Returns all that it has printed about it. A file that is
     /// written in place may be half there for a moment, which is an error, and then another change.
     fn until(&mut self, words: &str) -> String {
         let (said, least) = (self.said.clone(), self.changes);
@@ -137,7 +137,7 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
         watch.is_of_the_scene();
         assert_eq!(image::image_dimensions(watch.sandbox.work().join("sphere.png")).unwrap(), (20, 12));
     }
-    // Another material needs other kernels, and the compile time is told.
+    // Another material needs other kernels, and the compile time is reported.
     watch.save(&SPHERE.replace("Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", "Dielectric(ior: 1.5)"), Save::InPlace);
     let said = watch.until_rendered();
     assert!(said.contains("compiled for the change: ") && said.matches(none).count() == 1, "{said}");
@@ -246,7 +246,7 @@ fn a_gltf_file_is_watched_as_a_scene_file_is() {
     watch.is_of_the_scene_with(&SMALL);
     let second = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
     assert!(first != second, "it shows the first picture");
-    // Half of a file, and a whole one that is wrong.
+    // Half of a file, and a complete one that is wrong.
     let full = glb(&json, &binary);
     redder["nodes"][0]["mesh"] = 9.into();
     for (wrong, words) in [
@@ -298,7 +298,7 @@ fn a_save_ends_the_render_under_way() {
     watch.save(SPHERE, Save::ByName);
     watch.until_rendered();
     watch.is_of_the_scene();
-    // Of the renders that were given up nothing is told.
+    // Renders that were dropped are not reported.
     assert_eq!(watch.said().matches("relative error").count(), 2, "{}", watch.said());
     watch.end();
 }

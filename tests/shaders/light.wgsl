@@ -11,7 +11,7 @@ struct In {
 struct Out {
     direction: vec3<f32>,
     pdf: f32,
-    // The density of the direction as told without having sampled it.
+    // The density of the direction computed without having sampled it.
     again: f32,
     // Where a ray in the direction meets the light.
     distance: f32,

@@ -9,9 +9,9 @@ struct In {
 struct Out {
     index: u32,
     probability: f32,
-    // The probability of the same light as told without having chosen it.
+    // The probability of the same light computed without having chosen it.
     again: f32,
-    // That of another: each row tells one light's.
+    // That of another light: each row has one light's.
     of_row: f32,
 }
 

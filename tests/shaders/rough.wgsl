@@ -11,7 +11,7 @@ struct In {
     padding0: u32,
     colour: vec3<f32>,
     padding1: u32,
-    // Zero to ask for the response to the answer.
+    // Zero to get the response to the answer.
     light: vec3<f32>,
     compensation: f32,
     u: vec4<f32>,

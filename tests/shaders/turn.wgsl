@@ -1,6 +1,6 @@
 //@ use texture/marble
 //@ use lib/angle
-// An angle less whole turns, and its sine.
+// An angle minus a multiple of 2 pi, and its sine.
 struct Out {
     angle: f32,
     sine: f32,

@@ -206,7 +206,7 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
 }
 
 /// A lamp that a scattered ray meets once in 24,000 times, in 4,000, and in 1,000: each of 120 sweeps may have a false alarm with a probability of
-/// 5 %, and more than 20 have one once in 2e6 times. A rate of 25 % would be found in 98 of 100 times, one of 15 % in 26. What is told is that
+/// 5 %, and more than 20 have one once in 2e6 times. A rate of 25 % would be found in 98 of 100 times, one of 15 % in 26. What is stated is that
 /// the noise is not known: of a setting like that a defect is hardly seen. Planted is eight times as much light of the largest lamp, which
 /// more sweeps of 40 call biased than may have an alarm of 120.
 #[test]
@@ -300,7 +300,7 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     assert!(recommended(&found).iter().all(Option::is_none));
 }
 
-/// The loss of detail that images of all pixels tell is that of images of fewer pixels.
+/// The loss of detail that images of all pixels show is that of images of fewer pixels.
 #[test]
 fn lost_detail_is_computed_without_rendering_it() {
     let _machine = alone();
@@ -577,7 +577,7 @@ fn denoising_is_measured_as_a_setting() {
     let timed = sweep.seconds_to_denoise((96, 96), Instant::now()).expect("it denoises");
     assert!(timed.is_some_and(|seconds| seconds > 0.0));
 
-    // Without the library it is not measured, and an error where it is asked for.
+    // Without the library it is not measured, and an error if it is requested.
     let mut other = Sweep::new(device::software(), &scene, (48, 48), 0);
     [defaults, denoise].into_iter().for_each(|setting| other.add(setting).expect("the defaults compile"));
     assert!(other.subjects.len() == 1 && other.unmeasured[0].why.contains("it needs Open Image Denoise"));
@@ -593,7 +593,7 @@ fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     let _machine = alone();
     let sandbox = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(sandbox.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
-    // An option given twice counts once. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
+    // An option given twice counts once. All rounds are done in a few seconds on an idle machine; then it ends.
     let sweep = ["tradeoff", "lamp.ron", "--budget", "30s", "--knobs", "integrator,integrator", "--json"];
     let json = run(sandbox.path(), &sweep).exits(0).json();
     assert_eq!(json["settings"].as_array().map(Vec::len), Some(2), "{json:#}");
@@ -619,8 +619,8 @@ fn sweep_within(sandbox: &Path, seconds: f64) -> (Ran, f64) {
 const MORE_THAN_BUDGET: f64 = 1.25;
 const BUDGET: f64 = 12.0;
 
-/// Independent samples take more of them than Sobol points where pixels are smooth. A budget that is enough for all rounds tells nothing of the
-/// clock: so a fourth of the time that they took is asked for as well, which a sweep without a clock would exceed four times.
+/// Independent samples take more of them than Sobol points where pixels are smooth. A budget that is enough for all rounds shows nothing of the
+/// clock: so a fourth of the time that they took is requested as well, which a sweep without a clock would exceed four times.
 #[test]
 fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
     let _machine = alone();
@@ -698,7 +698,7 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     assert_eq!((&json["whole_width"], &json["whole_height"]), (&Value::from(195), &Value::from(195)));
     assert!(json["width"].as_u64().is_some_and(|width| width <= 65), "{}", json["width"]);
     assert_eq!(json["defaults_against_reference"]["differs"], false, "{json:#}");
-    // Few samples are one replicate, and tell nothing.
+    // Few samples are one replicate, and show nothing.
     render("8", "3", "noisy.exr");
     let ran = run(sandbox.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat()).exits(0);
     assert!(ran.stderr.contains("noisy.exr; it has no variance"), "{}", ran.stderr);

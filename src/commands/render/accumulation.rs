@@ -77,7 +77,7 @@ impl Request<'_> {
         Ok(Some(state))
     }
 
-    /// Refuses to overwrite an image of this render that has more samples than are asked for.
+    /// Refuses to overwrite an image of this render that has more samples than requested.
     fn refuse_to_lose(&self) -> Result<()> {
         let Goal::Samples(end) = self.job.goal else { return Ok(()) };
         let requested = u64::from(end - self.job.first_sample);
@@ -190,7 +190,7 @@ impl Accumulation {
 mod tests {
     use super::*;
 
-    /// Films of several drivers, at the start or by and by, are refused unless they are asked for.
+    /// Films of several drivers are refused, at the start and later, unless they are allowed.
     #[test]
     fn devices_of_several_drivers_are_mixed_only_on_request() {
         let device = |driver: &str| AdapterName {

@@ -1,4 +1,4 @@
-//! The files of a scene that change while somebody watches it.
+//! The files of a scene that change under `--watch`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,24 +12,24 @@ use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 use crate::output::destination::folder_of;
 use crate::scene::{Stamp, stamp};
 
-/// How long files must have stayed as they are, so that a save is over.
+/// A save is over when the files have not changed for this long.
 const CALM: Duration = Duration::from_millis(20);
-/// How long a file that was there may be missing before that counts as a change.
+/// A file counts as removed when it has been missing for this long.
 const MISSING: Duration = Duration::from_secs(1);
-/// The files are looked at so often also if nobody tells of a change: shared folders tell of none.
+/// The files are checked this often even if no change is reported: shared folders report none.
 const PAUSE: Duration = Duration::from_secs(1);
 /// How long a signal may wait.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// Finds out when one of some files changes. The stamps of the files decide. The system tells when to look at them: its words do not say what a
-/// save is, because editors save in many ways, and some put a new file in the place of the old one.
+/// Detects changes of files by their stamps. Reports of the system only say when to check them: they do not show what a save is, because
+/// editors save in many ways, and some replace the old file by a new one.
 pub struct Changes {
     files: BTreeMap<PathBuf, Stamp>,
     /// `None` if the system does not report changes.
     system: Option<RecommendedWatcher>,
-    /// The folders that the system tells of.
+    /// The folders that the system watches.
     folders: BTreeSet<PathBuf>,
-    /// Whether the system has told of something since the files were last checked.
+    /// Whether the system has reported a change since the files were last checked.
     stirred: Arc<AtomicBool>,
     checked: Mutex<Instant>,
     /// Whether a file has changed.
@@ -73,11 +73,11 @@ impl Changes {
             }
         }
         self.folders = folders;
-        // What has changed since the files were read, nobody has told.
+        // Changes since the files were read have not been reported.
         self.stirred.store(true, Ordering::Relaxed);
     }
 
-    /// Whether a file has changed. May be asked from any thread, as often as is convenient.
+    /// Whether a file has changed. Any thread may call it at any time.
     pub fn have_changed(&self) -> bool {
         if self.has_changed.load(Ordering::Relaxed) {
             return true;

@@ -1,4 +1,4 @@
-//! `--denoise`: the denoised image beside that of the render.
+//! `--denoise`: writes the denoised image as well.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::output::destination::can_be_replaced;
 
-/// The channels that a denoiser wants.
+/// The channels that a denoiser uses.
 pub const WANTED: [Aov; 2] = [Aov::Albedo, Aov::Normal];
 
 /// Loads the library before anything costs time; `None` without `--denoise`.

@@ -1,4 +1,4 @@
-//! Those who follow a render while it goes on: the line of progress, viewers, checkpoints, signals and changes of the scene's files.
+//! The observers of a running render: the line of progress, viewers, checkpoints, signals and changes of the scene's files.
 
 use std::time::{Duration, Instant};
 
@@ -28,7 +28,7 @@ fn pause_after(snapshot: Duration) -> Duration {
     (200 * snapshot).max(Duration::from_secs(1))
 }
 
-/// Those who follow a render.
+/// The observers of a render.
 pub struct Observers<'a> {
     pub progress: Progress,
     pub viewers: Viewers,
@@ -36,7 +36,7 @@ pub struct Observers<'a> {
     /// The files that end the render at once when they change.
     changes: Option<&'a Changes>,
     pub checkpoints: Checkpoints,
-    /// `None` where nobody watches.
+    /// `None` if nothing shows snapshots.
     next_snapshot: Option<Instant>,
     /// Whether the message that a signal ends the render has been printed.
     signal_reported: bool,
@@ -113,7 +113,7 @@ impl<'a> Observers<'a> {
         self.checkpoints.next = self.checkpoints.next.map(|_| begun + self.checkpoints.interval);
     }
 
-    /// Called after each submission. `checkpoint` writes the image, and `picture` the one beside it.
+    /// Called after each submission. `checkpoint` writes the image, and `picture` the PNG.
     pub fn follow(
         &mut self,
         outcome: &Outcome,
@@ -296,7 +296,7 @@ mod tests {
         let hour = Duration::from_secs(3600);
         assert_eq!(snapshots(Some(Instant::now()), hour, 1000), 1);
         assert_eq!(snapshots(None, hour, 1000), 0);
-        // Checkpoints that take 10 ms each come every third of a second, however often they are asked for.
+        // Checkpoints that take 10 ms each come every third of a second, however often they are due.
         assert_eq!(snapshots(None, Duration::ZERO, 10), 1);
         assert_eq!(pause_after(Duration::from_millis(10)), Duration::from_secs(2));
         assert_eq!(pause_after(Duration::ZERO), Duration::from_secs(1));

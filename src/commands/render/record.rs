@@ -110,7 +110,7 @@ pub struct Seconds {
 pub struct Pace {
     /// From its start to the end of the first submission.
     pub first_pass: f64,
-    /// For one sample of every pixel. It tells the pace also of a render that goes on with an earlier one, and of one that is under way.
+    /// For one sample of every pixel. It is the pace of this process, also while it renders and after a resumption.
     pub per_sample: f64,
 }
 
@@ -145,7 +145,7 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
     record
 }
 
-/// The facts that are left out where they are not known or not asked for. Others are null then.
+/// The facts that are left out if they are unknown or not requested. Others are null then.
 const OPTIONAL: [&str; 10] = [
     "aov",
     "materials",
@@ -193,7 +193,7 @@ fn attribute(value: &Value, list: &str) -> Option<Attribute> {
     }
 }
 
-/// Seconds beyond the time that was asked for, if the render took longer.
+/// Seconds beyond `--time`, if the render took longer.
 pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
     time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
 }

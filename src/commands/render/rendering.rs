@@ -86,7 +86,7 @@ impl Rendering<'_> {
         outcome.noise = film.noise_reached(&request.job);
         let jobs = film.jobs(&request.job, outcome.noise);
         let Some(first) = jobs.first() else { return Ok(()) };
-        // The device keeps what its probe finds; an error comes again where the findings are asked for.
+        // The device keeps what its probe finds; its error is returned again when the findings are read.
         let probe = || devices.iter().all(|device| numerics(device).is_ok());
         let plan = |device: &Device| Plan::new(&request.flat, &request.args.options, device.class(), first);
         let (_, plans) = join(probe, || devices.iter().map(plan).collect::<Result<Vec<_>>>());
@@ -148,8 +148,8 @@ impl Rendering<'_> {
         Ok(record(self.request, numerics_of(self.devices)?, finish, &self.clock.seconds))
     }
 
-    /// Writes the image and the picture beside it. Where the EXR has more samples than a complete render, it stays: how many samples `--time`
-    /// and `--noise` take is known only now.
+    /// Writes the image and its picture. An EXR with more samples than the complete render is kept: the number of samples of `--time` and
+    /// `--noise` is known only now.
     pub fn write(&mut self, finish: &Finish, record: &Map<String, Value>) -> Result<()> {
         let Rendering { request, film, .. } = self;
         let Accumulation { film: pixels, samples, checks, devices } = film;
@@ -188,14 +188,14 @@ impl Rendering<'_> {
         self.request.exr().is_some() && (self.observers.checkpoints.kept || self.held.before.is_some())
     }
 
-    /// The film as it was when it was last whole, that of the file or an empty one, and new devices.
+    /// The film when it was last complete, that of the file or an empty one; and new devices.
     fn begin_again(&self) -> Result<(Accumulation, Vec<Device>)> {
         let state = if self.is_in_file() { read_state(&self.request.image)? } else { None };
         let devices = open_devices(self.request.args.paths.device.as_deref())?;
         Ok((Accumulation::begin(self.request, state.as_ref(), &devices)?, devices))
     }
 
-    /// The JSON of the render: its record, and what stands beside it.
+    /// The JSON of the render: its record, and further fields.
     pub fn report(&self, record: Map<String, Value>, denoised: Option<&Denoised>) -> Value {
         let Rendering { request, outcome, held, .. } = self;
         let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);

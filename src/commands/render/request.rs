@@ -1,4 +1,4 @@
-//! What is asked of a render, checked before a device begins: the flattened scene, the job, and the files to write.
+//! The request of a render, checked before a device begins: the flattened scene, the job, and the files to write.
 
 use std::borrow::Borrow;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ use crate::scene::Scene;
 const EXCLUDED: &str =
     "what max_depth cut off (cut_paths), rejected samples, light that no sample has met, and rounding (about 1e-6)";
 
-/// What is asked of a render.
+/// The request of a render.
 pub struct Request<'a> {
     pub args: &'a RenderArgs,
     pub scene: &'a Scene,
@@ -96,7 +96,7 @@ impl<'a> Request<'a> {
         write_render(exr, film, attributes, state.as_ref(), may)
     }
 
-    /// Writes the picture beside the EXR, if one is asked for.
+    /// Writes the picture with the EXR, if requested.
     pub fn write_png(&self, film: &Film) -> Result<()> {
         self.args.png.as_ref().map_or(Ok(()), |png| self.write_picture(png, film))
     }
@@ -143,7 +143,7 @@ pub fn more_there<I: Borrow<Identity>>(exr: &Path, identity: impl FnOnce() -> I,
     identity().borrow().difference("", &state.identity, "").is_none().then(|| state.samples.count())
 }
 
-/// The image to write and its format, checked before anything costs time, together with all that is written beside it.
+/// The image to write and its format, checked before anything costs time, together with the other files of the render.
 pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> {
     let image = args.image();
     let png = args.png.as_deref();
@@ -179,7 +179,7 @@ pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Forma
     Err(Error::Usage(format!("{name}: {why}: give -o {exr} --png {name}; nothing has been rendered")))
 }
 
-/// The part of the image that is asked for, and what ends its render.
+/// The requested part of the image, and the goal of its render.
 pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result<(Frame, Job)> {
     let full = size_of(scene, args.size.0);
     let part = args.crop.unwrap_or(Crop::full(full));

@@ -10,7 +10,7 @@ use crate::render::{Noise, Outcome};
 /// The share of `--time` that a render may leave unused without a word.
 const LEAST_OF_TIME: f64 = 0.9;
 
-/// The last line, and before it what the user should know. `total` is the seconds of the whole render.
+/// The last line, and before it what the user should know. `total` is the seconds of all of the render.
 pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held: &FileSamples, total: f64) {
     let Request { args, job, .. } = request;
     if finish.totals.rejected.total() > 0 {

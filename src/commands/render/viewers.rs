@@ -16,7 +16,7 @@ pub struct Viewers {
 }
 
 impl Viewers {
-    /// Refuses what nobody would see, before anything costs time.
+    /// Refuses viewers that cannot show anything, before the render begins.
     pub fn check(args: &RenderArgs) -> Result<()> {
         match args.preview && !is_terminal() {
             true => Err(Error::Usage(
@@ -27,7 +27,7 @@ impl Viewers {
         }
     }
 
-    /// Those whom the options ask for. `name` is that of the image.
+    /// The viewers of the options. `name` is the name of the image.
     pub fn open(args: &RenderArgs, name: String, size: (u32, u32)) -> Viewers {
         let display = args.display_server.clone().map(|address| (Display::open(address.clone(), name, size), address));
         Viewers { preview: args.preview.then(|| Preview::new(size, args.view.transform())), display }
@@ -59,7 +59,7 @@ impl Viewers {
         self.tell_failure(progress);
     }
 
-    /// A viewer that fails is told of once, and is no reason to stop.
+    /// The failure of a viewer is reported once, and does not stop the render.
     fn tell_failure(&self, progress: &Progress) {
         let failure = self.display.as_ref().and_then(|(display, address)| Some((display.failure()?, address)));
         if let Some((reason, address)) = failure {

@@ -37,7 +37,7 @@ struct Side {
 }
 
 impl Side {
-    /// A side of a body. `half` is what the rounding of its size moves it by, and `size_part` the part of the kernels' bound that its size has
+    /// A side of a body. `half` is how far the rounding of its size moves it, and `size_part` the part of the kernels' bound by its size
     /// (shaders/geometry/quad, cuboid). The other part is 2 u of the position. The step to the next float is at most 2 u of each
     /// coordinate (shaders/geometry/offset).
     fn new(owner: usize, body: &Body, normal: DVec3, corners: [DVec3; 4], half: f64, size_part: DVec3) -> Option<Side> {
@@ -56,7 +56,7 @@ impl Side {
         })
     }
 
-    /// The largest distance at which it can matter to another surface.
+    /// The largest distance at which another surface can coincide with it.
     fn range(&self) -> f64 {
         self.rounding + self.leaving
     }
@@ -70,7 +70,7 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
     match body.bounds {
         BoundingShape::Ball { .. } => Vec::new(),
         BoundingShape::Parallelogram { corner, u, v } => {
-            // Of a disk, the square within it: all of it is surface.
+            // The square inside a disk, which the disk covers.
             let margin = if matches!(body.shape, Shape::Disk(_)) { 0.5 * (1.0 - FRAC_1_SQRT_2) } else { 0.0 };
             let [low, high] = [margin, 1.0 - margin];
             let at = |a: f64, b: f64| corner + a * u + b * v;

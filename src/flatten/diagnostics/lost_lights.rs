@@ -1,4 +1,4 @@
-//! Finds light that no path can bring to the camera: a one-sided light with nothing on its emitting side; a closed light around the camera
+//! Finds light that cannot reach the camera: a one-sided light with nothing on its emitting side; a closed light around the camera
 //! that emits outwards; a closed opaque object around either a light or the camera, with the other one outside; and a closed room around
 //! the camera that only the background and directional lights light.
 
@@ -9,7 +9,7 @@ use super::within::{Within, is_outside_in_front};
 use crate::scene::Object;
 use crate::shape::{BoundingShape, normal};
 
-/// The number of lights that the search looks at.
+/// The most lights that the search tests.
 const MOST_LIGHTS: usize = 4096;
 /// The limit on comparisons of a light with an object.
 const MOST_TESTS: usize = 1 << 22;
@@ -20,7 +20,7 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
     found
 }
 
-/// One-sided quads and disks with the whole scene and the camera behind them.
+/// One-sided quads and disks with all of the scene and the camera behind them.
 fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
     let mut worst = Worst::default();
     let is_one_sided = |role: &Role| role.light && role.one_sided;
@@ -32,7 +32,7 @@ fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
     for body in search.bodies().chain(search.boundaries()) {
         let (l, h) = body.bounds.bounds();
         (low, high) = (low.min(l), high.max(h));
-        // The rounding of a large sphere is not that of its far side.
+        // Of a large sphere, the rounding near the camera counts, not that of its far side.
         if body.shape.large_sphere().is_none() {
             rounded = rounded.max(l.abs().max(h.abs()));
         }
@@ -57,7 +57,7 @@ struct Light<'a> {
     radius: f64,
 }
 
-/// Closed lights around the camera, lights on the other side of a closed object than the camera, and dark rooms.
+/// Closed lights around the camera, lights that a closed object separates from the camera, and dark rooms.
 fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
     let [mut outwards, mut hidden, mut rooms] = [(); 3].map(|()| Worst::default());
     let surfaces = search.bodies().filter(|body| body.role.light).map(|body| {

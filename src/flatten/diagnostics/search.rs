@@ -1,4 +1,4 @@
-//! The search for warnings: what it searches, and what it finds.
+//! The input and the results of the search for warnings.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub struct Search<'a> {
     pub scene: &'a Scene,
     pub finder: &'a Finder<'a>,
     pub view: &'a View<'a>,
-    /// The largest distance from the camera, along an axis, that any object reaches.
+    /// The largest distance from the camera along an axis, of any point of an object.
     pub extent: f64,
     /// Whether the background or an object emits light.
     pub is_lit: bool,
@@ -111,15 +111,15 @@ pub struct Worst<'a> {
 }
 
 impl<'a> Worst<'a> {
-    pub fn add(&mut self, badness: f64, tell: impl FnOnce() -> Diagnostic<'a>) {
+    pub fn add(&mut self, badness: f64, warning: impl FnOnce() -> Diagnostic<'a>) {
         self.count += 1;
-        self.offer(badness, tell);
+        self.offer(badness, warning);
     }
 
-    /// Adds a case that is counted already.
-    pub fn offer(&mut self, badness: f64, tell: impl FnOnce() -> Diagnostic<'a>) {
+    /// Keeps the worst of cases that are counted already.
+    pub fn offer(&mut self, badness: f64, warning: impl FnOnce() -> Diagnostic<'a>) {
         if self.worst.as_ref().is_none_or(|(worst, _)| badness > *worst) {
-            self.worst = Some((badness, tell()));
+            self.worst = Some((badness, warning()));
         }
     }
 
@@ -144,7 +144,7 @@ impl<'a> Worst<'a> {
 
 /// The warning about two surfaces, the first of them the one that the file has first, that are less than `bound` apart.
 pub fn coincidence<'a>(first: &Body<'a>, second: &Body<'a>, gap: f64, bound: f64) -> Diagnostic<'a> {
-    // The warning points at the transmissive object if only one of them is clear.
+    // If only one of them is transmissive, the warning is about that one.
     let (at, other) =
         if first.role.transmissive && !second.role.transmissive { (first, second) } else { (second, first) };
     let limit = short(bound);

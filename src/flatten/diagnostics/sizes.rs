@@ -13,8 +13,8 @@ const LEAST_SHARE: f64 = 8.0 * U;
 const LEAST_RADIUS: f64 = 1e-5;
 /// The least size, as a share of the scene's extent.
 const LEAST_OF_EXTENT: f64 = 1.0 / (1u64 << 40) as f64;
-/// The least size of a light, as a share of the distance that its light goes: the density of the directions to a smaller one has no square in
-/// f32 (shaders/light), with a factor of two for surfaces that see it at an angle.
+/// The smallest size of a light, as a share of the distance that it lights: the squared density of the directions to a smaller one overflows
+/// f32 (shaders/light). A factor of two is for surfaces that see it at an angle.
 const LEAST_LIGHT: f64 = 1.0 / (1u64 << 30) as f64;
 
 pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
@@ -80,7 +80,7 @@ fn sizes(body: &Body) -> Vec<(f64, Option<DVec3>)> {
 
 /// The least size that f32 resolves along a direction, or in any direction: a coordinate x is rounded by u |x|.
 fn least_size(search: &Search, body: &Body, direction: Option<DVec3>) -> f64 {
-    // If render space has the camera's axes, the image shows no depth of an opaque object. In transmissive ones rays travel in depth too.
+    // If render space has the camera's axes, the depth of an opaque object is not visible. In transmissive ones rays travel in depth too.
     let depth = if search.view.has_camera_axes && !body.role.transmissive { 0.0 } else { 1.0 };
     let position = body.position.abs() * DVec3::new(1.0, 1.0, depth);
     let coordinate = direction.map_or(position.length(), |direction| position.dot(direction.abs()));

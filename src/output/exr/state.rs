@@ -35,7 +35,7 @@ pub struct State {
     pub size: (u32, u32),
     pub exponent: i32,
     pub sampler: Sampler,
-    /// The space in which the kernels see the scene, if there are channels beside the radiance.
+    /// The space in which the kernels see the scene, if there are channels of `--aov`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<SceneSpace>,
     pub totals: Totals,
@@ -113,7 +113,7 @@ fn state_part(headers: &[Header]) -> Option<usize> {
     headers.iter().position(|header| name(header).as_deref() == Some(STATE))
 }
 
-/// An open file with a state. All that it tells is of one moment, also where the file is replaced meanwhile.
+/// An open file with a state. Its contents are consistent, even if the file is replaced meanwhile.
 pub struct StateFile {
     pub state: State,
     path: PathBuf,

@@ -90,14 +90,14 @@ enum Value {
 struct Contents<'a> {
     part: &'static str,
     pixel: &'a dyn Fn(usize) -> PicturePixel,
-    /// The film with the channels beside the radiance.
+    /// The film with the channels of `--aov`.
     film: Option<&'a Film>,
     /// By their names.
     channels: Vec<(String, Value)>,
 }
 
 impl<'a> Contents<'a> {
-    /// `named` tells that the file names its parts.
+    /// `named`: the file names its parts.
     fn new(pixel: &'a dyn Fn(usize) -> PicturePixel, film: Option<&'a Film>, named: bool) -> Contents<'a> {
         let aovs = film.map(|film| film.aovs().clone()).unwrap_or_default();
         let (part, layer) = match aovs.names {
@@ -214,7 +214,7 @@ fn write_parts(
             // A fixed line order makes the bytes independent of the threads that compress.
             .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
         header.shared_attributes.chromaticities = Some(REC_709);
-        // The pixels of a part of an image stand where they are in the whole, for programs that put parts together.
+        // The pixels of a part keep their position in the full image, for programs that put parts together.
         header.shared_attributes.display_window = IntegerBounds::from_dimensions((full.0 as usize, full.1 as usize));
         header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);
         header

@@ -1,4 +1,4 @@
-//! What a file's generator tells of it: Blender's exporter multiplies the watts of its lights, and knows no thickness of glass.
+//! What follows from a file's generator: Blender's exporter multiplies the watts of its lights, and knows no thickness of glass.
 
 use gltf::json::Root;
 use gltf::json::extensions::scene::khr_lights_punctual::Type;

@@ -41,7 +41,7 @@ impl File {
         Ok(())
     }
 
-    /// Adds the triangles of a part, with the texture coordinates that its material wants.
+    /// Adds the triangles of a part, with the texture coordinates that its material uses.
     pub fn add_part(&self, part: Part, draft: &mut Draft) -> Result<()> {
         let (mesh, primitive, to_scene) = match part {
             Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),

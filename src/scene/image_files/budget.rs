@@ -17,7 +17,7 @@ const BEYOND: u64 = 1 << 30;
 pub struct Budget(Vec<(String, (u32, u32), u64)>);
 
 impl Budget {
-    /// Checks that an image of this size fits beside those before it. `bytes_of` is the number of bytes of so many texels, and `decoder`
+    /// Checks that an image of this size fits together with those before it. `bytes_of` is the number of bytes of so many texels, and `decoder`
     /// that of its file and its decoder besides the texels.
     pub fn check(
         &self,
@@ -62,8 +62,8 @@ pub struct Wanted<'a> {
 }
 
 impl Wanted<'_> {
-    /// Checks that the images fit beside those before them. `of_bytes` tells that the file has integers of 8 bits. `decoder` is the number
-    /// of bytes that the file and its decoder take beside the texels.
+    /// Checks that the images fit together with those before them. `of_bytes`: the file has integers of 8 bits. `decoder` is the number
+    /// of bytes that the file and its decoder take in addition to the texels.
     pub fn check(&self, size: (usize, usize), of_bytes: bool, decoder: u64) -> Result<(), String> {
         let bytes = |texels| {
             let words = self.decodings.iter().map(|decoding| decoding.format(of_bytes).words(texels));

@@ -1,4 +1,4 @@
-//! Decodes JPEG with the crate `zune-jpeg`, which `image` uses too. `image` asks it to make the best of a damaged file, which
+//! Decodes JPEG with the crate `zune-jpeg`, which `image` uses too. `image` makes it decode damaged files, which
 //! would give a picture that is half grey.
 
 use image::{DynamicImage, GrayImage, RgbImage};

@@ -90,7 +90,7 @@ impl Shape {
         }
     }
 
-    /// The nearest place in front of the origin.
+    /// The nearest hit in front of the origin.
     fn meet(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         match *self {
             Shape::Sphere { center, radius } => {
@@ -140,7 +140,7 @@ impl Shape {
     }
 }
 
-/// What a texture shows at a place; nothing where rounding or filtering decides.
+/// The value of a texture at a point; `None` where rounding or filtering decides.
 pub type Colour = Box<dyn Fn(&Hit) -> Option<[f64; 3]>>;
 
 /// A textured thing, somewhere.

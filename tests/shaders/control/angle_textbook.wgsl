@@ -1,4 +1,4 @@
-// The driver's functions, of angles that hold whole turns, and differences from 1 and of angles.
+// The driver's functions, of angles of several turns, and differences from 1 and of angles.
 fn angle_of(y: f32, x: f32) -> f32 {
     return acos(x / length(vec2<f32>(x, y)));
 }

@@ -1,4 +1,4 @@
-// Wrong on purpose: directions to points uniform over the area, with the density in solid angle of the whole, and that from the sum of
+// Wrong on purpose: directions to points uniform over the area, with the density in the total solid angle, and that from the sum of
 // the angles less pi, which has no digits where it is small (Girard).
 struct Corner {
     direction: vec3<f32>,
