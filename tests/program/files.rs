@@ -190,6 +190,41 @@ fn temporary_files_of_dead_writers_go_at_the_next_start() {
     assert_eq!(place.files(), ["sphere.exr"]);
 }
 
+/// `merge` is killed before each of its calls on files, from its first temporary file on. That file has no name until it is complete: only a
+/// kill before the very last calls leaves it, and the next start removes it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_merge_leaves_nothing() {
+    use crate::common::kills::kill_before;
+    use std::os::unix::fs::OpenOptionsExt;
+    let place = Place::new();
+    for samples in ["0..8", "8..16"] {
+        place.render(&["--quiet", "--samples", samples, "-o", &format!("{samples}.exr")]).exits(0);
+    }
+    let merge = ["merge", "--quiet", "0..8.exr", "8..16.exr", "-o", "out.exr"];
+    place.run(&merge).exits(0);
+    let whole = fs::read(place.work().join("out.exr")).unwrap();
+    fs::remove_file(place.work().join("out.exr")).unwrap();
+    let (mut kills, mut left, mut replaced) = (0, 0, 0);
+    while kill_before(place.command(&merge), kills + 1) {
+        kills += 1;
+        if place.files().iter().any(|name| name.ends_with(".part")) {
+            left += 1;
+            place.run(&merge).exits(0);
+        }
+        if let Ok(bytes) = fs::read(place.work().join("out.exr")) {
+            assert!(bytes == whole, "call {kills}");
+            fs::remove_file(place.work().join("out.exr")).unwrap();
+            replaced += 1;
+        }
+        assert_eq!(place.files(), ["0..8.exr", "8..16.exr"], "call {kills}");
+    }
+    assert!(kills > 10 && (1..kills).contains(&replaced), "{kills} kills, {replaced} behind the end");
+    // Some file systems have no files without names.
+    let nameless = File::options().write(true).custom_flags(libc::O_TMPFILE).open(place.work());
+    assert!(nameless.is_err() || left <= 1, "{left} of {kills} kills left a temporary file");
+}
+
 // Pipes and devices
 
 /// Were a checkpoint written to the pipe, its reader would have that one.
