@@ -46,9 +46,8 @@ impl File {
         let (mesh, primitive, to_scene) = match part {
             Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),
             Part::OfNode { node, primitive } => {
-                let placed = self.nodes().find(|placed| placed.index == node);
                 let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
-                let placed = placed.ok_or_else(|| wrong("expected a node of the default scene"))?;
+                let placed = self.node(node).ok_or_else(|| wrong("expected a node of the default scene"))?;
                 let mesh = placed.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
                 (mesh.value(), primitive, placed.to_scene)
             }
