@@ -23,7 +23,8 @@ mod tradeoff;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-pub use console::tell;
+pub use console::{print_help, tell};
+pub use signals::catch_limits;
 
 use crate::error::Result;
 

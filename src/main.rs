@@ -8,18 +8,19 @@ use gpu_rt::commands::{self, Cli};
 use gpu_rt::gpu::device::any_failed;
 
 fn main() -> ExitCode {
+    commands::catch_limits();
     let start = Instant::now();
     quiet_the_loader();
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let result = match Cli::try_parse() {
+        Ok(cli) => commands::run(&cli, start),
         // It quotes the arguments, which may be names of files.
         Err(error) if error.use_stderr() => {
             commands::tell(error.render().to_string().trim_end());
             return ExitCode::from(2);
         }
-        Err(help) => help.exit(),
+        Err(help) => commands::print_help(&help),
     };
-    let status = match commands::run(&cli, start) {
+    let status = match result {
         Ok(()) => 0,
         Err(error) => {
             error.messages().iter().for_each(|message| commands::tell(&format!("error: {message}")));

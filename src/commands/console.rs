@@ -1,5 +1,6 @@
 //! What commands print: reports on standard output, and everything else on standard error.
 
+use std::io::Write;
 use std::path::Path;
 
 use serde_json::{Map, Value};
@@ -54,9 +55,18 @@ pub fn print_text(text: &str) -> Result<()> {
 
 /// Writes on stdout. A closed pipe is not an error, because the reader chose to close it.
 pub fn write_stdout(text: &str) -> Result<()> {
-    use std::io::{ErrorKind, Write};
-    let mut stdout = std::io::stdout();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    flushed(std::io::stdout().write_all(text.as_bytes()))
+}
+
+/// Prints the help or the version that the command line asks for, with colours on a terminal.
+pub fn print_help(help: &clap::Error) -> Result<()> {
+    flushed(help.print())
+}
+
+/// What has come of writing on stdout, once all of it is written.
+fn flushed(written: std::io::Result<()>) -> Result<()> {
+    use std::io::ErrorKind;
+    match written.and_then(|()| std::io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
         }
@@ -66,7 +76,6 @@ pub fn write_stdout(text: &str) -> Result<()> {
 
 /// Prints a line on stderr as a terminal shows it. A closed stderr is not an error.
 pub fn tell(text: &str) {
-    use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
 }
 

@@ -9,7 +9,9 @@ use super::outputs::check_name;
 use super::scene::convert;
 use crate::cli::GltfArgs;
 use crate::error::{Error, Result};
-use crate::output::{atomic, destination::same_file, writable};
+use crate::output::destination::{Destination, same_file};
+use crate::output::{atomic, writable};
+use crate::scene::Assets;
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
@@ -20,6 +22,9 @@ pub struct ConvertArgs {
     /// The scene file to write.
     #[arg(short, long, value_name = "SCENE.ron")]
     pub output: PathBuf,
+    /// Overwrite a scene file that is there.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Writes the scene file, and says what is not as the glTF file has it.
@@ -28,16 +33,30 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     check_name(from, "a .glb or .gltf file")?;
     check_name(to, "a scene file")?;
     let refuse = |reason: String| Err(Error::Usage(format!("{}: {reason}; nothing has been written", to.display())));
+    let check_inputs = |inputs: Vec<&PathBuf>| match inputs.iter().find(|input| same_file(to, input)) {
+        Some(input) => refuse(format!("it would overwrite the input {}: give another name with -o", input.display())),
+        None => Ok(()),
+    };
     if to.extension().is_none_or(|ending| ending != "ron") {
         return refuse("expected a name that ends in .ron, with -o".to_owned());
     }
-    if let Err(reason) = writable::check(to) {
-        return refuse(format!("cannot write: {reason}. Give another name with -o"));
-    }
-    if let Some(input) = args.gltf.sky.iter().chain([from]).find(|input| same_file(to, input)) {
-        return refuse(format!("it would overwrite the input {}: give another name with -o", input.display()));
-    }
-    let scene = convert(from, &args.gltf, to)?;
+    let destination = match writable::check(to) {
+        Ok(destination) => destination,
+        Err(reason) => return refuse(format!("cannot write: {reason}. Give another name with -o")),
+    };
+    check_inputs(args.gltf.sky.iter().chain([from]).collect())?;
+    // A pipe or a device is not overwritten.
+    let may = || match &destination {
+        Destination::File(target) if target.exists() && !args.force => {
+            Err("it is there already: --force overwrites it".to_owned())
+        }
+        _ => Ok(()),
+    };
+    may().or_else(refuse)?;
+    let mut assets = Assets::default();
+    let scene = convert(from, &args.gltf, to, &mut assets)?;
+    // Also the files that the scene names: their names may end in .ron.
+    check_inputs(assets.files.keys().collect())?;
     scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
-    atomic::write(to, scene.text().as_bytes())
+    atomic::replace_if(to, |file| std::io::Write::write_all(file, scene.text().as_bytes()), may)
 }

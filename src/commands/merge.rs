@@ -13,7 +13,7 @@ use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::output::exr::{State, add_film, attribute_text, read_attributes, read_state, write_render};
+use crate::output::exr::{State, StateFile, add_film, attribute_text, read_state, write_render};
 use crate::output::progress::Loading;
 use crate::render::{Noise, check_error, samples_at_check};
 use crate::samples::Samples;
@@ -72,7 +72,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     let Joined { count, samples, devices, checks, noise } = &joined;
     let complete = samples.ranges().len() == 1;
     // The parts have the same request; the results are those of the joined image.
-    let mut attributes = read_attributes(first.path)?;
+    let mut attributes = StateFile::open(first.path)?.map(|file| file.attributes()).unwrap_or_default();
     let biases = attribute_text(&attributes, "gpu-rt:biases");
     let finish = Finish::new(&film, samples, devices, *noise, complete);
     let mut record = finish.record(&excluded(&biases));

@@ -30,8 +30,8 @@ pub fn load(scene: &SceneArgs) -> Result<Scene> {
 }
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.
-pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path) -> Result<Scene> {
-    Scene::of_gltf(from, to, &options(gltf))
+pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path, assets: &mut Assets) -> Result<Scene> {
+    Scene::of_gltf(from, to, &options(gltf), assets)
 }
 
 /// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.

@@ -1,8 +1,12 @@
-//! The signals that end a command: SIGINT, SIGTERM and SIGHUP.
+//! The signals that end a command: SIGINT, SIGTERM, SIGHUP, and SIGXCPU, the limit of processor time. And SIGXFSZ, the limit of a file's size,
+//! which ends none.
 //!
-//! The first one asks the command to end what is in flight and to write what it has. The second one ends the program at once.
+//! The first one asks the command to end what is in flight and to write what it has. The second one ends the program at once, unless it is
+//! SIGXCPU: the system sends that every second from the limit on.
 
 use std::fmt;
+#[cfg(unix)]
+use std::sync::atomic::AtomicBool;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -54,6 +58,9 @@ impl Signals {
         if self.0.first.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
             return;
         }
+        if is_of_processor_time(signal) {
+            return;
+        }
         tell(&self.last_words(signal));
         // Without the functions that a driver has registered for a normal end: they wait for its threads.
         signal_hook::low_level::exit(128 + signal);
@@ -77,15 +84,52 @@ fn name(signal: i32) -> &'static str {
 }
 
 #[cfg(unix)]
+fn is_of_processor_time(signal: i32) -> bool {
+    signal == libc::SIGXCPU
+}
+
+#[cfg(not(unix))]
+fn is_of_processor_time(_: i32) -> bool {
+    false
+}
+
+/// Whether a command listens, so that it deals with the limit of processor time itself.
+#[cfg(unix)]
+static LISTENS: AtomicBool = AtomicBool::new(false);
+
+/// From now on limits of the system are errors. A file that grows beyond the limit of its size is an error of the write, as on a full disk.
+/// The limit of processor time ends the program with a message, unless a command listens.
+#[cfg(unix)]
+pub fn catch_limits() {
+    use signal_hook::{flag, low_level};
+    // If that fails, a limit ends the program, as it did before.
+    let _ = flag::register(libc::SIGXFSZ, Arc::default());
+    let end = || {
+        const LAST_WORDS: &[u8] = b"error: ended by SIGXCPU: the limit of processor time is reached\n";
+        if !LISTENS.load(Ordering::Relaxed) {
+            // SAFETY: `write` may be called in a handler of signals, with bytes that live as long as the program.
+            unsafe { libc::write(libc::STDERR_FILENO, LAST_WORDS.as_ptr().cast(), LAST_WORDS.len()) };
+            low_level::exit(128 + libc::SIGXCPU);
+        }
+    };
+    if !is_ignored(libc::SIGXCPU) {
+        // SAFETY: `end` calls nothing but what may be called in a handler of signals.
+        let _ = unsafe { low_level::register(libc::SIGXCPU, end) };
+    }
+}
+
+#[cfg(not(unix))]
+pub fn catch_limits() {}
+
+#[cfg(unix)]
 fn listen(signals: &Signals) -> std::io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
-    let ending = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !is_ignored(*signal));
+    use libc::{SIGHUP, SIGINT, SIGTERM, SIGXCPU};
+    let ending = [SIGINT, SIGTERM, SIGHUP, SIGXCPU].into_iter().filter(|signal| !is_ignored(*signal));
     let mut coming = signal_hook::iterator::Signals::new(ending)?;
-    // A file that grows beyond the limit of its size is an error of the write, as on a full disk, and not the end of the program.
-    signal_hook::flag::register(SIGXFSZ, Arc::default())?;
     let signals = signals.clone();
     let wait = move || coming.forever().for_each(|signal| signals.take(signal));
     std::thread::Builder::new().name("signals".to_owned()).spawn(wait)?;
+    LISTENS.store(true, Ordering::Relaxed);
     Ok(())
 }
 
@@ -125,6 +169,10 @@ mod tests {
         let error = signals.interrupted("a.exr holds the image so far");
         assert_eq!(error.to_string(), "interrupted by SIGTERM; a.exr holds the image so far");
         assert_eq!(error.exit_status(), 143);
+        // The system sends this one again and again.
+        #[cfg(unix)]
+        signals.take(libc::SIGXCPU);
+        assert_eq!(signals.to_string(), "SIGTERM");
         signals.set_loss("all is lost".to_owned());
         assert_eq!(signals.last_words(SIGINT), "error: ended at once by a second signal, SIGINT; all is lost");
     }

@@ -123,7 +123,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     for round in 1..=2 {
         let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
         probe.measure(at(MEASURING), round, &stop, &mut |_, _| progress("measuring the pace"))?;
-        let samples = probe.samples(0).unwrap_or(0) - before;
+        // A round that the time cuts off is dropped, and may have taken an earlier one's block with it.
+        let samples = probe.samples(0).unwrap_or(0).saturating_sub(before);
         if samples > 0 {
             cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
         }

@@ -5,7 +5,7 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use super::destination::{Destination, folder_of, is_standard};
-use super::temporary;
+use super::temporary::Temporary;
 use crate::error::{Error, Result};
 
 /// Replaces the file at `path` by what `write` writes to an empty file that can seek.
@@ -44,18 +44,18 @@ fn replace_file(
 ) -> std::result::Result<(), String> {
     let old = fs::metadata(target).ok();
     // Whoever may not read the old file may not read the new one either, also while it is written.
-    let mut file = temporary::create(target, old.is_some()).map_err(no_file)?;
+    let mut temporary = Temporary::create(target, old.is_some()).map_err(no_file)?;
     // From here on, every return removes the temporary file.
-    write(file.as_file_mut()).map_err(|error| error.to_string())?;
+    write(&mut temporary.file).map_err(|error| error.to_string())?;
     if let Some(old) = old {
-        keep_owner_and_mode(file.as_file(), &old);
+        keep_owner_and_mode(&temporary.file, &old);
     }
-    file.as_file().sync_all().map_err(|error| error.to_string())?;
+    temporary.file.sync_all().map_err(|error| error.to_string())?;
     // The folder's lock is held until the end. Where there is none, another writer may come between the check and the replacement.
     let folder = File::open(folder_of(target)).ok();
     let _ = folder.as_ref().map(File::lock);
     may()?;
-    file.persist(target).map_err(|error| error.error.to_string())?;
+    temporary.persist(target).map_err(|error| error.to_string())?;
     // The sync of the folder writes the new name to the disk. Not every system can do that, but the contents are already safe.
     let _ = folder.as_ref().map(File::sync_all);
     Ok(())

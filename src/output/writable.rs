@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::atomic::no_file;
 use super::destination::{Destination, folder_of};
-use super::temporary;
+use super::temporary::{Temporary, remove_stale};
 
 /// The destination of the path, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
 /// reason why it cannot.
@@ -18,13 +18,13 @@ pub fn check(path: &Path) -> Result<Destination, String> {
         if let Some(obstacle) = by_attributes(target) {
             return Err(obstacle);
         }
-        let ours = temporary::create(target, true).map_err(no_file)?;
-        if is_anothers(target, ours.as_file()) {
+        let ours = Temporary::create(target, true).map_err(no_file)?;
+        if is_anothers(target, &ours.file) {
             return Err(
                 "it belongs to another user, and its folder is sticky: only its owner may replace it".to_owned()
             );
         }
-        temporary::remove_stale(target);
+        remove_stale(target);
     }
     Ok(destination)
 }

@@ -23,6 +23,8 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use glam::DAffine3;
 use gltf::json::{Index, Root, buffer};
 use gltf::{Document, binary};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::{Value, json};
 
 use super::file::{self, OnProgress};
@@ -40,6 +42,10 @@ use nodes::SceneNode;
 const LONGEST_JSON: usize = 1 << 28;
 /// The most objects in the JSON. An object of three bytes becomes a struct of hundreds.
 const MOST_OBJECTS: usize = 1 << 20;
+/// The most materials. One of three bytes becomes a struct of 1.1 KiB.
+const MOST_MATERIALS: usize = 1 << 17;
+/// The most values in the JSON. Those of unknown extensions, such as a number of one byte, become 72 bytes each.
+const MOST_VALUES: usize = 1 << 24;
 
 /// The files that are open while a scene is read, so that each is read once, however many of its parts the scene names.
 #[derive(Default)]
@@ -67,6 +73,8 @@ pub struct File {
     buffers: Vec<Bytes>,
     /// The numbers and transforms of the nodes of the default scene.
     nodes: Vec<(usize, DAffine3)>,
+    /// Their positions in that list, by number.
+    positions: HashMap<usize, usize>,
 }
 
 impl File {
@@ -101,14 +109,23 @@ impl File {
         progress(path, length, length);
         let nodes = nodes::nodes(&root)?;
         let document = Document::from_json_without_validation(root);
-        Ok(File { path: path.to_owned(), document, buffers, nodes })
+        let positions = nodes.iter().enumerate().map(|(position, (index, _))| (*index, position)).collect();
+        Ok(File { path: path.to_owned(), document, buffers, nodes, positions })
     }
 
     /// The nodes of the default scene: each before its children.
     pub fn nodes(&self) -> impl Iterator<Item = SceneNode<'_>> {
-        self.nodes
-            .iter()
-            .filter_map(|&(index, to_scene)| Some(SceneNode { index, node: self.root().nodes.get(index)?, to_scene }))
+        (0..self.nodes.len()).filter_map(|position| self.scene_node(position))
+    }
+
+    /// The node of this number, if the default scene has it.
+    pub fn node(&self, index: usize) -> Option<SceneNode<'_>> {
+        self.scene_node(*self.positions.get(&index)?)
+    }
+
+    fn scene_node(&self, position: usize) -> Option<SceneNode<'_>> {
+        let &(index, to_scene) = self.nodes.get(position)?;
+        Some(SceneNode { index, node: self.root().nodes.get(index)?, to_scene })
     }
 
     fn root(&self) -> &Root {
@@ -153,11 +170,26 @@ fn check_json(json: &[u8]) -> std::result::Result<(), String> {
             json.len()
         ));
     }
-    let objects = json.iter().filter(|&&byte| byte == b'{').count();
-    match objects > MOST_OBJECTS {
-        true => Err(format!("expected at most {MOST_OBJECTS} objects in its JSON, found {objects}")),
-        false => Ok(()),
+    let (mut objects, mut values) = (0, 0);
+    for byte in json {
+        objects += usize::from(*byte == b'{');
+        values += usize::from(matches!(byte, b'{' | b'[' | b','));
     }
+    // What is broken is told where it is parsed.
+    let materials = serde_json::from_slice::<Counted>(json).map_or(0, |counted| counted.materials.len());
+    let limits =
+        [("objects", objects, MOST_OBJECTS), ("values", values, MOST_VALUES), ("materials", materials, MOST_MATERIALS)];
+    match limits.into_iter().find(|(_, found, most)| found > most) {
+        Some((what, found, most)) => Err(format!("expected at most {most} {what} in its JSON, found {found}")),
+        None => Ok(()),
+    }
+}
+
+/// What is counted before it becomes structs. It takes no memory.
+#[derive(Deserialize)]
+struct Counted {
+    #[serde(default)]
+    materials: Vec<IgnoredAny>,
 }
 
 /// The structs of the JSON. What the standard leaves out or open, and the crate's structs do not, is brought into their form if they refuse it.
@@ -188,6 +220,10 @@ fn without_options(mut root: Value) -> Option<Root> {
             }
             _ => {}
         }
+    }
+    // A name that occurs twice, which refuses the structs, also kept the list from being counted.
+    if root.get("materials").and_then(Value::as_array).is_some_and(|list| list.len() > MOST_MATERIALS) {
+        return None;
     }
     drop_extras(&mut root);
     for scene in root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {

@@ -3,6 +3,9 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
+use super::file;
 use super::gltf_path::{split, unescape};
 use super::model::Scene;
 use super::types::Object;
@@ -54,12 +57,23 @@ pub(super) fn buffers(file: &Input) -> Vec<Input> {
     if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gltf")) {
         return Vec::new();
     }
-    let json = std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
-    let buffers = json.as_ref().and_then(|json| json.get("buffers")?.as_array()).into_iter().flatten();
-    let uris = buffers.filter_map(|buffer| buffer.get("uri")?.as_str()).filter(|uri| !uri.contains(':'));
+    /// The rest takes no memory.
+    #[derive(Deserialize)]
+    struct Root {
+        #[serde(default)]
+        buffers: Vec<Buffer>,
+    }
+    #[derive(Deserialize)]
+    struct Buffer {
+        uri: Option<String>,
+    }
+    let json = file::read(path, "glTF file", file::LONGEST).ok();
+    let root = json.and_then(|bytes| serde_json::from_slice::<Root>(&bytes).ok());
+    let uris = root.into_iter().flat_map(|root| root.buffers).filter_map(|buffer| buffer.uri);
+    let uris = uris.filter(|uri| !uri.contains(':'));
     let buffer = |uri: String| Input {
         path: path.parent().unwrap_or(Path::new("")).join(&uri),
         fixed: file.fixed || Path::new(&uri).is_absolute(),
     };
-    uris.map(|uri| buffer(unescape(uri))).collect()
+    uris.map(|uri| buffer(unescape(&uri))).collect()
 }

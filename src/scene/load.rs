@@ -71,12 +71,13 @@ impl Scene {
         parse(text_of(file, path)?, path, progress, assets)
     }
 
-    /// The scene of a glTF file, as the scene file `to` would have it.
-    pub fn of_gltf(path: &Path, to: &Path, options: &GltfOptions) -> Result<Scene> {
+    /// The scene of a glTF file, as the scene file `to` would have it. `assets` then has the files that it was read from.
+    pub fn of_gltf(path: &Path, to: &Path, options: &GltfOptions, assets: &mut Assets) -> Result<Scene> {
         if !is_gltf(path) {
             return Err(Error::Usage(format!("{}: expected a file that ends in .glb or .gltf", path.display())));
         }
-        of_gltf(path, to, options, &mut |_, _, _| {}, &mut Assets::default())
+        assets.begin(path);
+        of_gltf(path, to, options, &mut |_, _, _| {}, assets)
     }
 
     /// Reads a scene's text, such as that on standard input. `path` is its name in errors, as for [`Scene::parse`].

@@ -7,7 +7,7 @@ use std::os::unix::process::CommandExt;
 use std::process::Command;
 
 /// The calls that touch files, and so those at which a kill can leave a file in another state.
-const OF_FILES: [libc::c_long; 14] = [
+const OF_FILES: [libc::c_long; 15] = [
     libc::SYS_openat,
     libc::SYS_write,
     libc::SYS_pwrite64,
@@ -20,6 +20,7 @@ const OF_FILES: [libc::c_long; 14] = [
     libc::SYS_fchown,
     libc::SYS_renameat,
     libc::SYS_renameat2,
+    libc::SYS_linkat,
     libc::SYS_unlinkat,
     RENAME,
 ];
@@ -63,7 +64,8 @@ pub fn kill_before(mut command: Command, call: usize) -> bool {
                 libc::ptrace(libc::PTRACE_GET_SYSCALL_INFO, thread, size_of_val(&info), &raw mut info);
                 if info.op == libc::PTRACE_SYSCALL_INFO_ENTRY && !killed {
                     let number = info.u.entry.nr as libc::c_long;
-                    begun |= number == libc::SYS_openat && is_temporary(pid, info.u.entry.args[1]);
+                    let [_, path, flags, ..] = info.u.entry.args;
+                    begun |= number == libc::SYS_openat && (has_no_name(flags) || is_temporary(pid, path));
                     calls += usize::from(begun && OF_FILES.contains(&number));
                     if calls == call {
                         killed = true;
@@ -80,6 +82,11 @@ pub fn kill_before(mut command: Command, call: usize) -> bool {
     // It has been waited for above; this frees the handle.
     let _ = child.wait();
     killed
+}
+
+/// Whether these flags open a file without a name, as temporary files are where the system can.
+fn has_no_name(flags: u64) -> bool {
+    flags as libc::c_int & libc::O_TMPFILE == libc::O_TMPFILE
 }
 
 /// Whether the path at an address of the process names a temporary file of an output.

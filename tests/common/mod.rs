@@ -14,6 +14,7 @@ pub mod cuboids;
 pub mod device;
 pub mod everything;
 pub mod expect;
+pub mod exr_header;
 #[cfg(target_os = "linux")]
 pub mod fault;
 pub mod film;

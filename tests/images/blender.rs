@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DVec3};
 use gpu_rt::metrics::flip::error_map;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Background, GltfOptions, Material, Object, Scene, Texture, Thin};
+use gpu_rt::scene::{Assets, Background, GltfOptions, Material, Object, Scene, Texture, Thin};
 
 use crate::common::render::{Request, render};
 
@@ -35,7 +35,7 @@ fn scene(name: &str) -> Scene {
 
 fn scene_with(name: &str, options: &GltfOptions) -> Scene {
     let path = file(name, "glb");
-    Scene::of_gltf(&path, &path, options).unwrap_or_else(|error| panic!("{error}"))
+    Scene::of_gltf(&path, &path, options, &mut Assets::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The image by Cycles, and its width and height, in pixels of twice the side.
@@ -116,7 +116,8 @@ fn converted_scenes_render_to_the_same_bytes() {
     for name in SCENES.map(|(name, _)| name).into_iter().chain(USERS.map(|user| user.name)) {
         let [from, to] = ["glb", "ron"].map(|extension| folder.path().join(name).with_extension(extension));
         std::fs::copy(file(name, "glb"), &from).expect("it is copied");
-        let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let scene = Scene::of_gltf(&from, &to, &GltfOptions::default(), &mut Assets::default())
+            .unwrap_or_else(|error| panic!("{error}"));
         std::fs::write(&to, scene.text()).expect("it is written");
         let (expected, converted) = (bits(&load(&from)), load(&to));
         assert!(expected == bits(&converted), "{name}");

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DMat2, DVec2, DVec3};
-use gpu_rt::scene::{GltfOptions, Material, Scene};
+use gpu_rt::scene::{Assets, GltfOptions, Material, Scene};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, square};
@@ -215,7 +215,8 @@ fn a_number_has_its_own_texture_coordinates() {
 fn a_converted_scene_renders_to_the_same_bytes() {
     let folder = folder();
     let [from, to] = ["square.glb", "converted.ron"].map(|name| folder.path().join(name));
-    let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::of_gltf(&from, &to, &GltfOptions::default(), &mut Assets::default())
+        .unwrap_or_else(|error| panic!("{error}"));
     std::fs::write(&to, scene.text()).expect("it is written");
     let bits = |scene: &Scene| {
         let shot = render(scene, &Request::spp(4).mis().size(16, 12));

@@ -162,6 +162,27 @@ fn meshes_of_few_bytes_that_become_many() {
     let gltf = format!("{{\"asset\": {{\"version\": \"2.0\"}}, \"nodes\": [{}{{}}]}}", "{},".repeat(1 << 20));
     fs::write(folder.path().join("a.gltf"), gltf).expect("the mesh is written");
     refuses(folder.path(), &of_mesh("a.gltf"), GIB, "expected at most 1048576 objects in its JSON, found 1048579");
+    // A material is the largest struct: as many as are read take a third of the limit.
+    let gltf = |materials: usize| {
+        let list = vec!["{}"; materials].join(",");
+        let text = format!(
+            "{{\"asset\": {{\"version\": \"2.0\"}}, \"scenes\": [{{\"nodes\": []}}], \"materials\": [{list}]}}"
+        );
+        fs::write(folder.path().join("a.gltf"), text).expect("the mesh is written");
+    };
+    gltf(1_000_000);
+    let words = "expected at most 131072 materials in its JSON, found 1000000";
+    refuses(folder.path(), &of_mesh("a.gltf"), GIB / 4, words);
+    gltf(1 << 17);
+    refuses(folder.path(), &of_mesh("a.gltf"), GIB / 3, "it has no faces");
+    // Numbers of an extension become values of 72 bytes.
+    let gltf = |numbers: usize| {
+        let list = "1,".repeat(numbers);
+        let text = format!("{{\"asset\": {{\"version\": \"2.0\"}}, \"extensions\": {{\"X\": [{list}1]}}}}");
+        fs::write(folder.path().join("a.gltf"), text).expect("the mesh is written");
+    };
+    gltf(1 << 24);
+    refuses(folder.path(), &of_mesh("a.gltf"), GIB / 4, "expected at most 16777216 values in its JSON, found 167772");
     let obj = format!("v 0 0 0\nf{}\n", " 1".repeat(28 << 20));
     fs::write(folder.path().join("a.obj"), obj).expect("the mesh is written");
     refuses(folder.path(), &of_mesh("a.obj"), GIB, "it takes more than 2560 MiB of memory to read");

@@ -1,6 +1,7 @@
 //! Where the program writes: what it refuses before it renders, and what becomes of files that are in use, in danger, or no files.
 
 use crate::common::device::index as software;
+use crate::common::oidn;
 use crate::common::program::{Ran, finish, meanwhile, send};
 use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
 use std::fs::{self, File};
@@ -190,6 +191,41 @@ fn temporary_files_of_dead_writers_go_at_the_next_start() {
     assert_eq!(sandbox.files(), ["sphere.exr"]);
 }
 
+/// `merge` is killed before each of its calls on files, from its first temporary file on. That file has no name until it is complete: only a
+/// kill before the very last calls leaves it, and the next start removes it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_merge_leaves_nothing() {
+    use crate::common::kills::kill_before;
+    use std::os::unix::fs::OpenOptionsExt;
+    let sandbox = Sandbox::new();
+    for samples in ["0..8", "8..16"] {
+        sandbox.render(&["--quiet", "--samples", samples, "-o", &format!("{samples}.exr")]).exits(0);
+    }
+    let merge = ["merge", "--quiet", "0..8.exr", "8..16.exr", "-o", "out.exr"];
+    sandbox.run(&merge).exits(0);
+    let complete = fs::read(sandbox.work().join("out.exr")).unwrap();
+    fs::remove_file(sandbox.work().join("out.exr")).unwrap();
+    let (mut kills, mut left, mut replaced) = (0, 0, 0);
+    while kill_before(sandbox.command(&merge), kills + 1) {
+        kills += 1;
+        if sandbox.files().iter().any(|name| name.ends_with(".part")) {
+            left += 1;
+            sandbox.run(&merge).exits(0);
+        }
+        if let Ok(bytes) = fs::read(sandbox.work().join("out.exr")) {
+            assert!(bytes == complete, "call {kills}");
+            fs::remove_file(sandbox.work().join("out.exr")).unwrap();
+            replaced += 1;
+        }
+        assert_eq!(sandbox.files(), ["0..8.exr", "8..16.exr"], "call {kills}");
+    }
+    assert!(kills > 10 && (1..kills).contains(&replaced), "{kills} kills, {replaced} behind the end");
+    // Some file systems have no files without names.
+    let nameless = File::options().write(true).custom_flags(libc::O_TMPFILE).open(sandbox.work());
+    assert!(nameless.is_err() || left <= 1, "{left} of {kills} kills left a temporary file");
+}
+
 // Pipes and devices
 
 /// Were a checkpoint written to the pipe, its reader would have that one.
@@ -234,6 +270,77 @@ fn images_go_through_standard_output_and_into_devices() {
         let ran = sandbox.render(&["-o", "/dev/full"]).exits(1);
         assert!(ran.last_line().starts_with("error: /dev/full: cannot write: No space left"), "{}", ran.stderr);
     }
+}
+
+/// What is asked for has not been delivered.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error_of_every_command() {
+    let sandbox = Sandbox::new();
+    let full = || File::options().write(true).open("/dev/full").expect("it is there");
+    let with = |line: &str, stdout: std::process::Stdio| {
+        let line = line
+            .replace("SPHERE", "../scenes/sphere.ron")
+            .replace("render ", &format!("render --device {} ", software()));
+        let mut command = sandbox.command(&line.split_whitespace().collect::<Vec<_>>());
+        command.env("OIDN_DIR", oidn::folder()).stdout(stdout);
+        finish(command.spawn().expect("the program starts"))
+    };
+    with("render SPHERE --quiet --samples 0..8 -o a.exr", full().into()).exits(0);
+    with("render SPHERE --quiet --samples 8..16 -o b.exr", full().into()).exits(0);
+    let help = sandbox.run(&["--help"]).exits(0).stdout;
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let listed = listed.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names: Vec<&str> =
+        listed.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect();
+    let mut lines: Vec<String> = names.iter().map(|name| format!("{name} --help")).collect();
+    lines.extend(["--help", "--version", "-V", "help", "help submit slurm"].map(str::to_owned));
+    let reports = [
+        "render SPHERE --spp 1 --quiet --json -o r.exr",
+        "render SPHERE --spp 1 --quiet -o -",
+        "render SPHERE --spp 1 --quiet -o /dev/stdout",
+        "merge a.exr b.exr --quiet --json -o merged.exr",
+        "develop a.exr -o -",
+        "denoise a.exr --json -o denoised.exr",
+        "submit slurm SPHERE --spp 16 --parts 2 --dry-run -o job",
+        "status job",
+        "status job --json",
+        "compare a.exr b.exr",
+        "compare a.exr b.exr --json",
+        "converge SPHERE --reference b.exr --spp 2",
+        "converge SPHERE --reference b.exr --spp 2 --json",
+        "plan SPHERE",
+        "plan SPHERE --json",
+        "check SPHERE",
+        "check SPHERE --json",
+        "devices",
+        "devices --json",
+        "completions bash",
+        "man",
+    ];
+    lines.extend(reports.map(str::to_owned));
+    for line in &lines {
+        let _ = fs::remove_dir_all(sandbox.work().join("job"));
+        if line.starts_with("status") {
+            with("submit slurm SPHERE --spp 16 --parts 2 --dry-run -o job", std::process::Stdio::piped()).exits(0);
+        }
+        let ran = with(line, full().into()).exits(1);
+        let is_said = ran.last_line().starts_with("error: ")
+            && ran.last_line().contains(": cannot write: No space left on device");
+        assert!(is_said, "{line}: {}", ran.stderr);
+    }
+    // `convert` prints nothing. A measurement takes long, unless it is interrupted.
+    let missing = names.iter().filter(|name| !reports.iter().any(|line| line.split_whitespace().next() == Some(name)));
+    assert_eq!(missing.collect::<Vec<_>>(), [&"tradeoff", &"convert"]);
+    let arguments = ["tradeoff", "../scenes/sphere.ron", "--budget", "1h", "--device", software(), "-o", "report"];
+    let mut child = sandbox.command(&arguments).stdout(full()).spawn().expect("the program starts");
+    meanwhile(&mut child, || sandbox.work().join("report").exists());
+    send(&child, libc::SIGTERM);
+    let ran = finish(child).exits(1);
+    assert!(ran.last_line().contains("stdout: cannot write: No space left"), "{}", ran.stderr);
+    // Nobody asked for what is told on standard error.
+    let mut command = sandbox.command(&[&sandbox.render_sphere()[..], &["-o", "told.exr"]].concat());
+    finish(command.stderr(full()).spawn().expect("the program starts")).exits(0);
 }
 
 // While rendering

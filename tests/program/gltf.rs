@@ -62,6 +62,60 @@ fn convert_and_gltf_options_refuse_other_files() {
     assert_eq!(sandbox.files(), Vec::<String>::new());
 }
 
+/// A scene file that somebody has gone on with by hand stays, unless `--force` is given. What the scene is read from stays even then.
+#[test]
+fn convert_overwrites_only_when_asked() {
+    let sandbox = with_room();
+    let at = |name: &str| sandbox.work().join(name);
+    let read = |name: &str| fs::read_to_string(at(name)).unwrap();
+    let refused = |line: &str, name: &str, says: &str| {
+        let ran = sandbox.says(&format!("convert {line}")).exits(2);
+        assert_eq!(ran.stderr, format!("error: {name}: {says}; nothing has been written\n"));
+    };
+    let there = "it is there already: --force overwrites it";
+    sandbox.says("convert ../scenes/room.glb -o a.ron").exits(0);
+    let converted = read("a.ron");
+    fs::write(at("a.ron"), "mine").unwrap();
+    refused("../scenes/room.glb -o a.ron", "a.ron", there);
+    assert_eq!(read("a.ron"), "mine");
+    sandbox.says("convert ../scenes/room.glb -o a.ron --force").exits(0);
+    assert_eq!(read("a.ron"), converted);
+
+    // A buffer and an image may have any name, and so has a sky.
+    let (mut json, binary) = room();
+    json["buffers"][0]["uri"] = "buffer.ron".into();
+    json["images"][0] = serde_json::json!({"uri": "image.ron"});
+    fs::write(at("room.gltf"), json.to_string()).unwrap();
+    fs::write(at("buffer.ron"), &binary).unwrap();
+    fs::write(at("image.ron"), png()).unwrap();
+    for input in ["buffer.ron", "image.ron"] {
+        refused(&format!("room.gltf -o {input}"), input, there);
+        for name in [input.to_owned(), format!("./{input}"), format!("../work/{input}")] {
+            let says = format!("it would overwrite the input {name}: give another name with -o");
+            refused(&format!("room.gltf -o {name} --force"), &name, &says);
+        }
+    }
+    sandbox.says("convert room.gltf -o b.ron").exits(0);
+    assert!(fs::read(at("buffer.ron")).unwrap() == binary && fs::read(at("image.ron")).unwrap() == png());
+
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        symlink("a.ron", at("link.ron")).unwrap();
+        symlink("new", at("dangling.ron")).unwrap();
+        symlink("../scenes/room.glb", at("glb.ron")).unwrap();
+        symlink("/dev/null", at("null.ron")).unwrap();
+        refused("../scenes/room.glb -o link.ron", "link.ron", there);
+        let says = "it would overwrite the input ../scenes/room.glb: give another name with -o";
+        refused("../scenes/room.glb -o glb.ron --force", "glb.ron", says);
+        // What a link leads to is not there, or is no file.
+        sandbox.says("convert ../scenes/room.glb -o dangling.ron").exits(0);
+        sandbox.says("convert ../scenes/room.glb -o null.ron").exits(0);
+        assert!(at("dangling.ron").is_symlink() && at("null.ron").is_symlink());
+        assert_eq!(read("new"), converted);
+    }
+}
+
 #[test]
 fn errors_and_warnings_name_the_file_and_the_json() {
     let sandbox = with_room();

@@ -3,13 +3,17 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use clap::Parser;
+use gpu_rt::commands::{self, Cli};
+use gpu_rt::error::Error;
 use gpu_rt::film::Film;
 use gpu_rt::output::exr::{Attribute, State, add_film, read_attributes, read_exr, read_state, write_render};
 use tempfile::TempDir;
 
 use crate::common::device::index as software;
+use crate::common::exr_header::{field, fields, sealed};
 use crate::common::program::{Ran, command, finish, meanwhile, run};
 
 /// Lights, glass, a texture from a file, and paths of many lengths.
@@ -546,13 +550,110 @@ fn damaged_states_are_refused() {
         let mut broken = bytes.clone();
         broken[position] ^= 1 << (position % 8);
         match read(&broken) {
-            // The bit was in the picture, in a name, or in what the state is of.
+            // The bit was in the picture, or in an attribute that nothing goes on from.
             Some(film) => assert!((0..30).all(|pixel| film.words(pixel) == full.film.words(pixel)), "byte {position}"),
             None => refused += 1,
         }
         assert!(read(&bytes[..position]).is_none_or(|film| film == full.film), "{position} bytes");
     }
     assert!(refused > 0);
+}
+
+/// A bit of the name, the type, the size and the value of each attribute of the header is flipped in turn. Where gpu-rt goes on from an
+/// attribute, `merge` refuses the file; elsewhere it writes the bytes that it writes of the good one.
+#[test]
+fn damaged_headers_are_refused_or_change_nothing() {
+    let sandbox = Sandbox::new();
+    let render = |more: &str| sandbox.render(&format!("--size 6x5 --aov material {more}"));
+    render("--quiet --spp 8 -o good.exr").exits(0);
+    render("--quiet --samples 8..16 -o b.exr").exits(0);
+    let good = fs::read(sandbox.path("good.exr")).expect("it is read");
+    let text = |name: &str| sandbox.path(name).display().to_string();
+    let joined = |bytes: &[u8]| -> Result<Vec<u8>, Error> {
+        fs::write(sandbox.path("a.exr"), bytes).expect("it is written");
+        let words = ["gpu-rt", "merge", &text("a.exr"), &text("b.exr"), "--quiet", "-o", &text("out.exr")];
+        commands::run(&Cli::try_parse_from(words).expect("a command"), Instant::now())?;
+        Ok(fs::read(sandbox.path("out.exr")).expect("it is read"))
+    };
+    let expected = joined(&good).expect("it is whole");
+    let (mut refused, mut unchanged) = (0, 0);
+    for field in fields(&good) {
+        let name = field.name_in(&good);
+        let steps = [0, 1, 2, 3, 4].map(|share| field.value.start + field.value.len() * share / 5);
+        let value = steps.into_iter().filter(|at| field.value.contains(at));
+        let mut offsets: Vec<usize> =
+            [field.name.end - 1, field.kind.start, field.size.start].into_iter().chain(value).collect();
+        offsets.dedup();
+        for at in offsets {
+            let mut broken = good.clone();
+            broken[at] ^= 1 << (at % 7);
+            match joined(&broken) {
+                Err(error) => {
+                    assert_eq!(error.exit_status(), 2, "{name}, byte {at}: {error}");
+                    refused += 1;
+                }
+                Ok(bytes) => {
+                    assert!(!name.starts_with("gpu-rt:"), "part {}, {name}, byte {at}", field.part);
+                    assert!(bytes == expected, "part {}, {name}, byte {at}", field.part);
+                    unchanged += 1;
+                }
+            }
+        }
+    }
+    println!("{refused} refused, {unchanged} unchanged");
+    assert!(refused > 200 && unchanged > 5, "{refused} refused, {unchanged} unchanged");
+
+    // The checksum alone refuses a header that can be read, and merge hands on what it says.
+    let hash = field(&good, 0, "gpu-rt:scene_hash").value;
+    let mut broken = good.clone();
+    broken[hash.clone()].fill(b'9');
+    let error = joined(&broken).expect_err("another hash").to_string();
+    assert!(error.contains("a.exr: cannot read: its header is damaged"), "{error}");
+    let bytes = joined(&sealed(broken.clone())).expect("its checksum is right");
+    assert_eq!(&bytes[field(&bytes, 0, "gpu-rt:scene_hash").value], "9".repeat(hash.len()).as_bytes());
+    // A render does not go on from it, nor replace it.
+    for resume in ["--resume", "--resume=auto"] {
+        fs::write(sandbox.path("a.exr"), &broken).expect("it is written");
+        let said = render(&format!("--spp 16 -o a.exr {resume}")).exits(2).stderr;
+        assert!(said.contains("its header is damaged"), "{said}");
+        assert!(fs::read(sandbox.path("a.exr")).expect("it is there") == broken);
+    }
+    // Attributes of other programs may be there; merge does not hand them on.
+    let start = field(&good, 0, "gpu-rt:version").name.start;
+    let more = moved(&good, start, b"owner\0string\0\x02\0\0\0me");
+    assert!(joined(&more).expect("an attribute more") == expected);
+}
+
+/// The file with these bytes more in its header, so that its tables of offsets tell where its blocks are now.
+fn moved(bytes: &[u8], at: usize, more: &[u8]) -> Vec<u8> {
+    let tables = fields(bytes).last().expect("attributes").value.end + 2;
+    let first = u64::from_le_bytes(bytes[tables..tables + 8].try_into().expect("eight bytes")) as usize;
+    let mut moved = bytes.to_vec();
+    for offset in moved[tables..first].as_chunks_mut::<8>().0 {
+        *offset = (u64::from_le_bytes(*offset) + more.len() as u64).to_le_bytes();
+    }
+    moved.splice(at..at, more.iter().copied());
+    moved
+}
+
+/// A file of an earlier format says so, and is refused: what wrote it goes on with it.
+#[test]
+fn an_earlier_format_is_named() {
+    let sandbox = Sandbox::new();
+    sandbox.render("--quiet --spp 8 --size 6x5 -o out.exr").exits(0);
+    let mut bytes = fs::read(sandbox.path("out.exr")).expect("it is read");
+    let state = field(&bytes, 1, "gpu-rt:state").value;
+    let said = b"\"format\":2";
+    let at = bytes[state.clone()].windows(said.len()).position(|window| window == said).expect("it says its format");
+    bytes[state.start + at + said.len() - 1] = b'1';
+    fs::write(sandbox.path("out.exr"), bytes).expect("it is written");
+    for line in ["--spp 16 --resume", "--spp 16 --resume=auto"] {
+        let said = sandbox.render(&format!("--size 6x5 -o out.exr {line}")).exits(2).stderr;
+        assert!(
+            said.contains("out.exr: cannot read: its state has the format 1, and this version of gpu-rt reads 2"),
+            "{said}"
+        );
+    }
 }
 
 /// Ten thousand parts take no more memory than two, and one command.
@@ -573,7 +674,7 @@ fn ten_thousand_parts_are_joined() {
         let mut bytes = bytes.clone();
         bytes[at..at + said.len()].copy_from_slice(format!("[[{start},{end}]]").as_bytes());
         let name = format!("{part}.exr");
-        fs::write(sandbox.path(&name), bytes).expect("it is written");
+        fs::write(sandbox.path(&name), sealed(bytes)).expect("it is written");
         names.push(name);
     }
     let mut arguments = vec!["merge", "--json", "-o", "joined.exr"];

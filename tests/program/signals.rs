@@ -3,16 +3,22 @@
 use crate::common::device::index as software;
 use crate::common::program::{finish, meanwhile, send, until, with_signals};
 use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write;
+use std::os::unix::process::CommandExt;
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 
 #[test]
 fn each_signal_keeps_the_image_and_has_its_exit_status() {
-    for (signal, status, name) in
-        [(libc::SIGINT, 130, "SIGINT"), (libc::SIGTERM, 143, "SIGTERM"), (libc::SIGHUP, 129, "SIGHUP")]
-    {
+    for (signal, status, name) in [
+        (libc::SIGINT, 130, "SIGINT"),
+        (libc::SIGTERM, 143, "SIGTERM"),
+        (libc::SIGHUP, 129, "SIGHUP"),
+        (libc::SIGXCPU, 152, "SIGXCPU"),
+    ] {
         let sandbox = Sandbox::new();
         let child = endless(&sandbox, &["--png", "sphere.png"]);
         send(&child, signal);
@@ -22,6 +28,93 @@ fn each_signal_keeps_the_image_and_has_its_exit_status() {
         assert_eq!(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:complete"), "0");
         assert_eq!(sandbox.files(), ["sphere.exr", "sphere.png"]);
     }
+}
+
+/// A command that starts with a limit, of which it is told by a signal.
+fn limited(mut command: Command, resource: libc::__rlimit_resource_t, limit: u64) -> Command {
+    let limit = libc::rlimit { rlim_cur: limit, rlim_max: libc::RLIM_INFINITY };
+    let set = move || {
+        // SAFETY: `setrlimit` may be called between fork and exec, and reads the structure during the call.
+        match unsafe { libc::setrlimit(resource, &limit) } {
+            0 => Ok(()),
+            _ => Err(std::io::Error::last_os_error()),
+        }
+    };
+    // SAFETY: `set` calls nothing else.
+    unsafe { command.pre_exec(set) };
+    command
+}
+
+/// The system says every second again that the time is over, which is no second signal.
+#[test]
+fn the_limit_of_processor_time_ends_a_render_as_an_interrupt_does() {
+    let sandbox = Sandbox::new();
+    let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS].as_slice()].concat();
+    let command = limited(sandbox.command(&arguments), libc::RLIMIT_CPU, 2);
+    let ran = finish({ command }.spawn().expect("the program starts")).exits(152);
+    assert!(ran.last_line().starts_with("error: interrupted by SIGXCPU; sphere.exr holds "), "{}", ran.stderr);
+    assert_eq!(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:complete"), "0");
+}
+
+/// A limit of a file's size is an error of what is written, also before anything is rendered; not of the driver's cache of kernels.
+#[test]
+fn the_limit_of_a_file_is_an_error_of_the_write() {
+    let sandbox = Sandbox::new();
+    let run = |arguments: &[&str], limit: u64| {
+        let cache = tempfile::tempdir().expect("a temporary folder");
+        let mut command = limited(sandbox.command(arguments), libc::RLIMIT_FSIZE, limit);
+        command.env("MESA_SHADER_CACHE_DIR", cache.path());
+        let told = File::create(sandbox.folder.path().join("told")).expect("it is created");
+        finish(command.stdout(told).spawn().expect("the program starts"))
+    };
+    let ran = run(&sandbox.render_sphere(), 1 << 10).exits(1);
+    assert!(ran.last_line().starts_with("error: sphere.exr: cannot write: File too large"), "{}", ran.stderr);
+    assert_eq!(sandbox.files(), Vec::<String>::new());
+    // The cache of one kernel is larger.
+    run(&sandbox.render_sphere(), 32 << 10).exits(0);
+    sandbox.exr("sphere.exr");
+    for arguments in [&["completions", "bash"][..], &["--help"]] {
+        let ran = run(arguments, 100).exits(1);
+        assert!(ran.last_line().starts_with("error: stdout: cannot write: File too large"), "{}", ran.stderr);
+    }
+}
+
+/// Limits are errors before a command listens for signals, and where none does.
+#[test]
+fn limits_are_errors_of_commands_that_no_signal_interrupts() {
+    let sandbox = Sandbox::new();
+    let pipe = sandbox.work().join("pipe.ron");
+    make_pipe(&pipe);
+    let begun = || {
+        let child = sandbox.command(&["check", "pipe.ron"]).spawn().expect("the program starts");
+        // It opens once the program does.
+        (child, File::options().write(true).open(&pipe).expect("it is opened"))
+    };
+    let (child, open) = begun();
+    send(&child, libc::SIGXCPU);
+    let ran = finish(child).exits(152);
+    assert_eq!(ran.stderr, "error: ended by SIGXCPU: the limit of processor time is reached\n");
+    drop(open);
+    let (child, mut open) = begun();
+    send(&child, libc::SIGXFSZ);
+    open.write_all(SPHERE.as_bytes()).expect("it reads");
+    drop(open);
+    finish(child).exits(0);
+    // What was ignored at the start stays so.
+    let mut command = sandbox.command(&["check", "pipe.ron"]);
+    let ignore = || {
+        // SAFETY: `signal` may be called between fork and exec.
+        unsafe { libc::signal(libc::SIGXCPU, libc::SIG_IGN) };
+        Ok(())
+    };
+    // SAFETY: `ignore` calls nothing else.
+    unsafe { command.pre_exec(ignore) };
+    let child = command.spawn().expect("the program starts");
+    let mut open = File::options().write(true).open(&pipe).expect("it is opened");
+    send(&child, libc::SIGXCPU);
+    open.write_all(SPHERE.as_bytes()).expect("it reads");
+    drop(open);
+    finish(child).exits(0);
 }
 
 /// Waits until the program has written the file anew.

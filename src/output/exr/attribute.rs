@@ -3,6 +3,7 @@
 use std::io;
 
 use ::exr::meta::attribute::{AttributeValue, Text};
+use ::exr::meta::header::LayerAttributes;
 
 use crate::data::Rgb;
 
@@ -12,6 +13,10 @@ pub(super) const SAMPLES: &str = "samples.Y";
 pub(super) const REJECTED: &str = "rejected.Y";
 /// The name of the part that holds the state of the render, and of the attribute there that describes it.
 pub(super) const STATE: &str = "gpu-rt:state";
+/// The attribute beside it with the checksum of the header.
+pub(super) const CHECKSUM: &str = "gpu-rt:checksum";
+/// How the names of all attributes of this program begin.
+const OURS: &str = "gpu-rt:";
 
 /// The attribute that names the denoiser of a denoised image.
 pub const DENOISER: &str = "gpu-rt:denoiser";
@@ -62,6 +67,29 @@ impl Attribute {
             _ => None,
         }
     }
+}
+
+/// The checksum of what a file says of its render: the text of its state, and this program's attributes of the picture, which `merge` hands
+/// on. Attributes of the standard and of other programs are not among them: they may change, and nothing goes on from them.
+pub(super) fn checksum(state: &str, picture: &LayerAttributes) -> String {
+    let mut ours: Vec<_> =
+        picture.other.iter().filter(|(name, _)| name.as_slice().starts_with(OURS.as_bytes())).collect();
+    ours.sort_by_key(|(name, _)| name.as_slice());
+    let mut checksum = crc32fast::Hasher::new();
+    let mut add = |kind: &[u8], bytes: &[u8]| {
+        [kind, &(bytes.len() as u64).to_le_bytes(), bytes].into_iter().for_each(|bytes| checksum.update(bytes));
+    };
+    add(b"text", state.as_bytes());
+    for (name, value) in ours {
+        add(b"name", name.as_slice());
+        match Attribute::of_exr(value) {
+            Some(Attribute::Text(text)) => add(b"text", text.as_bytes()),
+            Some(Attribute::Int(number)) => add(b"int", &number.to_le_bytes()),
+            Some(Attribute::Float(number)) => add(b"float", &number.to_le_bytes()),
+            None => {}
+        }
+    }
+    format!("{:08x}", checksum.finalize())
 }
 
 /// EXR's text is bytes, by convention UTF-8. The crate's own conversion supports only Latin-1.

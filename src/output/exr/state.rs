@@ -4,11 +4,11 @@
 
 use std::path::{Path, PathBuf};
 
-use ::exr::meta::attribute::SampleType;
+use ::exr::meta::attribute::{AttributeValue, SampleType};
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
-use super::attribute::{Attribute, STATE, decoded};
+use super::attribute::{Attribute, CHECKSUM, STATE, checksum, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
 use crate::data::{SampleVariance, Sampler};
@@ -43,8 +43,8 @@ pub struct State {
     checksum: u32,
 }
 
-/// The version of the format. A reader refuses others.
-const FORMAT: u32 = 1;
+/// The version of the format. A reader refuses others. Format 1 had no checksum of the header.
+const FORMAT: u32 = 2;
 
 impl State {
     /// The state of a film.
@@ -85,32 +85,48 @@ impl State {
         serde_json::json!(State { checksum, ..self.clone() }).to_string()
     }
 
-    fn of_header(header: &Header) -> std::result::Result<State, String> {
+    /// The state that the part `header` describes. `picture` is the header of the first part.
+    fn of_header(header: &Header, picture: &Header) -> std::result::Result<State, String> {
         let wrong = |what: &str| format!("its state is damaged: {what}");
-        let mut attributes = header.own_attributes.other.iter();
-        let about = attributes.find(|(name, _)| name.as_slice() == STATE.as_bytes());
-        let Some(Attribute::Text(about)) = about.and_then(|(_, value)| Attribute::of_exr(value)) else {
-            return Err(wrong("it does not say what it is of"));
+        let text_of = |name: &str| match value_of(header, name).and_then(Attribute::of_exr) {
+            Some(Attribute::Text(text)) => Some(text),
+            _ => None,
         };
-        let format = serde_json::from_str::<serde_json::Value>(&about).map_err(|error| wrong(&error.to_string()))?;
-        match format["format"].as_u64() {
-            Some(format) if format == u64::from(FORMAT) => {}
-            _ => return Err(format!("its state has another format than this version of gpu-rt writes ({FORMAT})")),
+        let about = text_of(STATE).ok_or_else(|| wrong("it does not say what it is of"))?;
+        let read = serde_json::from_str::<serde_json::Value>(&about).map_err(|error| wrong(&error.to_string()))?;
+        match &read["format"] {
+            format if format.as_u64() == Some(u64::from(FORMAT)) => {}
+            format => {
+                return Err(format!(
+                    "its state has the format {format}, and this version of gpu-rt reads {FORMAT}: only the version that wrote it goes on with it"
+                ));
+            }
         }
-        let state: State = serde_json::from_value(format).map_err(|error| wrong(&error.to_string()))?;
+        if text_of(CHECKSUM) != Some(checksum(&about, &picture.own_attributes)) {
+            return Err("its header is damaged: the state, or attributes of gpu-rt, are not those that were written"
+                .to_string());
+        }
+        let state: State = serde_json::from_value(read).map_err(|error| wrong(&error.to_string()))?;
         let size = |length: usize| u32::try_from(length).map_err(|_| wrong("its size is not supported"));
         Ok(State { size: (size(header.layer_size.0)?, size(header.layer_size.1)?), ..state })
     }
+}
+
+/// The value of an attribute that is not of the standard.
+fn value_of<'a>(header: &'a Header, name: &str) -> Option<&'a AttributeValue> {
+    let mut attributes = header.own_attributes.other.iter();
+    attributes.find(|(known, _)| known.as_slice() == name.as_bytes()).map(|(_, value)| value)
 }
 
 fn failed(path: &Path) -> impl Fn(String) -> Error {
     move |reason| Error::File { path: path.to_owned(), action: "read", reason }
 }
 
-/// The number of the part that holds the state.
+/// The number of the part that holds the state: the one that has its name or its attribute, so that damage of one of them is no file without a
+/// state, which a render would begin anew.
 fn state_part(headers: &[Header]) -> Option<usize> {
     let name = |header: &Header| header.own_attributes.layer_name.as_ref().map(decoded);
-    headers.iter().position(|header| name(header).as_deref() == Some(STATE))
+    headers.iter().position(|header| name(header).as_deref() == Some(STATE) || value_of(header, STATE).is_some())
 }
 
 /// An open file with a state. Its contents are consistent, even if the file is replaced meanwhile.
@@ -129,8 +145,9 @@ impl StateFile {
     /// `Error::File` where it cannot be read or is damaged.
     pub fn open(path: &Path) -> Result<Option<StateFile>> {
         let opened = open(path).map_err(failed(path))?;
-        let Some(part) = state_part(opened.headers()) else { return Ok(None) };
-        let state = State::of_header(&opened.headers()[part]).map_err(failed(path))?;
+        let headers = opened.headers();
+        let Some(part) = state_part(headers) else { return Ok(None) };
+        let state = State::of_header(&headers[part], &headers[0]).map_err(failed(path))?;
         Ok(Some(StateFile { state, path: path.to_owned(), opened, part }))
     }
 

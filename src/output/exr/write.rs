@@ -11,7 +11,7 @@ use ::exr::meta::attribute::{ChannelDescription, Compression, IntegerBounds, Lin
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
-use super::attribute::{Attribute, REJECTED, SAMPLES, STATE, VARIANCES, text, to_io};
+use super::attribute::{Attribute, CHECKSUM, REJECTED, SAMPLES, STATE, VARIANCES, checksum, text, to_io};
 use super::state::State;
 use crate::aov::{Channel, ChannelNames};
 use crate::chromaticities::REC_709;
@@ -219,17 +219,19 @@ fn write_parts(
         header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);
         header
     };
-    let mut headers: Headers = Headers::new();
-    headers.push(header(&contents.descriptions(), own, OF_PICTURE));
-    if let Some(state) = &state {
+    let of_state = state.as_ref().map(|state| {
+        let about = [(STATE, state.about.clone()), (CHECKSUM, checksum(&state.about, &own))];
         let own = LayerAttributes {
             layer_name: Some(text(STATE)),
             comments: Some(text(STATE_COMMENTS)),
-            other: [(text(STATE), Attribute::Text(state.about.clone()).to_exr())].into_iter().collect(),
+            other: about.into_iter().map(|(name, value)| (text(name), Attribute::Text(value).to_exr())).collect(),
             ..LayerAttributes::default()
         };
-        headers.push(header(&state.channels, own, OF_STATE));
-    }
+        header(&state.channels, own, OF_STATE)
+    });
+    let mut headers: Headers = Headers::new();
+    headers.push(header(&contents.descriptions(), own, OF_PICTURE));
+    headers.extend(of_state);
     let parts = headers.len();
     let data = |block: &BlockIndex| {
         let Vec2(columns, rows) = block.pixel_size;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::DAffine3;
+use gltf::json::mesh::Primitive;
 
 use super::camera::View;
 use super::generator::LightUnits;
@@ -146,7 +147,12 @@ impl File {
             names: HashMap::new(),
             taken: HashSet::new(),
             closed: HashMap::new(),
+            reported: HashSet::new(),
+            primitives: HashMap::new(),
         };
+        for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+            materials.primitives.entry(primitive.material.map(|it| it.value())).or_default().push(primitive);
+        }
         let (mut without_triangles, mut ranges) = (0, 0);
         let (units, note_of_units) = self.light_units(reading);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
@@ -227,6 +233,10 @@ struct Materials<'a> {
     taken: HashSet<String>,
     /// Whether meshes are closed, as far as that was needed.
     closed: HashMap<usize, bool>,
+    /// The notes on them.
+    reported: HashSet<String>,
+    /// The primitives of each of the file's materials, by its number.
+    primitives: HashMap<Option<usize>, Vec<&'a Primitive>>,
 }
 
 impl Materials<'_> {
@@ -274,13 +284,12 @@ impl Materials<'_> {
         if let Some(name) = self.names.get(&(index, glass.is_solid)) {
             return Ok(name.clone());
         }
-        let primitives = self.file.root().meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let of_this = primitives.filter(|primitive| primitive.material.map(|it| it.value()) == index);
+        let of_this = self.primitives.get(&index).map_or(&[][..], Vec::as_slice);
         let given = index.and_then(|index| self.file.root().materials.get(index));
         let is_opaque = given.is_none_or(is_opaque);
         let of_vertices = OfVertices {
-            colors: of_this.clone().any(|primitive| self.file.is_coloured(primitive)),
-            alpha: !is_opaque && of_this.clone().any(|primitive| self.file.has_vertex_alpha(primitive)),
+            colors: of_this.iter().any(|primitive| self.file.is_coloured(primitive)),
+            alpha: !is_opaque && of_this.iter().any(|primitive| self.file.has_vertex_alpha(primitive)),
         };
         let (own, material) = match index {
             Some(index) if index >= self.file.root().materials.len() => {
@@ -291,7 +300,7 @@ impl Materials<'_> {
                 let mut notes = Vec::new();
                 let material = self.file.material(index, self.path, of_vertices, glass, &mut notes)?;
                 notes.extend(self.note_of_glass(index, glass));
-                notes.retain(|note| !contents.notes.contains(note));
+                notes.retain(|note| self.reported.insert(note.clone()));
                 contents.notes.extend(notes);
                 let own = self.file.root().materials.get(index).and_then(|given| given.name.clone());
                 let own = own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}"));

@@ -46,9 +46,8 @@ impl File {
         let (mesh, primitive, to_scene) = match part {
             Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),
             Part::OfNode { node, primitive } => {
-                let scene_node = self.nodes().find(|scene_node| scene_node.index == node);
                 let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
-                let scene_node = scene_node.ok_or_else(|| wrong("expected a node of the default scene"))?;
+                let scene_node = self.node(node).ok_or_else(|| wrong("expected a node of the default scene"))?;
                 let mesh = scene_node.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
                 (mesh.value(), primitive, scene_node.to_scene)
             }
