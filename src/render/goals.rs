@@ -1,7 +1,7 @@
 //! Renders whose number of samples is not given: until a deadline, or until an error.
 
 use std::ops::Range;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::outcome::{Noise, level_after};
 use super::renderer::Renderer;
@@ -36,12 +36,20 @@ pub fn look_at(film: &Film, samples: u32, looks: u32, error: f64) -> (Noise, boo
     (noise, noise.reached || (is_hopeless && samples >= LAST_LOOK))
 }
 
+/// A run of every pixel that takes less time than this is rendered to its end, also where a deadline comes first.
+const SHORT_RUN: Duration = Duration::from_secs(2);
+
+/// Whether a render of so many samples a second ends with whole runs.
+fn ends_with_runs(pace: f64) -> bool {
+    f64::from(RUN_LENGTH) < pace * SHORT_RUN.as_secs_f64()
+}
+
 fn seconds_until(deadline: Instant) -> f64 {
     deadline.saturating_duration_since(Instant::now()).as_secs_f64()
 }
 
 impl Renderer<'_> {
-    /// Renders as many samples as fit until the deadline: one at least, where the film is empty.
+    /// Renders as many samples as fit until the deadline, and at least a run of each pixel; if that takes long, a sample.
     pub(super) fn render_until(&mut self, most: Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<()> {
         if let Some(mut pace) = self.probe_pace(&most, deadline, caller)? {
             self.fill(most, deadline, &mut pace, caller)?;
@@ -49,17 +57,19 @@ impl Renderer<'_> {
         Ok(())
     }
 
-    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing where no other sample fits. Then the one stays,
-    /// but in a film that goes on with an earlier render: it would cut a run in two.
+    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing where that sample is all that is rendered: there
+    /// is time for no other one, or it is the last.
     fn probe_pace(&mut self, most: &Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
+        // In a film that goes on with an earlier render, the one would cut a run in two.
         let goes_on = caller.film.totals().paths > 0;
         caller.probe = Some(PaceProbe { is_dropped: goes_on });
         self.render_samples(most.start..most.start + 1, caller)?;
         caller.probe = None;
         let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
-        let last = pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || caller.outcome.interrupted;
-        if last && !goes_on {
+        let interrupted = caller.outcome.interrupted;
+        let goes_further = ends_with_runs(pace) || (pace * seconds_until(deadline) >= 1.0 && !interrupted);
+        if !goes_on && (!goes_further || most.len() <= 1) {
             return Ok(None);
         }
         // Its runs of one sample would be parts of longer runs.
@@ -69,14 +79,19 @@ impl Renderer<'_> {
         }
         caller.outcome.totals = Totals::default();
         caller.outcome.samples = Samples::default();
-        Ok((!last).then_some(pace))
+        if interrupted && goes_on {
+            return Ok(None);
+        }
+        // The first runs are rendered even so. Then the caller interrupts again.
+        caller.outcome.interrupted = false;
+        Ok(Some(pace))
     }
 
-    /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
+    /// Renders as many samples as fit until the deadline, and at least something if nothing has been rendered; the result is one past the last.
     ///
     /// Their number is fixed before the last range begins, from the pace of the one before it: to stop when a pass happens
-    /// to end would favour short paths. The last range is short, so that an error of the pace does little, and ends within a
-    /// run: whole runs may be longer than what an error of the pace does.
+    /// to end would favour short paths. The last range is short, so that an error of the pace does little. Ranges end with whole runs, so that a
+    /// render that goes on has the bytes of one; only the last range of a slow render does not.
     fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, caller: &mut Caller<'_>) -> Result<u32> {
         /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
         const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
@@ -89,7 +104,7 @@ impl Renderer<'_> {
             let fits = (*pace * (share * all - spent)).max(0.0) as u32;
             let aim = done.saturating_add(fits).min(most.end);
             let last = later.is_empty();
-            let end = match last || aim == most.end {
+            let end = match aim == most.end || (last && !ends_with_runs(*pace)) {
                 true => aim,
                 false => aim / RUN_LENGTH * RUN_LENGTH,
             };
@@ -107,10 +122,11 @@ impl Renderer<'_> {
                 break;
             }
         }
-        if done == most.start && caller.outcome.totals.paths == 0 && caller.film.totals().paths == 0 {
-            // The probe was wrong about a second sample, and is gone.
-            self.render_samples(done..done + 1, caller)?;
-            done += 1;
+        if caller.outcome.totals.paths == 0 {
+            let run = (done / RUN_LENGTH + 1).saturating_mul(RUN_LENGTH);
+            let end = if ends_with_runs(*pace) { run.min(most.end) } else { done + 1 };
+            self.render_samples(done..end, caller)?;
+            done = end;
         }
         Ok(done)
     }
