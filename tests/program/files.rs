@@ -1,11 +1,14 @@
 //! Where the program writes: what it refuses before it renders, and what becomes of files that are in use, in danger, or no files.
 
 use crate::common::device::index as software;
+#[cfg(target_os = "linux")]
+use crate::common::program::until_listening;
 use crate::common::program::{Ran, finish, meanwhile, send};
 use crate::place::{ENDLESS, Place, SPHERE, attribute, endless, make_pipe};
+use crate::resume::Held;
 use std::fs::{self, File};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Child;
 
 use gpu_rt::output::exr::read_exr;
@@ -229,9 +232,13 @@ fn images_go_through_standard_output_and_into_devices() {
     assert_eq!(written(), (20, 12));
     place.render(&["-o", "/dev/null", "--checkpoint", "1ms"]).exits(0);
     assert_eq!(place.files(), ["copy"]);
+    // The image is kept elsewhere, but not beside a device.
     if cfg!(target_os = "linux") {
-        let ran = place.render(&["-o", "/dev/full"]).exits(1);
+        let (arguments, temporary) = (place.render_sphere(), temporary(&place));
+        let mut command = place.command(&[&arguments[..], &["-o", "/dev/full"]].concat());
+        let ran = finish(command.env("TMPDIR", &temporary).spawn().expect("the program starts")).exits(1);
         assert!(ran.last_line().starts_with("error: /dev/full: cannot write: No space left"), "{}", ran.stderr);
+        assert_eq!(names(&temporary), ["sphere.rescued.exr"]);
     }
 }
 
@@ -284,24 +291,188 @@ fn on_a_full_disk_the_last_checkpoint_stays() {
     let place = Place::new();
     let file = place.work().join("out/a.exr");
     let mut child = endless_in_folder(&place, &["--size", "64x64"]);
-    let number = child.id() as i32;
-    let limit = |bytes: u64| {
-        let limit = libc::rlimit { rlim_cur: bytes, rlim_max: libc::RLIM_INFINITY };
-        // SAFETY: the structure is read during the call, and the child has not been waited for.
-        let set = unsafe { libc::prlimit(number, libc::RLIMIT_FSIZE, &limit, std::ptr::null_mut()) };
-        assert_eq!(set, 0, "the limit is set");
-    };
-    limit(16 << 10);
+    limit_files(&child, 16 << 10);
     meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: File too large"));
     let before = fs::read(&file).unwrap();
     assert!(before.len() > 16 << 10);
     read_exr(&file).expect("the last checkpoint is whole");
-    limit(libc::RLIM_INFINITY);
+    limit_files(&child, libc::RLIM_INFINITY);
     meanwhile(&mut child, || said(&place).contains("the checkpoint is written again"));
     assert!(fs::read(&file).unwrap() != before);
     send(&child, libc::SIGINT);
     finish(child).exits(130);
     assert_eq!(fs::read_dir(place.work().join("out")).unwrap().count(), 1, "nothing else is left");
+}
+
+/// A folder for temporary files of its own.
+fn temporary(place: &Place) -> PathBuf {
+    let folder = place.folder.path().join("temporary");
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// What happens to the place of an image while it is rendered.
+enum Fate {
+    Stays,
+    IsMoved,
+    IsGone,
+    IsFolder,
+    Reserved,
+}
+
+/// The image goes to another name: in its folder, or in that of temporary files. The error has the command that goes on with it.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_image_without_its_place_goes_to_another_name() {
+    let place = Place::new();
+    place.render(&["--quiet", "--spp", "32", "-o", "whole.exr"]).exits(0);
+    let (whole, temporary) = (Held::read(&place.work().join("whole.exr")), temporary(&place));
+    let out = place.work().join("out");
+    for (fate, output, rescued) in [
+        (Fate::Stays, "out/a b.exr", None),
+        (Fate::IsMoved, "out/a b.exr", Some("../temporary/a-b.rescued.exr")),
+        (Fate::IsGone, "out/a b.exr", Some("../temporary/a-b.rescued.exr")),
+        (Fate::IsFolder, "out/a b.exr", Some("out/a-b.rescued.exr")),
+        (Fate::Reserved, "out/a b.exr", Some("out/a-b.rescued-2.exr")),
+        (Fate::IsGone, "out/a.png", Some("../temporary/a.rescued.exr")),
+    ] {
+        let _ = fs::remove_dir_all(&out);
+        fs::create_dir(&out).unwrap();
+        let arguments = ["render", "../scenes/sphere.ron", "--device", software(), "-o", output, "--force"];
+        let mut command = place.command(&arguments);
+        command.env("MESA_SHADER_CACHE_DISABLE", "true").env("TMPDIR", "../temporary");
+        let mut child = command.spawn().expect("the program starts");
+        until_listening(&mut child);
+        match fate {
+            Fate::Stays => {}
+            Fate::IsMoved => fs::rename(&out, place.work().join("away")).unwrap(),
+            Fate::IsGone => fs::remove_dir_all(&out).unwrap(),
+            Fate::IsFolder | Fate::Reserved => fs::create_dir(out.join("a b.exr")).unwrap(),
+        }
+        if matches!(fate, Fate::Reserved) {
+            fs::write(out.join("a-b.rescued.exr"), "another").unwrap();
+        }
+        let ran = finish(child).exits(i32::from(rescued.is_some()));
+        let Some(rescued) = rescued else {
+            assert_eq!(names(&out), ["a b.exr"]);
+            assert_eq!(names(&temporary), [""; 0]);
+            continue;
+        };
+        let says = format!("; {rescued} holds 16 samples per pixel. `gpu-rt ");
+        let (error, command) = ran.last_line().split_once(&says).unwrap_or_else(|| panic!("{}", ran.stderr));
+        assert!(error.starts_with(&format!("error: {output}: cannot write: ")), "{error}");
+        let command = command.strip_suffix("` goes on").expect("a command");
+        place.says(&format!("{command} --quiet --spp 32")).exits(0);
+        assert_eq!(Held::read(&place.work().join(rescued)).difference(&whole), [""; 0]);
+        fs::remove_file(place.work().join(rescued)).unwrap();
+        assert_eq!(names(&temporary), [""; 0]);
+        if matches!(fate, Fate::Reserved) {
+            assert_eq!(fs::read_to_string(out.join("a-b.rescued.exr")).unwrap(), "another");
+        }
+    }
+}
+
+/// Sets the limit of the size of the program's files, which stands for a full disk.
+#[cfg(target_os = "linux")]
+fn limit_files(child: &Child, bytes: u64) {
+    let limit = libc::rlimit { rlim_cur: bytes, rlim_max: libc::RLIM_INFINITY };
+    // SAFETY: the structure is read during the call, and the child has not been waited for.
+    let set = unsafe { libc::prlimit(child.id() as i32, libc::RLIMIT_FSIZE, &limit, std::ptr::null_mut()) };
+    assert_eq!(set, 0, "the limit is set");
+}
+
+/// The image is there, and the picture can be made of it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_without_its_place_can_be_made_later() {
+    let place = Place::new();
+    let out = place.work().join("out");
+    fs::create_dir(&out).unwrap();
+    let arguments = [&place.render_sphere()[..], &["-o", "a.exr", "--png", "out/a.png"]].concat();
+    let mut child = place.command(&arguments).env("MESA_SHADER_CACHE_DISABLE", "true").spawn().expect("it starts");
+    until_listening(&mut child);
+    fs::remove_dir(&out).unwrap();
+    let ran = finish(child).exits(1);
+    let says = "out/a.png: cannot write: the folder out does not exist; a.exr holds the image. `gpu-rt develop a.exr -o NAME.png`";
+    assert!(ran.last_line().contains(says), "{}", ran.stderr);
+    place.says("develop a.exr -o NAME.png").exits(0);
+    assert_eq!(place.files(), ["NAME.png", "a.exr"]);
+}
+
+/// Where nothing can be written at the end, the image is tried again until it can be, or a signal comes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_at_the_end_is_tried_again() {
+    let says = "a.exr is tried again until it can be written or a signal comes";
+    for signal in [None, Some(libc::SIGTERM)] {
+        let place = Place::new();
+        let arguments = [&place.render_sphere()[..], &["--size", "64x64", "-o", "a.exr"]].concat();
+        let mut command = place.command(&arguments);
+        command.env("MESA_SHADER_CACHE_DISABLE", "true").env("TMPDIR", temporary(&place));
+        command.stderr(File::create(place.folder.path().join("said")).unwrap());
+        let mut child = command.spawn().expect("the program starts");
+        until_listening(&mut child);
+        limit_files(&child, 16 << 10);
+        meanwhile(&mut child, || said(&place).contains(says));
+        assert!(place.files().is_empty() && names(&temporary(&place)).is_empty(), "nothing is left");
+        match signal {
+            None => limit_files(&child, libc::RLIM_INFINITY),
+            Some(signal) => send(&child, signal),
+        }
+        finish(child).exits(if signal.is_some() { 143 } else { 0 });
+        let said = said(&place);
+        if signal.is_some() {
+            let lost = "error: interrupted by SIGTERM; a.exr: cannot write: File too large";
+            let last = said.lines().last().unwrap_or_default();
+            assert!(last.starts_with(lost) && last.contains("no other place takes the image: "), "{said}");
+        } else {
+            assert!(said.contains("a.exr is written after all"), "{said}");
+            assert_eq!(attribute(&place.exr("a.exr"), "gpu-rt:complete"), "1");
+        }
+        assert_eq!(names(&temporary(&place)), [""; 0]);
+    }
+}
+
+/// That is known before the first checkpoint, which is an hour away.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_from_the_start_is_told() {
+    let place = Place::new();
+    for full in [true, false] {
+        let mut command = place.command(&[&place.render_sphere()[..], &["--checkpoint", "1h"]].concat());
+        if full {
+            // SAFETY: the child calls functions of the system alone before it becomes the program.
+            unsafe { std::os::unix::process::CommandExt::pre_exec(&mut command, no_files) };
+        }
+        command.stderr(File::create(place.folder.path().join("said")).unwrap());
+        let mut child = command.spawn().expect("the program starts");
+        let says = "warning: no checkpoint: sphere.exr: cannot write: File too large";
+        if full {
+            meanwhile(&mut child, || said(&place).contains(says));
+            limit_files(&child, libc::RLIM_INFINITY);
+        }
+        finish(child).exits(0);
+        assert_eq!(said(&place).contains(says), full, "{}", said(&place));
+    }
+}
+
+/// Lets the process write no file, and no signal say so.
+#[cfg(target_os = "linux")]
+fn no_files() -> std::io::Result<()> {
+    let limit = libc::rlimit { rlim_cur: 1 << 10, rlim_max: libc::RLIM_INFINITY };
+    // SAFETY: the structure is read during the call.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+        libc::setrlimit(libc::RLIMIT_FSIZE, &limit);
+    }
+    Ok(())
 }
 
 #[test]

@@ -402,6 +402,27 @@ fn several_devices_have_the_bytes_of_one() {
     }
 }
 
+/// A render that --time ends has whole runs, also where the time is over before it begins: it goes on to the bytes of one render.
+#[test]
+fn a_render_that_time_ends_goes_on() {
+    let place = Place::new();
+    let held = || read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
+    let mut before = 0;
+    for (time, more) in [("0.7s", ""), ("1ms", "--resume"), ("0.7s", "--resume")] {
+        let ran = place.render(&format!("--time {time} -o out.exr {more}")).exits(0);
+        let is_late = ran.stderr.contains("warning: --time 0.001 s is over before rendering begins: ");
+        assert_eq!(is_late, time == "1ms", "{}", ran.stderr);
+        assert!(held() > before && held().is_multiple_of(8), "{} after {before}", held());
+        before = held();
+    }
+    place.is_one_render(before + 16);
+    // Within a run the last bits would differ.
+    place.render("--quiet --spp 13 -o out.exr --force").exits(0);
+    place.render("--quiet --spp 24 -o out.exr --resume").exits(0);
+    place.render("--quiet --spp 24 -o whole.exr --force").exits(0);
+    assert!(place.holds("out.exr").film != place.holds("whole.exr").film);
+}
+
 /// A render that is stopped says what it has, and goes on from there.
 #[cfg(unix)]
 #[test]
