@@ -2,6 +2,8 @@
 
 use crate::common::device::index as software;
 #[cfg(target_os = "linux")]
+use crate::common::fault::on_full_disk;
+#[cfg(target_os = "linux")]
 use crate::common::program::until_listening;
 use crate::common::program::{Ran, finish, meanwhile, send};
 use crate::place::{ENDLESS, Place, SPHERE, attribute, endless, make_pipe};
@@ -291,12 +293,19 @@ fn on_a_full_disk_the_last_checkpoint_stays() {
     let place = Place::new();
     let file = place.work().join("out/a.exr");
     let mut child = endless_in_folder(&place, &["--size", "64x64"]);
-    limit_files(&child, 16 << 10);
+    let number = child.id() as i32;
+    let limit = |bytes: u64| {
+        let limit = libc::rlimit { rlim_cur: bytes, rlim_max: libc::RLIM_INFINITY };
+        // SAFETY: the structure is read during the call, and the child has not been waited for.
+        let set = unsafe { libc::prlimit(number, libc::RLIMIT_FSIZE, &limit, std::ptr::null_mut()) };
+        assert_eq!(set, 0, "the limit is set");
+    };
+    limit(16 << 10);
     meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: File too large"));
     let before = fs::read(&file).unwrap();
     assert!(before.len() > 16 << 10);
     read_exr(&file).expect("the last checkpoint is whole");
-    limit_files(&child, libc::RLIM_INFINITY);
+    limit(libc::RLIM_INFINITY);
     meanwhile(&mut child, || said(&place).contains("the checkpoint is written again"));
     assert!(fs::read(&file).unwrap() != before);
     send(&child, libc::SIGINT);
@@ -379,15 +388,6 @@ fn an_image_without_its_place_goes_to_another_name() {
     }
 }
 
-/// Sets the limit of the size of the program's files, which stands for a full disk.
-#[cfg(target_os = "linux")]
-fn limit_files(child: &Child, bytes: u64) {
-    let limit = libc::rlimit { rlim_cur: bytes, rlim_max: libc::RLIM_INFINITY };
-    // SAFETY: the structure is read during the call, and the child has not been waited for.
-    let set = unsafe { libc::prlimit(child.id() as i32, libc::RLIMIT_FSIZE, &limit, std::ptr::null_mut()) };
-    assert_eq!(set, 0, "the limit is set");
-}
-
 /// The image is there, and the picture can be made of it.
 #[cfg(target_os = "linux")]
 #[test]
@@ -406,73 +406,55 @@ fn a_picture_without_its_place_can_be_made_later() {
     assert_eq!(place.files(), ["NAME.png", "a.exr"]);
 }
 
-/// Where nothing can be written at the end, the image is tried again until it can be, or a signal comes.
+/// A disk that is full from the start is told before the first checkpoint, which is an hour away. At the end the image goes to the folder of
+/// temporary files, if that has room, and its own place is tried again: for a while, or until a signal comes where no place has room.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_disk_that_is_full_at_the_end_is_tried_again() {
-    let says = "a.exr is tried again until it can be written or a signal comes";
-    for signal in [None, Some(libc::SIGTERM)] {
+fn a_full_disk_is_told_at_the_start_and_tried_again_at_the_end() {
+    for (is_all_full, is_freed, status) in [(false, false, 1), (false, true, 0), (true, false, 143), (true, true, 0)] {
         let place = Place::new();
-        let arguments = [&place.render_sphere()[..], &["--size", "64x64", "-o", "a.exr"]].concat();
-        let mut command = place.command(&arguments);
-        command.env("MESA_SHADER_CACHE_DISABLE", "true").env("TMPDIR", temporary(&place));
-        command.stderr(File::create(place.folder.path().join("said")).unwrap());
-        let mut child = command.spawn().expect("the program starts");
-        until_listening(&mut child);
-        limit_files(&child, 16 << 10);
-        meanwhile(&mut child, || said(&place).contains(says));
-        assert!(place.files().is_empty() && names(&temporary(&place)).is_empty(), "nothing is left");
-        match signal {
-            None => limit_files(&child, libc::RLIM_INFINITY),
-            Some(signal) => send(&child, signal),
+        let (temporary, full) = (temporary(&place), place.folder.path().join("full"));
+        let mut command = place.command(&[&place.render_sphere()[..], &["-o", "a.exr", "--checkpoint", "1h"]].concat());
+        let disk = if is_all_full { place.folder.path().to_owned() } else { place.work() };
+        on_full_disk(&mut command, &disk, &full);
+        // What it says is on another disk.
+        let said = tempfile::NamedTempFile::new().unwrap();
+        let words = || fs::read_to_string(said.path()).unwrap();
+        fs::write(&full, "").unwrap();
+        let mut child =
+            command.env("TMPDIR", &temporary).stderr(said.reopen().unwrap()).spawn().expect("the program starts");
+        let until =
+            if is_all_full { "a.exr is tried again until it can be written or" } else { "a.exr is tried again\n" };
+        meanwhile(&mut child, || words().contains(until));
+        let at_start =
+            words().lines().position(|line| line.starts_with("warning: no checkpoint: a.exr: cannot write: "));
+        let at_end = words().lines().position(|line| line.starts_with("warning: a.exr: cannot write: No space left"));
+        assert!(at_start.is_some() && at_start < at_end, "{}", words());
+        assert_eq!(place.files(), [""; 0]);
+        assert_eq!(names(&temporary).is_empty(), is_all_full);
+        if is_freed {
+            fs::remove_file(&full).unwrap();
+        } else if is_all_full {
+            send(&child, libc::SIGTERM);
         }
-        finish(child).exits(if signal.is_some() { 143 } else { 0 });
-        let said = said(&place);
-        if signal.is_some() {
-            let lost = "error: interrupted by SIGTERM; a.exr: cannot write: File too large";
-            let last = said.lines().last().unwrap_or_default();
-            assert!(last.starts_with(lost) && last.contains("no other place takes the image: "), "{said}");
-        } else {
-            assert!(said.contains("a.exr is written after all"), "{said}");
+        finish(child).exits(status);
+        let last = words().lines().last().unwrap_or_default().to_owned();
+        if is_freed {
+            assert!(words().contains("a.exr is written after all\n"), "{}", words());
             assert_eq!(attribute(&place.exr("a.exr"), "gpu-rt:complete"), "1");
+            assert!(names(&temporary).is_empty());
+        } else if is_all_full {
+            let says = "error: interrupted by SIGTERM; a.exr: cannot write: No space left on device (os error 28); no other place takes";
+            assert!(last.starts_with(says), "{last}");
+        } else {
+            let rescued = temporary.join("a.rescued.exr");
+            let says = format!("; {} holds 16 samples per pixel. `gpu-rt render ", rescued.display());
+            assert!(last.starts_with("error: a.exr: cannot write: No space left") && last.contains(&says), "{last}");
+            assert_eq!(attribute(&read_exr(&rescued).unwrap(), "gpu-rt:complete"), "1");
         }
-        assert_eq!(names(&temporary(&place)), [""; 0]);
     }
-}
-
-/// That is known before the first checkpoint, which is an hour away.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_disk_that_is_full_from_the_start_is_told() {
-    let place = Place::new();
-    for full in [true, false] {
-        let mut command = place.command(&[&place.render_sphere()[..], &["--checkpoint", "1h"]].concat());
-        if full {
-            // SAFETY: the child calls functions of the system alone before it becomes the program.
-            unsafe { std::os::unix::process::CommandExt::pre_exec(&mut command, no_files) };
-        }
-        command.stderr(File::create(place.folder.path().join("said")).unwrap());
-        let mut child = command.spawn().expect("the program starts");
-        let says = "warning: no checkpoint: sphere.exr: cannot write: File too large";
-        if full {
-            meanwhile(&mut child, || said(&place).contains(says));
-            limit_files(&child, libc::RLIM_INFINITY);
-        }
-        finish(child).exits(0);
-        assert_eq!(said(&place).contains(says), full, "{}", said(&place));
-    }
-}
-
-/// Lets the process write no file, and no signal say so.
-#[cfg(target_os = "linux")]
-fn no_files() -> std::io::Result<()> {
-    let limit = libc::rlimit { rlim_cur: 1 << 10, rlim_max: libc::RLIM_INFINITY };
-    // SAFETY: the structure is read during the call.
-    unsafe {
-        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
-        libc::setrlimit(libc::RLIMIT_FSIZE, &limit);
-    }
-    Ok(())
+    let ran = Place::new().render(&[]).exits(0);
+    assert!(!ran.stderr.contains("cannot write"), "{}", ran.stderr);
 }
 
 #[test]
