@@ -55,24 +55,22 @@ impl LastWrite<'_> {
             if self.request.more_than(self.samples.count()).is_some() || (args.watch && args.no_state) {
                 return Err(error);
             }
-            let mut failures = String::new();
+            let mut failures = Vec::new();
             if rescued.is_none() {
-                match self.rescue() {
-                    Ok(path) => rescued = Some(path),
-                    Err(words) => failures = words,
-                }
+                rescued = self.rescue(&mut failures);
             }
             let found = match &rescued {
                 Some(path) => self.words(path),
-                None => format!("no other place takes the image: {failures}"),
+                None => format!("no other place takes the image: {}", words_of(&failures)),
             };
+            let is_full = std::iter::once(&error).chain(&failures).any(|error| matches!(error, Error::NoRoom { .. }));
             let is_over = match rescued {
                 Some(_) => begin.elapsed() + pause > PATIENCE,
                 None => !was_interrupted && self.signals.have_come(),
             };
             // The next save is not to wait.
             let is_over = is_over || args.watch;
-            if is_over || !matches!(error, Error::NoRoom { .. }) || !can_be_replaced(image) {
+            if is_over || !is_full || !can_be_replaced(image) {
                 return Err(error.and(&found));
             }
             if !told {
@@ -97,26 +95,27 @@ impl LastWrite<'_> {
         }
     }
 
-    /// Writes the image as an EXR to another name, in the folder of the image or in that of temporary files. The result is its path, or why
-    /// there is none.
-    fn rescue(&self) -> std::result::Result<PathBuf, String> {
+    /// Writes the image as an EXR to another name, in the folder of the image or in that of temporary files. The result is its path. Each place that
+    /// does not take it adds a failure.
+    fn rescue(&self, failures: &mut Vec<Error>) -> Option<PathBuf> {
         let Request { args, image, .. } = self.request;
         let default = args.default_image();
         let name = if can_be_replaced(image) { image } else { &default };
-        let mut failures = Vec::new();
         for folder in folders(image) {
-            match reserve(&folder, name, image) {
-                Err(error) => failures.push(format!("{}: {error}", folder.display())),
-                Ok(path) => match self.request.write_to(&path, self.film, self.state.as_ref(), &self.attributes) {
-                    Ok(()) => return Ok(path),
-                    Err(error) => {
-                        let _ = fs::remove_file(&path);
-                        failures.push(error.to_string());
-                    }
-                },
+            let written = reserve(&folder, name, image).map_err(|error| Error::of_write(&folder, &error));
+            let written = written.and_then(|path| {
+                let written = self.request.write_to(&path, self.film, self.state.as_ref(), &self.attributes);
+                if written.is_err() {
+                    let _ = fs::remove_file(&path);
+                }
+                written.map(|()| path)
+            });
+            match written {
+                Ok(path) => return Some(path),
+                Err(error) => failures.push(error),
             }
         }
-        Err(failures.join("; "))
+        None
     }
 
     fn words(&self, path: &Path) -> String {
@@ -125,4 +124,8 @@ impl LastWrite<'_> {
             None => format!("{} holds what there was, and cannot be resumed", path.display()),
         }
     }
+}
+
+fn words_of(errors: &[Error]) -> String {
+    errors.iter().map(Error::to_string).collect::<Vec<_>>().join("; ")
 }

@@ -69,7 +69,10 @@ pub struct Checkpoints {
 
 /// What the progress of a job is measured by.
 struct Pace {
+    /// When the first of the paths that are counted began.
     begun: Instant,
+    /// The paths that were counted last.
+    paths: u64,
     goal: Goal,
     pixels: u64,
     /// Samples of a pixel that the film had before.
@@ -142,6 +145,7 @@ impl<'a> Observers<'a> {
     ) -> Next {
         let is_due = |next: Option<Instant>, now| next.is_some_and(|next| now >= next);
         let now = Instant::now();
+        self.pace.count(outcome);
         // A checkpoint is of whole runs: those that have been started come first.
         let first = self.checkpoints.first.filter(|_| now - self.pace.begun >= MEASURED);
         let first = is_due(first, now + self.pace.time_of_runs(outcome));
@@ -222,7 +226,15 @@ fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
 impl Pace {
     fn new(job: &Job, earlier: u64) -> Pace {
         let pixels = u64::from(job.size.0) * u64::from(job.size.1);
-        Pace { begun: Instant::now(), goal: job.goal, pixels, earlier, error: None, until: None, time: None }
+        Pace { begun: Instant::now(), paths: 0, goal: job.goal, pixels, earlier, error: None, until: None, time: None }
+    }
+
+    /// Begins anew where paths were rendered to learn the pace, and are dropped.
+    fn count(&mut self, outcome: &Outcome) {
+        let before = std::mem::replace(&mut self.paths, outcome.totals.paths);
+        if self.paths < before {
+            self.begun = Instant::now();
+        }
     }
 
     /// What a run of each pixel takes at the pace so far; a long time before any is known.
@@ -246,7 +258,11 @@ impl Pace {
     fn will_be_late(&mut self, outcome: &Outcome) -> Option<String> {
         let deadline = self.goal.deadline()?;
         let sample = self.time_of_runs(outcome) / RUN_LENGTH;
-        let is_known = self.begun.elapsed() >= MEASURED && outcome.totals.paths < self.pixels;
+        if outcome.totals.paths >= self.pixels {
+            // The first one has ended.
+            self.time = None;
+        }
+        let is_known = self.begun.elapsed() >= MEASURED;
         // The pace of a start is not that of all.
         let time = self.time.take_if(|time| is_known && self.begun + sample > deadline + *time / 10)?;
         Some(format!(
