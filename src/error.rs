@@ -1,6 +1,7 @@
 //! The error type of the program: what went wrong, where, and what to do about it.
 
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::printable::one_line;
@@ -53,6 +54,9 @@ pub enum Error {
     /// A file could not be read or written.
     #[error("{}: cannot {action}: {}", path_on_one_line(path), one_line(reason))]
     File { path: PathBuf, action: &'static str, reason: String },
+    /// A file could not be written because its disk is full, or because it would be larger than it may be. That may change.
+    #[error("{}: cannot write: {}", path_on_one_line(path), one_line(reason))]
+    NoRoom { path: PathBuf, reason: String },
     /// No device is suitable, the device refused, or it was lost.
     #[error("{0}")]
     Device(String),
@@ -79,6 +83,29 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// The error of a file that could not be written.
+    pub fn of_write(path: &Path, error: &io::Error) -> Error {
+        let (path, reason) = (path.to_owned(), error.to_string());
+        match error.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
+                Error::NoRoom { path, reason }
+            }
+            _ => Error::File { path, action: "write", reason },
+        }
+    }
+
+    /// The same error with more words at its end: what is kept, and what to do. Errors of the scene and of arguments stay as they are.
+    pub fn and(self, words: &str) -> Error {
+        let more = |text: String| format!("{text}; {words}");
+        match self {
+            Error::File { path, action, reason } => Error::File { path, action, reason: more(reason) },
+            Error::NoRoom { path, reason } => Error::NoRoom { path, reason: more(reason) },
+            Error::Device(text) => Error::Device(more(text)),
+            Error::Denoiser(text) => Error::Denoiser(more(text)),
+            other => other,
+        }
+    }
+
     /// The errors one by one.
     pub fn each(&self) -> &[Error] {
         match self {

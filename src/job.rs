@@ -150,6 +150,15 @@ impl Goal {
             Goal::Samples(end) | Goal::Until { end, .. } | Goal::Noise { end, .. } => end,
         }
     }
+
+    /// When the render is to end, if that is asked for.
+    pub fn deadline(&self) -> Option<Instant> {
+        match *self {
+            Goal::Until { deadline, .. } => Some(deadline),
+            Goal::Noise { deadline, .. } => deadline,
+            Goal::Samples(_) => None,
+        }
+    }
 }
 
 impl Job {

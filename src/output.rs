@@ -9,6 +9,7 @@ pub mod plot;
 pub mod png;
 pub mod preview;
 pub mod progress;
+pub mod rescue;
 mod temporary;
 pub mod view_transform;
 pub mod writable;

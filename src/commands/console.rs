@@ -13,8 +13,39 @@ use crate::terminal::{columns_of_stderr, columns_of_stdout, fit_to_terminal};
 
 /// The command line as it was typed, as the shell reads it. The folder of the program is left out.
 pub fn command_line() -> String {
+    line(&words_of_command())
+}
+
+/// The command line of a render that goes on with what this file holds.
+pub fn command_to_resume(image: &Path) -> String {
+    line(&words_to_resume(words_of_command(), path_text(image)))
+}
+
+/// The command line that makes another file, such as `NAME.png`, of an image.
+pub fn command_of_image(command: &str, image: &Path, output: &str) -> String {
+    line(&["gpu-rt", command, &path_text(image), "-o", output].map(str::to_string))
+}
+
+fn words_of_command() -> Vec<String> {
     let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
-    line(&std::iter::once("gpu-rt".to_string()).chain(words).collect::<Vec<_>>())
+    std::iter::once("gpu-rt".to_string()).chain(words).collect()
+}
+
+/// The words of `gpu-rt render` with another output and --resume, and without what --resume takes no part in.
+fn words_to_resume(words: Vec<String>, image: String) -> Vec<String> {
+    let mut words = words.into_iter();
+    let mut kept = Vec::new();
+    while let Some(word) = words.next() {
+        let (name, value) = word.split_once('=').map_or((&*word, None), |(name, value)| (name, Some(value)));
+        match name {
+            "-o" | "--output" => _ = value.is_none().then(|| words.next()),
+            "--resume" | "--watch" | "--force" => {}
+            _ if name.starts_with("-o") => {}
+            _ => kept.push(word),
+        }
+    }
+    kept.extend(["-o".to_string(), image, "--resume".to_string()]);
+    kept
 }
 
 /// Warns of an image that is denoised, where errors are measured: those of its pixels are not independent.
@@ -84,5 +115,23 @@ pub fn object(value: Value) -> Map<String, Value> {
     match value {
         Value::Object(entries) => entries,
         _ => Map::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::words_to_resume;
+
+    #[test]
+    fn a_command_goes_on_with_another_file() {
+        let resumes = |words: &str| {
+            words_to_resume(words.split(' ').map(str::to_string).collect(), "b.exr".to_string()).join(" ")
+        };
+        for output in ["-o a.exr ", "-oa.exr ", "-o=a.exr ", "--output a.exr ", "--output=a.exr ", ""] {
+            for others in ["", "--resume=auto ", "--watch --force "] {
+                let words = format!("gpu-rt render {output}s.ron {others}--spp=8");
+                assert_eq!(resumes(&words), "gpu-rt render s.ron --spp=8 -o b.exr --resume", "{words}");
+            }
+        }
     }
 }

@@ -3,7 +3,9 @@
 mod accumulation;
 mod args;
 mod changes;
+mod compiling;
 mod denoising;
+mod last_write;
 mod observers;
 mod record;
 mod rendering;
@@ -43,7 +45,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if args.watch {
         return watch::watch(args, start, render);
     }
-    let mut session = Session::default();
+    let mut session = Session { quiet: args.quiet, ..Session::default() };
     let scene = session.load(args)?;
     let mut args = args.clone();
     if args.denoise() {
@@ -77,12 +79,12 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     session.add_devices(opened?, args.quiet);
     clock.seconds.device = clock.lap();
 
-    let Session { devices, signals, changes, compile, .. } = session;
+    let Session { devices, signals, changes, compile, quiet, .. } = session;
     let film = Accumulation::begin(&request, earlier.as_ref(), devices)?;
-    let held = FileSamples { before: earlier.map(|state| state.samples.count()), at_end: None };
+    let held = FileSamples { before: earlier.as_ref().map(|state| state.samples.count()), at_end: None };
     let signals = signals.get_or_insert_with(|| {
-        Signals::listen(&match held.before {
-            Some(_) => format!("{} holds what it held before", request.image.display()),
+        Signals::listen(&match &earlier {
+            Some(state) => request.what_is_in(&request.image, &state.samples),
             None => "nothing has been written".to_owned(),
         })
     });
@@ -90,16 +92,20 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let outcome = Outcome::default();
     let mut rendering = Rendering { request: &request, devices, film, held, observers, outcome, clock, loaded: None };
     // The hashes are needed when something is written.
-    let ((), rendered) = join(|| _ = request.identity(), || rendering.run());
+    let ((), rendered) = join(|| _ = request.identity(), || rendering.run(*quiet));
     rendering.observers.progress.finish();
     *compile = rendering.clock.seconds.compile;
 
     let finish = rendering.finish(rendered.is_ok());
-    let mut record = rendering.record(&finish)?;
-    rendered.map_err(|error| rendering.keep(error, &record))?;
+    let record = rendering.record(&finish);
+    if let Err(error) = rendered {
+        // A device that has failed may not even tell its numerics.
+        return Err(rendering.keep(error, &record.unwrap_or_default()));
+    }
+    let mut record = record?;
     let is_interrupted = rendering.outcome.interrupted;
     if let Err(error) = rendering.write(&finish, &record) {
-        return Err(if is_interrupted { signals.interrupted(&error.to_string()) } else { error });
+        return Err(if signals.are_pending() { signals.interrupted(&error.to_string()) } else { error });
     }
     rendering.clock.seconds.write = rendering.clock.lap();
     let denoised = match (denoising, request.exr()) {
@@ -126,7 +132,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
             Err(Error::Strict(format!("the image is black: {words}. `gpu-rt check` may say why")))
         }
         1.. if args.strict => Err(Error::Strict(format!("--strict: {words}"))),
-        _ if is_interrupted => Err(signals.interrupted(&request.what_is_kept(finish.samples.count()))),
+        _ if is_interrupted => Err(signals.interrupted(&request.what_is_in(&request.image, &finish.samples))),
         _ => Ok(()),
     }
 }

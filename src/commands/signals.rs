@@ -2,16 +2,18 @@
 //! which ends none.
 //!
 //! The first one asks the command to end what is in flight and to write what it has. The second one ends the program at once, unless it is
-//! SIGXCPU: the system sends that every second from the limit on.
+//! SIGXCPU: the system sends that every second from the limit on. The first one does so too while a driver compiles, because nothing else
+//! stops a driver.
 
 use std::fmt;
 #[cfg(unix)]
 use std::sync::atomic::AtomicBool;
 use std::sync::atomic::{AtomicI32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::console::tell;
-use crate::error::Error;
+use crate::error::{Error, Result};
+use crate::output::progress::remove_bar;
 
 /// The signals that have come since the program listens.
 #[derive(Clone, Debug, Default)]
@@ -21,12 +23,29 @@ pub struct Signals(Arc<State>);
 struct State {
     /// The number of the first one; 0 before it.
     first: AtomicI32,
-    /// What a second one loses, in words.
-    loss: Mutex<String>,
+    ending: Mutex<Ending>,
+}
+
+/// How a signal ends the program at once.
+#[derive(Debug, Default)]
+struct Ending {
+    /// What is lost and what is kept, in words.
+    loss: String,
+    /// Set while the first signal ends the program: when that is, such as "while compiling".
+    by_first: Option<&'static str>,
+}
+
+/// While it lives, the first signal ends the program.
+pub struct EndsAtOnce<'a>(&'a Signals);
+
+impl Drop for EndsAtOnce<'_> {
+    fn drop(&mut self) {
+        self.0.ending().by_first = None;
+    }
 }
 
 impl Signals {
-    /// Listens from now on. `loss` says what a second signal loses.
+    /// Listens from now on. `loss` says what is lost if a signal ends the program at once.
     pub fn listen(loss: &str) -> Signals {
         let signals = Signals::default();
         signals.set_loss(loss.to_owned());
@@ -40,9 +59,22 @@ impl Signals {
         self.number() != 0
     }
 
-    /// Changes what a second signal loses.
+    /// Changes what is lost if a signal ends the program at once.
     pub fn set_loss(&self, loss: String) {
-        *self.0.loss.lock().unwrap_or_else(PoisonError::into_inner) = loss;
+        self.ending().loss = loss;
+    }
+
+    /// Lets the first signal end the program until the result is dropped. `when` says when that is, such as "while compiling".
+    ///
+    /// # Errors
+    /// `Error::Interrupted` if a signal has come already.
+    pub fn end_at_once(&self, when: &'static str) -> Result<EndsAtOnce<'_>> {
+        let mut ending = self.ending();
+        if self.are_pending() {
+            return Err(self.interrupted(&ending.loss));
+        }
+        ending.by_first = Some(when);
+        Ok(EndsAtOnce(self))
     }
 
     /// The error of a command that the first signal has ended. `words` say what is kept.
@@ -54,21 +86,31 @@ impl Signals {
         self.0.first.load(Ordering::Relaxed)
     }
 
-    fn take(&self, signal: i32) {
-        if self.0.first.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
-            return;
-        }
-        if is_of_processor_time(signal) {
-            return;
-        }
-        tell(&self.last_words(signal));
-        // Without the functions that a driver has registered for a normal end: they wait for its threads.
-        signal_hook::low_level::exit(128 + signal);
+    fn ending(&self) -> MutexGuard<'_, Ending> {
+        self.0.ending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn last_words(&self, second: i32) -> String {
-        let loss = self.0.loss.lock().unwrap_or_else(PoisonError::into_inner);
-        format!("error: ended at once by a second signal, {}; {loss}", name(second))
+    fn take(&self, signal: i32) {
+        if let Some(words) = self.last_words(signal) {
+            remove_bar();
+            tell(&words);
+            // Without the functions that a driver has registered for a normal end: they wait for its threads.
+            signal_hook::low_level::exit(128 + signal);
+        }
+    }
+
+    /// The error of a signal that ends the program at once, and nothing for one that does not.
+    fn last_words(&self, signal: i32) -> Option<String> {
+        // The lock is held, so that a first signal is either noticed by `end_at_once` or meets what that has set.
+        let Ending { loss, by_first } = &*self.ending();
+        let is_first = self.0.first.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok();
+        let name = name(signal);
+        match (is_first, by_first) {
+            (true, None) => None,
+            (true, Some(when)) => Some(format!("error: interrupted by {name} {when}; {loss}")),
+            (false, _) if is_of_processor_time(signal) => None,
+            (false, _) => Some(format!("error: ended at once by a second signal, {name}; {loss}")),
+        }
     }
 }
 
@@ -164,7 +206,7 @@ mod tests {
     fn the_first_signal_is_the_reason_and_the_second_says_what_is_lost() {
         let signals = Signals::default();
         assert!(!signals.are_pending());
-        signals.take(SIGTERM);
+        assert_eq!(signals.last_words(SIGTERM), None);
         assert!(signals.are_pending());
         let error = signals.interrupted("a.exr holds the image so far");
         assert_eq!(error.to_string(), "interrupted by SIGTERM; a.exr holds the image so far");
@@ -174,6 +216,24 @@ mod tests {
         signals.take(libc::SIGXCPU);
         assert_eq!(signals.to_string(), "SIGTERM");
         signals.set_loss("all is lost".to_owned());
-        assert_eq!(signals.last_words(SIGINT), "error: ended at once by a second signal, SIGINT; all is lost");
+        let says = "error: ended at once by a second signal, SIGINT; all is lost";
+        assert_eq!(signals.last_words(SIGINT).as_deref(), Some(says));
+    }
+
+    /// A signal that comes before is an error where the first one would end the program, and one that comes after does not end it.
+    #[test]
+    fn the_first_signal_ends_the_program_only_while_it_is_told_to() {
+        let signals = Signals::default();
+        signals.set_loss("nothing has been written".to_owned());
+        drop(signals.end_at_once("while compiling").expect("no signal has come"));
+        assert_eq!(signals.last_words(SIGINT), None);
+        let error = signals.end_at_once("while compiling").err().expect("a signal has come");
+        assert_eq!(error.to_string(), "interrupted by SIGINT; nothing has been written");
+
+        let signals = Signals::default();
+        signals.set_loss("nothing has been written".to_owned());
+        let _ending = signals.end_at_once("while compiling").expect("no signal has come");
+        let says = "error: interrupted by SIGINT while compiling; nothing has been written";
+        assert_eq!(signals.last_words(SIGINT).as_deref(), Some(says));
     }
 }

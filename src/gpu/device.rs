@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use super::compile_progress::CompileProgress;
 use super::kernel_cache::KernelCache;
 use super::numerics::Numerics;
 use crate::error::{Error, Result};
@@ -211,6 +212,8 @@ pub struct Device {
     pub numerics: OnceLock<Numerics>,
     /// The kernels that were compiled for it.
     pub kernels: KernelCache,
+    /// How far it is with those of the present render.
+    pub compiling: CompileProgress,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
 }
@@ -264,8 +267,8 @@ impl Device {
                 let _ = lost.set(format!("the device was lost: {message}"));
             }
         });
-        let (numerics, kernels) = (OnceLock::new(), KernelCache::default());
-        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, fault })
+        let (numerics, kernels, compiling) = (OnceLock::new(), KernelCache::default(), CompileProgress::default());
+        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, compiling, fault })
     }
 
     /// The class of this device.

@@ -43,8 +43,13 @@ impl Pipeline {
     /// # Errors
     /// That of the first kernel that has one.
     pub fn all(device: &Device, specs: &[PipelineSpec<'_>], buffers: &Buffers) -> Result<Vec<Pipeline>> {
-        let threads = cores().min(specs.len());
-        each(threads, specs, |spec| Pipeline::new(device, spec, buffers)).into_iter().collect()
+        device.compiling.begin(specs.len());
+        let create = |spec| {
+            let pipeline = Pipeline::new(device, spec, buffers);
+            device.compiling.advance();
+            pipeline
+        };
+        each(cores().min(specs.len()), specs, create).into_iter().collect()
     }
 
     /// Compiles and binds a kernel. One that the device has compiled before is not compiled again.

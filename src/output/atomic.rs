@@ -25,11 +25,11 @@ pub fn replace_if(
     write: impl FnOnce(&mut File) -> io::Result<()>,
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
-    let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
-    match Destination::find(path).map_err(|error| failed(error.to_string()))? {
-        Destination::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
-        Destination::File(target) => replace_file(&target, write, may).map_err(failed),
-    }
+    let replaced = Destination::find(path).and_then(|destination| match destination {
+        Destination::Stream => replace_stream(path, write),
+        Destination::File(target) => replace_file(&target, write, may),
+    });
+    replaced.map_err(|error| Error::of_write(path, &error))
 }
 
 /// Replaces the file at `path` by these bytes, as [`replace`] does.
@@ -41,21 +41,22 @@ fn replace_file(
     target: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
     may: impl FnOnce() -> std::result::Result<(), String>,
-) -> std::result::Result<(), String> {
+) -> io::Result<()> {
     let old = fs::metadata(target).ok();
     // Whoever may not read the old file may not read the new one either, also while it is written.
-    let mut temporary = Temporary::create(target, old.is_some()).map_err(no_file)?;
+    let mut temporary =
+        Temporary::create(target, old.is_some()).map_err(|error| io::Error::new(error.kind(), no_file(&error)))?;
     // From here on, every return removes the temporary file.
-    write(&mut temporary.file).map_err(|error| error.to_string())?;
+    write(&mut temporary.file)?;
     if let Some(old) = old {
         keep_owner_and_mode(&temporary.file, &old);
     }
-    temporary.file.sync_all().map_err(|error| error.to_string())?;
+    temporary.file.sync_all()?;
     // The folder's lock is held until the end. Where there is none, another writer may come between the check and the replacement.
     let folder = File::open(folder_of(target)).ok();
     let _ = folder.as_ref().map(File::lock);
-    may()?;
-    temporary.persist(target).map_err(|error| error.to_string())?;
+    may().map_err(io::Error::other)?;
+    temporary.persist(target)?;
     // The sync of the folder writes the new name to the disk. Not every system can do that, but the contents are already safe.
     let _ = folder.as_ref().map(File::sync_all);
     Ok(())
@@ -63,7 +64,7 @@ fn replace_file(
 
 /// The reason why no file could be made in the folder of the target. It has only the kind of the error, because the full text names the
 /// temporary file, which means nothing to the user.
-pub(super) fn no_file(error: io::Error) -> String {
+pub(super) fn no_file(error: &io::Error) -> String {
     format!("no file can be made in its folder: {}", error.kind())
 }
 

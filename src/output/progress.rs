@@ -2,11 +2,11 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle, WeakProgressBar};
 
 use crate::job::{Goal, Job};
 use crate::printable::one_line;
@@ -72,6 +72,11 @@ impl Progress {
         Progress { job: job.clone(), earlier, start, display, lines: AtomicUsize::new(0) }
     }
 
+    /// Starts the clock anew: what came before was no rendering.
+    pub fn restart(&mut self) {
+        self.start = Instant::now();
+    }
+
     /// Shows the new status. May be called as often as is convenient.
     pub fn update(&self, status: Status) {
         let elapsed = self.start.elapsed();
@@ -107,6 +112,17 @@ impl Progress {
     }
 }
 
+/// The bar that was shown last.
+static LAST_BAR: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
+
+/// Removes the bar, if one is shown: for who ends the program without a word to the bar's owner.
+pub fn remove_bar() {
+    let last = LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(bar) = last.as_ref().and_then(WeakProgressBar::upgrade) {
+        bar.finish_and_clear();
+    }
+}
+
 /// Whether stderr is a terminal, and not a dumb one.
 pub fn is_terminal() -> bool {
     !ProgressDrawTarget::stderr().is_hidden()
@@ -138,13 +154,14 @@ impl Display {
         match self {
             Display::Hidden => {}
             Display::Bar(bar) => {
+                *LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.downgrade());
                 bar.set_position((share * BAR_STEPS as f64) as u64);
                 let columns = columns_of_stderr().unwrap_or(usize::MAX);
                 bar.set_message(one_line(&words(columns.saturating_sub(BAR))).into_owned());
             }
             Display::Lines(last) => {
                 // A poisoned lock still holds a time.
-                let mut last = last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
                     print(&words(usize::MAX));

@@ -1,24 +1,26 @@
 //! Whether a file can be written to a path, found out before the work whose result it is to hold.
 
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 
 use super::atomic::no_file;
 use super::destination::{Destination, folder_of};
 use super::temporary::{Temporary, remove_stale};
+use crate::error::{Error, Result};
 
 /// The destination of the path, if [`atomic::replace`](super::atomic::replace) can write there as far as can be known. The error is the
 /// reason why it cannot.
 ///
 /// A stream is not opened. Temporary files that dead writers of the file have left are removed.
-pub fn check(path: &Path) -> Result<Destination, String> {
+pub fn check(path: &Path) -> std::result::Result<Destination, String> {
     let destination = Destination::find(path).map_err(|error| error.to_string())?;
     if let Destination::File(target) = &destination {
         // Even where files can be made in the folder, this one may not be replaceable.
         if let Some(obstacle) = by_attributes(target) {
             return Err(obstacle);
         }
-        let ours = Temporary::create(target, true).map_err(no_file)?;
+        let ours = Temporary::create(target, true).map_err(|error| no_file(&error))?;
         if is_anothers(target, &ours.file) {
             return Err(
                 "it belongs to another user, and its folder is sticky: only its owner may replace it".to_owned()
@@ -27,6 +29,13 @@ pub fn check(path: &Path) -> Result<Destination, String> {
         remove_stale(target);
     }
     Ok(destination)
+}
+
+/// Whether the disk of a file has room for anything. The error is that of writing the file.
+pub fn has_room(path: &Path) -> Result<()> {
+    let Ok(Destination::File(target)) = Destination::find(path) else { return Ok(()) };
+    let written = Temporary::create(&target, true).and_then(|mut temporary| temporary.file.write_all(&[1; 4096]));
+    written.map_err(|error| Error::of_write(path, &error))
 }
 
 /// The attribute that keeps a file from being replaced, if the file system has one.

@@ -224,16 +224,23 @@ impl<'a> DeviceRenderer<'a> {
         Ok(renderer)
     }
 
-    /// Dispatches each kernel with no workgroups, because some drivers compile at the first dispatch.
+    /// Dispatches each kernel with no workgroups, because some drivers compile at the first dispatch. Each has a submission of its own, so
+    /// that the number of kernels that are ready is known.
     fn warm_up(&self) -> Result<()> {
-        let mut encoder = encoder(self.device);
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let Kernels { generate, bounce, accumulate, .. } = &self.kernels;
-            let stages = [generate, accumulate].into_iter().chain(bounce);
-            stages.for_each(|stage| stage.pipeline.dispatch(&mut pass, 0));
+        let Kernels { generate, bounce, accumulate, .. } = &self.kernels;
+        let stages: Vec<&Stage> = [generate, accumulate].into_iter().chain(bounce).collect();
+        self.device.compiling.begin(stages.len());
+        let submit = |stage: &Stage| {
+            let mut encoder = encoder(self.device);
+            stage.pipeline.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
+            self.device.queue.submit([encoder.finish()])
+        };
+        let submissions: Vec<_> = stages.into_iter().map(submit).collect();
+        for submission in submissions {
+            self.device.wait(submission)?;
+            self.device.compiling.advance();
         }
-        self.device.wait(self.device.queue.submit([encoder.finish()]))
+        Ok(())
     }
 
     /// Prepares for another job.

@@ -1,7 +1,7 @@
 //! Renders until a deadline or until an error, whose number of samples is not given.
 
 use std::ops::Range;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::outcome::{Noise, level_after};
 use super::renderer::Renderer;
@@ -36,12 +36,20 @@ pub fn check_error(film: &Film, samples: u32, checks: u32, error: f64) -> (Noise
     (noise, noise.reached || (is_hopeless && samples >= LAST_CHECK))
 }
 
+/// A run of every pixel that takes less time than this is completed, even after the deadline.
+const SHORT_RUN: Duration = Duration::from_secs(2);
+
+/// Whether a render ends with complete runs, by its pace in samples per second.
+fn ends_with_runs(pace: f64) -> bool {
+    f64::from(RUN_LENGTH) < pace * SHORT_RUN.as_secs_f64()
+}
+
 fn seconds_until(deadline: Instant) -> f64 {
     deadline.saturating_duration_since(Instant::now()).as_secs_f64()
 }
 
 impl Renderer<'_> {
-    /// Renders as many samples as fit before the deadline, at least one if the film is empty.
+    /// Renders as many samples as fit before the deadline, and at least a run of each pixel, or a sample where a run takes long.
     pub(super) fn render_until(&mut self, most: Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<()> {
         if let Some(mut pace) = self.probe_pace(&most, deadline, caller)? {
             self.fill(most, deadline, &mut pace, caller)?;
@@ -49,17 +57,19 @@ impl Renderer<'_> {
         Ok(())
     }
 
-    /// Renders one sample of each pixel, and removes it. Returns the pace in samples per second; `None` if no further sample fits. Then the
-    /// sample stays, except in a film that goes on with an earlier render, where it would split a run.
+    /// Renders one sample of each pixel, and removes it. Returns the pace in samples per second; `None` if that sample is all that is rendered:
+    /// no further one fits, or it is the last.
     fn probe_pace(&mut self, most: &Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
+        // In a film that goes on with an earlier render, the one would cut a run in two.
         let goes_on = caller.film.totals().paths > 0;
         caller.probe = Some(PaceProbe { is_dropped: goes_on });
         self.render_samples(most.start..most.start + 1, caller)?;
         caller.probe = None;
         let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
-        let last = pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || caller.outcome.interrupted;
-        if last && !goes_on {
+        let interrupted = caller.outcome.interrupted;
+        let goes_further = ends_with_runs(pace) || (pace * seconds_until(deadline) >= 1.0 && !interrupted);
+        if !goes_on && (!goes_further || most.len() <= 1) {
             return Ok(None);
         }
         // Runs of this one sample would be parts of longer runs.
@@ -69,14 +79,19 @@ impl Renderer<'_> {
         }
         caller.outcome.totals = Totals::default();
         caller.outcome.samples = Samples::default();
-        Ok((!last).then_some(pace))
+        if interrupted && goes_on {
+            return Ok(None);
+        }
+        // The first runs are rendered even so. Then the caller interrupts again.
+        caller.outcome.interrupted = false;
+        Ok(Some(pace))
     }
 
-    /// Renders as many samples as fit before the deadline, which may be none. Returns one past the last.
+    /// Renders as many samples as fit before the deadline, and at least something if the film is empty. Returns one past the last.
     ///
     /// Their number is fixed before the last range begins, from the pace of the one before it: a render that stopped when a pass
-    /// happened to end would favour short paths. The last range is short, so that an error of the pace matters little. It may end
-    /// within a run, because a run may take longer than that error.
+    /// happened to end would favour short paths. The last range is short, so that an error of the pace matters little. Ranges end with
+    /// complete runs, so that a resumed render has the bytes of an uninterrupted one; only the last range of a slow render may not.
     fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, caller: &mut Caller<'_>) -> Result<u32> {
         /// The shares of the time after which the pace is measured again. The last leaves room for its error.
         const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
@@ -89,7 +104,7 @@ impl Renderer<'_> {
             let fits = (*pace * (share * all - spent)).max(0.0) as u32;
             let aim = done.saturating_add(fits).min(most.end);
             let last = later.is_empty();
-            let end = match last || aim == most.end {
+            let end = match aim == most.end || (last && !ends_with_runs(*pace)) {
                 true => aim,
                 false => aim / RUN_LENGTH * RUN_LENGTH,
             };
@@ -107,10 +122,11 @@ impl Renderer<'_> {
                 break;
             }
         }
-        if done == most.start && caller.outcome.totals.paths == 0 && caller.film.totals().paths == 0 {
-            // The probed pace promised a second sample, and the sample of the probe was removed.
-            self.render_samples(done..done + 1, caller)?;
-            done += 1;
+        if caller.outcome.totals.paths == 0 {
+            let run = (done / RUN_LENGTH + 1).saturating_mul(RUN_LENGTH);
+            let end = if ends_with_runs(*pace) { run.min(most.end) } else { done + 1 };
+            self.render_samples(done..end, caller)?;
+            done = end;
         }
         Ok(done)
     }

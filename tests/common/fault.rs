@@ -68,6 +68,13 @@ pub fn without_threads(command: &mut Command, folder: &Path) -> PathBuf {
     mark
 }
 
+/// Lets the folder of the program be on a disk that is full as long as the file `full` exists.
+pub fn on_full_disk(command: &mut Command, disk: &Path, full: &Path) {
+    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    command.env("LD_PRELOAD", LIBRARY.get_or_init(|| library("full_disk")));
+    command.env("GPU_RT_DISK", disk).env("GPU_RT_DISK_IS_FULL", full);
+}
+
 /// The library of a file of tests/layer.
 pub fn library(name: &str) -> PathBuf {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/layer").join(name).with_extension("rs");

@@ -51,6 +51,19 @@ pub fn send(child: &Child, signal: i32) {
     assert_eq!(sent, 0, "the signal is sent");
 }
 
+/// Waits until the program listens to signals: it has checked its outputs, and is about to compile.
+#[cfg(target_os = "linux")]
+pub fn until_listening(child: &mut Child) {
+    let file = format!("/proc/{}/status", child.id());
+    let caught = || {
+        let status = std::fs::read_to_string(&file).unwrap_or_default();
+        let set = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).map(str::trim);
+        set.and_then(|set| u64::from_str_radix(set, 16).ok()).unwrap_or(0)
+    };
+    // Of those that end the program it is the last that is listened to.
+    meanwhile(child, || caught() >> (libc::SIGHUP - 1) & 1 == 1);
+}
+
 /// Runs the program in a folder to its end, however long that takes.
 pub fn run(folder: &Path, arguments: &[&str]) -> Ran {
     Ran::wait_for(command(folder, arguments).spawn().expect("the program starts"))

@@ -9,11 +9,16 @@ use super::program::send;
 
 /// Runs the program on a terminal of so many columns: all that it prints.
 pub fn on_terminal(command: Command, columns: u16) -> String {
-    interrupted_on_terminal(command, columns, |_| false)
+    interrupted_on_terminal(command, columns, libc::SIGINT, |_| false).1
 }
 
-/// Runs a command on a terminal, with an interrupt when what it has printed is enough.
-pub fn interrupted_on_terminal(mut command: Command, columns: u16, is_enough: impl Fn(&str) -> bool) -> String {
+/// Runs a command on a terminal, with a signal when what it has printed is enough. The result is the exit status, and all that it prints.
+pub fn interrupted_on_terminal(
+    mut command: Command,
+    columns: u16,
+    signal: i32,
+    is_enough: impl Fn(&str) -> bool,
+) -> (Option<i32>, String) {
     let size = libc::winsize { ws_row: 24, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
     let (mut ours, mut its) = (0, 0);
     // SAFETY: the numbers are written, and the size is read, during the call.
@@ -30,12 +35,12 @@ pub fn interrupted_on_terminal(mut command: Command, columns: u16, is_enough: im
     while let Ok(count @ 1..) = file.read(&mut some) {
         bytes.extend_from_slice(&some[..count]);
         if !is_sent && is_enough(&String::from_utf8_lossy(&bytes)) {
-            send(&child, libc::SIGINT);
+            send(&child, signal);
             is_sent = true;
         }
     }
-    child.wait().expect("the program ends");
-    String::from_utf8(bytes).expect("UTF-8")
+    let status = child.wait().expect("the program ends");
+    (status.code(), String::from_utf8(bytes).expect("UTF-8"))
 }
 
 /// What stands in the rows of a terminal in the end, from the first that was written to on. Colours are left out.

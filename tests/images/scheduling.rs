@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::Path;
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
@@ -105,6 +106,29 @@ fn pace_probes_and_goals_do_not_show() {
             assert!(film == full, "{goal:?}: {:?}", outcome.samples);
         }
     }
+}
+
+/// A render of which a run of each pixel takes longer than two seconds ends within one if there is no time for all of it, or if it is stopped
+/// before its pace is known. It is a render of those samples all the same.
+#[test]
+fn a_slow_render_ends_at_any_sample() {
+    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let until = |time: Duration, wait: Duration, stops: bool| {
+        let goal = Goal::Until { deadline: Instant::now() + time, end: 4096 };
+        let (film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut |_, _| {
+            sleep(wait);
+            if stops { Next::Stop } else { Next::GoOn }
+        });
+        let samples = outcome.samples.range();
+        assert!(film == render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn).0, "{samples:?}");
+        samples.end
+    };
+    let (slow, fast) = (Duration::from_millis(400), Duration::ZERO);
+    assert_eq!(until(Duration::ZERO, slow, false), 1);
+    assert_eq!(until(Duration::from_secs(60), slow, true), 1);
+    assert_eq!(until(Duration::ZERO, fast, false), RUN_LENGTH);
+    let end = until(Duration::from_secs(60), fast, true);
+    assert!(end.is_multiple_of(RUN_LENGTH) && end < 4096, "{end}");
 }
 
 /// A snapshot shows the finished runs, and changes nothing.

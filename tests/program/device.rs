@@ -85,6 +85,8 @@ fn ends_a_render(functions: &[&str], result: &str, error: &str, variables: &[(&s
                 assert_eq!((image.width, image.height), (20, 12));
                 let samples = image.samples.expect("a layer of samples");
                 assert!(samples.iter().any(|&samples| samples > 0), "{function}, call {call}: {samples:?}");
+                let holds = format!("; sphere.exr holds {} samples per pixel. `gpu-rt render sphere.ron ", samples[0]);
+                assert!(said.contains(&holds) && said.ends_with(" -o sphere.exr --resume` goes on"), "{said}");
             }
         }
     }

@@ -1,12 +1,17 @@
 //! Where the program writes: what it refuses before it renders, and what becomes of files that are in use, in danger, or no files.
 
 use crate::common::device::index as software;
+#[cfg(target_os = "linux")]
+use crate::common::fault::on_full_disk;
 use crate::common::oidn;
+#[cfg(target_os = "linux")]
+use crate::common::program::until_listening;
 use crate::common::program::{Ran, finish, meanwhile, send};
+use crate::resume::Held;
 use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
 use std::fs::{self, File};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Child;
 
 use gpu_rt::output::exr::read_exr;
@@ -266,9 +271,13 @@ fn images_go_through_standard_output_and_into_devices() {
     assert_eq!(written(), (20, 12));
     sandbox.render(&["-o", "/dev/null", "--checkpoint", "1ms"]).exits(0);
     assert_eq!(sandbox.files(), ["copy"]);
+    // The image is kept elsewhere, but not beside a device.
     if cfg!(target_os = "linux") {
-        let ran = sandbox.render(&["-o", "/dev/full"]).exits(1);
+        let (arguments, temporary) = (sandbox.render_sphere(), temporary(&sandbox));
+        let mut command = sandbox.command(&[&arguments[..], &["-o", "/dev/full"]].concat());
+        let ran = finish(command.env("TMPDIR", &temporary).spawn().expect("the program starts")).exits(1);
         assert!(ran.last_line().starts_with("error: /dev/full: cannot write: No space left"), "{}", ran.stderr);
+        assert_eq!(names(&temporary), ["sphere.rescued.exr"]);
     }
 }
 
@@ -414,6 +423,151 @@ fn on_a_full_disk_the_last_checkpoint_stays() {
     send(&child, libc::SIGINT);
     finish(child).exits(130);
     assert_eq!(fs::read_dir(sandbox.work().join("out")).unwrap().count(), 1, "nothing else is left");
+}
+
+/// A folder for temporary files of its own.
+fn temporary(sandbox: &Sandbox) -> PathBuf {
+    let folder = sandbox.folder.path().join("temporary");
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// What happens to the folder of an image while it is rendered.
+enum Fate {
+    Stays,
+    IsMoved,
+    IsGone,
+    IsFolder,
+    Reserved,
+}
+
+/// The image goes to another name: in its folder, or in that of temporary files. The error has the command that goes on with it.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_image_without_its_place_goes_to_another_name() {
+    let sandbox = Sandbox::new();
+    sandbox.render(&["--quiet", "--spp", "32", "-o", "full.exr"]).exits(0);
+    let (full, temporary) = (Held::read(&sandbox.work().join("full.exr")), temporary(&sandbox));
+    let out = sandbox.work().join("out");
+    for (fate, output, rescued) in [
+        (Fate::Stays, "out/a b.exr", None),
+        (Fate::IsMoved, "out/a b.exr", Some("../temporary/a-b.rescued.exr")),
+        (Fate::IsGone, "out/a b.exr", Some("../temporary/a-b.rescued.exr")),
+        (Fate::IsFolder, "out/a b.exr", Some("out/a-b.rescued.exr")),
+        (Fate::Reserved, "out/a b.exr", Some("out/a-b.rescued-2.exr")),
+        (Fate::IsGone, "out/a.png", Some("../temporary/a.rescued.exr")),
+    ] {
+        let _ = fs::remove_dir_all(&out);
+        fs::create_dir(&out).unwrap();
+        let arguments = ["render", "../scenes/sphere.ron", "--device", software(), "-o", output, "--force"];
+        let mut command = sandbox.command(&arguments);
+        command.env("MESA_SHADER_CACHE_DISABLE", "true").env("TMPDIR", "../temporary");
+        let mut child = command.spawn().expect("the program starts");
+        until_listening(&mut child);
+        match fate {
+            Fate::Stays => {}
+            Fate::IsMoved => fs::rename(&out, sandbox.work().join("away")).unwrap(),
+            Fate::IsGone => fs::remove_dir_all(&out).unwrap(),
+            Fate::IsFolder | Fate::Reserved => fs::create_dir(out.join("a b.exr")).unwrap(),
+        }
+        if matches!(fate, Fate::Reserved) {
+            fs::write(out.join("a-b.rescued.exr"), "another").unwrap();
+        }
+        let ran = finish(child).exits(i32::from(rescued.is_some()));
+        let Some(rescued) = rescued else {
+            assert_eq!(names(&out), ["a b.exr"]);
+            assert_eq!(names(&temporary), [""; 0]);
+            continue;
+        };
+        let says = format!("; {rescued} holds 16 samples per pixel. `gpu-rt ");
+        let (error, command) = ran.last_line().split_once(&says).unwrap_or_else(|| panic!("{}", ran.stderr));
+        assert!(error.starts_with(&format!("error: {output}: cannot write: ")), "{error}");
+        let command = command.strip_suffix("` goes on").expect("a command");
+        sandbox.says(&format!("{command} --quiet --spp 32")).exits(0);
+        assert_eq!(Held::read(&sandbox.work().join(rescued)).difference(&full), [""; 0]);
+        fs::remove_file(sandbox.work().join(rescued)).unwrap();
+        assert_eq!(names(&temporary), [""; 0]);
+        if matches!(fate, Fate::Reserved) {
+            assert_eq!(fs::read_to_string(out.join("a-b.rescued.exr")).unwrap(), "another");
+        }
+    }
+}
+
+/// The image is there, and the picture can be made of it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_without_its_place_can_be_made_later() {
+    let sandbox = Sandbox::new();
+    let out = sandbox.work().join("out");
+    fs::create_dir(&out).unwrap();
+    let arguments = [&sandbox.render_sphere()[..], &["-o", "a.exr", "--png", "out/a.png"]].concat();
+    let mut child = sandbox.command(&arguments).env("MESA_SHADER_CACHE_DISABLE", "true").spawn().expect("it starts");
+    until_listening(&mut child);
+    fs::remove_dir(&out).unwrap();
+    let ran = finish(child).exits(1);
+    let says = "out/a.png: cannot write: the folder out does not exist; a.exr holds the image. `gpu-rt develop a.exr -o NAME.png`";
+    assert!(ran.last_line().contains(says), "{}", ran.stderr);
+    sandbox.says("develop a.exr -o NAME.png").exits(0);
+    assert_eq!(sandbox.files(), ["NAME.png", "a.exr"]);
+}
+
+/// A disk that is full from the start is reported before the first checkpoint, which is an hour away. At the end the image goes to the folder of
+/// temporary files, if that has room, and its own name is tried again: for a while, or until a signal comes if no folder has room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_at_the_start_and_tried_again_at_the_end() {
+    for (is_all_full, is_freed, status) in [(false, false, 1), (false, true, 0), (true, false, 143), (true, true, 0)] {
+        let sandbox = Sandbox::new();
+        let (temporary, full) = (temporary(&sandbox), sandbox.folder.path().join("full"));
+        let mut command =
+            sandbox.command(&[&sandbox.render_sphere()[..], &["-o", "a.exr", "--checkpoint", "1h"]].concat());
+        let disk = if is_all_full { sandbox.folder.path().to_owned() } else { sandbox.work() };
+        on_full_disk(&mut command, &disk, &full);
+        // What it says is on another disk.
+        let said = tempfile::NamedTempFile::new().unwrap();
+        let words = || fs::read_to_string(said.path()).unwrap();
+        fs::write(&full, "").unwrap();
+        let mut child =
+            command.env("TMPDIR", &temporary).stderr(said.reopen().unwrap()).spawn().expect("the program starts");
+        let until =
+            if is_all_full { "a.exr is tried again until it can be written or" } else { "a.exr is tried again\n" };
+        meanwhile(&mut child, || words().contains(until));
+        let at_start =
+            words().lines().position(|line| line.starts_with("warning: no checkpoint: a.exr: cannot write: "));
+        let at_end = words().lines().position(|line| line.starts_with("warning: a.exr: cannot write: No space left"));
+        assert!(at_start.is_some() && at_start < at_end, "{}", words());
+        assert_eq!(sandbox.files(), [""; 0]);
+        assert_eq!(names(&temporary).is_empty(), is_all_full);
+        if is_freed {
+            fs::remove_file(&full).unwrap();
+        } else if is_all_full {
+            send(&child, libc::SIGTERM);
+        }
+        finish(child).exits(status);
+        let last = words().lines().last().unwrap_or_default().to_owned();
+        if is_freed {
+            assert!(words().contains("a.exr is written after all\n"), "{}", words());
+            assert_eq!(attribute(&sandbox.exr("a.exr"), "gpu-rt:complete"), "1");
+            assert!(names(&temporary).is_empty());
+        } else if is_all_full {
+            let says = "error: interrupted by SIGTERM; a.exr: cannot write: No space left on device (os error 28); the image cannot be written elsewhere";
+            assert!(last.starts_with(says), "{last}");
+        } else {
+            let rescued = temporary.join("a.rescued.exr");
+            let says = format!("; {} holds 16 samples per pixel. `gpu-rt render ", rescued.display());
+            assert!(last.starts_with("error: a.exr: cannot write: No space left") && last.contains(&says), "{last}");
+            assert_eq!(attribute(&read_exr(&rescued).unwrap(), "gpu-rt:complete"), "1");
+        }
+    }
+    let ran = Sandbox::new().render(&[]).exits(0);
+    assert!(!ran.stderr.contains("cannot write"), "{}", ran.stderr);
 }
 
 #[test]

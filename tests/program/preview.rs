@@ -58,7 +58,7 @@ fn images_are_drawn_over_each_other() {
     let images = |text: &str| text.matches('▀').count() / (CELLS.0 * CELLS.1);
     // The progress is there again.
     let is_enough = |text: &str| images(text) == 3 && text.rfind("spp") > text.rfind('▀');
-    let text = interrupted_on_terminal(preview(&sandbox, &["--spp", ENDLESS]), 80, is_enough);
+    let (_, text) = interrupted_on_terminal(preview(&sandbox, &["--spp", ENDLESS]), 80, libc::SIGINT, is_enough);
     let so_far = text.char_indices().map(|(at, _)| &text[..at]).find(|text| is_enough(text)).expect("it was enough");
     let before = screen(so_far);
     let rows = image_rows(&before);

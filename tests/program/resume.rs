@@ -406,6 +406,27 @@ fn several_devices_have_the_bytes_of_one() {
     }
 }
 
+/// A render that --time ends consists of complete runs, also if the time is over before it begins: it goes on to the bytes of one render.
+#[test]
+fn a_render_that_time_ends_goes_on() {
+    let sandbox = Sandbox::new();
+    let held = || read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
+    let mut before = 0;
+    for (time, more) in [("0.7s", ""), ("1ms", "--resume"), ("0.7s", "--resume")] {
+        let ran = sandbox.render(&format!("--time {time} -o out.exr {more}")).exits(0);
+        let is_late = ran.stderr.contains("warning: --time 0.001 s is over before rendering begins: ");
+        assert_eq!(is_late, time == "1ms", "{}", ran.stderr);
+        assert!(held() > before && held().is_multiple_of(8), "{} after {before}", held());
+        before = held();
+    }
+    sandbox.is_one_render(before + 16);
+    // Within a run the last bits would differ.
+    sandbox.render("--quiet --spp 13 -o out.exr --force").exits(0);
+    sandbox.render("--quiet --spp 24 -o out.exr --resume").exits(0);
+    sandbox.render("--quiet --spp 24 -o full.exr --force").exits(0);
+    assert!(sandbox.holds("out.exr").film != sandbox.holds("full.exr").film);
+}
+
 /// A render that is stopped says what it has, and goes on from there.
 #[cfg(unix)]
 #[test]

@@ -2,12 +2,16 @@
 
 use crate::common::device::index as software;
 use crate::common::program::{finish, meanwhile, send, until, with_signals};
+#[cfg(target_os = "linux")]
+use crate::common::screen::{interrupted_on_terminal, screen};
 use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
+use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -117,6 +121,47 @@ fn limits_are_errors_of_commands_that_no_signal_interrupts() {
     finish(child).exits(0);
 }
 
+/// A driver that compiles cannot be stopped, and takes seconds. The progress says how far it is.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_while_compiling_ends_the_program_within_a_second() {
+    let sandbox = Sandbox::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/still-life.glb");
+    let arguments = ["render", scene, "--device", software(), "--size", "16x9", "-o", "a.exr"];
+    let file = || fs::read(sandbox.work().join("a.exr")).ok();
+    let resumes = "--size 16x9 --spp 16 --json -o a.exr --resume` goes on";
+    for (signal, status, name, more) in [
+        (libc::SIGTERM, 143, "SIGTERM", &["--spp", "8", "--json"][..]),
+        (libc::SIGHUP, 129, "SIGHUP", &["--watch"]),
+        (libc::SIGINT, 130, "SIGINT", &["--spp", "16", "--json", "--resume"]),
+    ] {
+        let before = file();
+        let mut command = sandbox.command(&[&arguments[..], more].concat());
+        command.env("MESA_SHADER_CACHE_DISABLE", "true");
+        let sent = Cell::new(None);
+        let (ended, text) = interrupted_on_terminal(command, 500, signal, |text| {
+            let is_enough = text.contains(" of 3 kernels, ");
+            sent.set(sent.get().or(is_enough.then(Instant::now)));
+            is_enough
+        });
+        let took = sent.get().expect("it compiles for a moment").elapsed();
+        assert!(took < Duration::from_secs(1), "{took:?}");
+        assert_eq!(ended, Some(status), "{text}");
+        // The bar is gone, and no report is made.
+        let screen = screen(&text);
+        assert!(screen.iter().all(|row| !row.contains("compiling ") && !row.contains('{')), "{screen:#?}");
+        let last = screen.iter().rfind(|row| !row.is_empty()).expect("it says something");
+        let kept =
+            if before.is_some() { "a.exr holds 8 samples per pixel. `gpu-rt " } else { "nothing has been written" };
+        let says = format!("error: interrupted by {name} while compiling; {kept}");
+        assert!(last.starts_with(&says) && last.ends_with(resumes) == before.is_some(), "{screen:#?}");
+        assert!(file() == before);
+        if signal == libc::SIGHUP {
+            sandbox.run(&[&arguments[..], &["--spp", "8"]].concat()).exits(0);
+        }
+    }
+}
+
 /// Waits until the program has written the file anew.
 fn next_checkpoint(child: &mut std::process::Child, file: &Path) {
     let time = || fs::metadata(file).and_then(|found| found.modified()).expect("the file is there");
@@ -172,10 +217,11 @@ fn a_second_signal_says_what_is_lost() {
         send(&child, libc::SIGHUP);
         let ran = finish(child);
         let second = if ran.code() == 129 { "SIGHUP" } else { "SIGINT" };
-        let says = format!("a second signal, {second}; sphere.exr holds the last checkpoint; what came since is lost");
+        let lost = format!("a second signal, {second}; what came since the last checkpoint is lost. sphere.exr holds ");
+        let resumes = "--checkpoint 50ms -o sphere.exr --resume` goes on";
         assert!([129, 130].contains(&ran.code()), "{ran:?}");
         sandbox.exr("sphere.exr");
-        ran.last_line().ends_with(&says)
+        ran.last_line().contains(&lost) && ran.last_line().ends_with(resumes)
     };
     assert!((0..20).any(is_lost));
 }

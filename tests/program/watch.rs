@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Child;
 
-use gpu_rt::output::exr::ExrImage;
+use gpu_rt::output::exr::{ExrImage, read_exr};
 
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, room};
@@ -305,10 +305,12 @@ fn a_save_ends_the_render_under_way() {
 
 #[test]
 fn a_signal_ends_it_with_the_image_so_far() {
-    let mut watch = Watch::new(Sandbox::new(), &["--spp", ENDLESS]);
-    watch.until_said("preview of 10 x 6", 1);
-    send(&watch.child, libc::SIGINT);
-    let Watch { sandbox, child, said, .. } = watch;
+    let watch = Watch::new(Sandbox::new(), &["--spp", ENDLESS, "--checkpoint", "50ms"]);
+    let Watch { sandbox, mut child, said, .. } = watch;
+    // Behind the previews.
+    let path = sandbox.work().join("sphere.exr");
+    meanwhile(&mut child, || read_exr(&path).is_ok_and(|image| image.width == 20));
+    send(&child, libc::SIGINT);
     finish(child).exits(130);
     let said = fs::read_to_string(said).unwrap();
     let last = said.lines().last().unwrap_or_default();

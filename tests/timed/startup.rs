@@ -7,6 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use crate::common::everything::{Everything, World};
+use gpu_rt::aov::Aov;
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
@@ -17,14 +18,15 @@ use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Outcome, Renderer, Snapshot};
+use gpu_rt::render::{Next, Outcome, Renderer, Snapshot, empty_film};
 use gpu_rt::scene::Scene;
 
 const SIZE: (u32, u32) = (16, 9);
 
 /// Makes a scene's kernels ready and, if it is to be rendered, renders a sample; the result is the kernels that were dispatched.
-fn start(device: &Device, scene: &Scene, scatter: Scatter, to_be_rendered: bool) -> Vec<String> {
-    let options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
+fn start(device: &Device, scene: &Scene, scatter: Scatter, aov: &[Aov], to_be_rendered: bool) -> Vec<String> {
+    let mut options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
+    options.aov.include(aov);
     let flat = flatten(scene, SIZE, &options).expect("the scene flattens");
     let job = Job { size: SIZE, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
     let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
@@ -33,7 +35,7 @@ fn start(device: &Device, scene: &Scene, scatter: Scatter, to_be_rendered: bool)
     if !to_be_rendered {
         return Vec::new();
     }
-    let mut film = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, Sampler::Sobol).expect("the film fits");
+    let mut film = empty_film(&flat, SIZE, &options).expect("the film fits");
     let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("the device renders");
     assert_eq!(film.totals().paths, u64::from(SIZE.0 * SIZE.1));
     outcome.profile.stages.into_iter().map(|(name, _)| name).collect()
@@ -105,13 +107,17 @@ fn submissions_are_short() {
 #[test]
 fn every_compiled_kernel_runs() {
     let files = Everything::new();
-    let scenes =
-        [("nothing", scene_of("")), ("sphere", scene_of(SPHERE)), ("everything", files.scene(World::default()))];
-    for (name, scene) in &scenes {
+    // With the channels of --denoise too.
+    let scenes = [
+        ("nothing", scene_of(""), &[][..]),
+        ("sphere", scene_of(SPHERE), &[Aov::Albedo, Aov::Normal]),
+        ("everything", files.scene(World::default()), &[]),
+    ];
+    for (name, scene, aov) in &scenes {
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
             let device = device::open();
             assert!(device.timestamps, "this test needs a device that tells which kernels it ran");
-            let ran = start(&device, scene, scatter, true);
+            let ran = start(&device, scene, scatter, aov, true);
             assert!(ran.len() >= 2, "{name}, {scatter:?}: {ran:?}");
             assert_eq!(in_vain(&device, &ran), Vec::<String>::new(), "{name}, {scatter:?}");
         }
@@ -124,8 +130,8 @@ fn every_compiled_kernel_runs() {
 fn a_kernel_that_is_compiled_in_vain_is_found() {
     let device = device::open();
     let scene = scene_of(SPHERE);
-    let _ = start(&device, &scene, Scatter::Linked, false);
-    let ran = start(&device, &scene, Scatter::Fused, true);
+    let _ = start(&device, &scene, Scatter::Linked, &[], false);
+    let ran = start(&device, &scene, Scatter::Fused, &[], true);
     let mut found = in_vain(&device, &ran);
     found.sort();
     assert_eq!(found, ["generate", "intersect", "refill", "scatter"]);

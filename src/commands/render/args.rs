@@ -27,8 +27,8 @@ pub struct RenderArgs {
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
-    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most
-    /// --spp if given.
+    /// Render for this time, counted from the start of the program [30s, 5m, …]: a multiple of 8 samples per pixel, or any number where 8 of them
+    /// take longer than 2 s; at least one, at most --spp if given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
     /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::RenderArgs;
 use crate::aov::Aov;
+use crate::commands::console::command_of_image;
 use crate::commands::denoise::{Denoised, Denoising, denoise};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
@@ -25,11 +26,9 @@ pub fn open(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
 
 /// Denoises the image of the render, which its file holds.
 pub fn write(denoising: &Denoising, exr: &Path, quiet: bool) -> Result<Denoised> {
-    let held = |error: Error| match error {
-        Error::Denoiser(words) => Error::Denoiser(format!("{words}. {} holds the image with its noise", exr.display())),
-        error => error,
-    };
-    denoise(denoising, exr, quiet).map(|(denoised, _)| denoised).map_err(held)
+    let again = command_of_image("denoise", exr, "NAME.exr");
+    let held = format!("{} holds the image with its noise. `{again}` denoises it", exr.display());
+    denoise(denoising, exr, quiet).map(|(denoised, _)| denoised).map_err(|error| error.and(&held))
 }
 
 /// The name of the denoised image: NAME.denoised.exr of NAME.exr.

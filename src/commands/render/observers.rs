@@ -6,17 +6,26 @@ use super::changes::Changes;
 use super::request::Request;
 use super::viewers::Viewers;
 use crate::commands::signals::Signals;
-use crate::error::Result;
+use crate::data::RUN_LENGTH;
+use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::job::{Goal, Job};
 use crate::output::destination::can_be_replaced;
 use crate::output::progress::{Progress, Status, Until};
+use crate::output::writable::has_room;
 use crate::render::{Next, Outcome, Snapshot, level_after, samples_at_check};
 
 /// Under `--watch`: the most between two checkpoints, unless they would take too long.
 const MOST_WATCHED: Duration = Duration::from_secs(2);
 /// The largest share of the time that checkpoints take.
 const MOST_OF_CHECKPOINTS: f64 = 0.03;
+
+/// A disk that is full from the start is known so long after the start: then the first checkpoint has been written, or has failed.
+const FIRST_CHECKPOINT: Duration = Duration::from_secs(45);
+/// A pace that has been measured for so long is relied on.
+const MEASURED: Duration = Duration::from_secs(3);
+/// Seconds that no render takes.
+const LONG: f64 = 1e9;
 
 /// What bringing the film from the device and measuring its error takes: 0.1 to 0.2 µs a pixel.
 fn snapshot_time((width, height): (u32, u32)) -> Duration {
@@ -47,6 +56,8 @@ pub struct Observers<'a> {
 pub struct Checkpoints {
     /// `None` where the file cannot be replaced.
     next: Option<Instant>,
+    /// When the first one is to be over, until one has been tried.
+    first: Option<Instant>,
     interval: Duration,
     /// Whether a user chose the interval.
     is_chosen: bool,
@@ -58,7 +69,10 @@ pub struct Checkpoints {
 
 /// What the progress of a job is measured by.
 struct Pace {
+    /// When the first of the paths that are counted began.
     begun: Instant,
+    /// The paths that were counted last.
+    paths: u64,
     goal: Goal,
     pixels: u64,
     /// Samples of a pixel that the film had before.
@@ -66,6 +80,8 @@ struct Pace {
     /// The error in the last snapshot.
     error: Option<f64>,
     until: Option<Until>,
+    /// The time of `--time`, until it has been reported as too short.
+    time: Option<Duration>,
 }
 
 impl<'a> Observers<'a> {
@@ -84,14 +100,25 @@ impl<'a> Observers<'a> {
         observers.checkpoints.interval = if args.watch { args.checkpoint.min(MOST_WATCHED) } else { args.checkpoint };
         observers.checkpoints.is_chosen = !args.watch;
         observers.checkpoints.next = can_be_replaced(image).then(Instant::now);
+        observers.checkpoints.first = observers.checkpoints.next.map(|now| now + FIRST_CHECKPOINT);
+        observers.pace.time = args.time;
+        if observers.checkpoints.next.is_some() {
+            observers.checkpoints.report(has_room(image).err(), &observers.progress);
+        }
         observers.next_snapshot = (!args.quiet || observers.viewers.any()).then(Instant::now);
         observers
     }
 
     /// Observers that take no snapshots and write no checkpoints.
     fn silent(progress: Progress, viewers: Viewers, signals: &'a Signals, job: &Job) -> Observers<'a> {
-        let checkpoints =
-            Checkpoints { next: None, interval: Duration::ZERO, is_chosen: true, failed: None, kept: false };
+        let checkpoints = Checkpoints {
+            next: None,
+            first: None,
+            interval: Duration::ZERO,
+            is_chosen: true,
+            failed: None,
+            kept: false,
+        };
         let pace = Pace::new(job, 0);
         Observers {
             progress,
@@ -105,9 +132,13 @@ impl<'a> Observers<'a> {
         }
     }
 
-    /// Gets ready for a job, on a film that has `earlier` samples of a pixel.
-    pub fn begin(&mut self, job: &Job, earlier: u64) {
-        self.pace = Pace::new(job, earlier);
+    /// Gets ready for a job, on a film that has `earlier` samples of a pixel, after so many seconds of compiling.
+    pub fn begin(&mut self, job: &Job, earlier: u64, compile: f64) {
+        let time = self.pace.time;
+        self.pace = Pace { time, ..Pace::new(job, earlier) };
+        if let Some(words) = self.pace.is_late(compile) {
+            self.progress.message(&words);
+        }
         let begun = self.pace.begun;
         self.next_snapshot = self.next_snapshot.map(|_| begun + pause_after(snapshot_time(job.size)));
         self.checkpoints.next = self.checkpoints.next.map(|_| begun + self.checkpoints.interval);
@@ -123,7 +154,11 @@ impl<'a> Observers<'a> {
     ) -> Next {
         let is_due = |next: Option<Instant>, now| next.is_some_and(|next| now >= next);
         let now = Instant::now();
-        let (keep, show) = (is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
+        self.pace.count(outcome);
+        // A checkpoint consists of complete runs: those that have started come first.
+        let first = self.checkpoints.first.filter(|_| now - self.pace.begun >= MEASURED);
+        let first = is_due(first, now + self.pace.time_of_runs(outcome));
+        let (keep, show) = (first || is_due(self.checkpoints.next, now), is_due(self.next_snapshot, now));
         let had_snapshot = snapshot.is_some();
         if let Some(Snapshot { film, begin, is_complete }) = snapshot {
             if keep && is_complete {
@@ -137,6 +172,9 @@ impl<'a> Observers<'a> {
             }
         }
         self.progress.update(self.pace.status(outcome));
+        if let Some(words) = self.pace.will_be_late(outcome) {
+            self.progress.message(&words);
+        }
         let is_stopped = self.signals.are_pending();
         if is_stopped && !std::mem::replace(&mut self.signal_reported, true) {
             let signal = self.signals;
@@ -156,11 +194,8 @@ impl<'a> Observers<'a> {
 impl Checkpoints {
     /// Tells what is new after a checkpoint, and when the next one comes. One that fails is tried again; the render is worth more than it.
     fn add(&mut self, kept: Result<()>, took: Duration, progress: &Progress) {
-        let failed = kept.err().map(|error| error.to_string());
-        if let Some(words) = about_checkpoint(self.failed.as_deref(), failed.as_deref()) {
-            progress.message(&words);
-        }
-        self.failed = failed;
+        self.first = None;
+        self.report(kept.err(), progress);
         let least = took.div_f64(MOST_OF_CHECKPOINTS);
         if least > self.interval {
             self.interval = least;
@@ -174,6 +209,15 @@ impl Checkpoints {
             }
         }
         self.next = Some(Instant::now() + self.interval);
+    }
+
+    /// Tells why the file cannot be written, or that it can be again.
+    fn report(&mut self, failed: Option<Error>, progress: &Progress) {
+        let failed = failed.map(|error| error.to_string());
+        if let Some(words) = about_checkpoint(self.failed.as_deref(), failed.as_deref()) {
+            progress.message(&words);
+        }
+        self.failed = failed;
     }
 }
 
@@ -191,7 +235,50 @@ fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
 impl Pace {
     fn new(job: &Job, earlier: u64) -> Pace {
         let pixels = u64::from(job.size.0) * u64::from(job.size.1);
-        Pace { begun: Instant::now(), goal: job.goal, pixels, earlier, error: None, until: None }
+        Pace { begun: Instant::now(), paths: 0, goal: job.goal, pixels, earlier, error: None, until: None, time: None }
+    }
+
+    /// Begins anew where paths were rendered to learn the pace, and are dropped.
+    fn count(&mut self, outcome: &Outcome) {
+        let before = std::mem::replace(&mut self.paths, outcome.totals.paths);
+        if self.paths < before {
+            self.begun = Instant::now();
+        }
+    }
+
+    /// What a run of each pixel takes at the pace so far; a long time before any is known.
+    fn time_of_runs(&self, outcome: &Outcome) -> Duration {
+        let paths = (u64::from(RUN_LENGTH) * self.pixels) as f64;
+        let seconds = self.begun.elapsed().as_secs_f64() * paths / outcome.totals.paths.max(1) as f64;
+        Duration::from_secs_f64(seconds.min(LONG))
+    }
+
+    /// A warning, once, if `--time` is over before rendering begins.
+    fn is_late(&mut self, compile: f64) -> Option<String> {
+        let deadline = self.goal.deadline()?;
+        let time = self.time.take_if(|_| Instant::now() >= deadline)?;
+        Some(format!(
+            "warning: --time {} s is over before rendering begins: {compile:.1} s went into compiling. At least one sample of each pixel is rendered",
+            time.as_secs_f64()
+        ))
+    }
+
+    /// A warning, once, if the first sample of each pixel is going to end after `--time`.
+    fn will_be_late(&mut self, outcome: &Outcome) -> Option<String> {
+        let deadline = self.goal.deadline()?;
+        let sample = self.time_of_runs(outcome) / RUN_LENGTH;
+        if outcome.totals.paths >= self.pixels {
+            // The first one has ended.
+            self.time = None;
+        }
+        let is_known = self.begun.elapsed() >= MEASURED;
+        // The pace of a start is not that of all.
+        let time = self.time.take_if(|time| is_known && self.begun + sample > deadline + *time / 10)?;
+        Some(format!(
+            "warning: --time {} s cannot be kept: a sample of each pixel takes about {:.0} s",
+            time.as_secs_f64(),
+            sample.as_secs_f64()
+        ))
     }
 
     fn samples(&self, outcome: &Outcome) -> u64 {
@@ -233,7 +320,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Error;
+    use crate::film::Totals;
 
     const JOB: Job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
 
@@ -279,6 +366,60 @@ mod tests {
             follow(Some(Snapshot { film: &film, begin: Instant::now(), is_complete: true }));
             assert_eq!(observers.checkpoints.kept, kept);
             assert_eq!(observers.checkpoints.failed.is_some(), !(exr && picture));
+        }
+    }
+
+    /// An outcome of so many paths of the one pixel.
+    fn outcome_of(paths: u64) -> Outcome {
+        Outcome { totals: Totals { paths, ..Totals::default() }, ..Outcome::default() }
+    }
+
+    /// Whatever the interval, the first checkpoint is requested so early that the started runs end in time.
+    #[test]
+    fn the_first_checkpoint_is_early() {
+        let signals = Signals::default();
+        let seconds = Duration::from_secs;
+        // A run of 8 samples takes 80 s, 40 s and 10 s.
+        for (measured, paths, is_due) in [(10, 1, true), (10, 2, true), (10, 8, false), (1, 1, false)] {
+            let mut observers = observers(&signals, None, seconds(3600));
+            observers.checkpoints.first = Some(Instant::now() + seconds(39));
+            observers.pace.begun = Instant::now() - seconds(measured);
+            let (film, outcome) = (Film::new(1, 1, 0).unwrap(), outcome_of(paths));
+            let mut follow = |snapshot| observers.follow(&outcome, snapshot, &|_, _| Ok(()), &|_| Ok(()));
+            assert_eq!(follow(None) == Next::CompleteSnapshot, is_due, "{measured} {paths}");
+            if is_due {
+                follow(Some(Snapshot { film: &film, begin: Instant::now(), is_complete: true }));
+                assert!(observers.checkpoints.kept && observers.checkpoints.first.is_none());
+                assert_eq!(observers.follow(&outcome, None, &|_, _| Ok(()), &|_| Ok(())), Next::GoOn);
+            }
+        }
+    }
+
+    /// It is reported once, as soon as it is known.
+    #[test]
+    fn a_time_that_cannot_be_kept_is_told() {
+        let seconds = Duration::from_secs;
+        let time = seconds(25);
+        let pace = |left: u64, measured: u64| {
+            let goal = Goal::Until { deadline: Instant::now() + seconds(left), end: 100 };
+            let mut pace = Pace { time: Some(time), ..Pace::new(&Job { goal, ..JOB }, 0) };
+            (pace.begun, pace.pixels) = (Instant::now() - seconds(measured), 100);
+            pace
+        };
+        let mut late = pace(0, 0);
+        let says = "warning: --time 25 s is over before rendering begins: 31.4 s went into compiling";
+        assert!(late.is_late(31.4).is_some_and(|words| words.starts_with(says)));
+        assert_eq!((late.is_late(31.4), late.will_be_late(&outcome_of(1))), (None, None));
+        // Ten seconds for five of a hundred pixels.
+        let mut slow = pace(15, 10);
+        let says = "warning: --time 25 s cannot be kept: a sample of each pixel takes about 200 s";
+        assert_eq!(slow.is_late(9.0), None);
+        assert_eq!(
+            (slow.will_be_late(&outcome_of(5)).as_deref(), slow.will_be_late(&outcome_of(5))),
+            (Some(says), None)
+        );
+        for (left, measured, paths) in [(300, 10, 5), (15, 1, 1), (15, 10, 100)] {
+            assert_eq!(pace(left, measured).will_be_late(&outcome_of(paths)), None, "{left} {measured} {paths}");
         }
     }
 

@@ -5,10 +5,12 @@ use std::time::{Duration, Instant};
 use serde_json::{Map, Value, json};
 
 use super::accumulation::Accumulation;
+use super::compiling::show_compiling;
+use super::last_write::LastWrite;
 use super::observers::Observers;
 use super::record::{FileSamples, Finish, Seconds, attributes_of, drop_absent, overrun, record};
 use super::request::Request;
-use crate::commands::console::{object, path_text};
+use crate::commands::console::{command_of_image, object, path_text};
 use crate::commands::denoise::Denoised;
 use crate::commands::target::open_devices;
 use crate::error::{Error, Result};
@@ -68,8 +70,9 @@ fn per_sample(seconds: f64, samples: u64) -> f64 {
 
 impl Rendering<'_> {
     /// Renders what the film lacks. Devices that fail are opened once more, and go on from the last checkpoint or from the beginning.
-    pub fn run(&mut self) -> Result<()> {
-        let first = self.attempt();
+    /// `quiet` hides what compiles.
+    pub fn run(&mut self, quiet: bool) -> Result<()> {
+        let first = self.attempt(quiet);
         let Err(Error::Device(why)) = &first else { return first };
         if self.loaded.is_none() || self.observers.signals.are_pending() {
             return first;
@@ -78,25 +81,29 @@ impl Rendering<'_> {
         // If that fails too, the first failure is reported.
         let Ok((film, devices)) = self.begin_again() else { return first };
         (self.film, *self.devices) = (film, devices);
-        self.attempt()
+        self.attempt(quiet)
     }
 
-    fn attempt(&mut self) -> Result<()> {
+    fn attempt(&mut self, quiet: bool) -> Result<()> {
         let Rendering { request, devices, film, observers, outcome, clock, loaded, .. } = self;
         outcome.noise = film.noise_reached(&request.job);
         let jobs = film.jobs(&request.job, outcome.noise);
         let Some(first) = jobs.first() else { return Ok(()) };
+        let ending = observers.signals.end_at_once("while compiling")?;
         // The device keeps what its probe finds; its error is returned again when the findings are read.
         let probe = || devices.iter().all(|device| numerics(device).is_ok());
         let plan = |device: &Device| Plan::new(&request.flat, &request.args.options, device.class(), first);
         let (_, plans) = join(probe, || devices.iter().map(plan).collect::<Result<Vec<_>>>());
         let plans = plans?;
         let pairs: Vec<_> = devices.iter().zip(&plans).collect();
-        let mut renderer = Renderer::of_devices(&pairs, first, request.args.profile)?;
+        let compile = || Renderer::of_devices(&pairs, first, request.args.profile);
+        let mut renderer = show_compiling(devices, quiet, compile)?;
+        drop(ending);
         let kernels = plans.iter().take(1).flat_map(Plan::kernels).map(|kernel| kernel.name.clone()).collect();
         let gpu_bytes = plans.iter().flat_map(Plan::buffers).map(|buffer| buffer.allocated()).sum();
         *loaded = Some(Loaded { kernels, gpu_bytes });
         clock.seconds.compile += clock.lap();
+        observers.progress.restart();
         if request.args.watch {
             renderer.set_submission_time(SOON);
         }
@@ -115,12 +122,12 @@ impl Rendering<'_> {
                 let checks = outcome.noise.map_or(*checks, |noise| noise.checks);
                 let state = State::new(request.identity().clone(), devices.clone(), film, samples, checks);
                 let attributes = attributes_of(&record(request, numerics, &finish, &seconds));
-                request.write(film, Some(state), &attributes)?;
-                let image = request.image.display();
-                signals.set_loss(format!("{image} holds the last checkpoint; what came since is lost"));
+                request.write(film, Some(&state), &attributes)?;
+                let kept = request.what_is_in(&request.image, &state.samples);
+                signals.set_loss(format!("what came since the last checkpoint is lost. {kept}"));
                 Ok(())
             };
-            observers.begin(job, earlier);
+            observers.begin(job, earlier, clock.seconds.compile);
             let picture = |film: &Film| request.write_png_so_far(film);
             let done = renderer
                 .run(job, pixels, &mut |so_far, snapshot| observers.follow(so_far, snapshot, &checkpoint, &picture))?;
@@ -151,36 +158,53 @@ impl Rendering<'_> {
     /// Writes the image and its picture. An EXR with more samples than the complete render is kept: the number of samples of `--time` and
     /// `--noise` is known only now.
     pub fn write(&mut self, finish: &Finish, record: &Map<String, Value>) -> Result<()> {
-        let Rendering { request, film, .. } = self;
-        let Accumulation { film: pixels, samples, checks, devices } = film;
+        let request = self.request;
+        let Accumulation { film: pixels, samples, checks, devices } = &self.film;
         self.held.at_end = if finish.complete { request.more_than(samples.count()) } else { None };
         if self.loaded.is_some() && self.held.at_end.is_none() {
             let state = State::new(request.identity().clone(), devices.clone(), pixels, samples.clone(), *checks);
-            request.write(pixels, Some(state), &attributes_of(record))?;
+            if let Err(error) = self.last_write(Some(state), record).write() {
+                let _ = request.write_png(pixels);
+                return Err(error);
+            }
         }
-        self.observers.signals.set_loss(format!("{} holds the image", request.image.display()));
-        request.write_png(pixels)
+        let image = request.image.display();
+        let contents = if request.args.watch { "last picture" } else { "image" };
+        self.observers.signals.set_loss(format!("{image} holds the {contents}"));
+        let develop = command_of_image("develop", &request.image, "NAME.png");
+        let held = format!("{image} holds the image. `{develop}` makes the picture");
+        request.write_png(pixels).map_err(|error| error.and(&held))
+    }
+
+    fn last_write(&self, state: Option<State>, record: &Map<String, Value>) -> LastWrite<'_> {
+        LastWrite {
+            request: self.request,
+            signals: self.observers.signals,
+            film: &self.film.film,
+            samples: &self.film.samples,
+            state,
+            attributes: attributes_of(record),
+        }
     }
 
     /// Keeps what there is where the device has failed for good. The error says what that is.
     pub fn keep(&self, error: Error, record: &Map<String, Value>) -> Error {
-        let Error::Device(why) = error else { return error };
         let Rendering { request, film, .. } = self;
-        let image = request.image.display();
-        if self.is_in_file() {
-            let held = read_state(&request.image).ok().flatten().map_or(0, |state| state.samples.count());
-            return Error::Device(format!("{why}; {}", request.what_is_kept(held)));
+        if !matches!(error, Error::Device(_)) {
+            return error;
+        }
+        let in_file = if self.is_in_file() { read_state(&request.image).ok().flatten() } else { None };
+        if let Some(state) = in_file {
+            return error.and(&request.what_is_in(&request.image, &state.samples));
         }
         // A film with runs under way left out favours short paths. Nothing can go on from it.
         if film.film.totals().paths == 0 {
-            return Error::Device(why);
+            return error.and("nothing has been written");
         }
-        let written =
-            request.write(&film.film, None, &attributes_of(record)).and_then(|()| request.write_png(&film.film));
-        Error::Device(match written {
-            Ok(()) => format!("{why}; {image} holds what there was, and cannot be resumed"),
-            Err(error) => format!("{why}; {error}"),
-        })
+        match self.last_write(None, record).write().and_then(|()| request.write_png(&film.film)) {
+            Ok(()) => error.and(&format!("{} holds what there was, and cannot be resumed", request.image.display())),
+            Err(failed) => error.and(&failed.to_string()),
+        }
     }
 
     /// Whether the output is an EXR with a checkpoint of this render, or with what it goes on with.

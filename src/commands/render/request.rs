@@ -7,8 +7,10 @@ use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
 use super::denoising;
+use crate::commands::console::command_to_resume;
 use crate::commands::outputs::{EXR, EXR_OR_PNG, PNG, check_outputs};
 use crate::commands::scene::{biases, size_of};
+use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::flatten::DeviceScene;
@@ -18,6 +20,7 @@ use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::exr::{Attribute, State, read_state, write_render};
 use crate::output::format::{Format, format_of};
 use crate::output::png::write_png;
+use crate::samples::Samples;
 use crate::scene::Scene;
 
 /// What the stated error of any render excludes, in words.
@@ -83,17 +86,27 @@ impl<'a> Request<'a> {
 
     /// Writes the image that `-o` names. It is an error if that is an EXR with more samples of this render, which another process may have
     /// put there meanwhile. Nothing can go on from an image without a state.
-    pub fn write(&self, film: &Film, state: Option<State>, attributes: &[(String, Attribute)]) -> Result<()> {
+    pub fn write(&self, film: &Film, state: Option<&State>, attributes: &[(String, Attribute)]) -> Result<()> {
         let Some(exr) = self.exr() else { return self.write_picture(&self.image, film) };
-        let mine = state.as_ref().map(|state| state.samples.count());
+        let mine = state.map(|state| state.samples.count());
         let may = || match mine.and_then(|mine| Some((mine, self.more_than(mine)?))) {
             None => Ok(()),
             Some((mine, more)) => Err(format!(
                 "it holds {more} samples per pixel of this render, more than the {mine} here: it stays. --force overwrites it"
             )),
         };
-        let state = state.filter(|_| !self.args.no_state);
-        write_render(exr, film, attributes, state.as_ref(), may)
+        write_render(exr, film, attributes, state.filter(|_| !self.args.no_state), may)
+    }
+
+    /// Writes the image into a file that has been made for it.
+    pub fn write_to(
+        &self,
+        exr: &Path,
+        film: &Film,
+        state: Option<&State>,
+        attributes: &[(String, Attribute)],
+    ) -> Result<()> {
+        write_render(exr, film, attributes, state.filter(|_| !self.args.no_state), || Ok(()))
     }
 
     /// Writes the picture with the EXR, if requested.
@@ -113,16 +126,24 @@ impl<'a> Request<'a> {
         write_png(png, self.job.size, &|index| film.developed(index).rgb, &self.args.view.transform())
     }
 
-    /// What the file holds, and how to go on.
-    pub fn what_is_kept(&self, samples: u64) -> String {
-        let image = self.image.display();
-        match self.exr().is_none() || self.args.no_state || samples == 0 || !can_be_replaced(&self.image) {
-            true => format!("{image} holds the image so far"),
-            false if self.args.watch => {
-                format!("{image} holds {samples} samples per pixel. --resume in place of --watch goes on")
-            }
-            false => format!("{image} holds {samples} samples per pixel. Add --resume to go on"),
+    /// What a file holds that has so many samples of this render, and the command that goes on with it.
+    pub fn what_is_in(&self, file: &Path, samples: &Samples) -> String {
+        let (name, count) = (file.display(), samples.count());
+        let is_picture = self.exr().is_none() && file == self.image;
+        if is_picture || self.args.no_state || count == 0 || !can_be_replaced(file) {
+            return format!("{name} holds the image so far, {count} samples per pixel");
         }
+        let may_differ = match self.ends_within_run(samples) {
+            true => ". What goes on may differ from one render in the last bits, as the samples end within a run of 8",
+            false => "",
+        };
+        format!("{name} holds {count} samples per pixel. `{}` goes on{may_differ}", command_to_resume(file))
+    }
+
+    /// Whether the samples end within a run that the render would have rendered whole.
+    pub fn ends_within_run(&self, samples: &Samples) -> bool {
+        let end = samples.range().end;
+        !end.is_multiple_of(RUN_LENGTH) && end < self.job.goal.end()
     }
 }
 

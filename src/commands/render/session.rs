@@ -24,6 +24,8 @@ pub struct Session {
     pub changes: Option<Changes>,
     /// The seconds that the last render took for its kernels, linked or compiled.
     pub compile: f64,
+    /// Whether the user wants errors only. Previews are quiet in any case, but for the progress of what they compile.
+    pub quiet: bool,
     /// Whether the warnings about software devices have been printed.
     pub devices_reported: bool,
     /// Under `--watch`: the hierarchies of the scene's meshes.

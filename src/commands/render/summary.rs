@@ -38,8 +38,13 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
     });
     if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {
         tell(&format!(
-            "note: the render took {total:.1} s of --time {} s: one more sample of each pixel might have taken longer",
+            "note: the render took {total:.1} s of --time {} s: more samples of each pixel might have taken longer",
             time.as_secs_f64()
+        ));
+    }
+    if ended_by_time.is_some() && request.exr().is_some() && request.ends_within_run(&finish.samples) {
+        tell(&format!(
+            "note: the samples end within a run of {RUN_LENGTH}: what goes on with --resume may differ from one render in the last bits"
         ));
     }
     if args.profile {

@@ -32,6 +32,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
         signals: Some(signals.clone()),
         changes: Some(Changes::new()),
         hierarchies: Some(Hierarchies::default()),
+        quiet: args.quiet,
         ..Session::default()
     };
     let (mut start, mut began) = (start, false);
