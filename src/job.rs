@@ -162,6 +162,17 @@ impl Goal {
 }
 
 impl Job {
+    /// The number of paths, if it is known in advance.
+    pub fn paths(&self) -> Option<u64> {
+        match self.goal {
+            Goal::Samples(end) => {
+                let pixels = u64::from(self.size.0) * u64::from(self.size.1);
+                Some(pixels * u64::from(end.saturating_sub(self.first_sample)))
+            }
+            Goal::Until { .. } | Goal::Noise { .. } => None,
+        }
+    }
+
     /// The number of runs, if it is known in advance.
     pub fn runs(&self) -> Option<u64> {
         match self.goal {

@@ -35,11 +35,17 @@ fn spherical_quad(corner: vec3<f32>, u: vec3<f32>, v: vec3<f32>) -> SphericalQua
 
 // The direction for the solid angle `part` of the fan and the fraction `share` of the arc's height (light/spherical).
 fn spherical_quad_direction(quad: SphericalQuad, u: vec3<f32>, v: vec3<f32>, part: f32, share: f32) -> vec3<f32> {
-    if part < quad.areas.x {
-        return spherical_direction(quad.first, quad.second, quad.third, u, v, quad.determinant, part, share);
+    let in_first = part < quad.areas.x;
+    var second = quad.fourth;
+    if in_first {
+        second = quad.second;
     }
+    let to_second = select(v, u, in_first);
+    let to_third = select(u, v, in_first);
+    let determinant = select(-quad.determinant, quad.determinant, in_first);
     let rest = max(quad.areas.y - (part - quad.areas.x), 0.0);
-    return spherical_direction(quad.first, quad.fourth, quad.third, v, u, -quad.determinant, rest, share);
+    let area = select(rest, part, in_first);
+    return spherical_direction(quad.first, second, quad.third, to_second, to_third, determinant, area, share);
 }
 
 fn quad_light_sample(from_point: vec3<f32>, quad: Quad, u: vec2<f32>) -> DirectionSample {

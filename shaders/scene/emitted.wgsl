@@ -3,7 +3,7 @@
 //@ use data/ray
 //@ use data/surface
 //@ use bind/materials
-//@ use choice/colour
+//@ use choice/light_colour
 //@ use scene/lights
 // The radiance that a surface emits to a shadow ray, if no material emits and scatters.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
@@ -11,5 +11,5 @@ fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {
         return vec3<f32>(0.0);
     }
-    return surface_colour(material, hit, surface);
+    return colour_of_light(material, hit, surface);
 }

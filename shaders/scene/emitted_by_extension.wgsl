@@ -2,7 +2,9 @@
 //@ use data/material
 //@ use data/ray
 //@ use data/surface
-//@ use scene/extensions
+//@ use bind/extensions
+//@ use bind/materials
+//@ use choice/light_colour
 //@ use scene/lights
 // The radiance that a surface emits to a shadow ray, where materials emit and scatter.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
@@ -10,5 +12,8 @@ fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     if emission == NO_EXTENSION || (materials[emission].parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal)) {
         return vec3<f32>(0.0);
     }
-    return extension_colour(emission, hit, surface);
+    let row = materials[emission];
+    var framed = surface;
+    framed.frame += row.kind;
+    return colour_of_light(row, hit, framed);
 }

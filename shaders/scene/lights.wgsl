@@ -160,23 +160,27 @@ fn number_of_light(hit: Hit) -> u32 {
 // The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);
+    var light = 0u;
+    var pdf = 0.0;
     switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
             let shape = ${name}s[index];
-            return probability_of_light(shape.light, from_point) * ${name}_light_pdf(from_point, direction, shape);
+            light = shape.light;
+            pdf = ${name}_light_pdf(from_point, direction, shape);
         }
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
             let instance = instances[at_run_time(hit.instance)];
             let corners = corners_in_render_space(instance, index);
-            let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
-            return probability_of_light(instance.to_light + index, from_point) * pdf;
+            light = instance.to_light + index;
+            pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
         }
         //@ end
         default: {
             return 0.0;
         }
     }
+    return probability_of_light(light, from_point) * pdf;
 }

@@ -11,7 +11,9 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path: Path;
-    start_run(&path);
+    if start_run(&path) {
+        start_sample(&path);
+    }
     store_path(slot, &path);
     store_no_light(slot);
 }

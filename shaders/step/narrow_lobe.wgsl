@@ -92,14 +92,14 @@ fn record_event(path: ptr<function, Path>, lobe: u32, share: f32) {
 fn record_found_light(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, contribution: vec3<f32>) {
     let light = number_of_light(hit);
     if is_hidden_light(path) && light < NOT_SAMPLED {
-        add_light(path, bin_of_light(light, radiance), FOUND, contribution);
+        add_light(words_of_probe(path), bin_of_light(light, radiance), FOUND, contribution);
     }
 }
 
 // Counts light of the sky that the path's ray found.
 fn record_found_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
     if is_hidden_light(path) {
-        add_light(path, bin_of_light(NUMBER_OF_SKY, radiance), FOUND, contribution);
+        add_light(words_of_probe(path), bin_of_light(NUMBER_OF_SKY, radiance), FOUND, contribution);
     }
 }
 
@@ -110,15 +110,16 @@ fn is_hidden_light(path: ptr<function, Path>) -> bool {
 // Counts light that the path's shadow ray found, as a probe and by light sampling: the emitted radiance, and what media let pass.
 fn record_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>, arriving: vec3<f32>) {
     let bin = bin_of_light(number_of_light(hit), emitted);
+    let words = words_of_probe(path);
     if ((*path).history & LIGHT_IN_NARROW_LOBE) != 0u {
-        add_light(path, bin, FOUND, (*path).light_weight * arriving);
+        add_light(words, bin, FOUND, (*path).light_weight * arriving);
     }
     if (*path).probe > 0.0 {
         var probed = (*path).probe * arriving;
         if is_delta_light(hit.code) {
             probed *= intensity_of_delta_light(hit.code, (*path).shadow.direction);
         }
-        add_light(path, bin, PROBED, (*path).throughput * probed);
+        add_light(words, bin, PROBED, (*path).throughput * probed);
     }
 }
 
@@ -128,10 +129,11 @@ fn bin_of_light(light: u32, radiance: vec3<f32>) -> u32 {
     return (light + (bitcast<u32>(largest_component(radiance)) >> 23u)) % LIGHT_BINS;
 }
 
-fn add_light(path: ptr<function, Path>, bin: u32, sum: u32, contribution: vec3<f32>) {
+// `words` is words_of_probe.
+fn add_light(words: vec4<u32>, bin: u32, sum: u32, contribution: vec3<f32>) {
     // In units of 2^-24 of the device's unit of radiance. The remaining fraction of a unit is rounded up with a
     // probability equal to that fraction.
-    let rounding = f32(words_of_probe(path).y >> 8u) * 0x1p-24f;
+    let rounding = f32(words.y >> 8u) * 0x1p-24f;
     let added = u32(min(largest_component(abs(contribution)), 100.0) * 0x1p24f + rounding);
     let before = atomicAdd(&counters.light[bin][sum][0], added);
     if carry(before, added) != 0u {

@@ -61,9 +61,8 @@ fn refill_path(path: ptr<function, Path>) {
     (*path).rays += (*path).depth + 1u;
     let end = end_of_run((*path).sample, settings.end_sample);
     (*path).sample += 1u;
-    if (*path).sample < end {
-        start_sample(path);
-    } else {
+    var has_run = (*path).sample < end;
+    if !has_run {
         let at = atomicAdd(&counters.records, 1u);
         let sum = (*path).sum.sum - (*path).sum.excess;
         var run = RunRecord();
@@ -78,6 +77,9 @@ fn refill_path(path: ptr<function, Path>) {
         run.squares_b = (*path).squares.z;
         record_aov(&run, path);
         records[at] = run;
-        start_run(path);
+        has_run = start_run(path);
+    }
+    if has_run {
+        start_sample(path);
     }
 }

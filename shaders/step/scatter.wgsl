@@ -36,8 +36,9 @@ fn scatter_path(path: ptr<function, Path>) {
     record_surface(path, evaluated.material, bsdf, interaction.normal);
 
     // Emission, whose MIS weight needs the density of the event before. Then light sampling, which stores the density of this event.
-    add_surface_emission(path, hit, evaluated, bsdf);
-    weigh_emitter_hit(path, hit, bsdf);
+    let emission_weight = weight_of_emission(path, hit, radiance_of_surface(evaluated, bsdf), bsdf.event);
+    add_surface_emission(path, evaluated, bsdf, emission_weight);
+    (*path).throughput *= select(1.0, emission_weight, bsdf.event == EMITTED);
     sample_light_at_surface(path, hit, surface, frame, interaction, evaluated, bsdf, u.y);
 
     // Throughput, roulette, the next ray.

@@ -29,13 +29,13 @@ fn start_sample(path: ptr<function, Path>) {
     start_history(path);
 }
 
-// Takes the window's next run, or leaves the slot idle if there is none.
-fn start_run(path: ptr<function, Path>) {
+// Takes the window's next run, or leaves the slot idle if there is none. Returns whether there is one.
+fn start_run(path: ptr<function, Path>) -> bool {
     let run = atomicAdd(&counters.next, 1u);
     if run >= window.end {
         (*path).status = SLOT_IDLE;
         atomicAdd(&counters.idle, 1u);
-        return;
+        return false;
     }
     let block = window.first_block + run / window.pixels;
     (*path).pixel = pixel_in_order(window.first_pixel + run % window.pixels);
@@ -45,5 +45,5 @@ fn start_run(path: ptr<function, Path>) {
     (*path).rays = 0u;
     (*path).squares = vec3<f32>(0.0);
     clear_aov(path);
-    start_sample(path);
+    return true;
 }

@@ -3,11 +3,17 @@
 //@ use data/path
 //@ use choice/aov_direct
 //@ use choice/clamp
-//@ use choice/found_light
 // A surface that emits and scatters adds its emission, and the path goes on.
-fn add_surface_emission(path: ptr<function, Path>, hit: Hit, evaluated: EvaluatedMaterial, bsdf: Scatter) {
+
+// The radiance that a surface emits, also where the path ends on it.
+fn radiance_of_surface(evaluated: EvaluatedMaterial, bsdf: Scatter) -> vec3<f32> {
+    return select(evaluated.emission, bsdf.weight, bsdf.event == EMITTED);
+}
+
+// `weight` is the MIS weight.
+fn add_surface_emission(path: ptr<function, Path>, evaluated: EvaluatedMaterial, bsdf: Scatter, weight: f32) {
     let emission = select(evaluated.emission, vec3<f32>(0.0), bsdf.event == EMITTED);
-    let contribution = weigh_emission(path, hit, emission, (*path).throughput * emission);
+    let contribution = (*path).throughput * emission * weight;
     record_direct(path, contribution, (*path).depth);
     (*path).radiance += limited_indirect(contribution, (*path).depth);
 }

@@ -25,15 +25,19 @@ fn sample_light_at_surface(
     let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated.material);
     let probes = bsdf.event == SCATTERED && sends_probe(path, bsdf.lobe);
     var sampled = LightResponse(Response(), 0.0, 1.0);
-    // One call serves both, because GPUs inline the functions of all kinds of lights at each call.
+    // One call serves both, because compilers inline the functions of all kinds of lights at each call.
     if samples_lights || probes {
         let side = choose_side(samples_lights, evaluated.material, frame.point, hit, surface, frame.facing, u);
         let light_sample = sample_light(path, side.point);
         var leaving = bsdf.direction;
         if samples_lights {
             leaving = light_sample.direction;
-            sampled.response = response_of_material(evaluated.material, interaction, leaving);
-            sampled.drawn_pdf = response_of_material(evaluated.material, interaction, bsdf.direction).pdf;
+            // The response to the BSDF sample, whose density is kept, and then that to the light: also by one call.
+            for (var i = 0u; i < 2u + settings.zero; i++) {
+                sampled.drawn_pdf = sampled.response.pdf;
+                let direction = select(bsdf.direction, leaving, i == 1u);
+                sampled.response = response_of_material(evaluated.material, interaction, direction);
+            }
             sampled.response.value = response_on_side(sampled.response.value, leaving, interaction.normal, frame.shading);
         }
         sampled = respond_on_side(sampled, side, light_sample.direction, frame.shading);

@@ -60,6 +60,8 @@ pub struct Features {
     pub textured_media: Option<String>,
     /// Kinds of primitive that are sampled as lights, by the indices of `PRIMITIVES`.
     pub emitters: [Option<String>; PRIMITIVES.len()],
+    /// Sampled lights whose radiance is a texture.
+    pub textured_lights: Option<String>,
     /// Lights without size that are sampled, and those of them that are directional.
     pub delta_lights: Option<String>,
     pub directional_lights: Option<String>,
@@ -123,6 +125,7 @@ impl Features {
             .for_each(add);
         [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
         if sample_lights {
+            add(&mut self.textured_lights);
             [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
             for (lobe, used) in [
                 (Lobe::Wide, &mut self.non_specular),

@@ -72,6 +72,14 @@ impl Builder<'_> {
             let (name, _) = &materials[material as usize];
             let reason = || format!("\"{name}\" at {}", self.scene.material_location(name));
             self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(reason);
+            if materials[material as usize]
+                .1
+                .model()
+                .emission()
+                .is_some_and(|found| found.slot.texture.shader_number().is_some())
+            {
+                self.flat.features.textured_lights.get_or_insert_with(reason);
+            }
             self.set_light(&group, lights.len() as u32);
             for (Emitter { code, instance, around, normal, .. }, intensity) in group.emitters {
                 let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));

@@ -11,7 +11,7 @@ const LONGEST: usize = 100;
 /// How many names are tried in a folder.
 const NAMES: usize = 100;
 
-/// The folders that may take the image in place of `path`: that of the file, and that of temporary files. Beside a pipe or a device there is no
+/// The folders to write an image to instead of `path`: its own, and that of temporary files. Beside a pipe or a device there is no
 /// place for a file.
 pub fn folders(path: &Path) -> Vec<PathBuf> {
     let own = match Destination::find(path) {

@@ -342,6 +342,7 @@ pub(super) fn decide(
         ("sky_light", either(&emitting_sky, "scene/sky_light", "null/sky_light")),
         ("light_surfaces", either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces")),
         ("surface_radiance", either(&emission, "scene/emitted_by_extension", "scene/emitted")),
+        ("light_colour", either(&reason_of(&features.textured_lights), "scene/textured_light", "scene/plain_light")),
         ("light_coverage", either(&light_coverage, "scene/light_coverage", "null/light_coverage")),
         ("clamp", approximate(&options::CLAMP, is_clamped)),
         ("fresnel", approximate(&options::FRESNEL, has_glass)),
@@ -408,8 +409,9 @@ pub(super) fn decide(
         ("sky_light", features.sky_light),
         ("sky_columns", features.sky_grid.0),
         ("sky_rows", features.sky_grid.1),
-        // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
-        ("most_steps", if features.shadow_rays { 19_000 } else { 48_000 }),
+        // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's. A step that tests the
+        // alpha of a surface has four more, one for each texel.
+        ("most_steps", if features.shadow_rays { 19_000 } else { 48_000 } / if alpha.is_some() { 5 } else { 1 }),
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count()) as u32),

@@ -249,6 +249,7 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.extend(media);
     all.push(one("textured medium", &features.textured_media, "scene/textured_medium"));
     all.extend(kinds(PRIMITIVES, &features.emitters, "light", " light"));
+    all.push(one("textured light", &features.textured_lights, "scene/textured_light"));
     all.push(one("delta light", &features.delta_lights, "light/delta"));
     all.push(one("sky light", &features.emitting_sky, "light/sky"));
     all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));

@@ -10,6 +10,10 @@ use crate::threads::cores;
 /// The most memory of a device that the film takes. A larger film is rendered in tiles.
 const MOST_FILM_BYTES: u64 = 512 << 20;
 
+/// The paths from which on a render by a software device takes the fused kernel. Linked kernels compile in half of the time, and render half as
+/// many paths per second (docs/performance.md).
+const FUSED_FROM: u64 = 1 << 19;
+
 /// Sizes that change only the speed, not the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
@@ -26,6 +30,12 @@ pub struct Tuning {
 }
 
 impl Tuning {
+    /// How the stages of a bounce become kernels where the time to compile does not matter. A processor pays more for storing a path's state
+    /// than for its divergence (docs/performance.md).
+    pub fn scatter_of_long_renders(device: DeviceClass) -> Scatter {
+        if device.software { Scatter::Fused } else { Scatter::Linked }
+    }
+
     /// The sizes that options give; the others are chosen for the device.
     pub fn new(device: DeviceClass, job: &Job, options: &RenderOptions) -> Tuning {
         let runs = job.runs().unwrap_or(u64::MAX);
@@ -44,8 +54,10 @@ impl Tuning {
         Tuning {
             slots,
             workgroup: options.workgroup.unwrap_or(64),
-            // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
-            scatter: options.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
+            scatter: options.scatter.unwrap_or(match job.paths() {
+                Some(paths) if paths < FUSED_FROM => Scatter::Linked,
+                _ => Tuning::scatter_of_long_renders(device),
+            }),
             bounces: options.bounces,
             records_per_slot: room_for_records.clamp(2, 16) as u32,
             tile: pixels.min(room).max(1) as u32,

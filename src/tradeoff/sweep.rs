@@ -14,7 +14,7 @@ use crate::flatten::flatten;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
 use crate::options::{Class, OptionSpec, RenderOptions};
-use crate::plan::Plan;
+use crate::plan::{Plan, Tuning};
 use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
 
@@ -246,7 +246,10 @@ impl<'a> Sweep<'a> {
         let size = scaled(self.size, setting.scale);
         let flat = flatten(self.scene, size, &setting.options)?;
         let job = self.job(size, setting.max_depth, LEVEL, 0);
-        let plan = Plan::new(&flat, &setting.options, self.device.class(), &job)?;
+        // What is measured here is to hold for renders that are longer.
+        let mut options = setting.options.clone();
+        options.scatter.get_or_insert(Tuning::scatter_of_long_renders(self.device.class()));
+        let plan = Plan::new(&flat, &options, self.device.class(), &job)?;
         let effect = Effect::new(&plan, setting.max_depth);
         if size == self.size && self.defaults.as_ref() == Some(&effect) {
             return Ok(None);

@@ -42,6 +42,7 @@ pub mod scenes;
 #[cfg(target_os = "linux")]
 pub mod screen;
 pub mod stats;
+pub mod sweeps;
 pub mod tables;
 pub mod trace;
 pub mod triangles;

@@ -27,6 +27,7 @@ mod references;
 mod same_bytes;
 mod scheduling;
 mod sobol;
+mod sweeps;
 mod thin_faces;
 mod trade_offs;
 mod uv_sets;

@@ -7,7 +7,7 @@ use crate::common::kernel::Overlay;
 use crate::common::render::{Change, Request, Shot, render, render_job, scene};
 use crate::common::rooms::{THINGS, room};
 use crate::common::stats::one_sample_t;
-use gpu_rt::data::Sampler;
+use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
@@ -103,7 +103,7 @@ fn a_render_until_an_error_is_that_of_its_samples() {
             assert!(before.film.error_estimate(level_after(last)).expect("there is light").bound >= error);
         }
     }
-    // The most samples, and the time, come first where they do.
+    // The most samples, and the time, come first where they do. At least a run of each pixel is rendered.
     let (film, outcome) =
         until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, checks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..41));
@@ -111,8 +111,8 @@ fn a_render_until_an_error_is_that_of_its_samples() {
     let deadline = Some(std::time::Instant::now());
     let (film, outcome) =
         until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, checks: 0 }, Sobol);
-    assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..1));
-    assert!(film == render(&scene, &Request::spp(1).sobol().seed(4).depth(10)).film);
+    assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..RUN_LENGTH));
+    assert!(film == render(&scene, &Request::spp(RUN_LENGTH).sobol().seed(4).depth(10)).film);
 }
 
 /// Two scenes in which few pixels hold the noise: a bulb smaller than a pixel, and the shipped marbles in so small an image that a lamp's edge does.

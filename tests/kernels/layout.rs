@@ -44,6 +44,7 @@ fn modules() -> Vec<naga::Module> {
         vertex_tangents: Some("a test".to_string()),
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
+        textured_lights: Some("a test".to_string()),
         extensions: Default::default(),
         tinted: Default::default(),
         absorbing: Default::default(),

@@ -72,6 +72,7 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
     Features {
         shadow_rays: true,
         emitters: on(emitters),
+        textured_lights: (emitters % 2 == 1).then(|| "a test".to_string()),
         emitting_sky: sky.then(|| "a test".to_string()),
         lights: emitters.count_ones() + u32::from(sky),
         sky_grid: (4, 2),

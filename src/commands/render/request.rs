@@ -134,13 +134,15 @@ impl<'a> Request<'a> {
             return format!("{name} holds the image so far, {count} samples per pixel");
         }
         let may_differ = match self.ends_within_run(samples) {
-            true => ". What goes on may differ from one render in the last bits, as the samples end within a run of 8",
+            true => {
+                ". A resumed render may differ from an uninterrupted one in the last bits, as the samples end within a run of 8"
+            }
             false => "",
         };
         format!("{name} holds {count} samples per pixel. `{}` goes on{may_differ}", command_to_resume(file))
     }
 
-    /// Whether the samples end within a run that the render would have rendered whole.
+    /// Whether the samples end within a run that the full render would have completed.
     pub fn ends_within_run(&self, samples: &Samples) -> bool {
         let end = samples.range().end;
         !end.is_multiple_of(RUN_LENGTH) && end < self.job.goal.end()

@@ -44,7 +44,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
     }
     if ended_by_time.is_some() && request.exr().is_some() && request.ends_within_run(&finish.samples) {
         tell(&format!(
-            "note: the samples end within a run of {RUN_LENGTH}: what goes on with --resume may differ from one render in the last bits"
+            "note: the samples end within a run of {RUN_LENGTH}: a render that --resume continues may differ from an uninterrupted one in the last bits"
         ));
     }
     if args.profile {
