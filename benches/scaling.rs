@@ -13,8 +13,11 @@ use serde_json::Value;
 
 #[path = "../tests/common/scaling.rs"]
 mod scaling;
+#[path = "../tests/common/took.rs"]
+mod took;
 
 use scaling::{DOCUMENT, Inputs, PLOT, inputs_of, plot, short, table_of_inputs, with_measurements, with_tables};
+use took::{Took, median, of_children};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -27,37 +30,6 @@ const MORE: u32 = 40;
 const CUT: u32 = 64;
 /// The first sample of a part that is copied: its range has the same number of digits everywhere.
 const FIRST: u32 = 10_000_000;
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// What a process took.
-#[derive(Clone, Copy, Default)]
-struct Took {
-    wall: f64,
-    /// Processor seconds, user's and system's.
-    processor: f64,
-}
-
-/// Processor seconds of all processes that have ended.
-#[cfg(unix)]
-fn of_children() -> f64 {
-    // SAFETY: a struct of numbers, which the call fills.
-    let usage = unsafe {
-        let mut usage = std::mem::zeroed::<libc::rusage>();
-        libc::getrusage(libc::RUSAGE_CHILDREN, &raw mut usage);
-        usage
-    };
-    let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
-    seconds(usage.ru_utime) + seconds(usage.ru_stime)
-}
-
-#[cfg(not(unix))]
-fn of_children() -> f64 {
-    f64::NAN
-}
 
 struct Bench {
     program: PathBuf,

@@ -1,6 +1,7 @@
 //! The host's code for the device: adapters, linked shaders, pipelines and buffers. Nothing here knows scenes.
 
 pub mod buffers;
+pub mod compile_beside;
 pub mod compile_progress;
 pub mod device;
 pub mod kernel_cache;

@@ -661,7 +661,7 @@ const TUNING: &[&OptionSpec] = &[
     &OptionSpec {
         name: "scatter",
         about: "How the stages of a bounce become kernels: one kernel for all; one per stage; or one per stage, with a scatter kernel \
-                and a queue per material [default: by the device and the number of paths].",
+                and a queue per material [default: by the device, the scene and the number of paths].",
         reading: Some(Reading {
             takes: Takes::Words(|| Scatter::WORDS.iter().map(|(word, _)| *word).collect()),
             read: |options, text| Scatter::read(text).map(|scatter| options.scatter = Some(scatter)),

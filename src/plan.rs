@@ -35,6 +35,12 @@ pub use tuning::Tuning;
 /// The override constants that say how many steps walks may take.
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
 
+/// A render of fewer paths is over before a large fused kernel is worth its time to compile: linked kernels take half of that, and render about
+/// half as many paths per second (docs/performance.md).
+const LONG_RENDER: u64 = 1 << 19;
+/// The expressions of kernels that take longer to compile where they are fused.
+const LARGE_KERNELS: usize = 4500;
+
 /// A kernel: a linked shader and what it binds.
 #[derive(Debug)]
 pub struct Kernel {
@@ -127,10 +133,15 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// As of [`Kernels::link`].
     pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
-        let tuning = Tuning::new(device, job, options);
+        let mut tuning = Tuning::new(device, job, options);
         let tables = UniformTables::new(scene, device);
         let features = scene.features.with_options(options);
-        let kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
+        let mut kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
+        let is_short = options.scatter.is_none() && job.paths().is_some_and(|paths| paths < LONG_RENDER);
+        if is_short && tuning.scatter == Scatter::Fused && kernels.expressions() > LARGE_KERNELS {
+            (tuning.scatter, tuning.is_short) = (Scatter::Linked, true);
+            kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
+        }
         Ok(Plan { scene, options: options.clone(), kernels, tuning })
     }
 
@@ -160,6 +171,14 @@ impl<'a> Plan<'a> {
 }
 
 impl Kernels {
+    /// The number of expressions in all functions of all kernels.
+    fn expressions(&self) -> usize {
+        let of = |kernel: &Kernel| {
+            kernel.module.functions.iter().map(|(_, function)| function.expressions.len()).sum::<usize>()
+        };
+        self.all().into_iter().map(of).sum()
+    }
+
     /// Chooses and links the kernels.
     ///
     /// # Errors

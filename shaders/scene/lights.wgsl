@@ -4,6 +4,7 @@
 //@ use data/primitive
 //@ use bind/lights
 //@ use light/sample
+//@ use scene/at_run_time
 //@ use choice/light_choice
 //@ each emitter
 //@ use light/${name}
@@ -12,7 +13,6 @@
 //@ end
 //@ if emitting_mesh
 //@ use light/triangle
-//@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
 //@ use choice/delta_lights
@@ -160,7 +160,7 @@ fn number_of_light(hit: Hit) -> u32 {
 // The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);
-    var light = 0u;
+    var light = at_run_time(0u);
     var pdf = 0.0;
     switch primitive_kind(hit.code) {
         //@ each emitter

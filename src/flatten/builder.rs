@@ -203,6 +203,8 @@ impl Builder<'_> {
                 *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
                 let row = data::Material { kind: frame, parameter: extension.parameter, ..data::Material::default() };
                 frame += is_textured(extension.slot);
+                let is_alpha = extension.kind == ExtensionKind::Alpha;
+                self.flat.features.alpha_textures |= is_alpha && extension.slot.texture.plain().is_none();
                 self.add_row(name, row, Some(extension.slot), radiance_scale);
             }
             if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {

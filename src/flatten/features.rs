@@ -78,6 +78,8 @@ pub struct Features {
     /// Whether an invocation may have two walks, the second one for a shadow ray. It depends only on the scene, even with
     /// `--features all`.
     pub shadow_rays: bool,
+    /// Whether steps of a walk may read a texture, because an alpha has one. It depends only on the scene, too.
+    pub alpha_textures: bool,
     /// The number of media.
     pub media: u32,
     /// Kinds of background, by the indices of `BACKGROUNDS`. A scene itself has one.

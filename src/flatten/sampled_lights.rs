@@ -76,7 +76,7 @@ impl Builder<'_> {
                 .1
                 .model()
                 .emission()
-                .is_some_and(|found| found.slot.texture.shader_number().is_some())
+                .is_some_and(|found| found.slot.texture.plain().is_none())
             {
                 self.flat.features.textured_lights.get_or_insert_with(reason);
             }

@@ -74,6 +74,13 @@ impl<'a> BufferSpec<'a> {
         self.bytes.max(LEAST).next_multiple_of(4)
     }
 
+    /// This buffer without contents, and as small as kernels can bind it.
+    #[must_use]
+    pub fn emptied(&self) -> BufferSpec<'static> {
+        let bytes = if self.usage.contains(wgpu::BufferUsages::UNIFORM) { self.bytes } else { LEAST };
+        BufferSpec::new(self.name, bytes, self.usage, self.why)
+    }
+
     /// How it is bound: "uniform" or "storage".
     pub fn binding(&self) -> &'static str {
         match self.usage.contains(wgpu::BufferUsages::UNIFORM) {

@@ -83,6 +83,15 @@ impl Adapters {
         self.list.get(index).ok_or_else(|| Error::Device("no device".to_string()))
     }
 
+    /// The adapter of this name.
+    ///
+    /// # Errors
+    /// `Error::Device` if it is gone.
+    pub fn like(&self, name: &AdapterName) -> Result<&wgpu::Adapter> {
+        let found = self.list.iter().find(|adapter| AdapterName::from_adapter(adapter) == *name);
+        found.ok_or_else(|| Error::Device(format!("{name} is gone")))
+    }
+
     /// The adapters that render one film: those of a list `A,B,…` of wishes, all of a machine, or the one that
     /// [`Adapters::index_of_choice`] selects.
     pub fn choose_several(&self, spec: Option<&str>) -> Result<Vec<&wgpu::Adapter>> {

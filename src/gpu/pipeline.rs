@@ -73,6 +73,14 @@ impl Pipeline {
         Ok(Pipeline { name: spec.name.to_string(), pipeline, bind_group })
     }
 
+    /// Dispatches the kernel with no workgroups, because some drivers compile at the first dispatch.
+    pub fn warm_up(&self, device: &Device) -> Result<()> {
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("warm-up") });
+        self.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
+        device.wait(device.queue.submit([encoder.finish()]))
+    }
+
     /// Records a dispatch of so many workgroups.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, groups: u32) {
         pass.set_pipeline(&self.pipeline);

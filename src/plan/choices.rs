@@ -409,9 +409,12 @@ pub(super) fn decide(
         ("sky_light", features.sky_light),
         ("sky_columns", features.sky_grid.0),
         ("sky_rows", features.sky_grid.1),
-        // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's. A step that tests the
-        // alpha of a surface has four more, one for each texel.
-        ("most_steps", if features.shadow_rays { 19_000 } else { 48_000 } / if alpha.is_some() { 5 } else { 1 }),
+        // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's. A step that reads
+        // an alpha has four more, one for each texel.
+        (
+            "most_steps",
+            if features.shadow_rays { 19_000 } else { 48_000 } / if features.alpha_textures { 5 } else { 1 },
+        ),
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count()) as u32),

@@ -399,6 +399,9 @@ fn scatter_words(plan: &Plan<'_>) -> String {
             "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
                 .to_string()
         }
+        (Bounce::Staged(_), _) if plan.tuning.is_short => {
+            "linked: so few paths are rendered before a fused kernel is compiled (docs/performance.md)".to_string()
+        }
         (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
         (Bounce::Staged(staged), _) if staged.dispatch.is_some() => {
             format!("queues: a kernel and a queue for each of {} materials", staged.scatter.len())

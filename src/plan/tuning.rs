@@ -10,10 +10,6 @@ use crate::threads::cores;
 /// The most memory of a device that the film takes. A larger film is rendered in tiles.
 const MOST_FILM_BYTES: u64 = 512 << 20;
 
-/// The paths from which on a render by a software device takes the fused kernel. Linked kernels compile in half of the time, and render half as
-/// many paths per second (docs/performance.md).
-const FUSED_FROM: u64 = 1 << 19;
-
 /// Sizes that change only the speed, not the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
@@ -21,6 +17,8 @@ pub struct Tuning {
     pub slots: u32,
     pub workgroup: u32,
     pub scatter: Scatter,
+    /// Whether the stages are linked only because a fused kernel would take longer to compile than it saves.
+    pub is_short: bool,
     /// Bounces of a submission; if absent, measured and adapted.
     pub bounces: Option<u32>,
     /// Finished runs of a slot that there is room for before they are added to the film.
@@ -54,10 +52,8 @@ impl Tuning {
         Tuning {
             slots,
             workgroup: options.workgroup.unwrap_or(64),
-            scatter: options.scatter.unwrap_or(match job.paths() {
-                Some(paths) if paths < FUSED_FROM => Scatter::Linked,
-                _ => Tuning::scatter_of_long_renders(device),
-            }),
+            scatter: options.scatter.unwrap_or(Tuning::scatter_of_long_renders(device)),
+            is_short: false,
             bounces: options.bounces,
             records_per_slot: room_for_records.clamp(2, 16) as u32,
             tile: pixels.min(room).max(1) as u32,

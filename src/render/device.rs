@@ -12,18 +12,22 @@ use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
 use crate::film::{Film, Totals, device_bytes};
-use crate::gpu::buffers::{Buffers, Readback};
+use crate::gpu::buffers::{BufferSpec, Buffers, Readback};
+use crate::gpu::compile_beside::{compile_beside, is_worth_it};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
+use crate::threads::join;
 
 /// The default time of a submission: long enough to hide the cost of making it, and short enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
 /// Submissions in flight. While the device executes one, the next one waits in its queue, and the host reads the counters of the last one.
 const IN_FLIGHT: usize = 2;
+/// Small kernels that take longer than this to get ready were not in the driver's cache.
+const COMPILED: Duration = Duration::from_millis(40);
 /// The most bytes of the film in a transfer to the host.
 const FILM_AT_ONCE: u64 = 16 << 20;
 
@@ -136,7 +140,8 @@ impl<'a> DeviceRenderer<'a> {
         let most_steps = numerics.most_steps().map(f64::from);
         let of_steps = |name| most_steps.map(|most| (name, most));
         let constants: Vec<_> = STEPS.into_iter().filter_map(of_steps).collect();
-        let buffers = Buffers::create(device, &plan.buffers())?;
+        let buffer_specs = plan.buffers();
+        let buffers = Buffers::create(device, &buffer_specs)?;
         let specs: Vec<_> = plan
             .kernels()
             .into_iter()
@@ -220,27 +225,40 @@ impl<'a> DeviceRenderer<'a> {
             tuning,
             buffers,
         };
-        renderer.warm_up()?;
+        renderer.warm_up(&specs, &buffer_specs)?;
         Ok(renderer)
     }
 
-    /// Dispatches each kernel with no workgroups, because some drivers compile at the first dispatch. Each has a submission of its own, so
-    /// that the number of kernels that are ready is known.
-    fn warm_up(&self) -> Result<()> {
+    /// Makes each kernel ready, and counts those that are. If the first ones took so long that they were compiled, another device compiles all
+    /// but the largest of the others meanwhile.
+    fn warm_up(&self, specs: &[PipelineSpec<'_>], buffers: &[BufferSpec<'_>]) -> Result<()> {
         let Kernels { generate, bounce, accumulate, .. } = &self.kernels;
-        let stages: Vec<&Stage> = [generate, accumulate].into_iter().chain(bounce).collect();
-        self.device.compiling.begin(stages.len());
-        let submit = |stage: &Stage| {
-            let mut encoder = encoder(self.device);
-            stage.pipeline.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
-            self.device.queue.submit([encoder.finish()])
+        let device = self.device;
+        device.compiling.begin(2 + bounce.len());
+        let warm_up = |stage: &Stage| {
+            stage.pipeline.warm_up(device)?;
+            device.compiling.advance();
+            Ok(())
         };
-        let submissions: Vec<_> = stages.into_iter().map(submit).collect();
-        for submission in submissions {
-            self.device.wait(submission)?;
-            self.device.compiling.advance();
+        let begin = Instant::now();
+        [generate, accumulate].into_iter().try_for_each(warm_up)?;
+        let named = |stage: &&Stage| specs.iter().find(|spec| spec.name == stage.pipeline.name);
+        let largest = bounce.iter().max_by_key(|stage| named(stage).map(|spec| spec.text.len()));
+        if begin.elapsed() > COMPILED && bounce.len() > 1 && is_worth_it(device) {
+            let name = largest.map(|stage| &stage.pipeline.name);
+            let others: Vec<_> = bounce
+                .iter()
+                .filter(|stage| Some(&stage.pipeline.name) != name)
+                .filter_map(|stage| named(&stage))
+                .collect();
+            // What it does not compile, this device compiles below.
+            let (_, done) = join(
+                || compile_beside(device, &others, buffers),
+                || largest.map_or(Ok(()), |stage| stage.pipeline.warm_up(device)),
+            );
+            done?;
         }
-        Ok(())
+        bounce.iter().try_for_each(warm_up)
     }
 
     /// Prepares for another job.

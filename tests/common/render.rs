@@ -10,7 +10,7 @@ use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job, blocks};
 use gpu_rt::options::{Filter, Integrator, RenderOptions, Scatter, Switch};
-use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged};
+use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged, Tuning};
 use gpu_rt::render::{Next, Outcome, Renderer, Watch, empty_film};
 use gpu_rt::scene::Scene;
 
@@ -213,7 +213,12 @@ pub fn render_with(
     if request.storage_tables {
         class.max_uniform_bytes = 0;
     }
-    let mut plan = Plan::new(&flat, &request.options, class, &first).expect("the kernels link");
+    let mut options = request.options.clone();
+    if wanted.size_hint() != (1, Some(1)) {
+        // All of them together are no short render.
+        options.scatter.get_or_insert(Tuning::scatter_of_long_renders(class));
+    }
+    let mut plan = Plan::new(&flat, &options, class, &first).expect("the kernels link");
     relink(&mut plan.kernels, change);
     let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {

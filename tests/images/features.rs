@@ -130,6 +130,7 @@ fn everything_is_on() {
             "material/pbr_plain_layer",
             "step/specular_event",
             "scene/plain_colour",
+            "scene/plain_light",
             "scene/plain_medium",
             "scene/flat_shading",
             "scene/world_axes",

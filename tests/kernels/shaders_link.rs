@@ -619,6 +619,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("sky_light", "scene"),
     ("light_surfaces", "scene"),
     ("surface_radiance", "scene"),
+    ("light_colour", "scene"),
     ("light_coverage", "scene"),
     ("clamp", "step"),
     ("fresnel", "lib"),
