@@ -11,11 +11,14 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+#[path = "../tests/common/exr_header.rs"]
+mod exr_header;
 #[path = "../tests/common/scaling.rs"]
 mod scaling;
 #[path = "../tests/common/took.rs"]
 mod took;
 
+use exr_header::sealed;
 use scaling::{DOCUMENT, Inputs, PLOT, inputs_of, plot, short, table_of_inputs, with_measurements, with_tables};
 use took::{Took, median, of_children};
 
@@ -68,7 +71,7 @@ impl Bench {
         for part in 0..count {
             let mut bytes = bytes.clone();
             bytes[at..at + known.len()].copy_from_slice(range(part).as_bytes());
-            fs::write(self.path(&format!("part-{part}.exr")), bytes)?;
+            fs::write(self.path(&format!("part-{part}.exr")), sealed(bytes))?;
         }
         Ok(())
     }

@@ -54,7 +54,7 @@ pub enum Error {
     /// A file could not be read or written.
     #[error("{}: cannot {action}: {}", path_on_one_line(path), one_line(reason))]
     File { path: PathBuf, action: &'static str, reason: String },
-    /// A file could not be written because its disk is full, or because it would be larger than it may be. That may change.
+    /// A file could not be written because its disk is full. That may change.
     #[error("{}: cannot write: {}", path_on_one_line(path), one_line(reason))]
     NoRoom { path: PathBuf, reason: String },
     /// No device is suitable, the device refused, or it was lost.
@@ -87,9 +87,7 @@ impl Error {
     pub fn of_write(path: &Path, error: &io::Error) -> Error {
         let (path, reason) = (path.to_owned(), error.to_string());
         match error.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
-                Error::NoRoom { path, reason }
-            }
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Error::NoRoom { path, reason },
             _ => Error::File { path, action: "write", reason },
         }
     }
