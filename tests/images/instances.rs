@@ -87,8 +87,15 @@ fn bytes(scene: &Scene) -> (u64, u64) {
     let kernels =
         Kernels::link(&flat.features, &crate::common::render::plain(), Scatter::Linked, &UniformTables::default())
             .expect("the kernels link");
-    let tuning =
-        Tuning { slots: 1024, workgroup: 64, scatter: Scatter::Linked, bounces: None, records_per_slot: 2, tile: 1 };
+    let tuning = Tuning {
+        slots: 1024,
+        workgroup: 64,
+        scatter: Scatter::Linked,
+        bounces: None,
+        records_per_slot: 2,
+        tile: 1,
+        is_short: false,
+    };
     let plan = Plan { scene: &flat, options: crate::common::render::plain(), kernels, tuning };
     let buffers = plan.buffers();
     let of =
