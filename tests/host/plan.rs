@@ -34,7 +34,15 @@ fn classes() -> [Class; 2] {
             max_uniforms: limits.max_uniform_buffers_per_shader_stage,
         },
         limits,
-        tuning: Tuning { slots, workgroup: 64, scatter, bounces: None, records_per_slot, tile: 230_400 },
+        tuning: Tuning {
+            slots,
+            workgroup: 64,
+            scatter,
+            is_short: false,
+            bounces: None,
+            records_per_slot,
+            tile: 230_400,
+        },
     };
     let software = wgpu::Limits { max_storage_buffers_per_shader_stage: 1000, ..wgpu::Limits::default() };
     let gpu = wgpu::Limits {
