@@ -11,6 +11,8 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+// The tests use more of it.
+#[allow(dead_code)]
 #[path = "../tests/common/exr_header.rs"]
 mod exr_header;
 #[path = "../tests/common/scaling.rs"]
