@@ -397,84 +397,100 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
     // The numerics probe is part of no render.
     let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
     unused_lines.retain(|line| !probe.lines.contains(line));
-    for (number, (features, options)) in combinations().into_iter().enumerate() {
-        // A stage that is linked alone is in the fused kernel too, and with queues: of these, a fourth.
-        let own = [Scatter::Fused, Scatter::Queues].into_iter().chain((number % 4 == 0).then_some(Scatter::Linked));
-        for scatter in own {
-            let plan = kernels(&features, &options, scatter);
-            assert!(!plan.all().is_empty());
-            for kernel in plan.all() {
-                for line in &kernel.linked.lines {
-                    unused_lines.remove(line);
+    let all: Vec<_> = combinations().into_iter().enumerate().collect();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let unused_after = &|first: usize| {
+        let mut unused = unused_lines.clone();
+        for (number, (features, options)) in all.iter().skip(first).step_by(cores) {
+            check_combination(*number, features, options, &mut unused);
+        }
+        unused
+    };
+    let unused = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..cores).map(|first| scope.spawn(move || unused_after(first))).collect();
+        let each = threads.into_iter().map(|thread| thread.join().expect("every combination is valid"));
+        each.reduce(|a, b| a.intersection(&b).cloned().collect())
+    });
+    assert_eq!(unused, Some(BTreeSet::new()));
+}
+
+/// Links the kernels of a combination, which have nothing that it does not require, and removes their lines.
+fn check_combination(
+    number: usize,
+    features: &Features,
+    options: &RenderOptions,
+    unused_lines: &mut BTreeSet<(String, usize)>,
+) {
+    // A stage that is linked alone is in the fused kernel too, and with queues: of these, a fourth.
+    let own = [Scatter::Fused, Scatter::Queues].into_iter().chain((number % 4 == 0).then_some(Scatter::Linked));
+    for scatter in own {
+        let plan = kernels(features, options, scatter);
+        assert!(!plan.all().is_empty());
+        for kernel in plan.all() {
+            for line in &kernel.linked.lines {
+                unused_lines.remove(line);
+            }
+            // Nothing that the scene lacks.
+            let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
+                let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
+                off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
+            };
+            let bounds = |kind: &str| {
+                // A closed mesh is made of triangles.
+                let of_mesh = kind == "triangle";
+                let names = BOUNDARIES.iter().zip(&features.boundaries);
+                names
+                    .into_iter()
+                    .any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
+            };
+            let lacking = [
+                unused(PRIMITIVES, &features.primitives, "geometry"),
+                unused(MATERIALS, &features.materials, "material"),
+                unused(TEXTURES, &features.textures, "texture"),
+                unused(FORMATS, &features.texel_formats, "texel"),
+            ];
+            // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
+            let glass =
+                (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
+            for (module, is_requested) in [
+                ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
+                ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
+                ("step/clamp", options.clamp.is_some()),
+                ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
+            ] {
+                let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+                assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+            }
+            // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
+            let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
+            let own = kernel.name.strip_prefix("scatter_").map(kind_of);
+            for (module, wanted) in [
+                ("bind/lights", answered && features.lights > 0),
+                ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
+                // A kernel of mirrors or of glass sends probes to lights.
+                (
+                    "scene/responses",
+                    answered && (own.is_none_or(spreads) || features.lights > 0) || !options.aov.is_empty(),
+                ),
+                // Nor a second part of materials that have one alone.
+                (
+                    "scene/second_parts",
+                    (0..)
+                        .zip(&features.materials)
+                        .any(|(i, used)| used.is_some() && Material::KINDS[i].has_second_part),
+                ),
+            ] {
+                let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+                assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+            }
+            for module in lacking.concat() {
+                if module.strip_prefix("geometry/").is_some_and(bounds) {
+                    continue;
                 }
-                // Nothing that the scene lacks.
-                let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
-                    let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
-                    off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
-                };
-                let bounds = |kind: &str| {
-                    // A closed mesh is made of triangles.
-                    let of_mesh = kind == "triangle";
-                    let names = BOUNDARIES.iter().zip(&features.boundaries);
-                    names
-                        .into_iter()
-                        .any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
-                };
-                let lacking = [
-                    unused(PRIMITIVES, &features.primitives, "geometry"),
-                    unused(MATERIALS, &features.materials, "material"),
-                    unused(TEXTURES, &features.textures, "texture"),
-                    unused(FORMATS, &features.texel_formats, "texel"),
-                ];
-                // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
-                let glass = (0..)
-                    .zip(&features.materials)
-                    .any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
-                for (module, is_requested) in [
-                    ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
-                    ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
-                    ("step/clamp", options.clamp.is_some()),
-                    ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
-                ] {
-                    let linked = kernel.linked.modules.iter().any(|linked| linked == module);
-                    assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
-                }
-                // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
-                let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
-                let own = kernel.name.strip_prefix("scatter_").map(kind_of);
-                for (module, wanted) in [
-                    ("bind/lights", answered && features.lights > 0),
-                    ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
-                    // A kernel of mirrors or of glass sends probes to lights.
-                    (
-                        "scene/responses",
-                        answered && (own.is_none_or(spreads) || features.lights > 0) || !options.aov.is_empty(),
-                    ),
-                    // Nor a second part of materials that have one alone.
-                    (
-                        "scene/second_parts",
-                        (0..)
-                            .zip(&features.materials)
-                            .any(|(i, used)| used.is_some() && Material::KINDS[i].has_second_part),
-                    ),
-                ] {
-                    let linked = kernel.linked.modules.iter().any(|linked| linked == module);
-                    assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
-                }
-                for module in lacking.concat() {
-                    if module.strip_prefix("geometry/").is_some_and(bounds) {
-                        continue;
-                    }
-                    assert!(
-                        !kernel.linked.modules.contains(&module),
-                        "{}: {module} is linked: {features:?}",
-                        kernel.name
-                    );
-                }
+                assert!(!kernel.linked.modules.contains(&module), "{}: {module} is linked: {features:?}", kernel.name);
             }
         }
     }
-    assert_eq!(unused_lines, BTreeSet::new());
 }
 
 /// The lines of code of all modules, as module and number.
