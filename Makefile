@@ -29,8 +29,6 @@ render: toolchain
 test: export LVP_POISON_MEMORY = true
 # Mesa's device-select layer complains on every run where there is no desktop session to ask about GPUs.
 test: export NODEVICE_SELECT = 1
-# More tests than cores at a time, because some wait for the clock or compile in one thread.
-test: export RUST_TEST_THREADS ?= $(shell expr 2 \* $$(nproc 2>/dev/null || echo 2))
 test: toolchain oidn
 	$(CARGO) test --release --no-run
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
