@@ -422,7 +422,8 @@ fn check_combination(
     unused_lines: &mut BTreeSet<(String, usize)>,
 ) {
     // A stage that is linked alone is in the fused kernel too, and with queues: of these, a fourth.
-    let own = [Scatter::Fused, Scatter::Queues].into_iter().chain((number % 4 == 0).then_some(Scatter::Linked));
+    let own =
+        [Scatter::Fused, Scatter::Queues].into_iter().chain((number.is_multiple_of(4)).then_some(Scatter::Linked));
     for scatter in own {
         let plan = kernels(features, options, scatter);
         assert!(!plan.all().is_empty());
