@@ -924,7 +924,7 @@ fn time_grows_with_nodes_and_materials_and_not_with_their_square() {
     let nodes = |count: usize| {
         let (mut json, _) = room();
         // One of them scales unevenly, and the next one mirrors.
-        let scale = |i: usize| if i % 2 == 0 { [1, 2, 1] } else { [-1, 1, 1] };
+        let scale = |i: usize| if i.is_multiple_of(2) { [1, 2, 1] } else { [-1, 1, 1] };
         let node = |i: usize| json!({"mesh": 0, "scale": scale(i), "translation": [4 * (i % 200), 4 * (i / 200), 0]});
         json["nodes"] = (0..count).map(node).collect();
         json["scenes"] = json!([{"nodes": (0..count).collect::<Vec<_>>()}]);
