@@ -92,7 +92,7 @@ impl Error {
         }
     }
 
-    /// The same error with more words at its end: what is kept, and what to do. Errors of the scene and of arguments stay as they are.
+    /// Appends to the message what is kept and what to do. Errors of the scene and of arguments do not change.
     pub fn and(self, words: &str) -> Error {
         let more = |text: String| format!("{text}; {words}");
         match self {

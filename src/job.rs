@@ -151,7 +151,7 @@ impl Goal {
         }
     }
 
-    /// When the render is to end, if that is asked for.
+    /// The time of `--time` at which the render ends, if there is one.
     pub fn deadline(&self) -> Option<Instant> {
         match *self {
             Goal::Until { deadline, .. } => Some(deadline),
@@ -162,24 +162,24 @@ impl Goal {
 }
 
 impl Job {
+    /// The number of pixels.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.size.0) * u64::from(self.size.1)
+    }
+
     /// The number of paths, if it is known in advance.
     pub fn paths(&self) -> Option<u64> {
-        match self.goal {
-            Goal::Samples(end) => {
-                let pixels = u64::from(self.size.0) * u64::from(self.size.1);
-                Some(pixels * u64::from(end.saturating_sub(self.first_sample)))
-            }
-            Goal::Until { .. } | Goal::Noise { .. } => None,
-        }
+        Some(self.pixels() * self.samples()?.len() as u64)
     }
 
     /// The number of runs, if it is known in advance.
     pub fn runs(&self) -> Option<u64> {
+        Some(self.pixels() * blocks(self.samples()?).len() as u64)
+    }
+
+    fn samples(&self) -> Option<Range<u32>> {
         match self.goal {
-            Goal::Samples(end) => {
-                let pixels = u64::from(self.size.0) * u64::from(self.size.1);
-                Some(pixels * blocks(self.first_sample..end).len() as u64)
-            }
+            Goal::Samples(end) => Some(self.first_sample..end),
             Goal::Until { .. } | Goal::Noise { .. } => None,
         }
     }

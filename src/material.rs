@@ -116,7 +116,7 @@ impl Material {
 
     /// Its textures that are no plain colour: its own, and those of its extensions.
     pub fn textures(&self) -> Vec<&Texture> {
-        self.model().slots().map(|slot| slot.texture).filter(|texture| texture.plain().is_none()).collect()
+        self.model().slots().filter(Slot::is_textured).map(|slot| slot.texture).collect()
     }
 
     /// Refuses invalid values; `at` is the path of the material.
@@ -124,7 +124,7 @@ impl Material {
         let at = at.variant(self.name());
         let model = self.model();
         // A plain number is checked as a field.
-        let is_texture = |slot: &Slot| slot.usage != Use::Share || slot.texture.plain().is_none();
+        let is_texture = |slot: &Slot| slot.usage != Use::Share || slot.is_textured();
         let mut textures = model.slots().filter(is_texture);
         textures.try_for_each(|slot| slot.texture.check(&at.field(slot.field.name), slot.usage))?;
         if let Some(expected) = model.lacks {

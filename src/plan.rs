@@ -35,10 +35,10 @@ pub use tuning::Tuning;
 /// The override constants that say how many steps walks may take.
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
 
-/// A render of fewer paths is over before a large fused kernel is worth its time to compile: linked kernels take half of that, and render about
-/// half as many paths per second (docs/performance.md).
+/// Renders of fewer paths than this are faster with linked kernels than with a large fused one. Linked kernels compile in half of the time, and
+/// render about half as many paths per second (docs/performance.md).
 const LONG_RENDER: u64 = 1 << 19;
-/// The expressions of kernels that take longer to compile where they are fused.
+/// Kernels with more expressions than this take longer to compile if they are fused.
 const LARGE_KERNELS: usize = 4500;
 
 /// A kernel: a linked shader and what it binds.

@@ -5,7 +5,8 @@
 //@ use step/light
 // Emitters that BSDF sampling hits and that light sampling samples too.
 
-// Returns the MIS weight of the radiance that a surface emits. The products are rounded as those of the image.
+// Returns the MIS weight of the radiance that a surface emits, and records the light. The contribution is computed in the order of the
+// image, so that both round alike.
 fn weight_of_emission(path: ptr<function, Path>, hit: Hit, radiance: vec3<f32>, event: u32) -> f32 {
     if !any(radiance > vec3<f32>(0.0)) {
         return 1.0;

@@ -32,7 +32,7 @@ fn sample_light_at_surface(
         var leaving = bsdf.direction;
         if samples_lights {
             leaving = light_sample.direction;
-            // The response to the BSDF sample, whose density is kept, and then that to the light: also by one call.
+            // One call for both directions: first that of the BSDF sample, whose density is kept, then that of the light.
             for (var i = 0u; i < 2u + settings.zero; i++) {
                 sampled.drawn_pdf = sampled.response.pdf;
                 let direction = select(bsdf.direction, leaving, i == 1u);

@@ -1,19 +1,23 @@
-//! The signals that end a command: SIGINT, SIGTERM, SIGHUP, and SIGXCPU, the limit of processor time. And SIGXFSZ, the limit of a file's size,
-//! which ends none.
+//! The signals that end a command: SIGINT, SIGTERM, SIGHUP, and SIGXCPU, the limit of processor time. SIGXFSZ, the limit of a file's size, ends
+//! none.
 //!
-//! The first one asks the command to end what is in flight and to write what it has. The second one ends the program at once, unless it is
-//! SIGXCPU: the system sends that every second from the limit on. The first one does so too while a driver compiles, because nothing else
-//! stops a driver.
+//! The first signal requests that the command finishes what is in flight and writes what it has. While a driver compiles, it ends the program at
+//! once, because nothing else stops a driver. A second signal always ends the program at once, unless it is SIGXCPU, which the system sends
+//! every second from the limit on.
 
 use std::fmt;
 #[cfg(unix)]
 use std::sync::atomic::AtomicBool;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use super::console::tell;
 use crate::error::{Error, Result};
 use crate::output::progress::remove_bar;
+
+/// How long a signal may wait where a command waits for something else.
+pub const WAIT: Duration = Duration::from_millis(100);
 
 /// The signals that have come since the program listens.
 #[derive(Clone, Debug, Default)]
@@ -222,7 +226,7 @@ mod tests {
 
     /// A signal that comes before is an error where the first one would end the program, and one that comes after does not end it.
     #[test]
-    fn the_first_signal_ends_the_program_only_while_it_is_told_to() {
+    fn the_first_signal_ends_the_program_only_while_drivers_compile() {
         let signals = Signals::default();
         signals.set_loss("nothing has been written".to_owned());
         drop(signals.end_at_once("while compiling").expect("no signal has come"));

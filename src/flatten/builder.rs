@@ -194,17 +194,17 @@ impl Builder<'_> {
         for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let model = material.model();
             let light = model.light().map(|light| Extension::emission(light.slot, light.two_sided));
-            let is_textured = |slot: Slot| u32::from(slot.texture.plain().is_none());
             let mut own = data::Extension::NONE;
             own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
-            let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, is_textured) };
+            let mut frame =
+                if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.is_textured())) };
             for extension in model.extensions.iter().copied().chain(light) {
                 *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
                 let row = data::Material { kind: frame, parameter: extension.parameter, ..data::Material::default() };
-                frame += is_textured(extension.slot);
-                let is_alpha = extension.kind == ExtensionKind::Alpha;
-                self.flat.features.alpha_textures |= is_alpha && extension.slot.texture.plain().is_none();
+                let is_textured = extension.slot.is_textured();
+                frame += u32::from(is_textured);
+                self.flat.features.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
                 self.add_row(name, row, Some(extension.slot), radiance_scale);
             }
             if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {

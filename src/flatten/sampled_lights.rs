@@ -69,15 +69,10 @@ impl Builder<'_> {
         let (mut bounds, mut lights) = (Vec::new(), Vec::new());
         for group in groups {
             let material = group.primitive.material;
-            let (name, _) = &materials[material as usize];
+            let (name, own) = &materials[material as usize];
             let reason = || format!("\"{name}\" at {}", self.scene.material_location(name));
             self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(reason);
-            if materials[material as usize]
-                .1
-                .model()
-                .emission()
-                .is_some_and(|found| found.slot.texture.plain().is_none())
-            {
+            if own.model().emission().is_some_and(|emission| emission.slot.is_textured()) {
                 self.flat.features.textured_lights.get_or_insert_with(reason);
             }
             self.set_light(&group, lights.len() as u32);

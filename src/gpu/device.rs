@@ -285,6 +285,11 @@ impl Device {
         DeviceClass::new(self.name.software, &self.limits)
     }
 
+    /// Records commands. `label` names them in the driver's messages.
+    pub fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+
     /// Writes the first bytes of a buffer, before the next submission.
     pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<()> {
         self.write_at(buffer, 0, bytes)

@@ -75,8 +75,7 @@ impl Pipeline {
 
     /// Dispatches the kernel with no workgroups, because some drivers compile at the first dispatch.
     pub fn warm_up(&self, device: &Device) -> Result<()> {
-        let mut encoder =
-            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("warm-up") });
+        let mut encoder = device.encoder("warm-up");
         self.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
         device.wait(device.queue.submit([encoder.finish()]))
     }

@@ -72,7 +72,7 @@ pub fn run(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     };
     let pipeline = Pipeline::new(device, &spec, &buffers)?;
     let readback = Readback::new(device, "answers", answers_bytes);
-    let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("probe") });
+    let mut encoder = device.encoder("probe");
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pipeline.dispatch(&mut pass, 1);

@@ -241,6 +241,11 @@ impl<'a> Model<'a> {
 }
 
 impl Slot<'_> {
+    /// Whether the texture is no plain colour.
+    pub fn is_textured(&self) -> bool {
+        self.texture.plain().is_none()
+    }
+
     pub fn warning(&self, at: &ValuePath, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
             Use::Share | Use::Normal => return None,

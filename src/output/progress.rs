@@ -72,7 +72,7 @@ impl Progress {
         Progress { job: job.clone(), earlier, start, display, lines: AtomicUsize::new(0) }
     }
 
-    /// Starts the clock anew: what came before was no rendering.
+    /// Restarts the clock when rendering begins.
     pub fn restart(&mut self) {
         self.start = Instant::now();
     }
@@ -115,7 +115,7 @@ impl Progress {
 /// The bar that was shown last.
 static LAST_BAR: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
 
-/// Removes the bar, if one is shown: for who ends the program without a word to the bar's owner.
+/// Removes the bar, if one is shown, before the program ends without its owner.
 pub fn remove_bar() {
     let last = LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(bar) = last.as_ref().and_then(WeakProgressBar::upgrade) {

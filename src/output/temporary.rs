@@ -17,15 +17,15 @@ use super::destination::folder_of;
 const ENDING: &str = ".part";
 /// How all names of temporary files begin.
 const BEGINNING: &str = ".gpu-rt-";
-/// What a dead writer of another file left is removed after this time. Some file systems keep locks to one host, so that another one's
-/// writer would look dead; but it does not write for so long.
+/// A temporary file of another target is removed after this time, if no writer holds its lock. Some file systems do not show the locks of other
+/// hosts, but no writer takes this long.
 const OLD: Duration = Duration::from_secs(3600);
 
 /// A temporary file. Dropping it removes it.
 #[derive(Debug)]
 pub struct Temporary {
     pub file: File,
-    /// Nothing if it has no name yet.
+    /// `None` if it has no name yet.
     path: Option<TempPath>,
 }
 
@@ -46,7 +46,7 @@ impl Temporary {
         Temporary::named(target, options)
     }
 
-    /// One that has a name from the start, and a lock.
+    /// A temporary file that has a name from the start, and a lock.
     fn named(target: &Path, mut options: OpenOptions) -> io::Result<Temporary> {
         options.create_new(true);
         let named = with_name(target, |path| {
@@ -77,7 +77,7 @@ impl Temporary {
     }
 }
 
-/// What `make` makes of a new name in the folder of `target`. It is asked again if something has this name.
+/// Calls `make` with a new name in the folder of `target`, and with another one if that name is taken. Returns what it makes.
 fn with_name<T>(target: &Path, make: impl FnMut(&Path) -> io::Result<T>) -> io::Result<tempfile::NamedTempFile<T>> {
     let prefix = format!("{}{}-", beginning(target), std::process::id());
     tempfile::Builder::new().prefix(&prefix).suffix(ENDING).make_in(folder_of(target), make)
@@ -94,7 +94,7 @@ mod nameless {
 
     use rustix::fs::{AtFlags, CWD, OFlags, linkat};
 
-    /// One in a folder. None where the file system has no such files, or where they cannot get a name later.
+    /// Creates one in a folder. `None` if the file system has no such files, or if they cannot get a name later.
     pub fn create(folder: &Path, mut options: OpenOptions) -> Option<File> {
         let file = options.custom_flags(OFlags::TMPFILE.bits() as i32).open(folder).ok()?;
         path_of(&file).exists().then_some(file)

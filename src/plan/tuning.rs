@@ -47,7 +47,7 @@ impl Tuning {
         let most = most.min(device.max_binding_bytes / most_path_bytes(&options.aov)).max(fewest);
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
         let room_for_records = device.max_binding_bytes / (u64::from(slots) * record_bytes(&options.aov));
-        let pixels = u64::from(job.size.0) * u64::from(job.size.1);
+        let pixels = job.pixels();
         let room = device.max_binding_bytes.min(MOST_FILM_BYTES) / device_bytes(&options.aov);
         Tuning {
             slots,

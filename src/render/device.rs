@@ -1,5 +1,6 @@
 //! One device that renders: its kernels, its buffers, and the submissions in flight.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -229,8 +230,8 @@ impl<'a> DeviceRenderer<'a> {
         Ok(renderer)
     }
 
-    /// Makes each kernel ready, and counts those that are. If the first ones took so long that they were compiled, another device compiles all
-    /// but the largest of the others meanwhile.
+    /// Makes the kernels ready, and counts those that are. The first two are small: if they take long, the driver compiles. Then this device
+    /// compiles the largest kernel, while another device compiles the others.
     fn warm_up(&self, specs: &[PipelineSpec<'_>], buffers: &[BufferSpec<'_>]) -> Result<()> {
         let Kernels { generate, bounce, accumulate, .. } = &self.kernels;
         let device = self.device;
@@ -242,20 +243,18 @@ impl<'a> DeviceRenderer<'a> {
         };
         let begin = Instant::now();
         [generate, accumulate].into_iter().try_for_each(warm_up)?;
-        let named = |stage: &&Stage| specs.iter().find(|spec| spec.name == stage.pipeline.name);
-        let largest = bounce.iter().max_by_key(|stage| named(stage).map(|spec| spec.text.len()));
-        if begin.elapsed() > COMPILED && bounce.len() > 1 && is_worth_it(device) {
-            let name = largest.map(|stage| &stage.pipeline.name);
-            let others: Vec<_> = bounce
-                .iter()
-                .filter(|stage| Some(&stage.pipeline.name) != name)
-                .filter_map(|stage| named(&stage))
-                .collect();
-            // What it does not compile, this device compiles below.
-            let (_, done) = join(
-                || compile_beside(device, &others, buffers),
-                || largest.map_or(Ok(()), |stage| stage.pipeline.warm_up(device)),
-            );
+        let is_of_bounce = |spec: &&PipelineSpec<'_>| bounce.iter().any(|stage| stage.pipeline.name == spec.name);
+        let mut by_size: Vec<_> = specs.iter().filter(is_of_bounce).collect();
+        by_size.sort_by_key(|spec| Reverse(spec.text.len()));
+        if let [largest, others @ ..] = by_size.as_slice()
+            && !others.is_empty()
+            && begin.elapsed() > COMPILED
+            && is_worth_it(device)
+        {
+            let mut largest = bounce.iter().filter(|stage| stage.pipeline.name == largest.name);
+            let here = || largest.try_for_each(|stage| stage.pipeline.warm_up(device));
+            // What the other device does not compile, this one compiles below.
+            let (_, done) = join(|| compile_beside(device, others, buffers), here);
             done?;
         }
         bounce.iter().try_for_each(warm_up)
@@ -403,7 +402,7 @@ impl<'a> DeviceRenderer<'a> {
         for first in tile.clone().step_by(at_once as usize) {
             let end = tile.end.min(first.saturating_add(at_once));
             let bytes = u64::from(end - first) * each;
-            let mut encoder = encoder(self.device);
+            let mut encoder = self.device.encoder("pass");
             readback.copy(&mut encoder, self.buffers.get("film")?, u64::from(first - tile.start) * each, bytes);
             let submission = self.device.queue.submit([encoder.finish()]);
             readback.read(self.device, submission, bytes, |bytes| {
@@ -438,7 +437,7 @@ impl<'a> DeviceRenderer<'a> {
         self.write("window", bytemuck::bytes_of(window))?;
         let begin = Instant::now();
         let report = number % IN_FLIGHT;
-        let mut encoder = encoder(self.device);
+        let mut encoder = self.device.encoder("pass");
         if std::mem::take(&mut self.film.is_stale) {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
@@ -511,10 +510,6 @@ impl Pace {
             self.bounces = (f64::from(bounces) * ratio.clamp(0.25, 4.0)).round().clamp(1.0, 4096.0) as u32;
         }
     }
-}
-
-fn encoder(device: &Device) -> wgpu::CommandEncoder {
-    device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pass") })
 }
 
 impl Stage {

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
+use crate::commands::signals::WAIT;
 use crate::output::destination::folder_of;
 use crate::scene::{Stamp, stamp};
 
@@ -18,8 +19,6 @@ const CALM: Duration = Duration::from_millis(20);
 const MISSING: Duration = Duration::from_secs(1);
 /// The files are checked this often even if no change is reported: shared folders report none.
 const PAUSE: Duration = Duration::from_secs(1);
-/// How long a signal may wait.
-const WAIT: Duration = Duration::from_millis(100);
 
 /// Detects changes of files by their stamps. Reports of the system only say when to check them: they do not show what a save is, because
 /// editors save in many ways, and some replace the old file by a new one.

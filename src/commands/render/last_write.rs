@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::request::Request;
 use crate::commands::console::tell;
-use crate::commands::signals::Signals;
+use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::destination::can_be_replaced;
@@ -20,8 +20,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// The first pause before another attempt. Each later one is twice as long, up to the last.
 const FIRST_PAUSE: Duration = Duration::from_secs(1);
 const LAST_PAUSE: Duration = Duration::from_secs(60);
-/// How long a signal may wait.
-const WAIT: Duration = Duration::from_millis(100);
 
 /// What is written at the end.
 pub struct LastWrite<'a> {
@@ -29,13 +27,13 @@ pub struct LastWrite<'a> {
     pub signals: &'a Signals,
     pub film: &'a Film,
     pub samples: &'a Samples,
-    /// Nothing where the film cannot be gone on with.
+    /// `None` if the film cannot be resumed.
     pub state: Option<State>,
     pub attributes: Vec<(String, Attribute)>,
 }
 
 impl LastWrite<'_> {
-    /// Writes the image where it was to be, or under another name. A full disk is tried again.
+    /// Writes the image under its name, or under another one if that fails. A full disk is tried again.
     ///
     /// # Errors
     /// The first error, even if the image has another name now. It names that file, what it holds, and the command that resumes the render.
@@ -51,7 +49,7 @@ impl LastWrite<'_> {
                 rescued.iter().for_each(|path: &PathBuf| _ = fs::remove_file(path));
                 return Ok(());
             };
-            // Nothing is lost where the file holds more of this render, nor of a preview.
+            // Nothing is lost if the file has more samples of this render, or if this is a preview.
             if self.request.more_than(self.samples.count()).is_some() || (args.watch && args.no_state) {
                 return Err(error);
             }
@@ -68,9 +66,8 @@ impl LastWrite<'_> {
                 Some(_) => begin.elapsed() + pause > PATIENCE,
                 None => !was_interrupted && self.signals.are_pending(),
             };
-            // The next save is not to wait.
-            let is_over = is_over || args.watch;
-            if is_over || !is_full || !can_be_replaced(image) {
+            // Under --watch, the next save does not wait.
+            if is_over || args.watch || !is_full || !can_be_replaced(image) {
                 return Err(error.and(&found));
             }
             if !is_reported {
@@ -95,8 +92,8 @@ impl LastWrite<'_> {
         }
     }
 
-    /// Writes the image as an EXR to another name, in the folder of the image or in that of temporary files. The result is its path. Each place that
-    /// does not take it adds a failure.
+    /// Writes the image as an EXR under another name, in the folder of the image or in that of temporary files. Returns its path. Each folder in
+    /// which that fails adds a failure.
     fn rescue(&self, failures: &mut Vec<Error>) -> Option<PathBuf> {
         let Request { args, image, .. } = self.request;
         let default = args.default_image();

@@ -20,9 +20,9 @@ const MOST_WATCHED: Duration = Duration::from_secs(2);
 /// The largest share of the time that checkpoints take.
 const MOST_OF_CHECKPOINTS: f64 = 0.03;
 
-/// A disk that is full from the start is known so long after the start: then the first checkpoint has been written, or has failed.
+/// The first checkpoint is complete this long after the start, so that a disk that is full from the start is found.
 const FIRST_CHECKPOINT: Duration = Duration::from_secs(45);
-/// A pace that has been measured for so long is relied on.
+/// A pace counts once it has been measured for this long.
 const MEASURED: Duration = Duration::from_secs(3);
 /// Seconds that no render takes.
 const LONG: f64 = 1e9;
@@ -56,7 +56,7 @@ pub struct Observers<'a> {
 pub struct Checkpoints {
     /// `None` where the file cannot be replaced.
     next: Option<Instant>,
-    /// When the first one is to be over, until one has been tried.
+    /// The time at which the first one is to be complete; `None` once one has been tried.
     first: Option<Instant>,
     interval: Duration,
     /// Whether a user chose the interval.
@@ -132,7 +132,7 @@ impl<'a> Observers<'a> {
         }
     }
 
-    /// Gets ready for a job, on a film that has `earlier` samples of a pixel, after so many seconds of compiling.
+    /// Gets ready for a job, on a film that has `earlier` samples of a pixel, after `compile` seconds of compiling.
     pub fn begin(&mut self, job: &Job, earlier: u64, compile: f64) {
         let time = self.pace.time;
         self.pace = Pace { time, ..Pace::new(job, earlier) };
@@ -234,11 +234,11 @@ fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
 
 impl Pace {
     fn new(job: &Job, earlier: u64) -> Pace {
-        let pixels = u64::from(job.size.0) * u64::from(job.size.1);
+        let pixels = job.pixels();
         Pace { begun: Instant::now(), paths: 0, goal: job.goal, pixels, earlier, error: None, until: None, time: None }
     }
 
-    /// Begins anew where paths were rendered to learn the pace, and are dropped.
+    /// Counts the paths. Restarts the clock if the paths of a pace probe were dropped.
     fn count(&mut self, outcome: &Outcome) {
         let before = std::mem::replace(&mut self.paths, outcome.totals.paths);
         if self.paths < before {
@@ -246,7 +246,7 @@ impl Pace {
         }
     }
 
-    /// What a run of each pixel takes at the pace so far; a long time before any is known.
+    /// The time of a run of each pixel at the pace so far; a long time before the pace is known.
     fn time_of_runs(&self, outcome: &Outcome) -> Duration {
         let paths = (u64::from(RUN_LENGTH) * self.pixels) as f64;
         let seconds = self.begun.elapsed().as_secs_f64() * paths / outcome.totals.paths.max(1) as f64;
@@ -263,7 +263,7 @@ impl Pace {
         ))
     }
 
-    /// A warning, once, if the first sample of each pixel is going to end after `--time`.
+    /// A warning, once, if the first sample of each pixel will end after `--time`.
     fn will_be_late(&mut self, outcome: &Outcome) -> Option<String> {
         let deadline = self.goal.deadline()?;
         let sample = self.time_of_runs(outcome) / RUN_LENGTH;
