@@ -80,11 +80,19 @@ pub fn flatten_with(
     let view = View::new(&scene.camera, size);
     let mut finder = Finder::new(scene, &meshes, view.eye);
     scene.objects.iter().for_each(|object| finder.add(object, &view.to_space));
+    let is_smooth_pane = scene
+        .materials
+        .iter()
+        .map(|(_, material)| material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular));
+    let is_smooth_pane: Vec<bool> = is_smooth_pane.collect();
     for primitive in &finder.primitives {
         let at_object = || scene.location_of(primitive.object).to_string();
         features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
         if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
             features.smooth.get_or_insert_with(at_object);
+        }
+        if is_smooth_pane[primitive.material as usize] {
+            features.panes[primitive.shape.number()].get_or_insert_with(at_object);
         }
     }
     // Whether an object uses each material.
@@ -265,7 +273,12 @@ fn needs_light_sampling(scene: &Scene, object: &Object) -> Error {
 /// The warning that mirrors or glass stop the light of lights without size, which BSDF sampling cannot find.
 fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> Option<String> {
     let (object, _) = finder.lights.first()?;
-    let shiny = features.specular.iter().flatten().next()?;
+    let specular = || features.specular.iter().zip(Material::KINDS);
+    let solid = specular().find_map(|(used, kind)| used.as_ref().filter(|_| !kind.is_pane));
+    let (shiny, how) = match solid {
+        Some(solid) => (solid, "by a mirror or through glass"),
+        None => (specular().find_map(|(used, _)| used.as_ref())?, "by the reflection of a pane"),
+    };
     if !features.samples_light_anywhere() {
         return None;
     }
@@ -274,7 +287,7 @@ fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> 
         n => format!(" (and {} more like it)", n - 1),
     };
     Some(format!(
-        "{}: this {} has no size, so that no path finds it by a mirror or through glass ({shiny}): the light that they pass on from it is \
+        "{}: this {} has no size, so that no path finds it {how} ({shiny}): that light of it is \
          missing in the image. A small sphere with a DiffuseLight brings it back, as noise{more}",
         scene.location_of(object),
         object.name(),

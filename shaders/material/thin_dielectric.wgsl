@@ -3,15 +3,21 @@
 //@ use lib/basis
 //@ use lib/microfacet
 // A thin pane of a transmissive solid: light that it refracts leaves it in the direction in which it came. `parameter` is its roughness. A
-// microfacet is drawn from those that are visible. It reflects with the probability of its reflectance. The light that passes is
-// spread as the reflected light is, on the other side of the pane, so both have the weight of a microfacet's reflection.
+// smooth pane scatters only the light that it reflects: rays pass it before they are scattered (step/panes). In a rough one, a microfacet
+// is drawn from those that are visible. It reflects with the probability of its reflectance. The light that passes is spread as the
+// reflected light is, on the other side of the pane, so both have the weight of a microfacet's reflection.
+
+// The share of light that a pane or a facet reflects.
+fn thin_dielectric_reflectance(material: Material, cos_incident: f32) -> f32 {
+    return fresnel(cos_incident, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
+}
+
 fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
     if material.parameter < LEAST_ROUGHNESS {
-        let reflects = u.x < fresnel(cos_view, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
         let mirrored = normalize(hit.incoming + 2.0 * cos_view * normal);
-        return scatter_towards(select(hit.incoming, mirrored, reflects), vec3<f32>(1.0), LOBE_SPECULAR);
+        return scatter_towards(mirrored, vec3<f32>(1.0), LOBE_SPECULAR);
     }
     let alpha = material.parameter * material.parameter;
     let basis = basis_around(normal);
@@ -23,7 +29,7 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    let reflects = u.x < fresnel(cos_facet, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
+    let reflects = u.x < thin_dielectric_reflectance(material, cos_facet);
     let passing = normalize(mirrored - 2.0 * cos_light * normal);
     let share = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
     return scatter_towards(select(passing, mirrored, reflects), vec3<f32>(share), lobe_of(width_of_reflection(alpha)));

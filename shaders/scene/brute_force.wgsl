@@ -3,6 +3,7 @@
 //@ use data/hit
 //@ use data/primitive
 //@ use bind/settings
+//@ use choice/passed_panes
 //@ use scene/primitives
 //@ use scene/at_run_time
 //@ use lib/float
@@ -15,12 +16,13 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var hit = limit;
     //@ each primitive
     for (var index = at_run_time(0u); index < settings.brute_force[${rank}u]; index += 1u) {
-        let t = ${name}_distance(ray, ${name}s[index]);
-        if t != NO_HIT && t <= hit.t {
-            let candidate = hit_at(PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index, t);
-            if t < hit.t || comes_before(candidate, hit) {
+        let code = PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index;
+        var candidate = hit_at(code, ${name}_distance(ray, ${name}s[index]));
+        candidate.t = distance_ahead(candidate, ray);
+        if candidate.t != NO_HIT && candidate.t <= hit.t {
+            if candidate.t < hit.t || comes_before(candidate, hit) {
                 hit = candidate;
-                if any_will_do {
+                if any_will_do && may_end_walk(candidate) {
                     return hit;
                 }
             }

@@ -6,11 +6,8 @@
 //@ use data/material
 //@ use bind/extensions
 //@ use bind/materials
-//@ use bind/settings
-//@ use choice/sampler
-//@ use lib/rng
 //@ use scene/extensions
-//@ use scene/primitives
+//@ use scene/surface_random
 //@ use scene/surfaces
 //@ use choice/vertex_alpha
 // Cut-out and transparent surfaces. The coverage of a surface is the share of light that it stops; the rest passes straight on. So a ray
@@ -41,7 +38,7 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);
 }
 
-// Whether a ray is stopped at a hit. Each surface of the scene has its own random number, whatever the order of the walk.
+// Whether a ray is stopped at a hit.
 fn is_stopped(hit: Hit, ray: Ray) -> bool {
     if extensions[material_index(hit)].alpha == NO_EXTENSION {
         return true;
@@ -50,6 +47,5 @@ fn is_stopped(hit: Hit, ray: Ray) -> bool {
     if coverage <= 0.0 || coverage >= 1.0 {
         return coverage > 0.0;
     }
-    let surface = pcg4d(vec4<u32>(primitive_order(hit), part_number(hit), 0u, settings.seed));
-    return random4(walker.pixel, walker.sample, walker.dimension, surface.x).x < coverage;
+    return random_of_surface(walker.pixel, walker.sample, walker.dimension, hit, COVERAGE) < coverage;
 }

@@ -2,6 +2,7 @@
 //@ use data/surface
 //@ use data/hit
 //@ use data/primitive
+//@ use choice/crossings
 //@ each primitive
 //@ use geometry/${name}
 //@ use bind/${name}s
@@ -13,11 +14,12 @@
 //@ end
 // The hit record of a ray that hits a primitive.
 fn surface_at(hit: Hit, ray: Ray) -> Surface {
+    let way = ray_to_hit(hit, ray);
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}_surface(ray, hit.t, ${name}s[index]);
+            return ${name}_surface(way.ray, way.t, ${name}s[index]);
         }
         //@ end
         //@ if mesh

@@ -10,6 +10,7 @@
 //@ use scene/face_pairs
 //@ end
 //@ use choice/coverage
+//@ use choice/passed_panes
 //@ use lib/float
 //@ relies on loops
 // Finds the nearest primitive along a ray.
@@ -61,7 +62,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var waiting = NONE_WAIT;
     var code = root;
     loop {
-        if hit.steps == MOST_STEPS_OF_WALK {
+        if hit.steps >= MOST_STEPS_OF_WALK {
             hit.code = PATH_CUT;
             break;
         }
@@ -94,15 +95,16 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 }
             }
             //@ end
-            if t != NO_HIT && t <= hit.t {
-                var candidate = hit_at(code, t);
-                //@ if mesh
-                candidate.instance = instance;
-                //@ end
-                if (t < hit.t || comes_before(candidate, hit)) && is_stopped(candidate, ray) {
+            var candidate = hit_at(code, t);
+            //@ if mesh
+            candidate.instance = instance;
+            //@ end
+            candidate.t = distance_ahead(candidate, here);
+            if candidate.t != NO_HIT && candidate.t <= hit.t {
+                if (candidate.t < hit.t || comes_before(candidate, hit)) && is_stopped(candidate, ray) {
                     candidate.steps = hit.steps;
                     hit = candidate;
-                    if any_will_do {
+                    if any_will_do && may_end_walk(candidate) {
                         break;
                     }
                 }

@@ -2,6 +2,7 @@
 //@ use step/trace
 //@ use choice/aov_hit_slot
 //@ use choice/walker_slot
+//@ use choice/pane_slot
 //@ use choice/queue_of_hits
 // Finds the nearest hit of each slot's ray.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -19,6 +20,7 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     load_walker(slot, &path);
     trace(&path);
+    store_passed(slot, &path);
     record_hit_of_slot(slot, &path);
     store_status(slot, path.status);
     store_hit(slot, &path);

@@ -4,8 +4,8 @@
 //@ use data/light
 //@ use bind/settings
 //@ use choice/sampler
-//@ use choice/walk
 //@ use choice/coverage
+//@ use choice/panes
 //@ use choice/transmittance
 //@ use choice/clamp
 //@ use choice/probe
@@ -93,7 +93,7 @@ fn shadow_hit(path: ptr<function, Path>, limit: Hit) -> Hit {
         return none;
     }
     begin_walk(path, DIMENSION_LIGHT);
-    return first_hit((*path).shadow, settings.root, limit, true);
+    return hit_of_shadow(path, limit);
 }
 
 // Adds the light of the shadow ray if its first hit is the one on its light. Returns the number of iterations.
@@ -107,7 +107,8 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     if !is_hidden {
         let emitted = emitted_along((*path).shadow, hit);
         let covered = cover_light_at_hit(emitted, (*path).shadow, hit);
-        let radiance = transmit_light(covered, (*path).shadow, hit.t, &steps, &status);
+        let transmitted = transmit_light(covered, (*path).shadow, hit.t, &steps, &status);
+        let radiance = pass_panes(path, transmitted);
         contribution = (*path).light_weight * radiance;
         record_light_of_shadow(path, hit, emitted, radiance);
     } else if hit.code == PATH_CUT {

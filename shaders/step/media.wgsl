@@ -5,56 +5,35 @@
 //@ use bind/settings
 //@ use choice/sampler
 //@ use scene/at_run_time
-//@ use lib/rng
-//@ use medium/free_flight
 //@ use medium/phase
-//@ use scene/media
+//@ use step/flight
 //@ use choice/medium_albedo
 //@ use choice/roulette
 //@ use choice/medium_light
 //@ use choice/aov_surface
 // Lets media scatter the path before it reaches its hit.
 
-const MEDIA: u32 = ${media}u;
 // The most loop iterations: one per medium, and the steps of the walks through meshes.
 const MOST_STEPS_OF_MEDIA: u32 = MEDIA + STEPS_OF_CROSSINGS;
 
-// The first medium uses the sampler's own words, which may be stratified. Each other medium uses a hash of them.
-fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
-    return select(pcg4d(words + medium), words, medium == 0u).xy;
-}
-
-// Each medium samples the optical depth of its own scattering event, and the nearest event is the path's. Where media overlap,
-// their densities add up: the first event of independent Poisson processes is an event of the process with the sum of their
-// rates, and it belongs to each process with a probability proportional to its rate. Returns
-// `iterations` plus its own.
+// Scatters the path at the first event of its free flight, if there is one. Returns `iterations` plus its own.
 fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     if (*path).status == PATH_CUT {
         return iterations;
     }
+    let nearest = nearest_collision(path, (*path).t);
+    let total = iterations + nearest.steps;
+    if nearest.t == WALK_CUT {
+        (*path).status = PATH_CUT;
+        return total;
+    }
+    if nearest.medium == NO_MEDIUM {
+        return total;
+    }
     let ray = (*path).ray;
     let depth = (*path).depth;
-    let words = random_words((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_MEDIUM), settings.seed);
-    var nearest = (*path).t;
-    var scatterer = NO_MEDIUM;
-    var steps = 0u;
-    for (var i = 0u; i < MEDIA; i++) {
-        let depth = optical_depth(words_of_medium(words, i));
-        let t = collision(media[at_run_time(i)], ray, depth, nearest, &steps);
-        if t == WALK_CUT {
-            (*path).status = PATH_CUT;
-            return iterations + MEDIA + steps;
-        }
-        if t != NO_HIT {
-            nearest = t;
-            scatterer = i;
-        }
-    }
-    if scatterer == NO_MEDIUM {
-        return iterations + MEDIA + steps;
-    }
-    let medium = media[at_run_time(scatterer)];
-    let point = ray.origin + nearest * ray.direction;
+    let medium = media[at_run_time(nearest.medium)];
+    let point = ray.origin + nearest.t * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
     record_medium(path, throughput);
     if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
@@ -72,5 +51,5 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
         (*path).status = select(PATH_ENDED, PATH_TOO_DEEP, any(throughput != vec3<f32>(0.0)));
         (*path).throughput = throughput;
     }
-    return iterations + MEDIA + steps;
+    return total;
 }

@@ -38,6 +38,8 @@ pub struct Features {
     pub narrow: [Option<String>; MATERIALS.len()],
     /// Media with a narrow phase function.
     pub narrow_media: Option<String>,
+    /// Kinds of primitive with a smooth pane as material, by the indices of `PRIMITIVES`.
+    pub panes: [Option<String>; PRIMITIVES.len()],
     /// Kinds of material on objects that have an extension, by its kind (`ExtensionKind`).
     pub extensions: [[Option<String>; MATERIALS.len()]; EXTENSIONS],
     /// Kinds of transmissive material on objects that have a colour.
@@ -113,8 +115,9 @@ impl Features {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
         };
         let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
-        let lists: [&mut [Option<String>]; 6] = [
+        let lists: [&mut [Option<String>]; 7] = [
             &mut self.primitives,
+            &mut self.panes,
             &mut self.materials,
             &mut self.textures,
             &mut self.texel_formats,

@@ -9,6 +9,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "conductor",
     lobes: ANY_LOBE,
     is_transmissive: false,
+    is_pane: false,
     emits: false,
     extensions: &[ExtensionKind::Roughness, ExtensionKind::Multiscatter, ExtensionKind::Normal],
     has_second_part: true,

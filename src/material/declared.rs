@@ -162,7 +162,8 @@ declare! {
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
         }
         /// A pane that is thin: one surface stands for both of its sides, and what passes is not bent. It reflects as one surface
-        /// does, as glTF has it for transmission without a volume. A rough pane spreads what passes as it spreads what it reflects.
+        /// does, as glTF has it for transmission without a volume. A smooth pane lets light pass straight on, which is no scattering
+        /// event: lights behind it are sampled. A rough pane spreads what passes as it spreads what it reflects.
         ThinDielectric: thin_dielectric, "ThinDielectric(transmittance: Rgb(0.6, 0.9, 0.7))" {
             /// Index of refraction, of which the reflectance follows.
             #[serde(default = "index_of_glass")]

@@ -8,6 +8,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "dielectric",
     lobes: &[Lobe::Specular],
     is_transmissive: true,
+    is_pane: false,
     emits: false,
     extensions: &[],
     has_second_part: false,

@@ -9,6 +9,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "diffuse_light",
     lobes: &[],
     is_transmissive: false,
+    is_pane: false,
     emits: true,
     extensions: &[],
     has_second_part: false,

@@ -9,6 +9,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "lambertian",
     lobes: &[Lobe::Wide],
     is_transmissive: false,
+    is_pane: false,
     emits: false,
     extensions: &[
         ExtensionKind::Emission,

@@ -9,6 +9,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "metal",
     lobes: ANY_LOBE,
     is_transmissive: false,
+    is_pane: false,
     emits: false,
     extensions: &[],
     has_second_part: false,

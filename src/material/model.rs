@@ -20,6 +20,8 @@ pub struct MaterialKind {
     pub lobes: &'static [Lobe],
     /// Whether it transmits light.
     pub is_transmissive: bool,
+    /// Whether light passes its smooth surfaces straight on, which is no event. Its shader file then has SHADER_reflectance.
+    pub is_pane: bool,
     pub emits: bool,
     /// The extensions that materials of the kind may have.
     pub extensions: &'static [ExtensionKind],

@@ -10,6 +10,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "pbr",
     lobes: ANY_LOBE,
     is_transmissive: false,
+    is_pane: false,
     emits: false,
     extensions: &[
         ExtensionKind::Emission,

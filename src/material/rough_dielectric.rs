@@ -10,6 +10,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "rough_dielectric",
     lobes: ANY_LOBE,
     is_transmissive: true,
+    is_pane: false,
     emits: false,
     extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal],
     has_second_part: true,

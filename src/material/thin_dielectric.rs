@@ -11,6 +11,7 @@ pub const KIND: MaterialKind = MaterialKind {
     shader: "thin_dielectric",
     lobes: ANY_LOBE,
     is_transmissive: true,
+    is_pane: true,
     emits: false,
     extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal],
     has_second_part: false,

@@ -205,6 +205,15 @@ pub(super) fn decide(
     let number_images =
         [ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Alpha].into_iter().find_map(scene_has);
     let alpha = surface.clone().and(scene_has(ExtensionKind::Alpha));
+    // Smooth panes. Of a body, a ray passes both sides.
+    let pane = surface.clone().and(first_reason(&features.panes));
+    let convex_pane: Vec<Entry> = (primitive.iter())
+        .filter(|kind| KINDS[kind.number as usize].encloses() && features.panes[kind.number as usize].is_some())
+        .cloned()
+        .collect();
+    let body = convex_pane.first().map(|kind| kind.why.clone());
+    let panes: Vec<Entry> =
+        materials.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_pane)).cloned().collect();
     let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(ExtensionKind::VertexAlpha));
     let uv_tables = mesh.clone().and(reason_of(&features.uv_tables));
     let both_sides = { both_sided.first().zip(light.as_ref()) }
@@ -221,7 +230,7 @@ pub(super) fn decide(
     let needs = Needs {
         is_staged: !fused,
         light: light.clone(),
-        mesh: mesh.clone(),
+        instance: mesh.clone().or(body.clone()),
         emitting_mesh: emitting_mesh.clone(),
         probed: probed.clone(),
         event: event.clone(),
@@ -320,6 +329,10 @@ pub(super) fn decide(
         ("absorption", either(&absorbing, "scene/absorption", "null/absorption")),
         ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
         ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
+        ("panes", either(&pane, "step/panes", "step/no_panes")),
+        ("passed_panes", either(&pane, "scene/passed_panes", "null/passed_panes")),
+        ("crossings", either(&body, "scene/crossings", "null/crossings")),
+        ("flight_end", either(&pane.clone().and(medium.clone()), "step/flight_end", "null/flight_end")),
         ("media", either(&medium, "step/media", "null/media")),
         ("medium_albedo", either(&reason_of(&features.textured_media), "scene/textured_medium", "scene/plain_medium")),
         ("transmittance", either(&medium, "scene/transmittance", "null/transmittance")),
@@ -359,7 +372,8 @@ pub(super) fn decide(
         // Modules that only separate stages have.
         ("aov_hit_slot", either(&aov_hit, "slots/aov_hit", "null/aov_hit_slot")),
         ("aov_direct_slot", either(&aov_direct, "slots/aov_direct", "null/aov_direct_slot")),
-        ("walker_slot", either(&alpha, "slots/walker", "null/walker_slot")),
+        ("walker_slot", either(&alpha.clone().or(pane.clone()), "slots/walker", "null/walker_slot")),
+        ("pane_slot", either(&pane, "slots/pane", "null/pane_slot")),
         ("shadow_slot", either(&staged(&light), "slots/shadow", "null/shadow_slot")),
         ("probe_slot", either(&probed, "slots/probe", "null/probe_slot")),
         ("queue_of_hits", either(&queue_of_hits, "slots/sort_by_material", "null/sort")),
@@ -374,6 +388,9 @@ pub(super) fn decide(
         ("emitter", emitter),
         // The kinds of boundary of media, but for meshes.
         ("convex_boundary", convex_boundary),
+        // The materials that can be smooth panes, and the kinds of primitive with one that a ray leaves again.
+        ("pane", panes),
+        ("convex_pane", convex_pane),
         // The materials that the kernel serves.
         ("material", served.to_vec()),
         ("non_specular", non_specular),

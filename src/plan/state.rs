@@ -90,7 +90,8 @@ pub struct Needs {
     /// Stages are separate kernels.
     pub is_staged: bool,
     pub light: Option<Reason>,
-    pub mesh: Option<Reason>,
+    /// A hit has the instance of a mesh, or the side of a body.
+    pub instance: Option<Reason>,
     pub emitting_mesh: Option<Reason>,
     pub probed: Option<Reason>,
     /// There is a surface or a medium.
@@ -107,9 +108,10 @@ pub struct Needs {
 /// The member of a path that holds the sums of `--aov`.
 const AOV: &str = "aov";
 
-/// The members of a path that are no fields: structs, whose members are fields, and the history, which is packed with the depth.
-const OTHER_MEMBERS: [(&str, &str); 4] =
-    [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32")];
+/// The members of a path that are no fields: structs, whose members are fields; the history, which is packed with the depth; and what panes
+/// let pass of a shadow ray, from its walk to its light.
+const OTHER_MEMBERS: [(&str, &str); 5] =
+    [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32"), ("transmittance", "vec3<f32>")];
 
 /// All groups of fields, in the order in which a path is loaded. Groups that only separate stages have come last.
 const GROUPS: [&str; 12] = [
@@ -138,7 +140,8 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     let always = Some(Reason::EveryRender.to_string());
     // Fields that only separate stages pass on.
     let staged = |why| words(why).filter(|_| needs.is_staged).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
-    let (lights, meshes, mesh_lights) = (staged(&needs.light), staged(&needs.mesh), staged(&needs.emitting_mesh));
+    let (lights, instances, mesh_lights) =
+        (staged(&needs.light), staged(&needs.instance), staged(&needs.emitting_mesh));
     // Without a surface or a medium no stage needs the distance.
     let events = (needs.is_staged && needs.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
     let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {
@@ -213,7 +216,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             Word,
             "whether the albedo and the normal of the sample are known",
         ),
-        word(&meshes, "hit", "instance", Word, "the instance whose mesh the ray has hit"),
+        word(&instances, "hit", "instance", Word, "the instance whose mesh the ray has hit, or the side of a body"),
         word(&mesh_lights, "shadow", "light_instance", Word, "the instance whose mesh the light is a face of"),
     ];
     for (index, (sum, name)) in aovs.sum_components().enumerate() {

@@ -190,7 +190,8 @@ declare! {
             material: Option<String> = MATERIAL;
         }
         /// A light without size that is equally bright in all directions. No ray can hit it, so the camera does not see it, nor does a
-        /// mirror. Mirrors and glass stop its light: only light sampling finds it, and `--integrator bsdf` refuses it.
+        /// mirror. Mirrors and glass stop its light, but smooth panes (`ThinDielectric`) let it pass: only light sampling finds it, and
+        /// `--integrator bsdf` refuses it.
         PointLight: point_light, "PointLight(at: (0, 3, 1), intensity: (5, 5, 5))" {
             /// Where the light is.
             at: DVec3 = point();

@@ -44,7 +44,7 @@ impl Everything {
         Everything(folder)
     }
 
-    /// Every primitive, among them a sphere that is huge against its distance, every material, every texture, a lens, and a sky;
+    /// Every primitive, among them a sphere that is huge against its distance, every material, every texture, a lens, and a sky; panes, flat and round;
     /// objects inside others; two of them coincident; media in every kind of boundary, overlapping, textured, and one that fills a
     /// glass sphere.
     pub fn scene(&self, world: World) -> Scene {
@@ -84,6 +84,7 @@ impl Everything {
         \"plain\": Lambertian(albedo: Rgb(0.5, 0.6, 0.7)),
         \"mirror\": Metal(albedo: Rgb(0.9, 0.8, 0.7), fuzz: 0),
         \"glass\": Dielectric(ior: 1.5),
+        \"pane\": ThinDielectric(transmittance: Rgb(0.7, 0.9, 0.8)),
         \"lamp\": DiffuseLight(emit: Rgb({lamp}), two_sided: false),
         \"screen\": DiffuseLight(emit: Checker(scale: 0.3, even: ({even}), odd: ({odd}))),
     }},
@@ -95,6 +96,8 @@ impl Everything {
         Sphere(center: (0, -100000.2, 0), radius: 100000, material: \"marble\"),
         Sphere(center: (-1.1, 0.7, 0), radius: 0.7, material: \"image\"),
         Sphere(center: (0.4, 0.6, 0.6), radius: 0.6, material: \"glass\"),
+        Sphere(center: (-0.3, 1.3, 1.2), radius: 0.3, material: \"pane\"),
+        Quad(corner: (-1.5, 0.2, 1.6), u: (1, 0, 0.2), v: (0, 0.8, 0.1), material: \"pane\"),
         Sphere(center: (0.4, 0.6, 0.6), radius: 0.25, material: \"plain\"),
         Sphere(center: (0.4, 0.6, 0.6), radius: 0.25, material: \"mirror\"),
         Transformed(by: [RotateY(30), Translate((1.3, 0, -0.7))], object: Box(min: (0, 0, 0), max: (0.8, 1.4, 0.9), material: \"marble\")),

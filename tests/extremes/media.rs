@@ -193,7 +193,7 @@ fn black_slabs() -> Vec<Cell> {
     [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e2, 1e4, 1e6, 1e8]
         .map(|depth: f64| {
             let k = (0.4 / depth).log2().clamp(0.0, 24.0).floor() as i32;
-            let lowest = Overlay::new(&[]).rewritten("step/media", |text| {
+            let lowest = Overlay::new(&[]).rewritten("step/flight", |text| {
                 text.replace("medium == 0u).xy", &format!("medium == 0u).xy >> vec2<u32>({k}u, 0u)"))
             });
             let through = |text: &str| render_planted(&scene(text), &Request::spp(64), &lowest).mean_of_all().value[0];

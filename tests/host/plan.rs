@@ -894,7 +894,7 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
         let line = medium.lines().find(|line| line.split_whitespace().next() == Some(module)).expect("it is there");
         line.len() - line.trim_start().len()
     };
-    assert_eq!((indent("stage/medium"), indent("step/media"), indent("medium/free_flight")), (2, 4, 6));
+    assert_eq!((indent("stage/medium"), indent("step/flight"), indent("medium/free_flight")), (2, 6, 8));
     assert!(!medium.contains("refill"), "{medium}");
 
     let object = |more: &[&str]| plan(more).exits(0).json();
@@ -903,7 +903,7 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
     assert!(all["kernels"].as_array().is_some_and(|kernels| kernels.contains(&one["kernels"][0])));
     let modules = one["kernels"][0]["modules"].as_array().expect("modules");
     let find = |name: &str| modules.iter().find(|module| module["name"] == name).expect("it is linked");
-    assert_eq!(find("medium/free_flight")["used_by"], "step/media");
+    assert_eq!(find("medium/free_flight")["used_by"], "step/flight");
     assert_eq!(find("medium/free_flight")["asked_by"], "scenes/cornell-smoke.ron:20:9");
     assert_eq!(find("stage/medium")["used_by"], serde_json::Value::Null);
     assert_eq!(all["path_fields"][0]["name"], "origin");

@@ -22,6 +22,7 @@ mod multiscatter;
 mod narrow_lobes;
 mod normal_maps;
 mod numbers;
+mod panes;
 mod recipe;
 mod references;
 mod same_bytes;

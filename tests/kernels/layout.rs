@@ -25,6 +25,7 @@ fn modules() -> Vec<naga::Module> {
     let features = Features {
         primitives: Default::default(),
         materials: Default::default(),
+        panes: Default::default(),
         non_specular: with_lobe(Lobe::Wide),
         specular: with_lobe(Lobe::Specular),
         narrow: with_lobe(Lobe::Narrow),
@@ -70,6 +71,7 @@ fn modules() -> Vec<naga::Module> {
                 kinds.iter().any(|kind| *kind as usize == extension).then(|| "a test".to_string())
             })
         }),
+        panes: features.panes.map(on),
         tinted: features.tinted.map(on),
         absorbing: features.absorbing.map(on),
         emitters: features.emitters.map(on),

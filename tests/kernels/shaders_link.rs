@@ -118,6 +118,11 @@ fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
     Features { tinted: those(tinted), absorbing: those(absorbing), ..features }
 }
 
+/// Makes some kinds of primitive smooth panes.
+fn paned(features: Features, shapes: usize) -> Features {
+    Features { panes: on(shapes), ..features }
+}
+
 /// Adds lights without size, directional ones among them, where anything answers to them.
 fn delta_lit(features: Features, directional: bool) -> Features {
     if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
@@ -327,6 +332,19 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             let glass = coloured(features(1, set, 0, SOLID, false), tinted, absorbing);
             found.extend([glass.clone(), lit(glass.clone(), 1, false), lit(glass, 0, true)]);
         }
+    }
+    // Smooth panes of each shape: alone, with all materials, textures and an alpha, in media, and under lights.
+    let pane = bits_of(|kind| kind.is_pane);
+    for set in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]) {
+        let alone = paned(features(set, pane, 0, SOLID, false), set);
+        let full = paned(covered(features(set, materials, textures, IMAGE, false)), set);
+        let mapped = paned(with_extension(features(set, pane, textures, SOLID, false), ExtensionKind::Normal), set);
+        if set != primitives {
+            let beside = paned(features(set, materials, 0, SOLID, false), set);
+            found.extend([few(alone.clone()), delta_lit(few(beside), true)]);
+        }
+        found.extend([lit(full.clone(), set, true), lit(with_media(full, all(BOUNDARIES), false), set, false)]);
+        found.extend([with_media(alone.clone(), 1, false), alone, mapped]);
     }
     // Lights without size alone, with every material and in media, and beside each kind of light.
     for directional in [false, true] {
@@ -617,6 +635,10 @@ const CHOICES: &[(&str, &str)] = &[
     ("absorption", "scene"),
     ("coverage", "scene"),
     ("vertex_alpha", "scene"),
+    ("panes", "step"),
+    ("passed_panes", "scene"),
+    ("crossings", "scene"),
+    ("flight_end", "step"),
     ("media", "step"),
     ("medium_albedo", "scene"),
     ("transmittance", "scene"),
@@ -651,6 +673,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("aov_hit_slot", "slots"),
     ("aov_direct_slot", "slots"),
     ("walker_slot", "slots"),
+    ("pane_slot", "slots"),
     ("shadow_slot", "slots"),
     ("probe_slot", "slots"),
     ("queue_of_hits", "slots"),

@@ -1,0 +1,34 @@
+//@ use data/hit
+//@ use data/primitive
+//@ use data/ray
+//@ use data/surface
+//@ use choice/crossings
+//@ use scene/panes
+//@ use scene/primitives
+// Where on a ray a walk begins: behind the last pane that the ray has passed. The hits of a ray are in the order of their distances, and at
+// one distance in the order of the scene. So a ray meets each crossing once.
+
+// The last pane.
+var<private> passed: Hit;
+
+fn pass_no_pane() {
+    passed = hit_at(HIT_NOTHING, 0.0);
+}
+
+fn pass_pane(pane: Hit) {
+    passed = pane;
+}
+
+// The distance to the first crossing of a primitive that lies behind the last pane, or NO_HIT. `candidate` is the nearest crossing.
+fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
+    if candidate.t > passed.t || (candidate.t == passed.t && comes_before(passed, candidate)) {
+        return candidate.t;
+    }
+    let leaves = interval_of_body(candidate.code, ray).y;
+    return select(NO_HIT, leaves, leaves > passed.t);
+}
+
+// Whether a walk that looks for any hit may end with this one. A pane may let the ray pass.
+fn may_end_walk(candidate: Hit) -> bool {
+    return !may_be_pane(candidate);
+}

@@ -1,0 +1,5 @@
+//@ use generated/slots
+// Stores the throughput, which has taken the colours of panes on the ray.
+fn store_passed(slot: u32, path: ptr<function, Path>) {
+    store_throughput(slot, path);
+}
