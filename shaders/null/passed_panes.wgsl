@@ -1,6 +1,8 @@
 //@ use data/hit
 //@ use data/ray
 // No surface is a pane.
+const ANY_HIT_ENDS_WALK: bool = true;
+
 fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
     return candidate.t;
 }

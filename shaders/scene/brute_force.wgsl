@@ -22,7 +22,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
         if candidate.t != NO_HIT && candidate.t <= hit.t {
             if candidate.t < hit.t || comes_before(candidate, hit) {
                 hit = candidate;
-                if any_will_do && may_end_walk(candidate) {
+                if any_will_do && ANY_HIT_ENDS_WALK {
                     return hit;
                 }
             }

@@ -27,7 +27,7 @@ fn hit_of_path(path: ptr<function, Path>) -> Hit {
     loop {
         hit = with_side(first_hit(ray, settings.root, limit, false), ray);
         let pane = pane_at(hit, ray);
-        if !pane.is_smooth || reflects(path, hit, pane.reflectance) {
+        if !pane.is_smooth || is_reflected(path, hit, pane.reflectance) {
             break;
         }
         (*path).throughput *= select(vec3<f32>(1.0), pane.colour, hit.t < end);
@@ -38,7 +38,7 @@ fn hit_of_path(path: ptr<function, Path>) -> Hit {
 }
 
 // Each crossing has random numbers of its own, whatever the order of the walk.
-fn reflects(path: ptr<function, Path>, hit: Hit, reflectance: f32) -> bool {
+fn is_reflected(path: ptr<function, Path>, hit: Hit, reflectance: f32) -> bool {
     let dimension = bounce_dimension((*path).depth, DIMENSION_SCATTER);
     let side = select(NEAR_SIDE_OF_PANE, FAR_SIDE_OF_PANE, hit.instance == FAR_SIDE);
     return random_of_surface((*path).pixel, (*path).sample, dimension, hit, side) < reflectance;

@@ -136,6 +136,7 @@ fn everything_is_on() {
             "scene/world_axes",
             "scene/nothing",
             "scene/brute_force",
+            "step/no_panes",
             "scene/light_tree",
             "bind/light_nodes",
         ];

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DVec3};
 use gpu_rt::aov::Aovs;
+use gpu_rt::bvh::Quality;
 use gpu_rt::options::Scatter;
 
 use crate::common::everything::same;
@@ -139,7 +140,7 @@ fn lamps_and_skies_shine_through_panes_by_either_technique() {
             // Shadow rays that lose nothing, and paths that lose nothing. One pane takes as much as there is room for noise.
             for (module, line, by) in [
                 ("step/panes", "(1.0 - pane.reflectance) * pane.colour", "pane.colour"),
-                ("step/panes", "|| reflects(path, hit, pane.reflectance)", ""),
+                ("step/panes", "|| is_reflected(path, hit, pane.reflectance)", ""),
             ] {
                 if count == 1 {
                     continue;
@@ -358,10 +359,12 @@ fn light_sampling_changes_no_expectation_behind_panes() {
         Overlay::new(&[]).rewritten("step/panes", |own| own.replace(line, "vec3<f32>(1.0 - pane.reflectance)"));
     let planted = render_planted(&room, &mis, &planted);
     assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "shadows without colours are not found");
-    // However stages are linked, the bytes are the same; with all features too.
+    // However stages are linked, and whatever the hierarchy, the bytes are the same.
     let few = Request::spp(16).mis().sobol();
     let fused = render(&room, &few.clone().scatter(Scatter::Fused));
     for scatter in [Scatter::Linked, Scatter::Queues] {
         assert!(same(&fused, &render(&room, &few.clone().scatter(scatter))), "{scatter:?}");
     }
+    let best = few.clone().scatter(Scatter::Fused).with(|options| options.build = Quality::Best);
+    assert!(same(&fused, &render(&room, &best)), "the hierarchy changes the image");
 }
