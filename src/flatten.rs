@@ -80,18 +80,20 @@ pub fn flatten_with(
     let view = View::new(&scene.camera, size);
     let mut finder = Finder::new(scene, &meshes, view.eye);
     scene.objects.iter().for_each(|object| finder.add(object, &view.to_space));
-    let is_smooth_pane = scene
-        .materials
-        .iter()
-        .map(|(_, material)| material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular));
-    let is_smooth_pane: Vec<bool> = is_smooth_pane.collect();
+    // Of materials that are smooth panes: whether they have textures.
+    let panes = scene.materials.iter().map(|(_, material)| {
+        let is_pane = material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular);
+        is_pane.then(|| !material.textures().is_empty())
+    });
+    let panes: Vec<Option<bool>> = panes.collect();
     for primitive in &finder.primitives {
         let at_object = || scene.location_of(primitive.object).to_string();
         features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
         if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
             features.smooth.get_or_insert_with(at_object);
         }
-        if is_smooth_pane[primitive.material as usize] {
+        if let Some(is_textured) = panes[primitive.material as usize] {
+            features.pane_textures |= is_textured;
             features.panes[primitive.shape.number()].get_or_insert_with(at_object);
         }
     }

@@ -1,7 +1,7 @@
 //@ use data/primitive
 //@ use geometry/slab
 //@ use lib/float
-// Finds the children of a BVH node that a ray may hit nearer than `nearest`. The test is conservative: it never
+// Finds the children of a BVH node that a ray may hit from the distance `begin` to `nearest`. The test is conservative: it never
 // rejects a child that the ray hits.
 
 const CHILD_MISSED: u32 = 0xffffffffu;
@@ -45,8 +45,8 @@ fn leave_axis(axis: GridAxis, planes: u32) -> vec4<i32> {
 }
 
 // A key for each child that the ray may hit, and CHILD_MISSED for the others. A key holds the bits of the distance at which the ray
-// enters the box (0 from inside), with the child's number in place of the last two bits. Keys sort in the order of the distances.
-fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -> vec4<u32> {
+// enters the box (`begin` from inside), with the child's number in place of the last two bits. Keys sort in the order of the distances.
+fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, begin: f32, nearest: f32) -> vec4<u32> {
     let grid_origin = bitcast<vec3<f32>>(node.grid.xyz);
     let exponents = (vec3<u32>(node.grid.w) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
     let x = grid_axis(grid_origin.x, exponents.x, origin.x, inverse.x);
@@ -57,7 +57,7 @@ fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -
     let far = select(node.low, node.high, forward);
     let enter_yz = max(enter_axis(y, near.y), enter_axis(z, near.z));
     let leave_yz = min(leave_axis(y, far.y), leave_axis(z, far.z));
-    let enter = max(max(enter_axis(x, near.x), enter_yz), vec4<i32>(0));
+    let enter = max(max(enter_axis(x, near.x), enter_yz), vec4<i32>(bitcast<i32>(begin)));
     let leave = min(min(leave_axis(x, far.x), leave_yz), vec4<i32>(bitcast<i32>(nearest)));
     let child = vec4<u32>(0u, 1u, 2u, 3u);
     // Compared as floats, among which -0 equals 0.

@@ -3,6 +3,10 @@
 // No surface is a pane.
 const ANY_HIT_ENDS_WALK: bool = true;
 
+fn begin_of_walk() -> f32 {
+    return 0.0;
+}
+
 fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
     return candidate.t;
 }

@@ -66,7 +66,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
                 continue;
             }
         } else {
-            let keys = child_keys(nodes[code], ray.origin, inverse, VERY_FAR);
+            let keys = child_keys(nodes[code], ray.origin, inverse, 0.0, VERY_FAR);
             let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), keys != vec4<u32>(CHILD_MISSED));
             let children = bits.x | bits.y | bits.z | bits.w;
             if children != 0u {

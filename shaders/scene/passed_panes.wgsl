@@ -27,6 +27,11 @@ fn pass_pane(pane: Hit) {
     passed_part = part_number(pane);
 }
 
+// The distance from which on a walk takes hits.
+fn begin_of_walk() -> f32 {
+    return passed_t;
+}
+
 // The distance to the first crossing of a primitive that lies behind the last pane, or NO_HIT. `candidate` is the nearest crossing.
 fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
     let order = primitive_order(candidate);

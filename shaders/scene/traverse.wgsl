@@ -116,7 +116,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             }
             //@ end
         } else {
-            let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, hit.t));
+            let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, begin_of_walk(), hit.t));
             if keys.y != CHILD_MISSED {
                 if waiting != NONE_WAIT {
                     stack[depth] = waiting;

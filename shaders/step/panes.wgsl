@@ -14,6 +14,9 @@
 // reflected with the probability of the reflectance, or else passes. A shadow ray passes with the transmittance as a factor. As the ray
 // of a path starts at the event before the panes, both sides of MIS have the densities that they would have in air.
 
+// What passing a pane takes of the steps of a walk.
+const STEPS_OF_PANE: u32 = ${pane_steps}u;
+
 // The nearest hit of the path's ray on a surface that does not let it pass. The path takes the colours of the panes before it.
 fn hit_of_path(path: ptr<function, Path>) -> Hit {
     let ray = (*path).ray;
@@ -32,7 +35,7 @@ fn hit_of_path(path: ptr<function, Path>) -> Hit {
         }
         (*path).throughput *= select(vec3<f32>(1.0), pane.colour, hit.t < end);
         pass_pane(hit);
-        limit.steps = hit.steps + ITERATIONS_OF_SHADING;
+        limit.steps = hit.steps + STEPS_OF_PANE;
     }
     return hit;
 }
@@ -59,7 +62,7 @@ fn hit_of_shadow(path: ptr<function, Path>, limit: Hit) -> Hit {
         }
         (*path).transmittance *= (1.0 - pane.reflectance) * pane.colour;
         pass_pane(hit);
-        rest.steps = hit.steps + ITERATIONS_OF_SHADING;
+        rest.steps = hit.steps + STEPS_OF_PANE;
     }
     return hit;
 }

@@ -82,6 +82,8 @@ pub struct Features {
     pub shadow_rays: bool,
     /// Whether steps of a walk may read a texture, because an alpha has one. It depends only on the scene, too.
     pub alpha_textures: bool,
+    /// Whether passing a pane may read a texture. It depends only on the scene, too.
+    pub pane_textures: bool,
     /// The number of media.
     pub media: u32,
     /// Kinds of background, by the indices of `BACKGROUNDS`. A scene itself has one.

@@ -432,6 +432,8 @@ pub(super) fn decide(
             "most_steps",
             if features.shadow_rays { 19_000 } else { 48_000 } / if features.alpha_textures { 5 } else { 1 },
         ),
+        // The iterations that count for passing a pane: those of the longest texture, or some for its material.
+        ("pane_steps", if features.pane_textures { 384 } else { 8 }),
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count()) as u32),

@@ -342,7 +342,7 @@ const ROOM: &str = "Scene(image: (width: 16, height: 16), camera: (look_from: (0
         Box(min: (-0.8, 0.05, -0.4), max: (-0.3, 0.5, 0.1), material: \"clear\"),
         Transformed(by: [Scale(0.3), Translate((0, 0.35, 0.4))], object: Mesh(path: \"ball.obj\", material: \"checked\")),
         Medium(boundary: Sphere(center: (0.5, 0.5, 0), radius: 0.4), density: 1, albedo: Rgb(0.8, 0.8, 0.8)),
-    ], render: (samples: 1024, max_depth: 6))";
+    ], render: (samples: 512, max_depth: 6))";
 
 #[test]
 fn light_sampling_changes_no_expectation_behind_panes() {
@@ -351,7 +351,7 @@ fn light_sampling_changes_no_expectation_behind_panes() {
     let room = scene_in(folder.path(), ROOM);
     let bsdf = render(&room, &Request::default().seed(1));
     let mis = Request::default().seed(2).mis();
-    for request in [mis.clone(), mis.clone().seed(3).sobol(), mis.clone().seed(4).roulette().scatter(Scatter::Linked)] {
+    for request in [mis.clone(), mis.clone().seed(3).sobol()] {
         same_expectation(&bsdf, &render(&room, &request), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     }
     let line = "(1.0 - pane.reflectance) * pane.colour";
@@ -367,4 +367,25 @@ fn light_sampling_changes_no_expectation_behind_panes() {
     }
     let best = few.clone().scatter(Scatter::Fused).with(|options| options.build = Quality::Best);
     assert!(same(&fused, &render(&room, &best)), "the hierarchy changes the image");
+}
+
+/// Hundreds of panes on a ray end no walk.
+#[test]
+fn any_number_of_panes_lets_light_pass() {
+    let pane = |k: usize| {
+        let y = 4.0 + 0.01 * k as f64;
+        format!("Quad(corner: (-1, {y}, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"thin\"),")
+    };
+    let panes: Vec<String> = (0..400).map(pane).collect();
+    let light = "DirectionalLight(direction: (0, -1, 0), irradiance: (3, 3, 3))";
+    let text = floor(light, &panes, "Solid((0, 0, 0))");
+    let text = text
+        .replace("\"clear\"", "\"thin\": ThinDielectric(ior: 1.01, transmittance: Rgb(0.995, 0.998, 1)), \"clear\"");
+    let found = render(&scene(&text), &Request::spp(16).mis()).mean_of_all().value;
+    let share = 1.0 - (0.01f64 / 2.01).powi(2);
+    for (c, colour) in [0.995, 0.998, 1.0f64].into_iter().enumerate() {
+        let expected = 3.0 / PI * (colour * share).powi(400);
+        // Each of 400 products is rounded by u, and so are its two factors.
+        assert!((found[c] / expected - 1.0).abs() < 1e-4, "{found:?}, expected {expected} of {c}");
+    }
 }

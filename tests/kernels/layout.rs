@@ -56,6 +56,7 @@ fn modules() -> Vec<naga::Module> {
         lights: 1000,
         shadow_rays: true,
         alpha_textures: true,
+        pane_textures: true,
         sky_light: 999,
         not_sampled: Some(NotSampled { lights: 1, total: 2, reason: "a test".to_string() }),
     };

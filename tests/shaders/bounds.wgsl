@@ -18,6 +18,6 @@ struct Out {
 
 fn run(row: u32) {
     let given = input[row];
-    let keys = child_keys(nodes[given.node], given.origin, slab_inverse(given.direction), given.nearest);
+    let keys = child_keys(nodes[given.node], given.origin, slab_inverse(given.direction), 0.0, given.nearest);
     output[row] = Out(keys, sort_keys(keys));
 }
