@@ -5,8 +5,8 @@
 //@ use data/surface
 //@ use bind/materials
 //@ use choice/crossings
-//@ use choice/evaluation
 //@ use choice/normal_map
+//@ use choice/pane_evaluation
 //@ use choice/shading
 //@ use scene/interaction
 //@ use scene/primitives
@@ -52,7 +52,7 @@ fn pane_at(hit: Hit, ray: Ray) -> Pane {
     }
     let surface = surface_at(hit, ray);
     let frame = shading_frame(hit, surface, ray.direction);
-    let evaluated = evaluate_material(hit, surface, frame.front);
+    let evaluated = evaluate_pane(hit, surface, frame.front);
     let normal = mapped_normal(hit, surface, ray.direction, frame.shading, frame.front, evaluated.normal);
     let cos_view = clamp(-dot(ray.direction, normal), 0.0, 1.0);
     switch evaluated.material.kind {

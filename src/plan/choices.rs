@@ -207,6 +207,7 @@ pub(super) fn decide(
     let alpha = surface.clone().and(scene_has(ExtensionKind::Alpha));
     // Smooth panes. Of a body, a ray passes both sides.
     let pane = surface.clone().and(first_reason(&features.panes));
+    let textured_pane = pane.clone().filter(|_| features.pane_textures || options.features == FeatureSet::All);
     let convex_pane: Vec<Entry> = (primitive.iter())
         .filter(|kind| KINDS[kind.number as usize].encloses() && features.panes[kind.number as usize].is_some())
         .cloned()
@@ -331,6 +332,7 @@ pub(super) fn decide(
         ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
         ("panes", either(&pane, "step/panes", "step/no_panes")),
         ("passed_panes", either(&pane, "scene/passed_panes", "null/passed_panes")),
+        ("pane_evaluation", either(&textured_pane, "scene/textured_pane", "scene/plain_pane")),
         ("crossings", either(&body, "scene/crossings", "null/crossings")),
         ("flight_end", either(&pane.clone().and(medium.clone()), "step/flight_end", "null/flight_end")),
         ("media", either(&medium, "step/media", "null/media")),

@@ -134,6 +134,7 @@ fn everything_is_on() {
             "scene/nothing",
             "scene/brute_force",
             "step/no_panes",
+            "scene/plain_pane",
             "scene/light_tree",
             "bind/light_nodes",
         ];

@@ -22,6 +22,9 @@ struct In {
     nearest: f32,
     direction: [f32; 3],
     node: u32,
+    /// The distance from which on hits count.
+    begin: f32,
+    padding: [f32; 3],
 }
 
 #[repr(C)]
@@ -145,7 +148,7 @@ fn judge(kernel: &Kernel, nodes: &Nodes, rays: &[In]) -> Verdict {
         sorted.sort_unstable();
         assert_eq!(out.sorted, sorted);
         let node = ray.node as usize;
-        let nearest = f64::from(ray.nearest);
+        let (begin, nearest) = (f64::from(ray.begin), f64::from(ray.nearest));
         for child in 0..4 {
             let key = out.keys[child];
             let Some(held) = nodes.boxes[node][child] else {
@@ -155,12 +158,13 @@ fn judge(kernel: &Kernel, nodes: &Nodes, rays: &[In]) -> Verdict {
             let (low, high) = nodes.decoded(node, child, exact(ray.origin));
             match span(ray, held.min.as_dvec3(), held.max.as_dvec3()) {
                 // What is no farther than the nearest hit so far may replace it, a tie included.
-                Some((enter, _)) if enter <= nearest => {
+                Some((enter, leave)) if enter <= nearest && leave >= begin => {
                     found.hits += 1;
                     let entry = f64::from(f32::from_bits(key & !3));
-                    found.denied += usize::from(key == CHILD_MISSED || key & 3 != child as u32 || entry > enter);
+                    found.denied +=
+                        usize::from(key == CHILD_MISSED || key & 3 != child as u32 || entry > enter.max(begin));
                 }
-                _ if span(ray, low, high).is_none_or(|(enter, _)| enter > nearest) => {
+                _ if span(ray, low, high).is_none_or(|(enter, leave)| enter > nearest || leave < begin) => {
                     found.passed += 1;
                     found.entered += usize::from(key != CHILD_MISSED);
                 }
@@ -190,13 +194,30 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
             In { nearest, ..*ray }
         })
         .collect();
+    // Where the walk begins behind something, at about the end of one of the boxes, or just there.
+    let behind: Vec<In> = rays
+        .iter()
+        .map(|ray| {
+            let boxes = nodes.boxes[ray.node as usize].into_iter().flatten();
+            let mut ends = boxes.filter_map(|b| span(ray, b.min.as_dvec3(), b.max.as_dvec3()));
+            let Some((_, leave)) = ends.next_back() else { return *ray };
+            let begin = match random.below(2) {
+                0 => leave as f32,
+                _ => (leave * (1.0 + 0.1 * (random.uniform() - 0.5))) as f32,
+            };
+            In { begin, ..*ray }
+        })
+        .collect();
     let own = Kernel::new("test/bounds");
     let rewritten = Some(("geometry/bounds", "8.0 * UNIT_ROUNDOFF * farthest", "0.0"));
     let narrow = Kernel::with("test/bounds", &Setup { rewritten, ..Setup::default() });
-    for rays in [&rays, &later] {
+    // A box that ends within rounding of where a walk begins may be entered: the distance to a plane along a ray that is all but parallel to it has
+    // a larger error than `decoded` has. It costs a step.
+    for (rays, share) in [(&rays, 0.0), (&later, 0.0), (&behind, 2e-3)] {
         let found = judge(&own, &nodes, rays);
         assert!(found.hits > 30_000 && found.passed > 100_000, "{found:?}");
-        assert_eq!((found.denied, found.entered), (0, 0), "{found:?}");
+        assert_eq!(found.denied, 0, "{found:?}");
+        assert!(found.entered as f64 <= share * found.passed as f64, "{found:?}");
         // Without the allowance, edges, flat boxes and rays in faces are missed.
         let found = judge(&narrow, &nodes, rays);
         assert!(found.denied > 1000, "{found:?}");

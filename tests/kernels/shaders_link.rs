@@ -120,7 +120,8 @@ fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
 
 /// Makes some kinds of primitive smooth panes.
 fn paned(features: Features, shapes: usize) -> Features {
-    Features { panes: on(shapes), ..features }
+    let pane_textures = features.textures.iter().any(Option::is_some);
+    Features { panes: on(shapes), pane_textures, ..features }
 }
 
 /// Adds lights without size, directional ones among them, where anything answers to them.
@@ -637,6 +638,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("vertex_alpha", "scene"),
     ("panes", "step"),
     ("passed_panes", "scene"),
+    ("pane_evaluation", "scene"),
     ("crossings", "scene"),
     ("flight_end", "step"),
     ("media", "step"),

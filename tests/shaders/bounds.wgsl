@@ -5,6 +5,10 @@ struct In {
     nearest: f32,
     direction: vec3<f32>,
     node: u32,
+    begin: f32,
+    padding0: f32,
+    padding1: f32,
+    padding2: f32,
 }
 
 struct Out {
@@ -18,6 +22,6 @@ struct Out {
 
 fn run(row: u32) {
     let given = input[row];
-    let keys = child_keys(nodes[given.node], given.origin, slab_inverse(given.direction), 0.0, given.nearest);
+    let keys = child_keys(nodes[given.node], given.origin, slab_inverse(given.direction), given.begin, given.nearest);
     output[row] = Out(keys, sort_keys(keys));
 }

@@ -1,0 +1,11 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/surface
+//@ use bind/materials
+// No pane has a texture.
+fn evaluate_pane(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {
+    var evaluated: EvaluatedMaterial;
+    evaluated.material = materials[surface.material];
+    evaluated.colour = evaluated.material.colour;
+    return evaluated;
+}
