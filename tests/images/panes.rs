@@ -167,13 +167,14 @@ fn a_body_passes_both_of_its_sides_and_reflects_inside() {
     };
     // The first crossing of a ray that leaves a point on or outside a body: the distance and the outward normal.
     type Crossing = Option<(f64, DVec3)>;
+    type Body = dyn Fn(DVec3, DVec3) -> Crossing;
     let of_ball = |at: DVec3, along: DVec3| -> Crossing {
         let (half, rest) = (at.dot(along), at.length_squared() - 1.0);
         let root = (half * half - rest).sqrt();
         let t = [-half - root, -half + root].into_iter().find(|t| *t > 1e-9)?;
         Some((t, at + t * along))
     };
-    let of_box = |at: DVec3, along: DVec3| -> Crossing {
+    let of_box = move |at: DVec3, along: DVec3| -> Crossing {
         let (at, along) = (turn.transpose() * at, turn.transpose() * along);
         let mut found: Crossing = None;
         for axis in 0..3 {
@@ -190,7 +191,7 @@ fn a_body_passes_both_of_its_sides_and_reflects_inside() {
         }
         found
     };
-    fn followed(at: DVec3, along: DVec3, share: [f64; 3], body: &dyn Fn(DVec3, DVec3) -> Crossing) -> [f64; 3] {
+    fn followed(at: DVec3, along: DVec3, share: [f64; 3], body: &Body) -> [f64; 3] {
         if share[2] < 1e-9 {
             return [0.0; 3];
         }
@@ -211,7 +212,7 @@ fn a_body_passes_both_of_its_sides_and_reflects_inside() {
         "Transformed(by: [RotateY({})], object: Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"coloured\"))",
         0.5f64.to_degrees()
     );
-    let bodies: [(&str, &dyn Fn(DVec3, DVec3) -> Crossing); 2] = [(ball, &of_ball), (&cuboid, &of_box)];
+    let bodies: [(&str, &Body); 2] = [(ball, &of_ball), (&cuboid, &of_box)];
     for (body, crossing) in bodies {
         let expected = followed(from, (to - from).normalize(), [1.0; 3], crossing);
         let room = scene(&text(body));
