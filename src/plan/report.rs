@@ -373,6 +373,7 @@ fn about_constant(name: &str) -> String {
         "sky_columns" => "columns of the grid that directions to the sky are drawn from",
         "sky_rows" => "rows of that grid",
         "run_length" => "samples of a run at most",
+        "pane_steps" => "steps that passing a pane takes of those of a walk",
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
         "film_sums" => "sums that the film has of a pixel",
