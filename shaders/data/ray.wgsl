@@ -3,3 +3,9 @@ struct Ray {
     origin: vec3<f32>,
     direction: vec3<f32>,
 }
+
+// A ray and the distance at which it hits a surface.
+struct RayToHit {
+    ray: Ray,
+    t: f32,
+}

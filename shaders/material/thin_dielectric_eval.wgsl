@@ -1,6 +1,6 @@
 //@ use data/material
-//@ use choice/fresnel
 //@ use lib/microfacet
+//@ use material/thin_dielectric
 // A thin pane that is smooth is clear glass.
 fn thin_dielectric_is_non_specular(material: Material) -> bool {
     return material.parameter >= LEAST_ROUGHNESS;
@@ -18,7 +18,7 @@ fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f3
     let mirrored = direction - 2.0 * min(height, 0.0) * hit.normal;
     let half_way = mirrored - hit.incoming;
     let cos_facet = clamp(dot(mirrored, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
-    let reflectance = fresnel(cos_facet, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
+    let reflectance = thin_dielectric_reflectance(material, cos_facet);
     let share = select(1.0 - reflectance, reflectance, height > 0.0);
     let pdf = 0.25 * share * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let value = vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha));

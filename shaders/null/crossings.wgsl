@@ -1,11 +1,6 @@
 //@ use data/hit
 //@ use data/ray
 // No convex body is passed: a ray hits the first side that it meets.
-struct RayToHit {
-    ray: Ray,
-    t: f32,
-}
-
 fn interval_of_body(code: u32, ray: Ray) -> vec2<f32> {
     return vec2<f32>(0.0);
 }

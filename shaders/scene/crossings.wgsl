@@ -7,12 +7,6 @@
 //@ end
 // Convex bodies whose surface is a pane, such as soap bubbles. A ray that passes the near side meets the far side from inside.
 
-// A ray and the distance at which it hits a surface.
-struct RayToHit {
-    ray: Ray,
-    t: f32,
-}
-
 // The distances at which the ray enters such a body and leaves it; 0 twice for other primitives.
 fn interval_of_body(code: u32, ray: Ray) -> vec2<f32> {
     let index = primitive_index(code);

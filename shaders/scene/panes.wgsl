@@ -4,7 +4,6 @@
 //@ use data/ray
 //@ use data/surface
 //@ use bind/materials
-//@ use choice/crossings
 //@ use choice/normal_map
 //@ use choice/pane_evaluation
 //@ use choice/shading

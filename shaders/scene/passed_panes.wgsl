@@ -1,5 +1,4 @@
 //@ use data/hit
-//@ use data/primitive
 //@ use data/ray
 //@ use data/surface
 //@ use choice/crossings
@@ -12,36 +11,30 @@
 // long with the look (scene/brute_force).
 const ANY_HIT_ENDS_WALK: bool = false;
 
-// The distance of the last pane, its order in the scene, and its part.
-var<private> passed_t: f32;
-var<private> passed_order: u32;
-var<private> passed_part: u32;
+// The last pane.
+var<private> passed: Hit;
 
 fn pass_no_pane() {
-    passed_t = 0.0;
+    passed = hit_at(HIT_NOTHING, 0.0);
 }
 
 fn pass_pane(pane: Hit) {
-    passed_t = pane.t;
-    passed_order = primitive_order(pane);
-    passed_part = part_number(pane);
+    passed = pane;
 }
 
 // The distance from which on a walk takes hits.
 fn begin_of_walk() -> f32 {
-    return passed_t;
+    return passed.t;
 }
 
 // The distance to the first crossing of a primitive that lies behind the last pane, or NO_HIT. `candidate` is the nearest crossing.
 fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
-    let order = primitive_order(candidate);
-    let is_later = order > passed_order || (order == passed_order && part_number(candidate) > passed_part);
-    let is_ahead = candidate.t > passed_t || (candidate.t == passed_t && is_later);
+    let is_ahead = candidate.t > passed.t || (candidate.t == passed.t && comes_before(passed, candidate));
     if is_ahead || candidate.t == NO_HIT {
         return candidate.t;
     }
     let leaves = interval_of_body(candidate.code, ray).y;
-    return select(NO_HIT, leaves, leaves > passed_t);
+    return select(NO_HIT, leaves, leaves > passed.t);
 }
 
 // Whether a walk that looks for any hit may end with this one. A pane may let the ray pass.

@@ -14,12 +14,12 @@
 //@ end
 // The hit record of a ray that hits a primitive.
 fn surface_at(hit: Hit, ray: Ray) -> Surface {
-    let way = ray_to_hit(hit, ray);
+    let to_hit = ray_to_hit(hit, ray);
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}_surface(way.ray, way.t, ${name}s[index]);
+            return ${name}_surface(to_hit.ray, to_hit.t, ${name}s[index]);
         }
         //@ end
         //@ if mesh

@@ -11,8 +11,8 @@
 //@ use scene/panes
 //@ use scene/surface_random
 // Smooth panes let light pass straight on, which is no event: a path keeps its ray, the density of its direction and its depth. A path is
-// reflected with the probability of the reflectance, or else passes. A shadow ray passes with the transmittance as a factor. As the ray
-// of a path starts at the event before the panes, both sides of MIS have the densities that they would have in air.
+// reflected with the probability of the reflectance, or else passes. A shadow ray passes with the transmittance as a factor. A ray keeps
+// the origin at its event, so both strategies of MIS have the densities that they have in air.
 
 // What passing a pane takes of the steps of a walk.
 const STEPS_OF_PANE: u32 = ${pane_steps}u;

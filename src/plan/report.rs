@@ -241,11 +241,8 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     let mut all = kinds(PRIMITIVES, &features.primitives, "geometry", "");
     all.push(one("smooth shading", &features.smooth, "scene/smooth_shading"));
     all.extend(kinds(MATERIALS, &features.materials, "material", ""));
-    all.extend(
-        kinds(PRIMITIVES, &features.panes, "step/panes", " pane")
-            .into_iter()
-            .map(|known| Known { module: "step/panes".to_string(), ..known }),
-    );
+    let panes = PRIMITIVES.iter().zip(&features.panes);
+    all.extend(panes.map(|(name, used)| one(&format!("{name} pane"), used, "step/panes")));
     all.extend(kinds(TEXTURES, &features.textures, "texture", " texture"));
     let mut media = kinds(&boundary_names(), &features.boundaries, "medium", " medium");
     media.iter_mut().filter(|known| known.module == "medium/mesh").for_each(|mesh| {

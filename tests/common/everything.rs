@@ -44,8 +44,8 @@ impl Everything {
         Everything(folder)
     }
 
-    /// Every primitive, among them a sphere that is huge against its distance, every material, every texture, a lens, and a sky; panes, flat and round;
-    /// objects inside others; two of them coincident; media in every kind of boundary, overlapping, textured, and one that fills a
+    /// Every primitive, among them a sphere that is huge against its distance, every material, every texture, a lens, and a sky;
+    /// panes, flat and round; objects inside others; two of them coincident; media in every kind of boundary, overlapping, textured, and one that fills a
     /// glass sphere.
     pub fn scene(&self, world: World) -> Scene {
         scene_in(self.0.path(), &self.text(world))

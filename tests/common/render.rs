@@ -332,6 +332,21 @@ impl Watchdog {
     }
 }
 
+impl Mean {
+    /// Whether it is what is expected, within its noise, which is at most this share of it. Noise: 4.9 standard errors, which a mean is off by
+    /// once in 1e6.
+    pub fn is_near(&self, expected: [f64; 3], most_noise: f64) -> Result<(), String> {
+        const NOISE: f64 = 4.9;
+        for (channel, expected) in expected.into_iter().enumerate() {
+            let (value, noise) = (self.value[channel], NOISE * self.variance[channel].sqrt());
+            if noise > most_noise * expected || (value - expected).abs() > noise + 1e-5 * expected {
+                return Err(format!("channel {channel}: {value} +- {noise}, expected {expected}"));
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Shot {
     /// Every pixel got every sample, and none was rejected: no image test may pass on what is left of an image. None is below 0, where the
     /// filter is not.

@@ -13,8 +13,8 @@ use crate::common::kernel::Overlay;
 use crate::common::render::{Mean, Request, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
-/// Standard errors that a mean is off by once in 1e6.
-const NOISE: f64 = 4.9;
+/// Of a mean, as a share of it.
+const MOST_NOISE: f64 = 0.01;
 
 /// A camera that looks along -z at sheets of one material that fill its view, before a sky; and more.
 fn sheets(material: &str, count: usize, max_depth: u32, more: &str) -> String {
@@ -27,17 +27,6 @@ fn sheets(material: &str, count: usize, max_depth: u32, more: &str) -> String {
         objects: [{} {more}], render: (samples: 512, max_depth: {max_depth}))",
         (0..count).map(sheet).collect::<String>()
     )
-}
-
-/// Whether a mean is what is expected, within its noise, which is less than 1 % of it.
-fn is_near(mean: &Mean, expected: [f64; 3]) -> Result<(), String> {
-    for (channel, expected) in expected.into_iter().enumerate() {
-        let (value, noise) = (mean.value[channel], NOISE * mean.variance[channel].sqrt());
-        if noise > 0.01 * expected || (value - expected).abs() > noise + 1e-5 * expected {
-            return Err(format!("channel {channel}: {value} +- {noise}, expected {expected}"));
-        }
-    }
-    Ok(())
 }
 
 /// n sheets of coverage a leave (1 - a)^n of the sky, and show their own light by the rest. Neither max_depth nor roulette counts them.
@@ -53,7 +42,9 @@ fn sheets_let_the_rest_of_the_light_pass() {
             (2, Request::default().sobol().mis().roulette()),
         ] {
             let shot = render(&scene(&sheets(&text, count as usize, max_depth, "")), &request.seed(3));
-            is_near(&shot.mean_of_all(), expected).unwrap_or_else(|error| panic!("{count} x {alpha}: {error}"));
+            shot.mean_of_all()
+                .is_near(expected, MOST_NOISE)
+                .unwrap_or_else(|error| panic!("{count} x {alpha}: {error}"));
         }
     }
 }
@@ -79,7 +70,9 @@ fn a_sheet_is_mixed_with_what_is_behind() {
         let (opaque, mixed) = (opaque.mean_of_all(), mixed.mean_of_all());
         let expected = [0, 1, 2].map(|c| share * opaque.value[c] + (1.0 - share) * (c + 1) as f64);
         let variance = [0, 1, 2].map(|c| mixed.variance[c] + opaque.variance[c]);
-        is_near(&Mean { variance, ..mixed }, expected).unwrap_or_else(|error| panic!("{material}{cutoff}: {error}"));
+        Mean { variance, ..mixed }
+            .is_near(expected, MOST_NOISE)
+            .unwrap_or_else(|error| panic!("{material}{cutoff}: {error}"));
     }
 }
 
@@ -107,13 +100,16 @@ fn shadow_rays_pass_as_other_rays_do() {
         let bare = render(&scene(&shadow(1.0, 0, height)), &request).mean_of_all();
         let mean = |alpha: f64| render(&scene(&shadow(alpha, sheets, height)), &request.clone().seed(5)).mean_of_all();
         let expected = bare.value.map(|lit| 0.7f64.powi(passed) * lit);
-        is_near(&mean(0.3), expected).unwrap_or_else(|error| panic!("{height}, {sheets}: {error}"));
-        assert!(is_near(&mean(0.31), expected).is_err(), "{height}, {sheets}: another alpha is not found");
+        mean(0.3).is_near(expected, MOST_NOISE).unwrap_or_else(|error| panic!("{height}, {sheets}: {error}"));
+        assert!(mean(0.31).is_near(expected, MOST_NOISE).is_err(), "{height}, {sheets}: another alpha is not found");
         // A shadow ray draws numbers of its own.
         let line = "begin_walk(path, DIMENSION_LIGHT);";
         let planted = Overlay::new(&[]).rewritten("step/light", |own| own.replace(line, ""));
         let planted = render_planted(&scene(&shadow(0.3, sheets, height)), &request, &planted).mean_of_all();
-        assert!(height == 1.0 || is_near(&planted, expected).is_err(), "numbers that are drawn twice are not found");
+        assert!(
+            height == 1.0 || planted.is_near(expected, MOST_NOISE).is_err(),
+            "numbers that are drawn twice are not found"
+        );
     }
 }
 

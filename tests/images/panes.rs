@@ -11,30 +11,16 @@ use gpu_rt::options::Scatter;
 use crate::common::everything::same;
 use crate::common::instances::smooth_ball_file;
 use crate::common::kernel::Overlay;
-use crate::common::render::{Mean, Request, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::oracles::fresnel;
+use crate::common::render::{Request, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
-/// Standard errors that a mean is off by once in 1e6.
-const NOISE: f64 = 4.9;
 /// Of a coloured pane, beside those that let all colours pass.
 const COLOUR: [f64; 3] = [0.5, 0.9, 1.0];
 
-/// What a surface of glass, of index 1.5, reflects at this cosine: Fresnel's equations.
+/// What a surface of glass, of index 1.5, reflects at this cosine.
 fn reflectance(cosine: f64) -> f64 {
-    let root = (1.25 + cosine * cosine).sqrt();
-    let [across, along] = [(cosine - root) / (cosine + root), (2.25 * cosine - root) / (2.25 * cosine + root)];
-    0.5 * (across * across + along * along)
-}
-
-/// Whether a mean is what is expected, within its noise, which is less than `room` of it.
-fn is_near(mean: &Mean, expected: [f64; 3], room: f64) -> Result<(), String> {
-    for (channel, expected) in expected.into_iter().enumerate() {
-        let (value, noise) = (mean.value[channel], NOISE * mean.variance[channel].sqrt());
-        if noise > room * expected || (value - expected).abs() > noise + 1e-5 * expected {
-            return Err(format!("channel {channel}: {value} +- {noise}, expected {expected}"));
-        }
-    }
-    Ok(())
+    fresnel(cosine, 1.5).0
 }
 
 /// A point of a floor of albedo 1, seen from below the panes. Its only event is the last.
@@ -135,7 +121,7 @@ fn lamps_and_skies_shine_through_panes_by_either_technique() {
             let (samples, few) = (Request::spp(8192).seed(5), Request::spp(1024).seed(5).mis());
             for request in [samples.clone(), few.clone(), few.clone().sobol()] {
                 let mean = render(&room, &request).mean_of_all();
-                is_near(&mean, expected, 0.06).unwrap_or_else(|error| panic!("{count} {light}: {error}"));
+                mean.is_near(expected, 0.06).unwrap_or_else(|error| panic!("{count} {light}: {error}"));
             }
             // Shadow rays that lose nothing, and paths that lose nothing. One pane takes as much as there is room for noise.
             for (module, line, by) in [
@@ -148,7 +134,7 @@ fn lamps_and_skies_shine_through_panes_by_either_technique() {
                 let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));
                 let request = if by.is_empty() { &samples } else { &few };
                 let planted = render_planted(&room, request, &planted).mean_of_all();
-                assert!(is_near(&planted, expected, 0.06).is_err(), "{count} {light}: without {line} all is the same");
+                assert!(planted.is_near(expected, 0.06).is_err(), "{count} {light}: without {line} all is the same");
             }
         }
     }
@@ -218,13 +204,13 @@ fn a_body_passes_both_of_its_sides_and_reflects_inside() {
         let room = scene(&text(body));
         for scatter in [Scatter::Fused, Scatter::Linked] {
             let mean = render(&room, &Request::default().sobol().scatter(scatter)).mean_of_all();
-            is_near(&mean, expected, 0.02).unwrap_or_else(|error| panic!("{body}: {error}"));
+            mean.is_near(expected, 0.02).unwrap_or_else(|error| panic!("{body}: {error}"));
         }
         // The far side is taken for the near one. (Those of a box reflect alike.)
         if body == ball {
             let planted = Overlay::new(&[]).rewritten("scene/crossings", |own| own.replace("is_far)", "false)"));
             let planted = render_planted(&room, &Request::default().sobol(), &planted).mean_of_all();
-            assert!(is_near(&planted, expected, 0.02).is_err(), "{body}: a far side like the near one is not found");
+            assert!(planted.is_near(expected, 0.02).is_err(), "{body}: a far side like the near one is not found");
         }
     }
     // A shadow through both sides of a ball, beside its middle.

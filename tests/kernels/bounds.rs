@@ -175,6 +175,14 @@ fn judge(kernel: &Kernel, nodes: &Nodes, rays: &[In]) -> Verdict {
     found
 }
 
+/// This distance, or one within 5 % of it.
+fn at_or_about(random: &mut Random, distance: f64) -> f32 {
+    match random.below(2) {
+        0 => distance as f32,
+        _ => (distance * (1.0 + 0.1 * (random.uniform() - 0.5))) as f32,
+    }
+}
+
 #[test]
 fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
     let mut random = Random(31);
@@ -187,11 +195,7 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
             let boxes = nodes.boxes[ray.node as usize].into_iter().flatten();
             let mut entries = boxes.filter_map(|b| span(ray, b.min.as_dvec3(), b.max.as_dvec3()));
             let Some((enter, _)) = entries.next_back() else { return *ray };
-            let nearest = match random.below(2) {
-                0 => enter as f32,
-                _ => (enter * (1.0 + 0.1 * (random.uniform() - 0.5))) as f32,
-            };
-            In { nearest, ..*ray }
+            In { nearest: at_or_about(&mut random, enter), ..*ray }
         })
         .collect();
     // Where the walk begins behind something, at about the end of one of the boxes, or just there.
@@ -201,11 +205,7 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
             let boxes = nodes.boxes[ray.node as usize].into_iter().flatten();
             let mut ends = boxes.filter_map(|b| span(ray, b.min.as_dvec3(), b.max.as_dvec3()));
             let Some((_, leave)) = ends.next_back() else { return *ray };
-            let begin = match random.below(2) {
-                0 => leave as f32,
-                _ => (leave * (1.0 + 0.1 * (random.uniform() - 0.5))) as f32,
-            };
-            In { begin, ..*ray }
+            In { begin: at_or_about(&mut random, leave), ..*ray }
         })
         .collect();
     let own = Kernel::new("test/bounds");
