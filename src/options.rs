@@ -9,7 +9,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::aov::{Aovs, ChannelNames, SeenSurface};
 use crate::bvh::Quality;
-use crate::data::Sampler;
+use crate::data::{RUN_LENGTH, Sampler};
 use crate::job::{MOST_SAMPLES, Size};
 
 /// The options of a render, without its scene and its job. The default is that of the command line.
@@ -22,6 +22,7 @@ pub struct RenderOptions {
     pub fresnel: Fresnel,
     /// The most indirect radiance that a path may add, in scene units; `None` for no limit.
     pub clamp: Option<f64>,
+    pub light_paths: LightPaths,
     pub precision: Precision,
     pub build: Quality,
     pub aov: Aovs,
@@ -45,6 +46,7 @@ impl Default for RenderOptions {
             filter: Filter::Box,
             fresnel: Fresnel::Exact,
             clamp: None,
+            light_paths: LightPaths::Off,
             precision: Precision::Strict,
             build: Quality::Medium,
             aov: Aovs::default(),
@@ -168,6 +170,49 @@ words!(
         Schlick = "schlick",
     }
 );
+/// The light paths of a run of eight samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightPaths {
+    /// As many as the scene and the other options are worth.
+    Auto,
+    Off,
+    /// 1 to [`MOST_LIGHT_PATHS`].
+    Count(u32),
+}
+
+/// The most light paths of a run: one for each of its samples.
+pub const MOST_LIGHT_PATHS: u32 = RUN_LENGTH;
+
+impl LightPaths {
+    /// The light paths of a run. `Auto` has none until the scene has decided.
+    pub fn count(self) -> u32 {
+        match self {
+            LightPaths::Auto | LightPaths::Off => 0,
+            LightPaths::Count(count) => count,
+        }
+    }
+
+    fn read(text: &str) -> Result<LightPaths, String> {
+        match text {
+            "auto" => Ok(LightPaths::Auto),
+            "off" => Ok(LightPaths::Off),
+            _ => number(text, 1..=MOST_LIGHT_PATHS)
+                .map(LightPaths::Count)
+                .map_err(|_| format!("expected `auto`, `off` or a whole number from 1 to {MOST_LIGHT_PATHS}")),
+        }
+    }
+}
+
+impl Display for LightPaths {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            LightPaths::Auto => f.write_str("auto"),
+            LightPaths::Off => f.write_str("off"),
+            LightPaths::Count(count) => write!(f, "{count}"),
+        }
+    }
+}
+
 words!(
     enum Precision {
         Strict = "strict",
@@ -563,6 +608,22 @@ pub const CLAMP: OptionSpec = OptionSpec {
     ..PLAIN
 };
 
+pub const LIGHT_PATHS: OptionSpec = OptionSpec {
+    name: "light-paths",
+    about: "Paths from the lights through mirrors and glass, for each run of 8 samples of a pixel: a number from 1 to 8, `off`, or `auto`, \
+            which traces them only where the scene has lights and something specular.",
+    values: &["off", "1", "8"],
+    default: Some("off"),
+    class: Class::Noise,
+    trade_off: "They find caustics, and take time from everything else.",
+    reading: Some(Reading {
+        takes: Takes::Text("auto|off|N"),
+        read: |options, text| LightPaths::read(text).map(|paths| options.light_paths = paths),
+        value: |options| Some(options.light_paths.to_string()),
+    }),
+    ..PLAIN
+};
+
 pub const PRECISION: OptionSpec = OptionSpec {
     name: "precision",
     about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
@@ -602,8 +663,20 @@ pub const DENOISE: OptionSpec = OptionSpec {
 };
 
 /// The options that trade one thing for another. Where time is short, the first ones are measured first.
-pub const TRADE_OFFS: &[&OptionSpec] =
-    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &PRECISION, &SIZE, &FILTER];
+pub const TRADE_OFFS: &[&OptionSpec] = &[
+    &SPP,
+    &INTEGRATOR,
+    &SAMPLER,
+    &ROULETTE,
+    &LIGHT_PATHS,
+    &MAX_DEPTH,
+    &FRESNEL,
+    &CLAMP,
+    &BUILD,
+    &PRECISION,
+    &SIZE,
+    &FILTER,
+];
 
 pub const AOV: OptionSpec = OptionSpec {
     name: "aov",
