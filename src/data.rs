@@ -159,13 +159,14 @@ device_struct!(
         indirect_limit: f32,
         brute_force: [u32; 4],
         background: u32,
+        light_paths: u32,
         zero: u32,
     }
 );
 
 device_struct!(
     /// The runs that may be started now.
-    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, }
+    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, begins: u32, }
 );
 
 device_struct!(
@@ -178,7 +179,7 @@ device_struct!(
         infinite: u32,
         cut: u32,
         refused: u32,
-        counts: [[u32; 2]; 4],
+        counts: [[u32; 2]; 6],
         light: [[[u32; 2]; 2]; LIGHT_BINS],
     }
 );
@@ -349,8 +350,8 @@ device_struct!(
 );
 
 device_struct!(
-    /// A cell of the grid over the sky, by which directions towards it are drawn.
-    SkyCell {
+    /// An entry of a table for the alias method: a cell of the grid over the sky, or a light as the start of light paths.
+    AliasEntry {
         threshold: f32,
         alias_index: u32,
         density: f32,

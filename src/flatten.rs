@@ -11,6 +11,7 @@ mod diagnostics;
 mod features;
 mod finder;
 mod hierarchies;
+mod light_paths;
 mod light_tree;
 mod media;
 mod mesh_tables;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::bitmap::Bitmap;
-use crate::data::{SkyCell, luminance};
+use crate::data::{AliasEntry, luminance};
 
 /// The number of values of a uniform number on the device: the multiples of 2^-24.
 const UNIFORMS: u64 = 1 << 24;
@@ -17,7 +17,7 @@ pub const MAX_CELLS: usize = 1 << 16;
 
 /// An entry of a table for the alias method (shaders/light/alias.wgsl).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AliasEntry {
+pub struct Draw {
     /// The entry itself is drawn if the rest of the uniform number is below this.
     pub threshold: f32,
     /// The entry that is drawn otherwise.
@@ -60,7 +60,7 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
 /// exactly the probabilities with which the device draws.
 ///
 /// None if no weight is positive, if a weight is negative or not finite, or if there are more than [`MAX_ENTRIES`].
-pub fn alias_table(weights: &[f64]) -> Option<Vec<AliasEntry>> {
+pub fn alias_table(weights: &[f64]) -> Option<Vec<Draw>> {
     let wanted = apportion(weights)?;
     let count = wanted.len() as u64;
     // Entry i is found by the uniform numbers k from ceil(i 2^24 / n) on. k n = i 2^24 + rest, and the rest grows
@@ -95,7 +95,7 @@ pub fn alias_table(weights: &[f64]) -> Option<Vec<AliasEntry>> {
             all if all == found_by[i] => UNIFORMS,
             some => rest + (some - 1) * count + 1,
         };
-        AliasEntry {
+        Draw {
             threshold: share(threshold),
             alias: alias[i] as u32,
             probability: share(wanted[i]),
@@ -105,6 +105,20 @@ pub fn alias_table(weights: &[f64]) -> Option<Vec<AliasEntry>> {
     Some((0..wanted.len()).map(entry).collect())
 }
 
+/// A table for the alias method as kernels read it: weights, and the size of what each entry stands for, by which its density is divided.
+///
+/// None as of [`alias_table`].
+pub fn alias_entries(weights: &[f64], sizes: &[f64]) -> Option<Vec<AliasEntry>> {
+    let table = alias_table(weights)?;
+    let entry = |(draw, size): (&Draw, &f64)| AliasEntry {
+        threshold: draw.threshold,
+        alias_index: draw.alias,
+        density: (f64::from(draw.probability) / size) as f32,
+        alias_density: (f64::from(draw.alias_probability) / sizes[draw.alias as usize]) as f32,
+    };
+    Some(table.iter().zip(sizes).map(entry).collect())
+}
+
 /// The distribution of directions towards the sky: cells of a grid over its image. The weight of a cell is its mean
 /// luminance, as the kernels interpolate it, times its solid angle.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,7 +126,7 @@ pub struct SkyDistribution {
     pub columns: u32,
     pub rows: u32,
     /// Row by row, from the top.
-    pub cells: Vec<SkyCell>,
+    pub cells: Vec<AliasEntry>,
 }
 
 /// The texels that contribute to the interpolation between x0 and x1 (in texels), with the integral of each one's
@@ -187,17 +201,8 @@ impl SkyDistribution {
         for (i, weight) in weights.iter_mut().enumerate() {
             *weight *= solid_angles[i / columns];
         }
-        let table = alias_table(&weights)?;
-        let cell = |(i, entry): (usize, &AliasEntry)| {
-            let alias = entry.alias as usize;
-            SkyCell {
-                threshold: entry.threshold,
-                alias_index: entry.alias,
-                density: (f64::from(entry.probability) / solid_angles[i / columns]) as f32,
-                alias_density: (f64::from(entry.alias_probability) / solid_angles[alias / columns]) as f32,
-            }
-        };
-        let cells = table.iter().enumerate().map(cell).collect();
+        let sizes: Vec<f64> = (0..weights.len()).map(|i| solid_angles[i / columns]).collect();
+        let cells = alias_entries(&weights, &sizes)?;
         Some(SkyDistribution { columns: columns as u32, rows: rows as u32, cells })
     }
 }

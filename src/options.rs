@@ -164,6 +164,22 @@ words!(
         Mitchell = "mitchell",
     }
 );
+impl Filter {
+    /// The module that says which pixel the light of a light path goes to.
+    pub fn splat_module(self) -> &'static str {
+        if self == Filter::Box { "filter/box_splat" } else { "filter/wide_splat" }
+    }
+
+    /// The module of the filter's value at a point. A box needs none.
+    pub fn value_module(self) -> &'static str {
+        match self {
+            Filter::Box | Filter::Tent => "filter/tent_value",
+            Filter::Gauss => "filter/gauss_value",
+            Filter::Mitchell => "filter/mitchell_value",
+        }
+    }
+}
+
 words!(
     enum Fresnel {
         Exact = "exact",

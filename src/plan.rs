@@ -24,7 +24,7 @@ use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 
-use choices::{Bounces, Decided, QUEUES, decide, entries};
+use choices::{Bounces, Decided, QUEUES, decide, entries, of_light_paths};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 use state::path_layout;
 pub use state::{PathField, most_path_bytes};
@@ -75,6 +75,8 @@ pub struct Kernels {
     pub bounce: Bounce,
     /// Adds finished runs to the film, after some bounces.
     pub accumulate: Kernel,
+    /// Light paths; absent if none are traced.
+    pub light_path: Option<Kernel>,
     /// The state of a path that slots keep from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
@@ -195,7 +197,7 @@ impl Kernels {
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
         let decided = decide(features, options, tables, &materials, &materials, 0, bounces);
-        let Decided { choices, path_fields, surface, medium, light, queue } = decided;
+        let Decided { choices, path_fields, surface, medium, light, queue, light_paths } = decided;
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();
         let geometry = names_with_reasons(PRIMITIVES, &features.primitives, "");
@@ -238,10 +240,15 @@ impl Kernels {
         let generate = always("generate", &every_render)?;
         let settings = SettingsLayout::from_module(&generate.module)?;
         let accumulate = always("accumulate", &every_render)?;
+        let link_light_path = |reason: &Reason| {
+            kernel("light_path", "light_path", &of_light_paths(&choices), &reason.to_string(), reason)
+        };
+        let light_path = light_paths.as_ref().map(link_light_path).transpose()?;
         Ok(Kernels {
             generate,
             bounce,
             accumulate,
+            light_path,
             path_fields,
             settings,
             aovs: options.aov.clone(),
@@ -267,6 +274,7 @@ impl Kernels {
             }
         }
         all.push(&self.accumulate);
+        all.extend(&self.light_path);
         all
     }
 

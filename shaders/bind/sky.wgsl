@@ -1,2 +1,2 @@
-//@ use light/sky
-@group(0) @binding(19) var<storage, read> sky: array<SkyCell>;
+//@ use light/alias
+@group(0) @binding(19) var<storage, read> sky: array<AliasEntry>;

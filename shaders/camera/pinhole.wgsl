@@ -5,3 +5,12 @@
 fn camera_ray(column: u32, row: u32, u: vec4<f32>) -> Ray {
     return Ray(vec3<f32>(0.0), normalize(film_direction(column, row, u.xy)));
 }
+
+fn lens_point(u: vec2<f32>) -> vec3<f32> {
+    return vec3<f32>(0.0);
+}
+
+// How far a direction through a point of the film moves if its ray starts at this point of the lens.
+fn lens_shift(lens: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(0.0);
+}

@@ -12,6 +12,11 @@ fn lens_point(u: vec2<f32>) -> vec3<f32> {
 // (Cook, Porter, Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984, section 4.3).
 fn camera_ray(column: u32, row: u32, u: vec4<f32>) -> Ray {
     let origin = lens_point(u.zw);
-    let direction = film_direction(column, row, u.xy) - settings.inverse_focus * origin;
+    let direction = film_direction(column, row, u.xy) - lens_shift(origin);
     return Ray(origin, normalize(direction));
+}
+
+// How far a direction through a point of the film moves if its ray starts at this point of the lens.
+fn lens_shift(lens: vec3<f32>) -> vec3<f32> {
+    return settings.inverse_focus * lens;
 }

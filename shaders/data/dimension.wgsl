@@ -11,6 +11,12 @@ const DIMENSION_LIGHT: u32 = 1u;
 const DIMENSION_MEDIUM: u32 = 2u;
 const DIMENSION_ROULETTE: u32 = 3u;
 
+// Light paths: two blocks for the emission, and their events are numbered from here on. So their blocks begin at 2^31, where no camera path
+// has one.
+const DIMENSION_EMISSION: u32 = 0x80000000u; // the light, the bound that it is aimed at, and two for the point
+const DIMENSION_EMITTED_DIRECTION: u32 = 0xc0000000u; // two for the direction
+const FIRST_LIGHT_EVENT: u32 = 0x20000000u;
+
 fn bounce_dimension(event: u32, block: u32) -> u32 {
     return DIMENSION_FIRST_BOUNCE + event * DIMENSION_BLOCKS_PER_BOUNCE + block;
 }

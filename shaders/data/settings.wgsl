@@ -57,6 +57,10 @@ struct Settings {
     // The kind of the background (src/flatten).
     background: u32,
     //@ end
+    //@ if light_paths
+    // The light paths of a run.
+    light_paths: u32,
+    //@ end
     // 0. No compiler knows its value (lib/compensated).
     zero: u32,
 }

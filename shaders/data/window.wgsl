@@ -10,6 +10,8 @@ struct Window {
     // The tile of the film: its first index, and its number of pixels.
     first_pixel: u32,
     pixels: u32,
+    // 1 for the first dispatch of a window of light paths, else 0.
+    begins: u32,
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;
@@ -35,7 +37,7 @@ struct Counters {
     cut: atomic<u32>,
     refused: atomic<u32>,
     // Counts of 64 bits, the low word first (step/count).
-    counts: array<array<atomic<u32>, 2>, 4>,
+    counts: array<array<atomic<u32>, 2>, 6>,
     //@ if probed
     // Light of narrow lobes for each bin of lights, in units of 2^-24: what probes found, and what paths found (step/narrow_lobe).
     light: array<array<array<atomic<u32>, 2>, 2>, 32>,
@@ -48,6 +50,8 @@ const RAYS: u32 = 1u;
 // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up.
 const TOO_DEEP: u32 = 2u;
 const TOO_DEEP_THROUGHPUT: u32 = 3u;
+// Light paths of even runs; those of odd runs follow.
+const LIGHT_PATHS: u32 = 4u;
 
 // A finished run, on its way to the film.
 struct RunRecord {

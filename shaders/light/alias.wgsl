@@ -3,6 +3,21 @@
 // 3(3), 1977): one lookup finds an entry, and either the entry or its alias is drawn. It uses integers, so that the
 // probabilities that the host states (src/lights.rs) are exact.
 
+// An entry of a table (src/light_distribution.rs). Where the rest of the uniform number is below the threshold, this entry is drawn, and
+// otherwise its alias. A density is the probability of an entry over the size of what it stands for.
+struct AliasEntry {
+    threshold: f32,
+    alias_index: u32,
+    density: f32,
+    alias_density: f32,
+}
+
+// An entry that was drawn.
+struct AliasChoice {
+    index: u32,
+    density: f32,
+}
+
 struct AliasPick {
     index: u32,
     // The rest of the uniform number, again a multiple of 2^-24 in [0, 1). Below the entry's threshold it draws the entry itself.
@@ -17,4 +32,10 @@ fn alias_pick(u: f32, count: u32) -> AliasPick {
     let low = (k & 0xfffu) * (count & 0xfffu) + ((middle & 0xfffu) << 12u);
     let high = (k >> 12u) * (count >> 12u) + (middle >> 12u) + (low >> 24u);
     return AliasPick(high, f32(low & 0xffffffu) * 0x1p-24f);
+}
+
+// The entry that is drawn for a pick: its own or its alias.
+fn alias_choice(pick: AliasPick, entry: AliasEntry) -> AliasChoice {
+    let own = pick.rest < entry.threshold;
+    return AliasChoice(select(entry.alias_index, pick.index, own), select(entry.alias_density, entry.density, own));
 }

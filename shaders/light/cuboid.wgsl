@@ -100,3 +100,61 @@ fn cuboid_light_front(ray: Ray, normal: vec3<f32>, cuboid: Cuboid) -> bool {
 fn cuboid_light_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return dot(cuboid.center - ray.origin, ray.direction) - length(cuboid.half_extent);
 }
+
+// The solid angle of the box; 4 pi from inside.
+fn cuboid_solid_angle(from_point: vec3<f32>, cuboid: Cuboid) -> f32 {
+    let seen = spherical_cuboid(from_point, cuboid);
+    let is_inside = !any(abs(seen.center) > cuboid.half_extent);
+    return select(seen.areas.x + seen.areas.y + seen.areas.z, 4.0 * PI, is_inside);
+}
+
+// Twice the areas of the faces across x, y and z, times half the edges that a unit vector has along them: the area of the box's shadow
+// along it is the sum.
+fn cuboid_shadow(direction: vec3<f32>, cuboid: Cuboid) -> vec3<f32> {
+    let h = cuboid.half_extent;
+    return 4.0 * abs(to_cuboid(cuboid, direction)) * h.yzx * h.zxy;
+}
+
+// The axis whose part of a sum of three has a uniform number in it, and the number's place in that part, in [0, 1).
+struct AxisChoice {
+    axis: u32,
+    rest: f32,
+}
+
+fn choose_axis(parts: vec3<f32>, u: f32) -> AxisChoice {
+    let at = u * (parts.x + parts.y + parts.z);
+    if at < parts.x {
+        return AxisChoice(0u, at / parts.x);
+    }
+    if at < parts.x + parts.y || !(parts.z > 0.0) {
+        return AxisChoice(1u, min((at - parts.x) / max(parts.y, 0x1p-100f), 1.0 - UNIT_ROUNDOFF));
+    }
+    return AxisChoice(2u, min((at - parts.x - parts.y) / parts.z, 1.0 - UNIT_ROUNDOFF));
+}
+
+// The point of a face with these coordinates in [0, 1), from the centre in render space. `side` is 1 or -1.
+fn cuboid_face_point(cuboid: Cuboid, axis: u32, side: f32, u: vec2<f32>) -> vec3<f32> {
+    let v = 2.0 * u - 1.0;
+    var local = vec3<f32>(side, v.x, v.y);
+    local = select(local, vec3<f32>(v.y, side, v.x), axis == 1u);
+    local = select(local, vec3<f32>(v.x, v.y, side), axis == 2u) * cuboid.half_extent;
+    let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
+    return local.x * cuboid.x_axis + local.y * cuboid.y_axis + local.z * z_axis;
+}
+
+fn cuboid_light_point(cuboid: Cuboid, u: vec2<f32>) -> LightPoint {
+    let h = cuboid.half_extent;
+    let face = choose_axis(h.yzx * h.zxy, u.x);
+    let side = select(-1.0, 1.0, face.rest >= 0.5);
+    let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
+    var outward = cuboid.x_axis;
+    outward = select(outward, cuboid.y_axis, face.axis == 1u);
+    outward = select(outward, z_axis, face.axis == 2u);
+    let at = vec2<f32>(fract(2.0 * face.rest), u.y);
+    return LightPoint(cuboid.center + cuboid_face_point(cuboid, face.axis, side, at), side * outward);
+}
+
+// Whether light paths leave the light in this direction: from the outside of a closed one.
+fn cuboid_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
+    return dot(normal, direction) > 0.0;
+}

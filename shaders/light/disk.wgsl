@@ -6,8 +6,12 @@
 // A disk as a light: points are uniform in its area. Directions that are uniform in the solid angle of the square around it were tried, as
 // samples of 0 where they miss the disk. From a distance of one radius on, their error is 1.3 to 14 times as large; closer by, 0.8 times.
 
+fn disk_coordinates(u: vec2<f32>) -> vec2<f32> {
+    return 0.5 + 0.5 * sample_disk(u);
+}
+
 fn disk_light_sample(from_point: vec3<f32>, square: Quad, u: vec2<f32>) -> DirectionSample {
-    let at = 0.5 + 0.5 * sqrt(u.x) * sample_circle(u.y);
+    let at = disk_coordinates(u);
     let direction = normalize((square.corner - from_point) + (at.x * square.u + at.y * square.v));
     return DirectionSample(direction, disk_light_pdf(from_point, direction, square));
 }
@@ -28,4 +32,14 @@ fn disk_light_front(ray: Ray, normal: vec3<f32>, square: Quad) -> bool {
 // Distance to the plane of the disk along a ray that narrowly misses the disk.
 fn disk_light_distance(ray: Ray, square: Quad) -> f32 {
     return quad_plane_distance(ray, square);
+}
+
+fn disk_light_point(square: Quad, u: vec2<f32>) -> LightPoint {
+    let at = disk_coordinates(u);
+    return LightPoint(square.corner + (at.x * square.u + at.y * square.v), vec3<f32>(0.0));
+}
+
+// Light paths leave a flat light on both sides.
+fn disk_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
+    return true;
 }

@@ -40,3 +40,13 @@ fn large_sphere_light_front(ray: Ray, normal: vec3<f32>, large_sphere: LargeSphe
 fn large_sphere_light_distance(ray: Ray, large_sphere: LargeSphere) -> f32 {
     return -large_sphere_line(ray, large_sphere).slope / large_sphere.curvature;
 }
+
+fn large_sphere_light_point(large_sphere: LargeSphere, u: vec2<f32>) -> LightPoint {
+    let outward = sample_sphere(u);
+    return LightPoint(large_sphere.nearest + (large_sphere.inward + outward) / large_sphere.curvature, outward);
+}
+
+// Light paths do not start on large spheres (src/flatten/light_paths.rs).
+fn large_sphere_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
+    return false;
+}

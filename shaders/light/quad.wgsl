@@ -73,3 +73,12 @@ fn quad_light_front(ray: Ray, normal: vec3<f32>, quad: Quad) -> bool {
 fn quad_light_distance(ray: Ray, quad: Quad) -> f32 {
     return quad_plane_distance(ray, quad);
 }
+
+fn quad_light_point(quad: Quad, u: vec2<f32>) -> LightPoint {
+    return LightPoint(quad.corner + (u.x * quad.u + u.y * quad.v), vec3<f32>(0.0));
+}
+
+// Light paths leave a flat light on both sides.
+fn quad_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
+    return true;
+}

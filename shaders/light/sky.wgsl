@@ -6,26 +6,6 @@
 // the cell's solid angle. A sample loads one entry of four words, and so does the density of a given direction. The grid has
 // the layout of the image (lib/sphere_map): rows go down from +y, and columns go around from +z through -x, -z and +x.
 
-// An entry of the grid, row by row (src/lights.rs). Where the rest of the uniform number is below the threshold, this cell is
-// drawn, and otherwise its alias. Densities are in solid angle.
-struct SkyCell {
-    threshold: f32,
-    alias_index: u32,
-    density: f32,
-    alias_density: f32,
-}
-
-struct SkyChoice {
-    index: u32,
-    pdf: f32,
-}
-
-// The cell that is drawn for an entry of alias_pick: its own or its alias.
-fn sky_choice(pick: AliasPick, cell: SkyCell) -> SkyChoice {
-    let own = pick.rest < cell.threshold;
-    return SkyChoice(select(cell.alias_index, pick.index, own), select(cell.alias_density, cell.density, own));
-}
-
 // A direction uniform in the solid angle of a cell: (1 - cos theta) / 2 = sin^2(theta / 2) is uniform between its values at the
 // cell's upper and lower edge. These values differ by sin(b - a) sin(b + a), with a and b half the edges' angles. Below the
 // horizon, angles are measured from -y instead of +y, so the precision is always that of the nearer pole.

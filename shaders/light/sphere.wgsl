@@ -87,3 +87,13 @@ fn sphere_light_front(ray: Ray, normal: vec3<f32>, sphere: Sphere) -> bool {
 fn sphere_light_distance(ray: Ray, sphere: Sphere) -> f32 {
     return dot(sphere.center - ray.origin, ray.direction) - sphere.radius;
 }
+
+fn sphere_light_point(sphere: Sphere, u: vec2<f32>) -> LightPoint {
+    let outward = sample_sphere(u);
+    return LightPoint(sphere.center + sphere.radius * outward, outward);
+}
+
+// Whether light paths leave the light in this direction: from the outside of a closed one.
+fn sphere_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
+    return dot(normal, direction) > 0.0;
+}

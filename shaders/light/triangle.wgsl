@@ -40,3 +40,9 @@ fn triangle_light_pdf(
     let area = spherical_area(corner_at(a - from_point), corner_at(b - from_point), corner_at(c - from_point), volume);
     return select(0.0, 1.0 / area, area > 0.0);
 }
+
+// A point of the triangle (Turk, "Generating Random Points in Triangles", Graphics Gems, 1990).
+fn triangle_light_point(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, u: vec2<f32>) -> LightPoint {
+    let root = sqrt(u.x);
+    return LightPoint(a + root * ((b - a) + u.y * (c - b)), vec3<f32>(0.0));
+}

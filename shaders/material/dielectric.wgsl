@@ -2,6 +2,10 @@
 //@ use choice/fresnel
 // A smooth boundary of a clear solid. It reflects with the probability of its reflectance and refracts otherwise, so the weight
 // is 1. Radiance is not scaled by the index squared, because the camera and the lights are in the same medium.
+fn dielectric_index(material: Material, hit: Interaction) -> f32 {
+    return material.parameter;
+}
+
 fn dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let ior = material.parameter;
     let eta = select(1.0 / ior, ior, hit.front);

@@ -6,6 +6,10 @@
 // microfacet is drawn from those that are visible. It reflects with the probability of its reflectance and refracts otherwise, so the
 // weight is the share of the visible microfacets that the light reaches too (Walter et al., EGSR 2007). Light that ends on the wrong
 // side of the surface is lost. Radiance is not scaled by the index squared, as with a dielectric.
+fn rough_dielectric_index(material: Material, hit: Interaction) -> f32 {
+    return hit.second.parameter;
+}
+
 fn rough_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let ior = hit.second.parameter;
     let eta = select(1.0 / ior, ior, hit.front);

@@ -12,6 +12,11 @@ fn thin_dielectric_reflectance(material: Material, cos_incident: f32) -> f32 {
     return fresnel(cos_incident, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
 }
 
+// On both of its sides is the same.
+fn thin_dielectric_index(material: Material, hit: Interaction) -> f32 {
+    return 1.0;
+}
+
 fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);

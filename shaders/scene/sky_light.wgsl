@@ -1,6 +1,7 @@
 //@ use bind/sky
 //@ use choice/axes
 //@ use choice/light_choice
+//@ use light/alias
 //@ use light/sky
 //@ use scene/background
 //@ use scene/at_run_time
@@ -11,9 +12,9 @@ const SKY_ROWS: u32 = ${sky_rows}u;
 
 fn sky_light_sample(u: vec3<f32>) -> DirectionSample {
     let pick = alias_pick(u.z, SKY_COLUMNS * SKY_ROWS);
-    let choice = sky_choice(pick, sky[pick.index]);
+    let choice = alias_choice(pick, sky[pick.index]);
     let direction = sky_cell_direction(choice.index, SKY_COLUMNS, SKY_ROWS, u.xy);
-    return DirectionSample(from_world(direction), choice.pdf);
+    return DirectionSample(from_world(direction), choice.density);
 }
 
 // The pdf of light sampling for a direction to the sky: the probability of choosing the sky, which is the last of all lights,

@@ -7,6 +7,8 @@
 //@ use scene/at_run_time
 //@ use medium/phase
 //@ use step/flight
+//@ use choice/density_ratio
+//@ use choice/depth_limit
 //@ use choice/medium_albedo
 //@ use choice/roulette
 //@ use choice/medium_light
@@ -36,10 +38,11 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     let point = ray.origin + nearest.t * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
     record_medium(path, throughput);
-    if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
+    if is_within_depth(depth) && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);
         sample_light_in_medium(path, medium, point, direction);
+        follow_ratio_in_medium(path, nearest.t);
         (*path).ray = Ray(point, direction);
         (*path).status = RAY_READY;
         (*path).throughput = russian_roulette(path, throughput);

@@ -7,6 +7,7 @@
 //@ use lib/carry
 //@ use lib/rng
 //@ use choice/delta_lights
+//@ use choice/density_ratio
 //@ use scene/lights
 // Narrow lobes (of mirrors, clear glass, polished metal and forward scattering) hide light from light sampling. Only directions
 // sampled from such a lobe find its light, or a sampled light that happens to lie in it. Small lights are found so rarely that an
@@ -55,7 +56,7 @@ fn start_history(path: ptr<function, Path>) {
 // light. Before that, the camera sees what narrow lobes show, and its rays find it directly.
 fn sends_probe(path: ptr<function, Path>, lobe: u32) -> bool {
     let follows = ((*path).history & AFTER_WIDE_LOBE) != 0u && (*path).depth < settings.max_depth;
-    return follows && lobe != LOBE_WIDE && words_of_probe(path).x % EVENTS_PER_PROBE == 0u;
+    return follows && lobe != LOBE_WIDE && !light_paths_follow(path, lobe) && words_of_probe(path).x % EVENTS_PER_PROBE == 0u;
 }
 
 // Sets the probe weight of the path's shadow ray, per unit of throughput and radiance, before the division by the light's density. The

@@ -11,6 +11,7 @@
 //@ use choice/surface_emission
 //@ use choice/found_light
 //@ use choice/surface_light
+//@ use choice/density_ratio
 //@ use choice/aov_surface
 //@ use scene/surfaces
 //@ use scene/materials
@@ -36,10 +37,12 @@ fn scatter_path(path: ptr<function, Path>) {
     record_surface(path, evaluated.material, bsdf, interaction.normal);
 
     // Emission, whose MIS weight needs the density of the event before. Then light sampling, which stores the density of this event.
-    let emission_weight = weight_of_emission(path, hit, radiance_of_surface(evaluated, bsdf), bsdf.event);
+    let emission_weight = weight_of_emission(path, hit, surface, radiance_of_surface(evaluated, bsdf), bsdf.event);
     add_surface_emission(path, evaluated, bsdf, emission_weight);
     (*path).throughput *= select(1.0, emission_weight, bsdf.event == EMITTED);
     sample_light_at_surface(path, hit, surface, frame, interaction, evaluated, bsdf, u.y);
+
+    follow_ratio(path, hit, surface, interaction, evaluated, bsdf);
 
     // Throughput, roulette, the next ray.
     var throughput = tint_through((*path).throughput * bsdf.weight, evaluated, bsdf.direction, frame.shading);

@@ -25,6 +25,7 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).seen = 0u;
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;
+    (*path).log_ratio = 0.0;
     (*path).light = NO_LIGHT;
     start_history(path);
 }

@@ -26,7 +26,11 @@ pub struct DeviceScene {
     /// The tree over the lights; empty if there are fewer than two.
     pub light_nodes: Vec<data::LightNode>,
     /// The distribution of directions by the background's image.
-    pub sky: Vec<data::SkyCell>,
+    pub sky: Vec<data::AliasEntry>,
+    /// For each light, its probability as the start of a light path; empty if the scene has none.
+    pub emitters: Vec<data::AliasEntry>,
+    /// Boxes at which light paths are aimed. Only the numbers of their shape count.
+    pub aims: Vec<data::Cuboid>,
     pub materials: Vec<data::Material>,
     /// The extensions of each row of `materials`; empty if no material has one.
     pub extensions: Vec<data::Extension>,
@@ -77,7 +81,7 @@ impl DeviceScene {
     /// black sky.
     pub(super) fn require_all(&mut self, sample_lights: bool) {
         if sample_lights && self.sky.is_empty() {
-            self.sky.push(data::SkyCell::default());
+            self.sky.push(data::AliasEntry::default());
             self.lights.push(data::Light {
                 code: data::HIT_NOTHING,
                 instance: data::NO_INSTANCE,

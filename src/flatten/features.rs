@@ -73,6 +73,10 @@ pub struct Features {
     pub sky_grid: (u32, u32),
     /// The number of lights.
     pub lights: u32,
+    /// A surface that can be specular, if light paths can be traced to such.
+    pub light_paths: Option<String>,
+    /// The number of boxes at which light paths are aimed.
+    pub aims: u32,
     /// Emitters that are not sampled, because there are too many.
     pub not_sampled: Option<NotSampled>,
     /// The index of the sky among the lights.

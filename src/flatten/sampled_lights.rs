@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::builder::Builder;
 use super::features::{NotSampled, PRIMITIVES};
 use super::finder::Primitive;
+use super::light_paths::Start;
 use super::light_tree::{LightBounds, LightKind, LightTree};
 use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
 use crate::delta_light::WorldLight;
@@ -66,7 +67,7 @@ impl Builder<'_> {
             self.flat.features.emitting_sky = None;
             return;
         }
-        let (mut bounds, mut lights) = (Vec::new(), Vec::new());
+        let (mut bounds, mut lights, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for group in groups {
             let material = group.primitive.material;
             let (name, own) = &materials[material as usize];
@@ -76,7 +77,8 @@ impl Builder<'_> {
                 self.flat.features.textured_lights.get_or_insert_with(reason);
             }
             self.set_light(&group, lights.len() as u32);
-            for (Emitter { code, instance, around, normal, .. }, intensity) in group.emitters {
+            let is_possible = group.primitive.shape.large_sphere().is_none();
+            for (Emitter { code, instance, around, normal, area }, intensity) in group.emitters {
                 let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
                 bounds.push(LightBounds {
                     around,
@@ -88,6 +90,7 @@ impl Builder<'_> {
                     intensity,
                 });
                 lights.push((code, instance));
+                starts.push(Start { size: area, is_possible });
             }
         }
         // Lights with a position come first, as the tree requires.
@@ -97,8 +100,11 @@ impl Builder<'_> {
             let code = primitive_code(KIND_DELTA_LIGHT, self.flat.delta_lights.len() as u32);
             bounds.push(self.add_delta_light(object, &light, radiance_scale));
             lights.push((code, data::NO_INSTANCE));
+            starts.push(Start { size: 1.0, is_possible: true });
         }
         bounds.extend(sky.map(infinite_light));
+        starts.extend(sky.map(|_| Start { size: 1.0, is_possible: false }));
+        self.add_light_paths(primitives, &bounds, &starts);
         let tree = LightTree::new(&bounds);
         let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };
         let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE));

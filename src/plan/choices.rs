@@ -47,8 +47,18 @@ macro_rules! tables {
     ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
 }
 /// All tables but those of shapes: the name, and the names of the values for its address space and its size.
-const OTHER_TABLES: [(&str, &str, &str); 8] =
-    tables!["nodes", "media", "lights", "delta_lights", "light_nodes", "materials", "textures", "frames"];
+const OTHER_TABLES: [(&str, &str, &str); 10] = tables![
+    "nodes",
+    "media",
+    "lights",
+    "delta_lights",
+    "light_nodes",
+    "emitters",
+    "aims",
+    "materials",
+    "textures",
+    "frames"
+];
 
 /// The choices of a kernel, and what the plan needs to know of them.
 pub(super) struct Decided {
@@ -59,6 +69,7 @@ pub(super) struct Decided {
     pub medium: Option<Reason>,
     pub light: Option<Reason>,
     pub queue: Option<Reason>,
+    pub light_paths: Option<Reason>,
 }
 
 /// The first object that needs one of these features.
@@ -227,6 +238,8 @@ pub(super) fn decide(
     let queue_why = if_so(queues, option(QUEUES));
     let negative_lobes = if_so(options.filter == Filter::Mitchell, by_option(&options::FILTER).why);
 
+    // Light paths end at lights that camera paths find too, or at lights without size.
+    let light_paths = reason_of(&features.light_paths).filter(|_| options.light_paths.count() > 0);
     let any_aov = if_so(!options.aov.is_empty(), option(&given_aov));
     let needs = Needs {
         is_staged: !fused,
@@ -234,6 +247,7 @@ pub(super) fn decide(
         instance: mesh.clone().or(body.clone()),
         emitting_mesh: emitting_mesh.clone(),
         probed: probed.clone(),
+        light_paths: light_paths.clone(),
         event: event.clone(),
         sampled_light: sampled_light.clone(),
         aov_hit: aov_hit.clone(),
@@ -286,6 +300,8 @@ pub(super) fn decide(
         ("delta_light", delta_light.clone()),
         // Probes count the light that narrow lobes hide.
         ("probed", probed.clone()),
+        // Light paths are traced.
+        ("light_paths", light_paths.clone()),
         ("mesh", mesh),
         // Every ray tests all primitives.
         ("brute_force", brute_force),
@@ -350,6 +366,12 @@ pub(super) fn decide(
         ("surface_emission", either(&own_emission, "step/surface_emission", "null/surface_emission")),
         ("found_light", either(&found_light, "step/found_light", "null/found_light")),
         ("found_sky", either(&emitting_sky, "step/found_sky", "null/found_sky")),
+        // Camera paths beside light paths, and what only light paths have.
+        ("density_ratio", either(&light_paths, "step/density_ratio", "null/density_ratio")),
+        ("depth_limit", usual("step/camera_depth")),
+        ("delta_emission", either(&delta_light, "scene/delta_emission", "null/delta_emission")),
+        ("splat_filter", usual(options.filter.splat_module())),
+        ("filter_value", usual(options.filter.value_module())),
         ("sampled_light", either(&sampled_light, "step/sampled_light", "null/sampled_light")),
         // Kinds of lights.
         ("light_choice", usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" })),
@@ -439,6 +461,9 @@ pub(super) fn decide(
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count()) as u32),
+        ("splat_sums", (FILM_SUMS + options.aov.count()) as u32),
+        ("lights", features.lights),
+        ("aims", features.aims),
         ("path_sums", options.aov.count().max(1) as u32),
         ("queues", materials.len() as u32),
         ("queue", queue),
@@ -460,5 +485,19 @@ pub(super) fn decide(
             ("generated/slots", slots_module(&path_fields)),
         ]),
     };
-    Decided { choices, path_fields, surface, medium, light, queue: queue_why }
+    Decided { choices, path_fields, surface, medium, light, queue: queue_why, light_paths }
+}
+
+/// The choices of the kernel of light paths, by those of the kernels of camera paths.
+pub(super) fn of_light_paths(choices: &Choices) -> Choices {
+    let mut own = choices.clone();
+    for (name, module) in [
+        ("depth_limit", "step/light_depth"),
+        ("medium_light", "step/medium_connection"),
+        ("probe", "null/narrow_lobe"),
+        ("aov_surface", "null/aov_surface"),
+    ] {
+        own.modules.entry(name).and_modify(|chosen| chosen.module = module);
+    }
+    own
 }

@@ -76,7 +76,7 @@ impl PathField {
 }
 
 /// The most bytes of a path's state in any scene: without channels of `--aov`, and what these add.
-const MOST_PATH_BYTES: u64 = 168;
+const MOST_PATH_BYTES: u64 = 172;
 const MOST_BYTES_OF_AOVS: u64 = 80;
 
 /// The most bytes of a path's state in any scene with these channels.
@@ -94,6 +94,8 @@ pub struct Needs {
     pub instance: Option<Reason>,
     pub emitting_mesh: Option<Reason>,
     pub probed: Option<Reason>,
+    /// Light paths are traced.
+    pub light_paths: Option<Reason>,
     /// There is a surface or a medium.
     pub event: Option<Reason>,
     /// Light that a path gets before its end.
@@ -109,9 +111,19 @@ pub struct Needs {
 const AOV: &str = "aov";
 
 /// The members of a path that are no fields: structs, whose members are fields; the history, which is packed with the depth; and what panes
-/// let pass of a shadow ray, from its walk to its light.
-const OTHER_MEMBERS: [(&str, &str); 5] =
-    [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32"), ("transmittance", "vec3<f32>")];
+/// let pass of a shadow ray, from its walk to its light;
+/// what a light path keeps between its event and the film, and the light paths that an invocation has started.
+const OTHER_MEMBERS: [(&str, &str); 9] = [
+    ("ray", "Ray"),
+    ("shadow", "Ray"),
+    ("sum", "Compensated"),
+    ("history", "u32"),
+    ("transmittance", "vec3<f32>"),
+    ("film_point", "vec2<f32>"),
+    ("film_choice", "vec2<f32>"),
+    ("lens_distance", "f32"),
+    ("light_paths", "vec2<u32>"),
+];
 
 /// All groups of fields, in the order in which a path is loaded. Groups that only separate stages have come last.
 const GROUPS: [&str; 12] = [
@@ -185,6 +197,13 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "pdf",
             Float,
             "density of the last scattering's direction",
+        ),
+        word(
+            &words(&needs.light_paths),
+            "radiance",
+            "log_ratio",
+            Float,
+            "the density of light paths over that of the path, as a logarithm",
         ),
         vector(&words(&needs.aov_direct), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
         vector(&lights, "shadow", "SHADOW_ORIGIN", "shadow.origin", "where the ray to a light starts"),

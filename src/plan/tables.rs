@@ -56,6 +56,8 @@ pub fn tables(flat: &DeviceScene) -> Vec<Table<'_>> {
         table("lights", &flat.lights, "lights that are sampled"),
         table("delta_lights", &flat.delta_lights, "lights without size"),
         table("light_nodes", &flat.light_nodes, "the tree over them"),
+        table("emitters", &flat.emitters, "lights as the starts of light paths"),
+        table("aims", &flat.aims, "boxes at which light paths are aimed"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
         table("frames", &flat.frames, "where textured objects stand in their textures"),

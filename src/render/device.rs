@@ -39,7 +39,8 @@ pub struct DeviceRenderer<'a> {
     tuning: Tuning,
     buffers: Buffers,
     kernels: Kernels,
-    pace: Pace,
+    /// By the kind of paths that a submission is of.
+    paces: [Pace; 2],
     film: DeviceFilm,
     reports: Reports,
 }
@@ -51,6 +52,8 @@ struct Kernels {
     bounce: Vec<Stage>,
     is_fused: bool,
     accumulate: Stage,
+    /// Light paths, if they are traced.
+    light_path: Option<Stage>,
     settings_layout: SettingsLayout,
 }
 
@@ -66,6 +69,13 @@ enum StageSize {
     One,
     /// An invocation for each path in the queue of this number.
     Queue(u64),
+}
+
+/// The kind of paths that a submission is of.
+#[derive(Clone, Copy, PartialEq)]
+enum PathKind {
+    Camera,
+    Light,
 }
 
 /// Controls the number of bounces of a submission.
@@ -116,6 +126,7 @@ struct Flight {
     submission: wgpu::SubmissionIndex,
     /// Its index among the reports.
     report: usize,
+    kind: PathKind,
     bounces: u32,
     begin: Instant,
 }
@@ -187,7 +198,15 @@ impl<'a> DeviceRenderer<'a> {
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             timing: if profile { Timing::new(device) } else { None },
         };
+        let pace = || Pace {
+            bounces: tuning.bounces.unwrap_or(1),
+            is_fixed: tuning.bounces.is_some(),
+            most: 1,
+            submission: SUBMISSION,
+            last_end: Instant::now(),
+        };
         let settings = Settings {
+            light_paths: plan.options.light_paths.count(),
             max_depth: job.max_depth,
             seed: job.seed,
             slots: tuning.slots,
@@ -204,15 +223,12 @@ impl<'a> DeviceRenderer<'a> {
                 bounce,
                 is_fused: matches!(plan.kernels.bounce, Bounce::Fused(_)),
                 accumulate: stage(&plan.kernels.accumulate, StageSize::Slots)?,
+                light_path: { plan.kernels.light_path.as_ref() }
+                    .map(|kernel| stage(kernel, StageSize::Slots))
+                    .transpose()?,
                 settings_layout: plan.kernels.settings.clone(),
             },
-            pace: Pace {
-                bounces: tuning.bounces.unwrap_or(1),
-                is_fixed: tuning.bounces.is_some(),
-                most: 1,
-                submission: SUBMISSION,
-                last_end: Instant::now(),
-            },
+            paces: [pace(), pace()],
             film: DeviceFilm {
                 size: job.size,
                 exponent: plan.scene.radiance_exponent,
@@ -233,9 +249,10 @@ impl<'a> DeviceRenderer<'a> {
     /// Makes the kernels ready, and counts those that are. The first two are small: if they take long, the driver compiles. Then this device
     /// compiles the largest kernel, while another device compiles the others.
     fn warm_up(&self, specs: &[PipelineSpec<'_>], buffers: &[BufferSpec<'_>]) -> Result<()> {
-        let Kernels { generate, bounce, accumulate, .. } = &self.kernels;
+        let Kernels { generate, bounce, accumulate, light_path, .. } = &self.kernels;
         let device = self.device;
-        device.compiling.begin(2 + bounce.len());
+        let large: Vec<&Stage> = bounce.iter().chain(light_path).collect();
+        device.compiling.begin(2 + large.len());
         let warm_up = |stage: &Stage| {
             stage.pipeline.warm_up(device)?;
             device.compiling.advance();
@@ -243,21 +260,21 @@ impl<'a> DeviceRenderer<'a> {
         };
         let begin = Instant::now();
         [generate, accumulate].into_iter().try_for_each(warm_up)?;
-        let is_of_bounce = |spec: &&PipelineSpec<'_>| bounce.iter().any(|stage| stage.pipeline.name == spec.name);
-        let mut by_size: Vec<_> = specs.iter().filter(is_of_bounce).collect();
+        let is_large = |spec: &&PipelineSpec<'_>| large.iter().any(|stage| stage.pipeline.name == spec.name);
+        let mut by_size: Vec<_> = specs.iter().filter(is_large).collect();
         by_size.sort_by_key(|spec| Reverse(spec.text.len()));
         if let [largest, others @ ..] = by_size.as_slice()
             && !others.is_empty()
             && begin.elapsed() > COMPILED
             && is_worth_it(device)
         {
-            let mut largest = bounce.iter().filter(|stage| stage.pipeline.name == largest.name);
+            let mut largest = large.iter().filter(|stage| stage.pipeline.name == largest.name);
             let here = || largest.try_for_each(|stage| stage.pipeline.warm_up(device));
             // What the other device does not compile, this one compiles below.
             let (_, done) = join(|| compile_beside(device, others, buffers), here);
             done?;
         }
-        bounce.iter().try_for_each(warm_up)
+        large.into_iter().try_for_each(warm_up)
     }
 
     /// Prepares for another job.
@@ -269,7 +286,7 @@ impl<'a> DeviceRenderer<'a> {
 
     /// Sets the time that a submission should take.
     pub fn set_submission_time(&mut self, submission: Duration) {
-        self.pace.submission = submission;
+        self.paces.iter_mut().for_each(|pace| pace.submission = submission);
     }
 
     /// The seconds of the stages since the job began.
@@ -283,10 +300,12 @@ impl<'a> DeviceRenderer<'a> {
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
         self.write("settings", &self.kernels.settings_layout.bytes(&self.settings))?;
-        self.pace.most = self.most_bounces(samples);
+        self.paces[PathKind::Camera as usize].most = self.most_bounces(samples);
+        self.paces[PathKind::Light as usize].most = u32::MAX;
         let pixels = u64::from(self.film.size.0) * u64::from(self.film.size.1);
         let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
-        let mut schedule = Schedule::new(pixels, self.tuning.tile, shared.devices > 1);
+        let light_paths = self.light_paths_of_block();
+        let mut schedule = Schedule::new(pixels, self.tuning.tile, light_paths, shared.devices > 1);
         while let Some(taken) = shared.take(&schedule) {
             let begin = Instant::now();
             let mut blocks = taken.clone();
@@ -297,6 +316,9 @@ impl<'a> DeviceRenderer<'a> {
                 }
                 // The first tile may end early. The others get as many blocks.
                 blocks.end = self.render_tile(blocks.clone(), tile.start == 0, shared)?;
+                if self.kernels.light_path.is_some() {
+                    self.trace_light_paths(blocks.clone(), shared)?;
+                }
             }
             schedule.adapt(begin.elapsed());
             if shared.finish(blocks, taken.end) {
@@ -325,7 +347,7 @@ impl<'a> DeviceRenderer<'a> {
         let pixels = self.film.tile.len() as u32;
         let first_block = blocks.start;
         let end = blocks.len() as u32 * pixels;
-        let mut window = Window { first_block, end, bounces: 0, first_pixel: self.film.tile.start, pixels };
+        let mut window = Window { first_block, end, bounces: 0, first_pixel: self.film.tile.start, pixels, begins: 0 };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -338,7 +360,7 @@ impl<'a> DeviceRenderer<'a> {
             // submission.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while counters.idle < self.tuning.slots && !wants_snapshot && !to_cut && flights.len() < wanted {
-                flights.push_back(self.submit(&mut window, submitted)?);
+                flights.push_back(self.submit(&mut window, submitted, PathKind::Camera)?);
                 submitted += 1;
             }
             match flights.pop_front() {
@@ -372,16 +394,55 @@ impl<'a> DeviceRenderer<'a> {
         Ok(first_block + window.end / pixels)
     }
 
+    /// Traces the light paths of blocks of samples, of the whole image, until every slot is idle. They add light to the pixels of the tile.
+    fn trace_light_paths(&mut self, blocks: Range<u32>, shared: &SampleRange<'_, '_>) -> Result<()> {
+        let tile = self.film.tile.clone();
+        let (first_block, first_pixel, pixels) = (blocks.start, tile.start, tile.len() as u32);
+        let end = blocks.len() as u32 * self.light_paths_of_block();
+        let mut window = Window { first_block, end, bounces: 0, first_pixel, pixels, begins: 1 };
+        self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
+        let mut flights: VecDeque<Flight> = VecDeque::new();
+        let mut counters = Counters::default();
+        let mut submitted = 0;
+        while counters.idle < self.tuning.slots {
+            let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
+            while flights.len() < wanted {
+                flights.push_back(self.submit(&mut window, submitted, PathKind::Light)?);
+                window.begins = 0;
+                submitted += 1;
+            }
+            let Some(flight) = flights.pop_front() else { break };
+            let before = std::mem::replace(&mut counters, self.finish(flight)?);
+            let mut counted = totals_since(&counters, &before);
+            if first_pixel > 0 {
+                // Every tile has the same light paths.
+                counted.light_paths = [0; 2];
+            }
+            self.film.received += counted;
+            if shared.state().caller.add(counted) == Next::Drop {
+                return Err(Error::Dropped);
+            }
+        }
+        // They find only idle slots.
+        flights.into_iter().try_for_each(|flight| self.finish(flight).map(|_| ()))
+    }
+
+    /// The light paths of a block of samples: of all pixels of the image, also where a part of it is rendered.
+    fn light_paths_of_block(&self) -> u32 {
+        let Settings { image_width, image_height, light_paths, .. } = self.settings;
+        image_width.saturating_mul(image_height).saturating_mul(light_paths)
+    }
+
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
-        let Flight { submission, report, bounces, begin } = flight;
+        let Flight { submission, report, kind, bounces, begin } = flight;
         let Report { counters, timing } = &mut self.reports.each[report];
         let bytes = size_of::<Counters>() as u64;
         let counted = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
         if let Some(timing) = timing {
             timing.collect(self.device, submission, &mut self.reports.stages)?;
         }
-        self.pace.adapt(bounces, begin);
+        self.paces[kind as usize].adapt(bounces, begin);
         Ok(counted)
     }
 
@@ -429,10 +490,11 @@ impl<'a> DeviceRenderer<'a> {
         Err(Error::Usage(format!("the render needs a film of {}, found {}", words(needed), words(found))))
     }
 
-    /// Records and submits a pass; `number` counts the passes of the tile. The first pass gives each slot a run. Each pass has some bounces,
+    /// Records and submits a pass of camera paths or of light paths; `number` counts the passes of the tile. The first pass gives each slot a run. Each pass has some bounces,
     /// and adds the finished runs to the film.
-    fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
-        let bounces = self.pace.bounces.clamp(1, self.pace.most);
+    fn submit(&mut self, window: &mut Window, number: usize, kind: PathKind) -> Result<Flight> {
+        let pace = &self.paces[kind as usize];
+        let bounces = pace.bounces.clamp(1, pace.most);
         window.bounces = bounces;
         self.write("window", bytemuck::bytes_of(window))?;
         let begin = Instant::now();
@@ -442,10 +504,13 @@ impl<'a> DeviceRenderer<'a> {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
-        let Kernels { generate, bounce, is_fused, accumulate, .. } = &self.kernels;
+        let Kernels { generate, bounce, is_fused, accumulate, light_path, .. } = &self.kernels;
         let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
         let first = (number == 0).then_some(generate);
-        let stages: Vec<&Stage> = first.into_iter().chain(repeated).chain([accumulate]).collect();
+        let stages: Vec<&Stage> = match kind {
+            PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate]).collect(),
+            PathKind::Light => light_path.iter().collect(),
+        };
         let sizes = self.buffers.get("queue_args").ok();
         let Report { counters: readback, timing } = &mut self.reports.each[report];
         match timing {
@@ -469,7 +534,7 @@ impl<'a> DeviceRenderer<'a> {
         // The records have been added to the film.
         encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
         let submission = self.device.queue.submit([encoder.finish()]);
-        Ok(Flight { submission, report, bounces, begin })
+        Ok(Flight { submission, report, kind, bounces, begin })
     }
 
     /// The most bounces of a submission, for which there are records for all finished runs: a slot finishes the run that it has, and then at

@@ -27,10 +27,11 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    pub fn new(pixels: u32, tile: u32, several_devices: bool) -> Schedule {
-        let most = (MOST_RUNS / tile.clamp(1, pixels.max(1))).max(1);
+    /// `light_paths` is the number of those of a block. They follow the camera paths of each round, so that rounds are short.
+    pub fn new(pixels: u32, tile: u32, light_paths: u32, several_devices: bool) -> Schedule {
+        let most = (MOST_RUNS / tile.clamp(1, pixels.max(1)).max(light_paths)).max(1);
         match tile >= pixels {
-            true => Schedule { next: if several_devices { 1 } else { most }, most },
+            true => Schedule { next: if several_devices || light_paths > 0 { 1 } else { most }, most },
             false => Schedule { next: 1, most: most.min(MOST_BLOCKS) },
         }
     }
@@ -76,7 +77,7 @@ mod tests {
                 tile.for_each(|rank| seen[pixel_in_order(rank, size)] += 1);
             }
             assert!(seen.iter().all(|count| *count == 1), "{size:?}, {tile}");
-            let (mut schedule, mut left) = (Schedule::new(pixels, tile, false), blocks);
+            let (mut schedule, mut left) = (Schedule::new(pixels, tile, 0, false), blocks);
             while !left.is_empty() {
                 let round = schedule.next(&left);
                 assert!(!round.is_empty() && (tile >= pixels || round.len() as u32 <= MOST_BLOCKS));
@@ -89,7 +90,7 @@ mod tests {
     /// Rounds grow while they are short, and shrink while they are long. 32 bits number their runs.
     #[test]
     fn rounds_are_short() {
-        let mut schedule = Schedule::new(100, 10, false);
+        let mut schedule = Schedule::new(100, 10, 0, false);
         let mut lengths = Vec::new();
         for seconds in [0, 1, 2, 4, 6, 11, 11, 11, 11, 11, 1, 1, 1, 1, 1, 1, 1] {
             lengths.push(schedule.next(&(0..1000)).len());
@@ -97,7 +98,7 @@ mod tests {
         }
         assert_eq!(lengths, [1, 2, 4, 8, 16, 16, 8, 4, 2, 1, 1, 2, 4, 8, 16, 32, 64]);
         for (pixels, tile) in [(u32::MAX, 1 << 22), (1, 1), (1 << 22, 1 << 22)] {
-            let round = Schedule::new(pixels, tile, false).next(&(0..u32::MAX / 8));
+            let round = Schedule::new(pixels, tile, 0, false).next(&(0..u32::MAX / 8));
             assert!(round.len() as u64 * u64::from(tile) <= u64::from(MOST_RUNS));
         }
     }

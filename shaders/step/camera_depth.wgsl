@@ -1,0 +1,5 @@
+//@ use bind/settings
+// Whether a camera path may have the event of this number, from 0.
+fn is_within_depth(event: u32) -> bool {
+    return event < settings.max_depth;
+}

@@ -1,0 +1,6 @@
+//@ use bind/settings
+//@ use data/dimension
+// Whether a light path may have the event of this number, from FIRST_LIGHT_EVENT.
+fn is_within_depth(event: u32) -> bool {
+    return event - FIRST_LIGHT_EVENT < settings.max_depth;
+}

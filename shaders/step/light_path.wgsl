@@ -1,0 +1,100 @@
+//@ use data/dimension
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use data/primitive
+//@ use data/surface
+//@ use bind/settings
+//@ use choice/absorption
+//@ use choice/evaluation
+//@ use choice/normal_map
+//@ use choice/roulette
+//@ use choice/sampler
+//@ use choice/tint
+//@ use geometry/offset
+//@ use scene/interaction
+//@ use scene/materials
+//@ use scene/responses
+//@ use scene/reversal
+//@ use scene/surfaces
+//@ use step/density_ratio
+//@ use step/lens_connection
+//@ use step/light_depth
+// An event of a light path. What light does there is what camera paths compute: the BSDF is evaluated in their order, with the side of
+// the camera as the incoming one, since not every BSDF is reciprocal. With i the direction to the light and o that to the camera, and the
+// normals n_s of shading and n_g of the surface, the throughput gets the factor f |n_s i| |n_g o| / (|n_g i| pdf(o)) (Veach 1997, section 5.3).
+
+// An event in one order.
+struct Order {
+    interaction: Interaction,
+    response: Response,
+    // Whether the direction is on the right side of the surface.
+    is_kept: bool,
+}
+
+// The material at the path's hit scatters the path or ends it. The event also sends a ray to the lens.
+fn scatter_light_path(path: ptr<function, Path>) {
+    let ray = (*path).ray;
+    let hit = path_hit(path);
+    let surface = surface_at(hit, ray);
+    let frame = shading_frame(hit, surface, ray.direction);
+    let evaluated = evaluate_material(hit, surface, frame.front);
+    (*path).throughput = absorb_inside((*path).throughput, surface, frame.front, hit.t);
+    let is_first = (*path).depth == FIRST_LIGHT_EVENT;
+    let is_rough = is_non_specular(evaluated.material);
+    let to_light = -ray.direction;
+    let view = view_from_lens(path, surface.point);
+    let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
+
+    // One call for three: the light's order, and the camera's orders for the sampled direction and for that to the lens.
+    var drawn: Scatter;
+    var orders: array<Order, 3>;
+    for (var i = 0u; i < 3u + settings.zero; i++) {
+        let to_camera = select(drawn.direction, view.direction, i == 2u);
+        let incoming = select(-to_camera, ray.direction, i == 0u);
+        let own = shading_frame(hit, surface, incoming);
+        let interaction = interaction_at(hit, surface, own, evaluated, incoming);
+        if i == 0u {
+            drawn = keep_side(scatter_by_material(evaluated.material, interaction, u), interaction.normal, own.shading);
+        }
+        let outgoing = select(to_light, drawn.direction, i == 0u);
+        var response = no_response();
+        if is_rough {
+            response = response_of_material(evaluated.material, interaction, outgoing);
+        }
+        let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
+        orders[i] = Order(interaction, response, is_kept);
+    }
+    let cos_light = abs(dot(to_light, surface.normal));
+    if !is_first && is_rough && orders[2].is_kept {
+        let cos_camera = abs(dot(view.direction, surface.normal));
+        let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
+        let origin = leave_surface(surface.point, surface.error, side, side);
+        let value = tint_through(orders[2].response.value, evaluated, view.direction, frame.shading);
+        send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, orders[2].response.pdf / cos_light);
+    }
+
+    // The next ray.
+    var throughput = vec3<f32>(0.0);
+    if drawn.event == SCATTERED && drawn.lobe == LOBE_SPECULAR {
+        if orders[1].is_kept && is_reversible(orders[0].interaction, drawn.direction, orders[1].interaction) {
+            let ratio = specular_ratio(evaluated.material, orders[0].interaction, surface.normal, drawn.direction, to_light);
+            throughput = (*path).throughput * drawn.weight / ratio;
+            (*path).log_ratio += log_of_density(ratio);
+        }
+    } else if drawn.event == SCATTERED && !is_first && orders[1].is_kept {
+        let cos_camera = abs(dot(drawn.direction, surface.normal));
+        let pdf = orders[0].response.pdf;
+        throughput = (*path).throughput * orders[1].response.value * (cos_camera / (cos_light * pdf));
+        let from_light = log_of_density(pdf) - log_of_density(cos_camera);
+        (*path).log_ratio += from_light + log_of_density(cos_light) - log_of_density(orders[1].response.pdf);
+    }
+    throughput = tint_through(throughput, evaluated, drawn.direction, frame.shading);
+    (*path).throughput = russian_roulette(path, throughput);
+    (*path).status = PATH_ENDED;
+    if any((*path).throughput != vec3<f32>(0.0)) && is_within_depth((*path).depth + 1u) {
+        (*path).ray = spawn_ray(hit, surface, frame.facing, frame.shading, frame.point, drawn.direction);
+        (*path).status = RAY_READY;
+        (*path).depth += 1u;
+    }
+}

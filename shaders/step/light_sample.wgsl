@@ -1,0 +1,76 @@
+//@ use data/dimension
+//@ use data/path
+//@ use data/window
+//@ use bind/counters
+//@ use bind/settings
+//@ use bind/window
+//@ use choice/sampler
+//@ use data/primitive
+//@ use data/ray
+//@ use lib/float
+//@ use scene/emission
+// The start of light paths. A block of samples of all pixels has the light paths 0, 1, ... of pixel 0, then those of pixel 1, and so on. Their
+// numbers are the samples of one sequence over the whole image, which is more even than a sequence for each pixel. The blocks of a pair are
+// the two halves of the sampler.
+
+// Whether the run is even or odd.
+fn half_of_light_path(path: ptr<function, Path>) -> u32 {
+    return ((*path).sample / RUN_LENGTH) & 1u;
+}
+
+// Takes the window's next light path, or leaves the slot idle if there is none. Returns whether there is one.
+fn start_light_path(path: ptr<function, Path>) -> bool {
+    let number = atomicAdd(&counters.next, 1u);
+    if number >= window.end {
+        (*path).status = SLOT_IDLE;
+        atomicAdd(&counters.idle, 1u);
+        return false;
+    }
+    let of_block = settings.image_width * settings.image_height * settings.light_paths;
+    let block = window.first_block + number / of_block;
+    let within = number % of_block;
+    (*path).pixel = block / 2u;
+    (*path).sample = (within / RUN_LENGTH * 2u + (block & 1u)) * RUN_LENGTH + within % RUN_LENGTH;
+    (*path).status = PATH_ENDED;
+    (*path).light = NO_LIGHT;
+    // A light path belongs to a sample of its run, so that parts of a run have the light paths of all of it.
+    let sample = block * RUN_LENGTH + within % settings.light_paths * RUN_LENGTH / settings.light_paths;
+    if sample >= settings.first_sample && sample < settings.end_sample {
+        emit_light_path(path);
+    }
+    return true;
+}
+
+fn emit_light_path(path: ptr<function, Path>) {
+    let u = random4((*path).pixel, (*path).sample, DIMENSION_EMISSION, settings.seed);
+    let v = random4((*path).pixel, (*path).sample, DIMENSION_EMITTED_DIRECTION, settings.seed);
+    let emitted = emit_light(u, v.xy);
+    (*path).light_paths[half_of_light_path(path)] += 1u;
+    if !any(emitted.weight > vec3<f32>(0.0)) {
+        return;
+    }
+    (*path).ray = emitted.ray;
+    (*path).radiance = emitted.weight;
+    (*path).throughput = vec3<f32>(1.0);
+    (*path).depth = FIRST_LIGHT_EVENT;
+    (*path).pdf = 0.0;
+    (*path).status = RAY_READY;
+    // Camera paths never find a light without size.
+    (*path).log_ratio = select(ONLY_LIGHT_PATHS, log2(emitted.density), emitted.density > 0.0);
+    if emitted.is_parallel {
+        (*path).shadow = Ray(emitted.ray.origin, -emitted.ray.direction);
+        (*path).light = HIT_NOTHING;
+        (*path).lens_distance = VERY_FAR;
+    }
+}
+
+// The logarithm of a ratio without camera paths.
+const ONLY_LIGHT_PATHS: f32 = 0x1p100f;
+
+// Ends a light path. One whose walk took too many steps is counted.
+fn end_light_path(path: ptr<function, Path>) {
+    if (*path).status == PATH_CUT {
+        atomicAdd(&counters.cut, 1u);
+    }
+    (*path).status = PATH_ENDED;
+}

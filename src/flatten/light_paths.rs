@@ -1,0 +1,142 @@
+//! What light paths need: the boxes at which they are aimed, around what can be specular, and the lights at which they start.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3};
+
+use super::builder::Builder;
+use super::finder::Primitive;
+use super::light_tree::{LightBounds, LightKind};
+use crate::data::{self, f32s};
+use crate::light_distribution::alias_entries;
+use crate::material::Lobe;
+use crate::shape::{BoundingShape, ObjectTransform};
+
+/// The most boxes.
+const MOST_AIMS: usize = 16;
+
+/// A light at which paths may start.
+pub struct Start {
+    /// Its area; 1 without one.
+    pub size: f64,
+    /// Whether paths start there: not at a large sphere, whose points are too far apart for f32, and not at the sky.
+    pub is_possible: bool,
+}
+
+/// A box, in render space.
+#[derive(Clone, Copy)]
+struct Aim {
+    center: DVec3,
+    half: DVec3,
+    axes: DMat3,
+}
+
+impl Builder<'_> {
+    /// Adds the tables of light paths, if the scene has lights at which they can start, and something specular.
+    pub fn add_light_paths(&mut self, primitives: &[Primitive<'_>], lights: &[LightBounds], starts: &[Start]) {
+        let (mut shapes, mut reason) = (Vec::new(), None);
+        for primitive in primitives {
+            let (name, material) = &self.scene.materials[primitive.material as usize];
+            if primitive.shape.large_sphere().is_none() && material.lobes(&self.scene.bitmaps).contains(&Lobe::Specular)
+            {
+                reason.get_or_insert_with(|| format!("\"{name}\" at {}", self.scene.material_location(name)));
+                let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
+                shapes.push(primitive.shape.bounding_shape(&at));
+            }
+        }
+        let aims = aims(shapes);
+        let power = |(light, start): (&LightBounds, &Start)| match start.is_possible {
+            true => aims.iter().map(|aim| light.intensity * aim.received_share(light)).sum::<f64>(),
+            false => 0.0,
+        };
+        let powers: Vec<f64> = lights.iter().zip(starts).map(power).collect();
+        let sizes: Vec<f64> = starts.iter().map(|start| start.size).collect();
+        if let Some(emitters) = alias_entries(&powers, &sizes) {
+            self.flat.emitters = emitters;
+            self.flat.features.aims = aims.len() as u32;
+            self.flat.features.light_paths = reason;
+            self.flat.aims = aims.iter().map(Aim::on_device).collect();
+        }
+    }
+}
+
+impl Aim {
+    /// A box around a shape, along the shape's own axes.
+    fn around(shape: &BoundingShape) -> Aim {
+        match *shape {
+            BoundingShape::Ball { center, radius } => Aim { center, half: DVec3::splat(radius), axes: DMat3::IDENTITY },
+            BoundingShape::Parallelogram { corner, u, v } => {
+                let x = u.normalize_or_zero();
+                let z = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
+                let axes = DMat3::from_cols(x, z.cross(x), z);
+                let half = (axes.transpose() * u).abs() + (axes.transpose() * v).abs();
+                Aim { center: corner + 0.5 * (u + v), half: 0.5 * half.with_z(0.0), axes }
+            }
+            BoundingShape::Cuboid { center, half, axes } => Aim { center, half, axes },
+        }
+    }
+
+    /// The share of a light's intensity that the box receives: its solid angle, or of a directional light the area of its shadow; 0 if the
+    /// light faces away from all of it.
+    fn received_share(&self, light: &LightBounds) -> f64 {
+        let radius = self.half.length();
+        if light.kind != LightKind::Positional {
+            return PI * radius * radius;
+        }
+        let to_box = self.center - light.around.center();
+        let around = 0.5 * (light.around.max - light.around.min).length();
+        let is_flat_and_one_sided = light.half_angle == 0.0 && !light.two_sided;
+        if is_flat_and_one_sided && to_box.dot(light.axis) < -(radius + around) {
+            return 0.0;
+        }
+        let sine = radius / to_box.length();
+        if sine < 1.0 { 2.0 * PI * sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) } else { 4.0 * PI }
+    }
+
+    fn on_device(&self) -> data::Cuboid {
+        data::Cuboid {
+            center: f32s(self.center),
+            half_extent: f32s(self.half),
+            x_axis: f32s(self.axes.x_axis),
+            y_axis: f32s(self.axes.y_axis),
+            ..data::Cuboid::default()
+        }
+    }
+}
+
+/// At most [`MOST_AIMS`] boxes around the shapes. Groups of shapes are halved along their longest side, the largest first.
+fn aims(shapes: Vec<BoundingShape>) -> Vec<Aim> {
+    let mut groups = vec![shapes];
+    while groups.len() < MOST_AIMS {
+        let area = |group: &Vec<BoundingShape>| {
+            let (low, high) = bounds_of(group);
+            let d = high - low;
+            if group.len() > 1 { d.x * d.y + d.y * d.z + d.z * d.x } else { -1.0 }
+        };
+        let largest = (0..groups.len()).max_by(|a, b| area(&groups[*a]).total_cmp(&area(&groups[*b])));
+        let Some(largest) = largest.filter(|largest| groups[*largest].len() > 1) else { break };
+        let group = &mut groups[largest];
+        let (low, high) = bounds_of(group);
+        let axis = (high - low).max_position();
+        let middle = |shape: &BoundingShape| shape.ball().0[axis];
+        group.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+        let rest = group.split_off(group.len() / 2);
+        groups.push(rest);
+    }
+    let around = |group: &Vec<BoundingShape>| match group.as_slice() {
+        [] => None,
+        [one] => Some(Aim::around(one)),
+        all => {
+            let (low, high) = bounds_of(all);
+            Some(Aim { center: 0.5 * (low + high), half: 0.5 * (high - low), axes: DMat3::IDENTITY })
+        }
+    };
+    groups.iter().filter_map(around).collect()
+}
+
+/// The corners of the box around shapes along the axes.
+fn bounds_of(shapes: &[BoundingShape]) -> (DVec3, DVec3) {
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let bounds = shapes.iter().map(BoundingShape::bounds);
+    bounds.fold(none, |(low, high), (least, most)| (low.min(least), high.max(most)))
+}
