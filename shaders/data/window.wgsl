@@ -35,7 +35,7 @@ struct Counters {
     cut: atomic<u32>,
     refused: atomic<u32>,
     // Counts of 64 bits, the low word first (step/count).
-    counts: array<array<atomic<u32>, 2>, 4>,
+    counts: array<array<atomic<u32>, 2>, 6>,
     //@ if probed
     // Light of narrow lobes for each bin of lights, in units of 2^-24: what probes found, and what paths found (step/narrow_lobe).
     light: array<array<array<atomic<u32>, 2>, 2>, 32>,
@@ -48,6 +48,8 @@ const RAYS: u32 = 1u;
 // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up.
 const TOO_DEEP: u32 = 2u;
 const TOO_DEEP_THROUGHPUT: u32 = 3u;
+// Light paths of even runs. Those of odd runs follow.
+const LIGHT_PATHS: u32 = 4u;
 
 // A finished run, on its way to the film.
 struct RunRecord {
