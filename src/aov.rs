@@ -316,8 +316,8 @@ mod tests {
                     None => assert!(!names.iter().any(|name| name.starts_with(sum.name())), "{names:?}"),
                 }
             }
-            // With the nine of every film, a bit each shows which has left its range.
-            assert!(9 + aovs.count() <= 32);
+            // With the nine of every film, a bit each shows which has left its range. The last bit is left to what follows, which may share it.
+            assert!(9 + aovs.count() < 32);
         }
     }
 }

@@ -44,16 +44,20 @@ pub const RUN_LENGTH: u32 = 8;
 pub const STRIP_ROWS: u32 = 8;
 /// In the counts of a run: it is an odd one.
 pub const ODD_RUN: u32 = 0x8000_0000;
-/// The indices in `Counters::counts` of camera samples, rays, paths that max_depth ended, and the throughput of these.
+/// The indices in `Counters::counts` of camera samples, rays, paths that max_depth ended, the throughput of these, and light paths of even
+/// runs; those of odd runs follow.
 pub const PATHS: u32 = 0;
 pub const RAYS: u32 = 1;
 pub const TOO_DEEP: u32 = 2;
 pub const TOO_DEEP_THROUGHPUT: u32 = 3;
+pub const LIGHT_PATHS: u32 = 4;
 /// Bits after the binary point of the film's sums of radiance, in device units, and of its sums of squares, in device units squared.
 pub const SUM_FRACTION: u32 = 88;
 pub const SQUARE_FRACTION: u32 = 96;
 /// Sums of radiance and of its squares that the film has of each pixel: of even runs, of odd ones, and the squared deviations.
 pub const FILM_SUMS: usize = 3 * CHANNELS.len();
+/// Sums of splats that a film with light paths has of each pixel: of even runs, of odd ones, and the squares.
+pub const SPLAT_SUMS: usize = 3 * CHANNELS.len();
 /// Bins that count the light that narrow lobes hide from light sampling.
 pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.

@@ -4,6 +4,7 @@
 //! any order and split. It also adds the sums of squares that the error estimate needs. The host joins the device's totals here.
 
 mod channels;
+mod estimate;
 mod floats;
 mod totals;
 mod values;
@@ -11,7 +12,7 @@ mod verdict;
 mod words;
 
 use crate::aov::{Aovs, SceneSpace};
-use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
+use crate::data::{CHANNELS, PixelTotals, Rgb, Sampler, luminance};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
@@ -20,7 +21,8 @@ pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
 pub use verdict::Verdict;
 pub use words::{sample_variance_of, word_names};
 
-use channels::Channels;
+use channels::{Channels, has_saturated};
+use estimate::Estimate;
 use floats::{exp2, to_f32};
 
 /// The value of [`Picture::variance`] if the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -43,18 +45,18 @@ const MOST_OF_HALVES: f64 = 0.02;
 /// Degrees of freedom of a variance from the squared deviations of a pixel's samples. If k bright samples make the variance, its standard
 /// error is 1/√k of it, as with 2k degrees of freedom. Two bright samples are assumed.
 const DEGREES_OF_SAMPLES: f64 = 4.0;
-/// A sum of squares counts as known from this value for each run on, in units of 2^-[`SQUARE_FRACTION`]: a run's squares are rounded by at
-/// most half a unit.
+/// A sum of squares counts as known from this value for each run on, in units of 2^-[`crate::data::SQUARE_FRACTION`]: a run's squares are
+/// rounded by at most half a unit.
 const LEAST_SQUARES: i128 = 1 << 10;
 
 /// The totals of a pixel, in device units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 struct Pixel {
-    /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
+    /// Σ s over runs, s the run's sum, in units of 2^-[`crate::data::SUM_FRACTION`].
     sum: Rgb<i128>,
     /// The part of the odd runs.
     odd_sum: Rgb<i128>,
-    /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`SQUARE_FRACTION`].
+    /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`crate::data::SQUARE_FRACTION`].
     squared_deviations: Rgb<i128>,
     /// Accepted samples of even and of odd runs. 32 bits number a pixel's samples, so either count is at most 2^31.
     even: u32,
@@ -64,14 +66,11 @@ struct Pixel {
     rejected: u32,
 }
 
-/// The halves of a pixel's samples: the even runs and the odd ones.
-type Halves = [Rgb<f64>; 2];
-
 impl From<&PixelTotals> for Pixel {
     fn from(totals: &PixelTotals) -> Pixel {
-        let sum = |index: usize| match totals.saturated >> index & 1 {
-            0 => i128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
-            _ => i128::MAX,
+        let sum = |index: usize| match has_saturated(totals, index) {
+            false => i128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
+            true => i128::MAX,
         };
         let sums = |first: usize| [0, 1, 2].map(|channel| sum(first * CHANNELS.len() + channel));
         let (even_sum, odd_sum) = (sums(0), sums(1));
@@ -93,73 +92,8 @@ impl Pixel {
         u64::from(self.even) + u64::from(self.odd)
     }
 
-    /// The pixel's mean in device units; 0 without samples.
-    fn mean(&self, channel: usize) -> f64 {
-        mean(self.sum[channel], self.samples())
-    }
-
-    fn means(&self) -> Rgb<f64> {
-        [0, 1, 2].map(|channel| self.mean(channel))
-    }
-
-    /// The means of the even and of the odd runs.
-    fn half_means(&self) -> Halves {
-        let even = |c: usize| mean(self.sum[c].saturating_sub(self.odd_sum[c]), u64::from(self.even));
-        let odd = |c: usize| mean(self.odd_sum[c], u64::from(self.odd));
-        [[0, 1, 2].map(even), [0, 1, 2].map(odd)]
-    }
-
-    /// The variance of the pixel's mean, in device units squared. `None` if a half has no samples, or a total has saturated.
-    fn variance(&self, channel: usize, sampler: Sampler) -> Option<f64> {
-        let saturated = self.sum[channel] == i128::MAX || self.squared_deviations[channel] == i128::MAX;
-        match (saturated || !self.has_halves(), sampler) {
-            (true, _) => None,
-            (false, Sampler::Independent) => {
-                Some(self.variance_of_samples(channel).unwrap_or_else(|| self.variance_of_halves(channel)))
-            }
-            (false, Sampler::Sobol) => Some(self.variance_of_halves(channel)),
-        }
-    }
-
-    /// The variances of all channels.
-    fn variances(&self, sampler: Sampler) -> Option<Rgb<f64>> {
-        Some([self.variance(0, sampler)?, self.variance(1, sampler)?, self.variance(2, sampler)?])
-    }
-
     fn has_halves(&self) -> bool {
         self.even > 0 && self.odd > 0
-    }
-
-    /// Degrees of freedom of the variance.
-    fn degrees(&self, sampler: Sampler) -> f64 {
-        let known = || (0..3).all(|channel| self.variance_of_samples(channel).is_some());
-        if sampler == Sampler::Independent && known() { (self.samples() - u64::from(self.runs)) as f64 } else { 1.0 }
-    }
-
-    /// The variance of the pixel's mean by its halves: v = a b (A - B)² / N², with the mean A of a samples in even runs, the mean B of b
-    /// samples in odd ones, and N = a + b. The halves have separate scrambles, so they are independent, however the points of one half
-    /// are correlated. With the variances V and W of A and B, E[(A - B)²] = V + W, and the pixel's mean a A/N + b B/N has the variance
-    /// (a² V + b² W) / N². With a = b, that is the expectation of v. If one half has a run less, v is right for V / W = b / a, as with
-    /// independent samples. If the larger half is better than that, v is too large by a factor of at most a/b (own derivation: V a = W b
-    /// gives v; V = 0 gives v = a b W / N² instead of b² W / N²).
-    fn variance_of_halves(&self, channel: usize) -> f64 {
-        // Means are rounded towards 0 by at most 2^-88, so only equal digits cancel.
-        let mean_odd = self.odd_sum[channel] / i128::from(self.odd);
-        let mean_even = self.sum[channel].saturating_sub(self.odd_sum[channel]) / i128::from(self.even);
-        let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-(SUM_FRACTION as i32));
-        let all = self.samples() as f64;
-        let weights = (f64::from(self.even) / all) * (f64::from(self.odd) / all);
-        weights * difference * difference
-    }
-
-    /// The variance of the mean of as many independent samples: W / ((N − K) N), with W the squared deviations from the means of K runs, and N
-    /// samples in all, because a run of n samples has n − 1 degrees of freedom. The mean of Sobol points has a smaller variance, unless
-    /// single samples make most of it. `None` if no run has two samples, or all deviations are too small for the squares' fixed point.
-    fn variance_of_samples(&self, channel: usize) -> Option<f64> {
-        let degrees = self.samples().checked_sub(u64::from(self.runs)).filter(|degrees| *degrees > 0)?;
-        let squares = self.squared_deviations[channel];
-        let known = squares >= LEAST_SQUARES * i128::from(self.runs);
-        known.then(|| squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / (degrees as f64 * self.samples() as f64))
     }
 
     fn add(&mut self, other: &Pixel) {
@@ -181,10 +115,11 @@ impl Pixel {
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added
 /// without rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 500 fit. Its squared deviations hold 2^-96 to 2^31: 2^29
 /// samples that deviate by 2 fit. Deviations below about 2^-43 are not known; the variance then comes from the two halves, which are exact
-/// to 2^-88. Beyond the range, a total saturates (a saturating sum of numbers of one sign is still the same in any order), and the variance
-/// is unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
+/// to 2^-88. Sums of splats and of their squares have the same ranges. Beyond the range, a total saturates (a saturating sum of numbers of
+/// one sign is still the same in any order), and the variance is unknown. So the device's unit should be about the radiance of the brightest
+/// thing that is often seen.
 ///
-/// Memory: 160 bytes a pixel, and 16 more for each sum of further channels.
+/// Memory: 160 bytes a pixel, and 16 more for each sum of further channels and of splats: 144 in all with light paths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     exponent: i32,
@@ -194,7 +129,7 @@ pub struct Film {
     /// The part of the image that the pixels are of.
     frame: Frame,
     pixels: Vec<Pixel>,
-    /// The channels of `--aov`.
+    /// The channels of `--aov`, and the splats of light paths.
     channels: Channels,
     totals: Totals,
 }
@@ -249,7 +184,23 @@ impl Film {
     /// # Errors
     /// `Error::Usage` if memory does not hold them.
     pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
-        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self })
+        let channels = Channels::new(self.pixels.len(), aovs, space, self.channels.light_paths)?;
+        Ok(Film { channels, ..self })
+    }
+
+    /// Sets whether an empty film has sums of the splats of light paths. By default it has none.
+    ///
+    /// # Errors
+    /// `Error::Usage` if memory does not hold them.
+    pub fn with_light_paths(self, light_paths: bool) -> Result<Film> {
+        let Channels { aovs, space, .. } = &self.channels;
+        let channels = Channels::new(self.pixels.len(), aovs, *space, light_paths)?;
+        Ok(Film { channels, ..self })
+    }
+
+    /// Whether it has sums of the splats of light paths.
+    pub fn has_light_paths(&self) -> bool {
+        self.channels.light_paths
     }
 
     /// The channels of `--aov` that it has.
@@ -313,11 +264,10 @@ impl Film {
 
     /// Adds the totals of pixels in the layout of the device's film. The indices are those of [`Film::add`].
     pub fn add_from_device(&mut self, pixels: impl IntoIterator<Item = usize>, bytes: &[u8]) {
-        if let (true, Ok(totals)) = (self.channels.aovs.is_empty(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes))
-        {
+        if let (0, Ok(totals)) = (self.channels.count(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
             return self.add(pixels.into_iter().zip(totals), Totals::default());
         }
-        let each = device_bytes(&self.channels.aovs) as usize;
+        let each = device_bytes(&self.channels.aovs, self.channels.light_paths) as usize;
         for (index, bytes) in pixels.into_iter().zip(bytes.chunks_exact(each)) {
             let (totals, sums) = bytes.split_at(size_of::<PixelTotals>());
             let totals: PixelTotals = bytemuck::pod_read_unaligned(totals);
@@ -328,18 +278,21 @@ impl Film {
 
     /// Adds another film of the same image. The result is the film of all samples of both.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
-        let shape = |film: &Film| (film.frame.part.size(), film.exponent, film.sampler, film.channels.aovs.clone());
+        // Splats are divided by the light paths per pixel of the full image.
+        let of_light_paths = |film: &Film| film.channels.light_paths.then_some(film.frame.full);
+        let aovs = |film: &Film| film.channels.aovs.clone();
+        let shape =
+            |film: &Film| (film.frame.part.size(), film.exponent, film.sampler, aovs(film), of_light_paths(film));
         if shape(self) != shape(other) {
+            let words = |film: &Film, pixels: &str| {
+                let light_paths = if film.channels.light_paths { ", with light paths" } else { "" };
+                let (width, height) = film.frame.part.size();
+                format!("{width} x {height} {pixels}2^{} ({}{light_paths})", film.exponent, film.sampler)
+            };
             return Err(Error::Usage(format!(
-                "films of different images cannot be joined: {} x {} pixels of scale 2^{} ({}) and {} x {} of 2^{} ({})",
-                self.width(),
-                self.height(),
-                self.exponent,
-                self.sampler,
-                other.width(),
-                other.height(),
-                other.exponent,
-                other.sampler
+                "films of different images cannot be joined: {} and {}",
+                words(self, "pixels of scale "),
+                words(other, "of ")
             )));
         }
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
@@ -350,8 +303,30 @@ impl Film {
 
     /// The mean over the pixels of the largest component of their radiance, in device units.
     pub fn mean_radiance(&self) -> f64 {
-        let largest = |pixel: &Pixel| pixel.mean(0).max(pixel.mean(1)).max(pixel.mean(2));
-        self.pixels.iter().map(largest).sum::<f64>() / self.pixels.len() as f64
+        let largest = |estimate: Estimate| estimate.means().into_iter().fold(f64::NEG_INFINITY, f64::max);
+        self.estimates().map(largest).sum::<f64>() / self.pixels.len() as f64
+    }
+
+    /// The sums of a pixel that its value and its variance follow from; zeros outside the image.
+    fn estimate(&self, index: usize) -> Estimate {
+        Estimate {
+            pixel: self.pixels.get(index).copied().unwrap_or_default(),
+            splats: self.channels.splats(index),
+            light_paths: self.light_paths_of_a_pixel(),
+        }
+    }
+
+    /// Those of all pixels.
+    fn estimates(&self) -> impl Iterator<Item = Estimate> {
+        (0..self.pixels.len()).map(|index| self.estimate(index))
+    }
+
+    /// The light paths of even and of odd runs per pixel of the full image; 0 if it has no sums of splats.
+    fn light_paths_of_a_pixel(&self) -> [f64; 2] {
+        match self.channels.light_paths {
+            true => self.totals.light_paths_of_a_pixel(self.frame.full),
+            false => [0.0; 2],
+        }
     }
 
     /// Returns the image in scene units.
@@ -369,12 +344,12 @@ impl Film {
     /// Returns a pixel in scene units; black outside the image.
     pub fn developed(&self, index: usize) -> PicturePixel {
         let scale = exp2(self.exponent);
-        let pixel = self.pixels.get(index).copied().unwrap_or_default();
+        let estimate = self.estimate(index);
         PicturePixel {
-            rgb: [0, 1, 2].map(|c| to_f32(pixel.mean(c) * scale)),
-            variance: [0, 1, 2].map(|c| variance_to_f32(pixel.variance(c, self.sampler), scale * scale)),
-            samples: u32::try_from(pixel.samples()).unwrap_or(u32::MAX),
-            rejected: pixel.rejected,
+            rgb: estimate.means().map(|mean| to_f32(mean * scale)),
+            variance: [0, 1, 2].map(|c| variance_to_f32(estimate.variance(c, self.sampler), scale * scale)),
+            samples: u32::try_from(estimate.pixel.samples()).unwrap_or(u32::MAX),
+            rejected: estimate.pixel.rejected,
         }
     }
 
@@ -392,10 +367,11 @@ impl Film {
     /// a reference R without noise, sqrt(mean((I - R)² / (R² + 0.01 R̄²))).
     ///
     /// Let x be the mean of v / (I² + 0.01 Ī²) over a pixel's channels, and y the same with (I - R)² for v. T = Σ x over n pixels estimates the
-    /// expectation of Y = Σ y, and both have noise. Pixels are independent, because they are keys of the random numbers. So Var T = Σ Var x
-    /// and Var Y = Σ Var y. As sums of scaled chi-squares, T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y degrees of freedom
-    /// (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). The difference of two normal halves is independent of their mean, so
-    /// Y/T has Fisher's distribution F(μ, ν).
+    /// expectation of Y = Σ y, and both have noise. Pixels are independent, because they are keys of the random numbers. (A light path may
+    /// reach several pixels. It is one of very many and reaches few of the pixels, so that these are nearly independent with light paths too.)
+    /// So Var T = Σ Var x and Var Y = Σ Var y. As sums of scaled chi-squares, T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y
+    /// degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). The difference of two normal halves is independent
+    /// of their mean, so Y/T has Fisher's distribution F(μ, ν).
     ///
     /// If the deviations d_c of a pixel are normal, with covariances C_cd between its channels, y = Σ w_c d_c² has Var y = 2 Σ w_c w_d C_cd² ≤
     /// 2 (E x)², because C_cd² ≤ C_cc C_dd; both are equal if the channels vary together. An x of k degrees of freedom has E[x²] ≤
@@ -423,7 +399,8 @@ impl Film {
     /// with the halves' I is more than four times as large: the error against a better image is then more than twice the stated one. How
     /// often the bound holds is measured in docs/light-transport.md.
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
-        let mean_luminance = self.pixels.iter().map(|p| luminance(p.means())).sum::<f64>() / self.pixels.len() as f64;
+        let mean_luminance =
+            self.estimates().map(|estimate| luminance(estimate.means())).sum::<f64>() / self.pixels.len() as f64;
         // A filter with negative lobes may make it negative. Only its square is used.
         if mean_luminance == 0.0 {
             return None;
@@ -431,14 +408,14 @@ impl Film {
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
         let (mut total, mut pixels) = (0.0, 0u64);
         let (mut usual, mut rare) = (NoiseSum::default(), NoiseSum::default());
-        for pixel in &self.pixels {
-            if pixel.rejected > 0 && !pixel.has_halves() {
+        for estimate in self.estimates() {
+            if estimate.pixel.rejected > 0 && !estimate.pixel.has_halves() {
                 continue;
             }
-            let v = pixel.variances(self.sampler)?;
-            let samples = [0, 1, 2].map(|channel| pixel.variance_of_samples(channel).unwrap_or(0.0));
-            let own = pixel.means().map(|mean| 1.0 / (mean * mean + floor));
-            let means = pixel.half_means();
+            let v = estimate.variances(self.sampler)?;
+            let samples = estimate.variances_of_samples();
+            let own = estimate.means().map(|mean| 1.0 / (mean * mean + floor));
+            let means = estimate.half_means();
             let halves = means.map(|means| means.map(|mean| 1.0 / (mean * mean + floor)));
             let mean = [0, 1, 2].map(|c| match (means[0][c] < 0.0) == (means[1][c] < 0.0) {
                 true => 0.5 * (halves[0][c] + halves[1][c]),
@@ -449,7 +426,7 @@ impl Film {
                 mean[c] + (v[c] * own[c]).min(1.0) * (most - mean[c])
             });
             total += weighted(v, own);
-            let degrees = pixel.degrees(self.sampler);
+            let degrees = estimate.degrees(self.sampler);
             usual.add(weighted(v, mean), degrees, weighted(samples, mean));
             rare.add(weighted(v, darker), degrees, weighted(samples, darker));
             pixels += 1;
@@ -590,11 +567,6 @@ impl Picture {
             rejected: self.rejected[index],
         }
     }
-}
-
-/// The mean of a sum in units of 2^-[`SUM_FRACTION`]; 0 without samples.
-fn mean(sum: i128, samples: u64) -> f64 {
-    if samples == 0 { 0.0 } else { sum as f64 * exp2(-(SUM_FRACTION as i32)) / samples as f64 }
 }
 
 fn variance_to_f32(variance: Option<f64>, scale: f64) -> f32 {

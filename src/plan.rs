@@ -82,6 +82,8 @@ pub struct Kernels {
     pub settings: SettingsLayout,
     /// The channels of `--aov`.
     pub aovs: Aovs,
+    /// Whether there are light paths.
+    pub light_paths: bool,
     /// The features that they are linked for.
     pub features: Features,
     tables: UniformTables,
@@ -252,6 +254,7 @@ impl Kernels {
             path_fields,
             settings,
             aovs: options.aov.clone(),
+            light_paths: options.light_paths.count() > 0,
             tables: tables.clone(),
             features: features.clone(),
         })
@@ -291,7 +294,7 @@ impl Kernels {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
         let (runs, record_bytes) = (u64::from(tuning.records_per_slot), film::record_bytes(&self.aovs));
-        let (tile, pixel_bytes) = (u64::from(tuning.tile), film::device_bytes(&self.aovs));
+        let (tile, pixel_bytes) = (u64::from(tuning.tile), film::device_bytes(&self.aovs, self.light_paths));
         let layout = path_layout(&self.path_fields);
         let (plane_bytes, word_bytes) = (layout.plane_bytes(), layout.word_bytes());
         let header = u64::from(QUEUE_HEADER);

@@ -5,14 +5,20 @@ struct PixelTotals {
     // Runs with at least one accepted sample.
     runs: atomic<u32>,
     rejected: atomic<u32>,
-    // A bit for each sum that has left its range.
+    // A bit for each sum that has left its range. The sums from the last bit on share it.
     saturated: atomic<u32>,
     // Sums, each an integer of 128 bits (two's complement) in four words, the lowest first. Nine are of every film: the radiance of even
     // runs (red, green, blue), the radiance of odd runs, and the squared deviations of the samples from the means of their runs. The sums of
-    // further channels follow (`--aov`).
+    // further channels follow (`--aov`), and with light paths nine more: the splats of even runs, those of odd runs, and the squares of
+    // the splats.
     sums: array<array<atomic<u32>, 4>, ${film_sums}>,
 }
 
 // Bits after the binary point of a sum of radiance, in device units, and of a sum of squares, in device units squared.
 const SUM_FRACTION: u32 = 88u;
 const SQUARE_FRACTION: u32 = 96u;
+
+// The bit of `saturated` that belongs to a sum.
+fn saturated_bit(sum: u32) -> u32 {
+    return 1u << min(sum, 31u);
+}

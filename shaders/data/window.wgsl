@@ -50,7 +50,7 @@ const RAYS: u32 = 1u;
 // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up.
 const TOO_DEEP: u32 = 2u;
 const TOO_DEEP_THROUGHPUT: u32 = 3u;
-// Light paths of even runs; those of odd runs follow.
+// Light paths of even runs. Those of odd runs follow.
 const LIGHT_PATHS: u32 = 4u;
 
 // A finished run, on its way to the film.

@@ -1,4 +1,4 @@
-//! The exact sums of the channels of `--aov`.
+//! The exact sums of a pixel that not every film has: those of the channels of `--aov`, and those of the splats of light paths.
 
 use std::mem::size_of;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::floats::exp2;
 use crate::aov::{Aovs, SceneSpace, Sum};
-use crate::data::{FILM_SUMS, PixelTotals, RunRecord, SUM_FRACTION};
+use crate::data::{CHANNELS, FILM_SUMS, PixelTotals, Rgb, RunRecord, SPLAT_SUMS, SUM_FRACTION};
 use crate::error::{Error, Result};
 use crate::memory;
 
@@ -15,13 +15,39 @@ use crate::memory;
 pub(super) struct Channels {
     pub aovs: Aovs,
     pub space: SceneSpace,
-    /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`]; `i128::MAX` for a sum that has left its range.
+    /// Whether the sums of splats follow those of `--aov`.
+    pub light_paths: bool,
+    /// The number of sums of a pixel.
+    count: usize,
+    /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`], but for the squares of splats; `i128::MAX` for a sum
+    /// that has left its range.
     sums: Vec<i128>,
 }
 
+/// The sums of the splats that light paths have added to a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Splats {
+    /// Of light paths of even and of odd runs, in units of 2^-[`SUM_FRACTION`].
+    pub halves: [Rgb<i128>; 2],
+    /// The squares of the splats, in units of 2^-[`crate::data::SQUARE_FRACTION`].
+    pub squares: Rgb<i128>,
+}
+
+impl Splats {
+    /// The splats of a pixel whose last sums are theirs.
+    pub fn of_sums(sums: &[i128]) -> Splats {
+        match sums.last_chunk::<SPLAT_SUMS>() {
+            Some([a, b, c, d, e, f, squares @ ..]) => {
+                Splats { halves: [[*a, *b, *c], [*d, *e, *f]], squares: *squares }
+            }
+            None => Splats::default(),
+        }
+    }
+}
+
 /// Bytes of a pixel of the device's film.
-pub fn device_bytes(aovs: &Aovs) -> u64 {
-    (size_of::<PixelTotals>() + aovs.count() * size_of::<[u32; 4]>()) as u64
+pub fn device_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
+    (size_of::<PixelTotals>() + count(aovs, light_paths) * size_of::<[u32; 4]>()) as u64
 }
 
 /// Bytes of a finished run's record.
@@ -29,21 +55,53 @@ pub fn record_bytes(aovs: &Aovs) -> u64 {
     (size_of::<RunRecord>() + aovs.count() * size_of::<f32>()) as u64
 }
 
+/// The number of sums of a pixel behind those of every film.
+pub(super) fn count(aovs: &Aovs, light_paths: bool) -> usize {
+    aovs.count() + if light_paths { SPLAT_SUMS } else { 0 }
+}
+
+/// The names of these sums, in their order.
+pub(super) fn names(aovs: &Aovs, light_paths: bool) -> impl Iterator<Item = String> {
+    let splats = ["light_even", "light_odd", "light_squares"].into_iter().filter(move |_| light_paths);
+    aovs.sum_names().chain(splats.flat_map(|name| CHANNELS.map(|channel| format!("{name}.{channel}"))))
+}
+
+/// Whether a sum of a pixel has left its range on the device. Sums from the last bit on share it.
+pub(super) fn has_saturated(totals: &PixelTotals, sum: usize) -> bool {
+    totals.saturated >> sum.min(31) & 1 == 1
+}
+
 impl Channels {
-    pub fn new(pixels: usize, aovs: &Aovs, space: SceneSpace) -> Result<Channels> {
-        if aovs.is_empty() {
-            return Ok(Channels::default());
+    pub fn new(pixels: usize, aovs: &Aovs, space: SceneSpace, light_paths: bool) -> Result<Channels> {
+        let count = count(aovs, light_paths);
+        let all = pixels.saturating_mul(count);
+        let needs = |memory: String| {
+            Error::Usage(match (aovs.is_empty(), light_paths) {
+                (false, true) => {
+                    format!(
+                        "the channels of --aov and --light-paths need {memory}; ask for fewer, or for --light-paths off"
+                    )
+                }
+                (false, false) => format!("the channels of --aov need {memory}; ask for fewer"),
+                (true, _) => format!("the film of --light-paths needs {memory} more; use --light-paths off"),
+            })
+        };
+        if all > 0 {
+            memory::check((all as u64).saturating_mul(size_of::<i128>() as u64)).map_err(needs)?;
         }
-        let count = pixels.saturating_mul(aovs.count());
-        let needs = |memory: String| Error::Usage(format!("the channels of --aov need {memory}; ask for fewer"));
-        memory::check((count as u64).saturating_mul(size_of::<i128>() as u64)).map_err(needs)?;
         let cannot = |_| needs("more memory than can be had".to_string());
-        let sums = bytemuck::allocation::try_zeroed_vec::<i128>(count).map_err(cannot)?;
-        Ok(Channels { aovs: aovs.clone(), space, sums })
+        let sums = bytemuck::allocation::try_zeroed_vec::<i128>(all).map_err(cannot)?;
+        let space = if aovs.is_empty() { SceneSpace::default() } else { space };
+        Ok(Channels { aovs: aovs.of_film(), space, light_paths, count, sums })
     }
 
     pub fn clear(&mut self) {
         self.sums.fill(0);
+    }
+
+    /// The number of sums of a pixel.
+    pub fn count(&self) -> usize {
+        self.count
     }
 
     pub fn add(&mut self, other: &Channels) {
@@ -55,9 +113,9 @@ impl Channels {
         let Some(mine) = self.of_mut(index) else { return };
         for (number, (mine, words)) in mine.iter_mut().zip(sums.chunks_exact(size_of::<[u32; 4]>())).enumerate() {
             let words: [u32; 4] = bytemuck::pod_read_unaligned(words);
-            let sum = match totals.saturated >> (FILM_SUMS + number) & 1 {
-                0 => i128::from_le_bytes(bytemuck::cast(words.map(u32::to_le))),
-                _ => i128::MAX,
+            let sum = match has_saturated(totals, FILM_SUMS + number) {
+                false => i128::from_le_bytes(bytemuck::cast(words.map(u32::to_le))),
+                true => i128::MAX,
             };
             *mine = mine.saturating_add(sum);
         }
@@ -65,13 +123,16 @@ impl Channels {
 
     /// The sums of a pixel; empty if the pixel is not in the image.
     pub fn sums_of_pixel(&self, index: usize) -> &[i128] {
-        let count = self.aovs.count();
-        self.sums.get(index * count..(index + 1) * count).unwrap_or_default()
+        self.sums.get(index * self.count..(index + 1) * self.count).unwrap_or_default()
     }
 
     pub fn of_mut(&mut self, index: usize) -> Option<&mut [i128]> {
-        let count = self.aovs.count();
-        self.sums.get_mut(index * count..(index + 1) * count)
+        self.sums.get_mut(index * self.count..(index + 1) * self.count)
+    }
+
+    /// The splats of a pixel; none if the film has no light paths.
+    pub fn splats(&self, index: usize) -> Splats {
+        if self.light_paths { Splats::of_sums(self.sums_of_pixel(index)) } else { Splats::default() }
     }
 
     /// A component of a sum; 0 if the film lacks it, and `None` if it has left its range.

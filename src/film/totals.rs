@@ -40,6 +40,9 @@ pub struct Totals {
     /// Light that narrow lobes hide from light sampling, in device units of 2^-24 (shaders/step/narrow_lobe.wgsl). By bins of lights: the light that
     /// probes found, and the light that paths found.
     pub light: [[u64; 2]; LIGHT_BINS],
+    /// Light paths of even and of odd runs, of all pixels of the full image. States of before light paths do not have them.
+    #[serde(default)]
+    pub light_paths: [u64; 2],
 }
 
 impl std::ops::AddAssign for Totals {
@@ -57,6 +60,9 @@ impl std::ops::AddAssign for Totals {
         for (mine, theirs) in self.light.as_flattened_mut().iter_mut().zip(other.light.as_flattened()) {
             add(mine, *theirs);
         }
+        for (mine, theirs) in self.light_paths.iter_mut().zip(other.light_paths) {
+            add(mine, theirs);
+        }
     }
 }
 
@@ -64,6 +70,11 @@ impl Totals {
     /// The light that max_depth cut off.
     pub fn too_deep(&self) -> TooDeep {
         TooDeep { paths: self.too_deep, throughput: self.too_deep_throughput as f64 / 65_536.0 }
+    }
+
+    /// The light paths of even and of odd runs per pixel of the full image, which has this size.
+    pub fn light_paths_of_a_pixel(&self, (width, height): (u32, u32)) -> [f64; 2] {
+        self.light_paths.map(|paths| paths as f64 / (f64::from(width) * f64::from(height)))
     }
 
     /// Light that narrow lobes hide from light sampling, in device units, summed over all samples.

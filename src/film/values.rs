@@ -44,7 +44,7 @@ impl Film {
             Aov::Material => channels.sum(index, Sum::Material, 0)?,
             Aov::Direct => direct()? * radiance,
             Aov::Indirect => {
-                let (total, direct) = (pixel.mean(component), direct()?);
+                let (total, direct) = (self.estimate(index).mean(component), direct()?);
                 let rest = total - direct;
                 if rest.abs() <= ROUNDING * total.abs().max(direct.abs()) { 0.0 } else { rest * radiance }
             }

@@ -1,5 +1,6 @@
 //! The exact totals of pixels as words of 16 bits, for files. Sums are in two's complement.
 
+use super::channels::{self, Splats};
 use super::floats::exp2;
 use super::{Film, LEAST_SQUARES, Pixel};
 use crate::aov::Aovs;
@@ -48,32 +49,47 @@ impl Pixel {
     }
 
     /// The variance of the samples in scene units. Squares below the smallest known value count as that value, which bounds them.
-    fn sample_variance(&self, exponent: i32) -> SampleVariance {
+    ///
+    /// The mean's variance has the part Σ s² / m² of splats ([`super::estimate`]). So N times this part counts as variance of the N camera
+    /// samples: it then has its share in the mean's variance, and does not depend on N if the light paths are in proportion to the samples.
+    fn sample_variance(&self, splats: &Splats, exponent: i32, light_paths: f64) -> SampleVariance {
         let samples = u32::try_from(self.samples()).unwrap_or(u32::MAX);
         let degrees = samples.saturating_sub(self.runs);
-        let variance = self.squared_deviations.map(|squares| match (squares, degrees) {
-            (i128::MAX, _) | (_, 0) => f32::INFINITY,
-            _ => {
+        let of_splats = |squares: i128| match light_paths {
+            0.0 => 0.0,
+            light_paths => squares as f64 * f64::from(samples) / (light_paths * light_paths),
+        };
+        let variance = |channel: usize| match (self.squared_deviations[channel], splats.squares[channel], degrees) {
+            (i128::MAX, ..) | (_, i128::MAX, _) | (.., 0) => f32::INFINITY,
+            (squares, of_light, _) => {
                 let squares = squares.max(LEAST_SQUARES * i128::from(self.runs));
+                let squares = squares as f64 / f64::from(degrees) + of_splats(of_light);
                 let scale = exp2(exponent);
-                (squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / f64::from(degrees) * scale * scale) as f32
+                (squares * exp2(-(SQUARE_FRACTION as i32)) * scale * scale) as f32
             }
-        });
-        SampleVariance { variance, degrees, samples }
+        };
+        SampleVariance { variance: [0, 1, 2].map(variance), degrees, samples }
     }
 }
 
-/// The variance of a pixel's samples, by its words in a film of this exponent.
-pub fn sample_variance_of(words: &[u16], exponent: i32) -> SampleVariance {
-    Pixel::of_words(&words[..OF_PIXEL]).sample_variance(exponent)
+/// The variance of a pixel's samples, by its words in a film of this exponent. `light_paths` are those of even and of odd runs per pixel of
+/// the full image, if the film has light paths.
+pub fn sample_variance_of(words: &[u16], exponent: i32, light_paths: Option<[f64; 2]>) -> SampleVariance {
+    let (of_pixel, of_channels) = words.split_at(OF_PIXEL);
+    let splats = match light_paths {
+        Some(_) => Splats::of_sums(&sums_of(of_channels).collect::<Vec<_>>()),
+        None => Splats::default(),
+    };
+    let [even, odd] = light_paths.unwrap_or_default();
+    Pixel::of_words(of_pixel).sample_variance(&splats, exponent, even + odd)
 }
 
 /// The names of a pixel's words, in their order: `sum.R.0` is the lowest of the sum of red.
-pub fn word_names(aovs: &Aovs) -> Vec<String> {
+pub fn word_names(aovs: &Aovs, light_paths: bool) -> Vec<String> {
     let sums = ["sum", "odd_sum", "squares"].into_iter();
     let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), OF_SUM)));
     let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
-    let channels = aovs.sum_names().map(|name| (name, OF_SUM));
+    let channels = channels::names(aovs, light_paths).map(|name| (name, OF_SUM));
     let named = sums.chain(counts).chain(channels);
     named.flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
 }
@@ -81,7 +97,7 @@ pub fn word_names(aovs: &Aovs) -> Vec<String> {
 impl Film {
     /// The names of a pixel's words.
     pub fn word_names(&self) -> Vec<String> {
-        word_names(&self.channels.aovs)
+        word_names(&self.channels.aovs, self.channels.light_paths)
     }
 
     /// Writes the exact totals of a pixel in the order of [`Film::word_names`]; zeros outside the image.
@@ -93,7 +109,7 @@ impl Film {
 
     /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
-        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.aovs.count()];
+        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.count()];
         self.put_words(index, &mut words);
         words
     }

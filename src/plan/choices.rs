@@ -6,7 +6,7 @@ use super::state::{Needs, PathField, path_fields, path_layout, path_module, slot
 use super::tables::UniformTables;
 use crate::aov::{Finder, SeenSurface, Sum};
 use crate::bitmap::FORMATS;
-use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
+use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH, SPLAT_SUMS};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
 use crate::material::{ExtensionKind, Material};
@@ -441,6 +441,7 @@ pub(super) fn decide(
         ("path_word", numbered(layout.words)),
         ("other_path_word", numbered(layout.others)),
     ];
+    let splat_sums = if options.light_paths.count() > 0 { SPLAT_SUMS } else { 0 };
     // The numbers behind `${…}`.
     let values = [
         // WGSL has no empty arrays.
@@ -460,7 +461,7 @@ pub(super) fn decide(
         ("pane_steps", if features.pane_textures { 384 } else { 8 }),
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
-        ("film_sums", (FILM_SUMS + options.aov.count()) as u32),
+        ("film_sums", (FILM_SUMS + options.aov.count() + splat_sums) as u32),
         ("splat_sums", (FILM_SUMS + options.aov.count()) as u32),
         ("lights", features.lights),
         ("aims", features.aims),

@@ -48,7 +48,8 @@ impl Tuning {
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
         let room_for_records = device.max_binding_bytes / (u64::from(slots) * record_bytes(&options.aov));
         let pixels = job.pixels();
-        let room = device.max_binding_bytes.min(MOST_FILM_BYTES) / device_bytes(&options.aov);
+        let room =
+            device.max_binding_bytes.min(MOST_FILM_BYTES) / device_bytes(&options.aov, options.light_paths.count() > 0);
         Tuning {
             slots,
             workgroup: options.workgroup.unwrap_or(64),

@@ -99,6 +99,8 @@ struct DeviceFilm {
     exponent: i32,
     /// The channels of `--aov` in the film.
     aovs: Aovs,
+    /// Whether the film has light paths.
+    light_paths: bool,
     /// The film on its way to the host.
     readback: Readback,
     tile: Range<u32>,
@@ -193,7 +195,8 @@ impl<'a> DeviceRenderer<'a> {
                 stages
             }
         };
-        let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov);
+        let light_paths = plan.options.light_paths.count() > 0;
+        let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov, light_paths);
         let report = |_| Report {
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             timing: if profile { Timing::new(device) } else { None },
@@ -233,6 +236,7 @@ impl<'a> DeviceRenderer<'a> {
                 size: job.size,
                 exponent: plan.scene.radiance_exponent,
                 aovs: plan.options.aov.of_film(),
+                light_paths,
                 readback: Readback::new(device, "film", film_bytes.min(FILM_AT_ONCE)),
                 tile: 0..0,
                 received: Totals::default(),
@@ -454,11 +458,11 @@ impl<'a> DeviceRenderer<'a> {
 
     /// Adds the totals of the device's film to the film on the host.
     pub fn read_film(&mut self, film: &mut Film) -> Result<()> {
-        let DeviceFilm { size, aovs, readback, tile, received, is_stale, .. } = &mut self.film;
+        let DeviceFilm { size, aovs, light_paths, readback, tile, received, is_stale, .. } = &mut self.film;
         if *received == Totals::default() {
             return Ok(());
         }
-        let each = device_bytes(aovs);
+        let each = device_bytes(aovs, *light_paths);
         let at_once = (readback.room() / each).clamp(1, u64::from(u32::MAX)) as u32;
         for first in tile.clone().step_by(at_once as usize) {
             let end = tile.end.min(first.saturating_add(at_once));
@@ -476,16 +480,19 @@ impl<'a> DeviceRenderer<'a> {
         Ok(())
     }
 
-    /// Refuses a film of another size, other channels or another radiance exponent, which would change the brightness.
+    /// Refuses a film of another size, other channels, or another radiance exponent, which would change the brightness, and one that has light
+    /// paths where the render has none, or the reverse.
     pub fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
-        let needed = (job.size, self.film.exponent, &self.film.aovs);
-        let found = ((film.width(), film.height()), film.exponent(), film.aovs());
+        let needed = (job.size, self.film.exponent, &self.film.aovs, self.film.light_paths);
+        let found = ((film.width(), film.height()), film.exponent(), film.aovs(), film.has_light_paths());
         if found == needed {
             return Ok(());
         }
-        let words = |((width, height), scale, aovs): ((u32, u32), i32, &Aovs)| {
-            let aovs = aovs.words().map_or(String::new(), |aovs| format!(" with {aovs}"));
-            format!("{width} x {height} pixels of the scale 2^{scale}{aovs}")
+        let words = |((width, height), scale, aovs, light_paths): ((u32, u32), i32, &Aovs, bool)| {
+            let more: Vec<String> =
+                aovs.words().into_iter().chain(light_paths.then(|| "light paths".to_string())).collect();
+            let more = if more.is_empty() { String::new() } else { format!(" with {}", more.join(" and ")) };
+            format!("{width} x {height} pixels of the scale 2^{scale}{more}")
         };
         Err(Error::Usage(format!("the render needs a film of {}, found {}", words(needed), words(found))))
     }

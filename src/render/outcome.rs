@@ -1,6 +1,6 @@
 //! The outcome of a render, apart from its film.
 
-use crate::data::{Counters, LIGHT_BINS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
+use crate::data::{Counters, LIGHT_BINS, LIGHT_PATHS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
 use crate::film::{Rejected, Totals};
 use crate::samples::Samples;
 
@@ -112,5 +112,6 @@ pub(super) fn totals_since(now: &Counters, before: &Counters) -> Totals {
         too_deep: since(TOO_DEEP),
         too_deep_throughput: since(TOO_DEEP_THROUGHPUT),
         light,
+        light_paths: [since(LIGHT_PATHS), since(LIGHT_PATHS + 1)],
     }
 }

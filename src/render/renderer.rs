@@ -112,8 +112,9 @@ impl<'a> Renderer<'a> {
 /// An empty film for a render of this scene.
 ///
 /// # Errors
-/// As of [`Film::with_sampler`] and [`Film::with_aovs`].
+/// As of [`Film::with_sampler`], [`Film::with_aovs`] and [`Film::with_light_paths`].
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?;
-    film.sampling_lights(options.integrator == Integrator::Mis).with_aovs(&options.aov, scene.space)
+    let film = film.sampling_lights(options.integrator == Integrator::Mis).with_aovs(&options.aov, scene.space)?;
+    film.with_light_paths(options.light_paths.count() > 0)
 }

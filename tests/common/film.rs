@@ -1,6 +1,6 @@
-//! The referee of the film on the device: runs added one by one on the host, in integers of 128 bits.
+//! The referee of the film on the device: runs and splats added one by one on the host, in integers of 128 bits.
 
-use gpu_rt::data::{ODD_RUN, PixelTotals, Rgb, RunRecord, SQUARE_FRACTION, SUM_FRACTION};
+use gpu_rt::data::{ODD_RUN, PixelTotals, Rgb, RunRecord, SPLAT_SUMS, SQUARE_FRACTION, SUM_FRACTION};
 use gpu_rt::film::{Film, Rejected, Totals};
 
 /// A finished run, as the film gets it, by channels.
@@ -64,6 +64,39 @@ impl Run {
     }
 }
 
+/// What a light path adds to a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Splat {
+    pub pixel: u32,
+    pub value: Rgb<f32>,
+    /// Whether its run is an odd one.
+    pub odd: bool,
+}
+
+impl Splat {
+    /// What it adds to its pixel, as the film of a device without channels of `--aov` has it.
+    fn bytes(&self) -> Vec<u8> {
+        let mut totals = PixelTotals::default();
+        let mut sums = [0; SPLAT_SUMS];
+        let first = totals.sums.len();
+        for channel in 0..3 {
+            let value = self.value[channel];
+            let values = [
+                (3 * usize::from(self.odd) + channel, value, SUM_FRACTION),
+                (6 + channel, value * value, SQUARE_FRACTION),
+            ];
+            for (sum, value, fraction) in values {
+                match to_fixed(f64::from(value), fraction as i32) {
+                    Some(fixed) => sums[sum] = fixed,
+                    None => totals.saturated |= 1 << (first + sum).min(31),
+                }
+            }
+        }
+        let sums = sums.into_iter().flat_map(i128::to_le_bytes);
+        bytemuck::bytes_of(&totals).iter().copied().chain(sums).collect()
+    }
+}
+
 /// `value` in units of 2^-fraction, rounded to the nearest (halves away from 0); nothing where 127 bits and a sign do not hold it.
 pub fn to_fixed(value: f64, fraction: i32) -> Option<i128> {
     // value = mantissa * 2^(exponent - 1075) (IEEE 754-2019, section 3.4). Denormals, below 2^-1022, round to 0 here anyway.
@@ -86,6 +119,9 @@ pub trait AddRuns {
 
     /// Adds runs of samples that have weights of either sign.
     fn add_signed_runs(&mut self, runs: &[Run]);
+
+    /// Adds splats to a film with light paths and without channels of `--aov`.
+    fn add_splats(&mut self, splats: &[Splat]);
 }
 
 impl AddRuns for Film {
@@ -95,6 +131,10 @@ impl AddRuns for Film {
 
     fn add_signed_runs(&mut self, runs: &[Run]) {
         add(self, runs, true);
+    }
+
+    fn add_splats(&mut self, splats: &[Splat]) {
+        splats.iter().for_each(|splat| self.add_from_device([splat.pixel as usize], &splat.bytes()));
     }
 }
 

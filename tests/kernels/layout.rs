@@ -273,6 +273,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("RAYS", data::RAYS),
         ("TOO_DEEP", data::TOO_DEEP),
         ("TOO_DEEP_THROUGHPUT", data::TOO_DEEP_THROUGHPUT),
+        ("LIGHT_PATHS", data::LIGHT_PATHS),
         ("SUM_FRACTION", data::SUM_FRACTION),
         ("SQUARE_FRACTION", data::SQUARE_FRACTION),
     ]);
@@ -295,7 +296,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 
     let mut listed: Vec<&str> =
-        same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS", "CHANNELS", "FILM_SUMS"]).collect();
+        same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS", "CHANNELS", "FILM_SUMS", "SPLAT_SUMS"]).collect();
     listed.sort_unstable();
     let mut names = declared("pub const ");
     names.sort_unstable();

@@ -67,9 +67,15 @@ impl State {
     /// An empty film for it.
     pub fn film(&self) -> Result<Film> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
-        let film = film.of_part(self.identity.frame(self.size).unwrap_or(Frame::full(self.size)));
+        let film = film.of_part(self.frame());
         let film = film.sampling_lights(self.identity.samples_lights());
-        film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())
+        let film = film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())?;
+        film.with_light_paths(self.identity.light_paths())
+    }
+
+    /// The part of the image that its pixels are of.
+    fn frame(&self) -> Frame {
+        self.identity.frame(self.size).unwrap_or(Frame::full(self.size))
     }
 
     /// Why the pixels of another one cannot be added to its own, in words; nothing where they can. `mine` and `theirs` name the two. Drivers
@@ -175,8 +181,10 @@ impl StateFile {
         let StateFile { state, path, opened, part } = self;
         let count = pixels_of(&opened.headers()[part], size_of::<SampleVariance>()).map_err(failed(&path))?;
         let mut sample_variances = Vec::with_capacity(count);
-        let names = word_names(&state.identity.aovs());
-        let add = |_, words: &[u16]| sample_variances.push(sample_variance_of(words, state.exponent));
+        let has_light_paths = state.identity.light_paths();
+        let names = word_names(&state.identity.aovs(), has_light_paths);
+        let light_paths = has_light_paths.then(|| state.totals.light_paths_of_a_pixel(state.frame().full));
+        let add = |_, words: &[u16]| sample_variances.push(sample_variance_of(words, state.exponent, light_paths));
         read_pixels(opened, part, &state, &names, add).map_err(failed(&path))?;
         Ok(sample_variances)
     }
