@@ -67,11 +67,6 @@ impl Identity {
         RenderOptions::of_settings(&self.settings).integrator == Integrator::Mis
     }
 
-    /// Whether it has light paths.
-    pub fn light_paths(&self) -> bool {
-        RenderOptions::of_settings(&self.settings).light_paths.count() > 0
-    }
-
     /// Whether both are of one scene, with the same images and meshes.
     pub fn is_of_scene(&self, other: &Identity) -> bool {
         self.scene == other.scene && self.hashes().eq(other.hashes())

@@ -5,6 +5,7 @@ use crate::aov::SceneSpace;
 use crate::bitmap::{Format, SRGB};
 use crate::bvh::Bvh;
 use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT};
+use crate::options::{LightPaths, MOST_LIGHT_PATHS, RenderOptions};
 use crate::scene::Bitmap;
 use crate::shape::Tables;
 
@@ -53,6 +54,16 @@ pub struct DeviceScene {
 }
 
 impl DeviceScene {
+    /// The light paths of a render with these options: none if the scene has nothing to trace them to. `Auto` has the most, since each finds
+    /// light that nothing else finds as well (docs/light-transport.md).
+    pub fn light_paths(&self, options: &RenderOptions) -> LightPaths {
+        match options.light_paths {
+            _ if self.features.light_paths.is_none() => LightPaths::Off,
+            LightPaths::Auto => LightPaths::Count(MOST_LIGHT_PATHS),
+            given => given,
+        }
+    }
+
     /// The words of the buffer of texels, in parts: the table of sRGB codes if an image has them, then the images.
     pub fn texel_words(&self) -> impl Iterator<Item = &[u32]> {
         let has_codes = self.features.texel_formats[Format::Srgb.number()].is_some();

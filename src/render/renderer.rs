@@ -116,5 +116,5 @@ impl<'a> Renderer<'a> {
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?;
     let film = film.sampling_lights(options.integrator == Integrator::Mis).with_aovs(&options.aov, scene.space)?;
-    film.with_light_paths(options.light_paths.count() > 0)
+    film.with_light_paths(scene.light_paths(options).count() > 0)
 }

@@ -8,7 +8,7 @@ use gpu_rt::flatten::{Features, MATERIALS, NotSampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Lobe, Material};
-use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
+use gpu_rt::options::{Fresnel, LightPaths, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, UniformTables};
 
 /// Name, offset and bytes of each field.
@@ -58,6 +58,8 @@ fn modules() -> Vec<naga::Module> {
         alpha_textures: true,
         pane_textures: true,
         sky_light: 999,
+        light_paths: Some("a test".to_string()),
+        aims: 3,
         not_sampled: Some(NotSampled { lights: 1, total: 2, reason: "a test".to_string() }),
     };
     let features = Features {
@@ -84,7 +86,12 @@ fn modules() -> Vec<naga::Module> {
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()
         .flat_map(|scatter| {
-            let options = RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), ..RenderOptions::default() };
+            let options = RenderOptions {
+                fresnel: Fresnel::Schlick,
+                clamp: Some(1.0),
+                light_paths: LightPaths::Count(8),
+                ..RenderOptions::default()
+            };
             let kernels =
                 Kernels::link(&features, &options, scatter, &UniformTables::default()).expect("everything links");
             kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
@@ -133,7 +140,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere LargeSphere Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Extension Texture Frame Trial Answer)
+    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere LargeSphere Quad Cuboid Instance Light DeltaLight LightNode AliasEntry Medium Material Extension Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.

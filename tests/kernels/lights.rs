@@ -461,7 +461,7 @@ fn a_cuboids_directions_are_uniform_and_light_as_lambert_says() {
 const UNIFORMS: usize = 1 << 24;
 
 /// How often each entry is drawn by all 2^24 uniforms.
-fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
+fn drawn(entries: &[host::Draw], replaced: &[(&str, &str)]) -> Vec<u64> {
     // The buffer may be longer than the table.
     let count = entries.len().to_string();
     let values = [("count", &*count)];
@@ -510,8 +510,7 @@ fn tables_are_drawn_with_exactly_the_probabilities_that_they_state() {
     // The product rounded to f32, as it is usually done.
     let table = host::alias_table(&weights()[4]).expect("some weight is positive");
     let counts = drawn(&table, &[("light/alias", "test/control/light_alias_rounded")]);
-    let off =
-        |(entry, count): &(&host::AliasEntry, &u64)| f64::from(entry.probability) * UNIFORMS as f64 != **count as f64;
+    let off = |(entry, count): &(&host::Draw, &u64)| f64::from(entry.probability) * UNIFORMS as f64 != **count as f64;
     assert!(table.iter().zip(&counts).filter(off).count() > 1000);
 }
 

@@ -21,7 +21,7 @@ struct Out {
 
 @group(0) @binding(21) var<storage, read> input: array<In>;
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
-@group(0) @binding(23) var<storage, read> cells: array<SkyCell>;
+@group(0) @binding(23) var<storage, read> cells: array<AliasEntry>;
 
 fn run(row: u32) {
     var given = input[0];
@@ -31,8 +31,8 @@ fn run(row: u32) {
         given = input[row];
     }
     let pick = alias_pick(given.u.z, given.columns * given.rows);
-    let choice = sky_choice(pick, cells[pick.index]);
+    let choice = alias_choice(pick, cells[pick.index]);
     let direction = sky_cell_direction(choice.index, given.columns, given.rows, given.u.xy);
     let found = sky_cell_at(direction, given.columns, given.rows);
-    output[row] = Out(direction, choice.pdf, choice.index, found, cells[found].density, 0u);
+    output[row] = Out(direction, choice.density, choice.index, found, cells[found].density, 0u);
 }

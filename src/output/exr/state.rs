@@ -38,6 +38,8 @@ pub struct State {
     /// The space in which the kernels see the scene, if there are channels of `--aov`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<SceneSpace>,
+    /// Whether the film has sums of light paths.
+    pub light_paths: bool,
     pub totals: Totals,
     /// The checksum of all words of all pixels.
     checksum: u32,
@@ -59,6 +61,7 @@ impl State {
             exponent: film.exponent(),
             sampler: film.sampler(),
             space: film.space(),
+            light_paths: film.has_light_paths(),
             totals: film.totals(),
             checksum: 0,
         }
@@ -70,7 +73,7 @@ impl State {
         let film = film.of_part(self.frame());
         let film = film.sampling_lights(self.identity.samples_lights());
         let film = film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())?;
-        film.with_light_paths(self.identity.light_paths())
+        film.with_light_paths(self.light_paths)
     }
 
     /// The part of the image that its pixels are of.
@@ -181,7 +184,7 @@ impl StateFile {
         let StateFile { state, path, opened, part } = self;
         let count = pixels_of(&opened.headers()[part], size_of::<SampleVariance>()).map_err(failed(&path))?;
         let mut sample_variances = Vec::with_capacity(count);
-        let has_light_paths = state.identity.light_paths();
+        let has_light_paths = state.light_paths;
         let names = word_names(&state.identity.aovs(), has_light_paths);
         let light_paths = has_light_paths.then(|| state.totals.light_paths_of_a_pixel(state.frame().full));
         let add = |_, words: &[u16]| sample_variances.push(sample_variance_of(words, state.exponent, light_paths));
