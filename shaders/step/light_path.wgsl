@@ -5,8 +5,8 @@
 //@ use data/primitive
 //@ use data/surface
 //@ use bind/settings
-//@ use choice/absorption
 //@ use choice/evaluation
+//@ use choice/light_absorption
 //@ use choice/normal_map
 //@ use choice/roulette
 //@ use choice/sampler
@@ -39,7 +39,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let surface = surface_at(hit, ray);
     let frame = shading_frame(hit, surface, ray.direction);
     let evaluated = evaluate_material(hit, surface, frame.front);
-    (*path).throughput = absorb_inside((*path).throughput, surface, frame.front, hit.t);
+    absorb_ray(path, hit.t);
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
     let is_rough = is_non_specular(evaluated.material);
     let to_light = -ray.direction;
@@ -70,7 +70,8 @@ fn scatter_light_path(path: ptr<function, Path>) {
         let cos_camera = abs(dot(view.direction, surface.normal));
         let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
         let origin = leave_surface(surface.point, surface.error, side, side);
-        let value = tint_through(orders[2].response.value, evaluated, view.direction, frame.shading);
+        let tinted = tint_through(orders[2].response.value, evaluated, view.direction, frame.shading);
+        let value = absorb_to_lens(tinted, surface, view.direction, view.distance);
         send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, orders[2].response.pdf / cos_light);
     }
 
@@ -95,6 +96,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     if any((*path).throughput != vec3<f32>(0.0)) && is_within_depth((*path).depth + 1u) {
         (*path).ray = spawn_ray(hit, surface, frame.facing, frame.shading, frame.point, drawn.direction);
         (*path).status = RAY_READY;
+        absorb_ahead(path, surface, drawn.direction);
         (*path).depth += 1u;
     }
 }

@@ -4,6 +4,7 @@
 //@ use bind/counters
 //@ use bind/settings
 //@ use bind/window
+//@ use choice/light_absorption
 //@ use choice/sampler
 //@ use data/primitive
 //@ use data/ray
@@ -55,6 +56,7 @@ fn emit_light_path(path: ptr<function, Path>) {
     (*path).depth = FIRST_LIGHT_EVENT;
     (*path).pdf = 0.0;
     (*path).status = RAY_READY;
+    absorb_nothing_ahead(path);
     // Camera paths never find a light without size.
     (*path).log_ratio = select(ONLY_LIGHT_PATHS, log2(emitted.density), emitted.density > 0.0);
     if emitted.is_parallel {

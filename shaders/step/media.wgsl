@@ -9,6 +9,7 @@
 //@ use step/flight
 //@ use choice/density_ratio
 //@ use choice/depth_limit
+//@ use choice/light_absorption
 //@ use choice/medium_albedo
 //@ use choice/roulette
 //@ use choice/medium_light
@@ -32,6 +33,7 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     if nearest.medium == NO_MEDIUM {
         return total;
     }
+    absorb_ray(path, nearest.t);
     let ray = (*path).ray;
     let depth = (*path).depth;
     let medium = media[at_run_time(nearest.medium)];

@@ -1,5 +1,6 @@
 //@ use data/medium
 //@ use data/path
+//@ use choice/light_absorption
 //@ use choice/medium_albedo
 //@ use medium/phase_pdf
 //@ use step/lens_connection
@@ -8,6 +9,7 @@ fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3
     if (*path).depth == FIRST_LIGHT_EVENT {
         return;
     }
+    absorb_nothing_ahead(path);
     let view = view_from_lens(path, point);
     let share = phase_pdf((*path).ray.direction, view.direction, medium.anisotropy, medium.one_minus_anisotropy);
     send_to_lens(path, view, point, medium_albedo(medium, point) * share, 1.0, share);

@@ -240,6 +240,7 @@ pub(super) fn decide(
 
     // Light paths end at lights that camera paths find too, or at lights without size.
     let light_paths = reason_of(&features.light_paths).filter(|_| options.light_paths.count() > 0);
+    let light_absorption = light_paths.clone().and(first_reason(&features.absorbing));
     let any_aov = if_so(!options.aov.is_empty(), option(&given_aov));
     let needs = Needs {
         is_staged: !fused,
@@ -248,6 +249,7 @@ pub(super) fn decide(
         emitting_mesh: emitting_mesh.clone(),
         probed: probed.clone(),
         light_paths: light_paths.clone(),
+        light_absorption: light_absorption.clone(),
         event: event.clone(),
         sampled_light: sampled_light.clone(),
         aov_hit: aov_hit.clone(),
@@ -368,6 +370,7 @@ pub(super) fn decide(
         ("found_sky", either(&emitting_sky, "step/found_sky", "null/found_sky")),
         // Camera paths beside light paths, and what only light paths have.
         ("density_ratio", either(&light_paths, "step/density_ratio", "null/density_ratio")),
+        ("light_absorption", usual("null/light_absorption")),
         ("depth_limit", usual("step/camera_depth")),
         ("delta_emission", either(&delta_light, "scene/delta_emission", "null/delta_emission")),
         ("splat_filter", usual(options.filter.splat_module())),
@@ -492,7 +495,9 @@ pub(super) fn decide(
 /// The choices of the kernel of light paths, by those of the kernels of camera paths.
 pub(super) fn of_light_paths(choices: &Choices) -> Choices {
     let mut own = choices.clone();
+    let absorbs = own.modules.get("absorption").is_some_and(|chosen| chosen.module == "scene/absorption");
     for (name, module) in [
+        ("light_absorption", if absorbs { "scene/light_absorption" } else { "null/light_absorption" }),
         ("depth_limit", "step/light_depth"),
         ("medium_light", "step/medium_connection"),
         ("probe", "null/narrow_lobe"),

@@ -76,7 +76,7 @@ impl PathField {
 }
 
 /// The most bytes of a path's state in any scene: without channels of `--aov`, and what these add.
-const MOST_PATH_BYTES: u64 = 172;
+const MOST_PATH_BYTES: u64 = 192;
 const MOST_BYTES_OF_AOVS: u64 = 80;
 
 /// The most bytes of a path's state in any scene with these channels.
@@ -96,6 +96,8 @@ pub struct Needs {
     pub probed: Option<Reason>,
     /// Light paths are traced.
     pub light_paths: Option<Reason>,
+    /// A solid absorbs their light.
+    pub light_absorption: Option<Reason>,
     /// There is a surface or a medium.
     pub event: Option<Reason>,
     /// Light that a path gets before its end.
@@ -204,6 +206,13 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "log_ratio",
             Float,
             "the density of light paths over that of the path, as a logarithm",
+        ),
+        vector(
+            &words(&needs.light_absorption),
+            "radiance",
+            "ABSORPTION",
+            "absorption",
+            "what absorbs the ray of a light path",
         ),
         vector(&words(&needs.aov_direct), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
         vector(&lights, "shadow", "SHADOW_ORIGIN", "shadow.origin", "where the ray to a light starts"),

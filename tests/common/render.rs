@@ -295,6 +295,7 @@ fn relink(plan: &mut Kernels, change: &Change<'_>) {
     };
     relink(&mut plan.generate);
     relink(&mut plan.accumulate);
+    plan.light_path.iter_mut().for_each(relink);
     match &mut plan.bounce {
         Bounce::Fused(bounce) => relink(bounce),
         Bounce::Staged(staged) => {
@@ -320,7 +321,7 @@ impl Watchdog {
     }
 
     fn observe(&mut self, outcome: &Outcome) -> Next {
-        let paths = outcome.totals.paths;
+        let paths = outcome.totals.paths + outcome.totals.light_paths.iter().sum::<u64>();
         self.idle = if paths > self.paths { 0 } else { self.idle + 1 };
         self.paths = paths;
         assert!(

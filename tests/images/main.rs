@@ -18,6 +18,7 @@ mod in_memory;
 mod instances;
 mod large_spheres;
 mod layers;
+mod light_paths;
 mod multiscatter;
 mod narrow_lobes;
 mod normal_maps;
