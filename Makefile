@@ -59,7 +59,7 @@ test-long soak: export MALLOC_ARENA_MAX = 1
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
-	$(CARGO) test --release --test long --test unchanged --test program --test images -- --ignored --nocapture
+	$(CARGO) test --release --test long --test unchanged --test program --test images --test kernels -- --ignored --nocapture
 
 # A render over a real Slurm, with two nodes on this machine, of which one fails. About a minute, as root.
 test-slurm: toolchain

@@ -66,7 +66,10 @@ fn suns_and_lamps_shine_through_panes_by_their_transmittance() {
             ] {
                 let expected = passed(count, cosine).map(|share| brightness * share);
                 let text = floor(light, &turned(count, degrees), "Solid((0, 0, 0))");
-                for scatter in [Scatter::Fused, Scatter::Queues] {
+                // The bytes are the same by every way of linking: `light_sampling_changes_no_expectation_behind_panes`.
+                let scatters =
+                    if degrees == 60.0 { [Scatter::Fused, Scatter::Queues].as_slice() } else { &[Scatter::Fused] };
+                for &scatter in scatters {
                     let found = render(&scene(&text), &Request::spp(16).mis().scatter(scatter)).mean_of_all().value;
                     let off = (0..3).map(|c| (found[c] / expected[c] - 1.0).abs()).fold(0.0, f64::max);
                     assert!(
@@ -123,12 +126,13 @@ fn lamps_and_skies_shine_through_panes_by_either_technique() {
                 let mean = render(&room, &request).mean_of_all();
                 mean.is_near(expected, 0.06).unwrap_or_else(|error| panic!("{count} {light}: {error}"));
             }
-            // Shadow rays that lose nothing, and paths that lose nothing. One pane takes as much as there is room for noise.
+            // Shadow rays that lose nothing, and paths that lose nothing. One pane takes as much as there is room for noise, and ten take more
+            // than two, which are found.
             for (module, line, by) in [
                 ("step/panes", "(1.0 - pane.reflectance) * pane.colour", "pane.colour"),
                 ("step/panes", "|| is_reflected(path, hit, pane.reflectance)", ""),
             ] {
-                if count == 1 {
+                if count != 2 {
                     continue;
                 }
                 let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));

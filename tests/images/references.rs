@@ -170,7 +170,7 @@ fn every_reference_by_the_default_settings() {
 type Planted = fn(&mut Scene);
 
 /// The large diffuse sphere of the book's cover darker by a fortieth, 1 % of the image; the black smoke with half of its density; the knot larger
-/// by 6 %, which moves its outline by a pixel or two.
+/// by 6 %, which moves its outline by a pixel or two. The last two are off by dozens of standard errors, and take half of the seeds.
 #[test]
 fn a_scene_with_one_thing_else_is_found() {
     let darker: Planted = |scene| {
@@ -194,11 +194,13 @@ fn a_scene_with_one_thing_else_is_found() {
         });
         *larger.expect("the knot is scaled") = Transform::Scale(0.28 * 1.06);
     };
-    for (name, plant) in [("rtiow_final_smooth", darker), ("cornell_smoke", thinner), ("knot", larger)] {
+    for (name, plant, seeds) in
+        [("rtiow_final_smooth", darker, 200..204), ("cornell_smoke", thinner, 200..202), ("knot", larger, 200..202)]
+    {
         let reference = Reference::load(name);
         let mut scene = reference.scene.clone();
         plant(&mut scene);
-        let found = worst_by_seeds(&reference, &by_defaults(&scene, 200..204), 20, |_, _| 1.0);
+        let found = worst_by_seeds(&reference, &by_defaults(&scene, seeds), 20, |_, _| 1.0);
         println!("{name}: {found:?}");
         assert!(found.p < found.threshold, "{name}");
     }

@@ -40,30 +40,54 @@ fn two_renders_in_a_row_are_the_same() {
     assert!(same(&usual, &again[0]) && same(&usual, &again[2]), "by one renderer");
 }
 
+/// How the work is cut: the way of linking, slots, the size of a workgroup, and bounces of a dispatch.
+type Cut = (Scatter, u32, u32, u32);
+
+/// Each cut has the bytes of the usual one, which is linked and has workgroups of 64.
+fn cuts_do_not_show(scene: &Scene, usual: &Request, cuts: &[Cut]) {
+    let expected = render(scene, &usual.clone().scatter(Scatter::Linked));
+    for &(scatter, slots, workgroup, bounces) in cuts {
+        let request = usual.clone().scatter(scatter).with(|options| {
+            (options.slots, options.workgroup, options.bounces) = (Some(slots), Some(workgroup), Some(bounces));
+        });
+        assert!(same(&expected, &render(scene, &request)), "{request:?}");
+    }
+}
+
+fn by_rays() -> Request {
+    Request { samples: Some(0..16), ..Request::default() }
+}
+
+fn by_defaults() -> Request {
+    Request { samples: Some(3..21), ..Request::default().mis().sobol().roulette() }
+}
+
 /// Whole runs by scattered rays alone, and runs cut at both ends by the defaults. One path at a time, fewer than a row of pixels has, more than the
-/// image has runs. Each size of a workgroup is another kernel to compile, so that each way of linking has two.
+/// image has runs. Each size of a workgroup is another kernel to compile, which is what this costs: each way of linking has two in all.
 #[test]
 fn slots_workgroups_and_submissions_do_not_show() {
     use Scatter::{Fused, Linked, Queues};
     let (_files, scene) = everything();
-    let full = [
-        (Linked, 1, 32, 50),
-        (Linked, 97, 256, 1),
-        (Queues, 97, 1, 1),
-        (Queues, 4096, 64, 50),
-        (Fused, 97, 1, 50),
-        (Fused, 100_000, 64, 1),
-    ];
-    let cut = [(Linked, 100_000, 32, 7), (Queues, 97, 64, 7), (Fused, 4096, 256, 1)];
-    let by_rays = Request { samples: Some(0..16), ..Request::default() };
-    let by_defaults = Request { samples: Some(3..21), ..Request::default().mis().sobol().roulette() };
-    for (usual, cuts) in [(by_rays, full.as_slice()), (by_defaults, cut.as_slice())] {
-        let expected = render(&scene, &usual);
-        for &(scatter, slots, workgroup, bounces) in cuts {
-            let request = usual.clone().scatter(scatter).with(|options| {
-                (options.slots, options.workgroup, options.bounces) = (Some(slots), Some(workgroup), Some(bounces));
-            });
-            assert!(same(&expected, &render(&scene, &request)), "{request:?}");
+    cuts_do_not_show(
+        &scene,
+        &by_rays(),
+        &[(Linked, 1, 64, 50), (Linked, 97, 256, 1), (Queues, 97, 1, 1), (Fused, 97, 1, 50)],
+    );
+    cuts_do_not_show(
+        &scene,
+        &by_defaults(),
+        &[(Linked, 100_000, 64, 7), (Queues, 4096, 64, 50), (Fused, 100_000, 64, 1)],
+    );
+}
+
+#[test]
+#[ignore = "a minute: make test-long"]
+fn no_mix_of_slots_workgroups_and_submissions_shows() {
+    let (_files, scene) = everything();
+    let ways = [Scatter::Linked, Scatter::Queues, Scatter::Fused];
+    for usual in [by_rays(), by_defaults()] {
+        for (slots, workgroup, bounces) in [(1, 32, 50), (97, 1, 7), (4096, 64, 1), (100_000, 256, 7)] {
+            cuts_do_not_show(&scene, &usual, &ways.map(|scatter| (scatter, slots, workgroup, bounces)));
         }
     }
 }

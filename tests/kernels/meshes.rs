@@ -48,13 +48,24 @@ fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
         .collect()
 }
 
+/// An error that one ray in 11,000 shows is found but once in 1e6 times, and by `make test-long` one in 72,000.
 #[test]
 fn the_walk_finds_what_asking_every_face_finds() {
+    walks_are_right(40_000);
+}
+
+#[test]
+#[ignore = "minutes: make test-long"]
+fn the_walks_of_a_million_rays_find_what_asking_every_face_finds() {
+    walks_are_right(250_000);
+}
+
+/// With so many rays at each place.
+fn walks_are_right(count: usize) {
     let mut random = Random(61);
     let stretch = DVec3::new(1.0, 0.7, 1.3);
     let mesh = ball_file(2, stretch);
     let faces = 8 * 16;
-    let mut count = 0;
     // As it is; a million times smaller; far from the origin of the file, the camera with it; and far from the camera.
     for (scale, shift, eye) in [
         (1.0, DVec3::ZERO, DVec3::ZERO),
@@ -64,13 +75,12 @@ fn the_walk_finds_what_asking_every_face_finds() {
     ] {
         let flat = flat_around(eye, &mesh, &crowd(&mut random, 6, 1.0, scale, shift));
         let kernel = kernel(&flat, faces, &[]);
-        let rays = rays(&mut random, &flat, 250_000);
+        let rays = rays(&mut random, &flat, count);
         let found = run(&kernel, &flat, &rays);
         let hits = found.iter().filter(|out| out.walked[0] != NOTHING).count();
         assert!(hits * 3 > rays.len(), "{hits} hits of {}", rays.len());
         let wrong = |found: &[Out]| found.iter().filter(|out| out.walked[..3] != out.brute_force[..3]).count();
         assert_eq!(wrong(&found), 0, "scale {scale:e}, moved by {shift}: of {}", rays.len());
-        count += rays.len();
 
         // A hierarchy whose upper planes are two steps too low misses some.
         let mut smaller = flat.clone();
@@ -81,5 +91,4 @@ fn the_walk_finds_what_asking_every_face_finds() {
         let missed = wrong(&run(&kernel, &smaller, &rays[..20_000]));
         assert!(missed > 20, "{missed}");
     }
-    assert_eq!(count, 1_000_000);
 }

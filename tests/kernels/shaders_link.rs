@@ -409,8 +409,24 @@ fn kernels(features: &Features, options: &RenderOptions, scatter: Scatter) -> Ke
         .unwrap_or_else(|error| panic!("{features:?}, {options:?}, {scatter:?}: {error}"))
 }
 
+/// The fused kernel of each combination has the lines of all of its stages; with queues two of five are linked here, and stage by stage one.
+/// (Every scene of the lattice is linked in each way by `features::nothing_that_is_linked_is_out_of_reach`.)
 #[test]
 fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
+    each_combination_is_valid(&|number| match number % 5 {
+        0 | 2 => &[Scatter::Fused, Scatter::Queues],
+        4 => &[Scatter::Fused, Scatter::Linked],
+        _ => &[Scatter::Fused],
+    });
+}
+
+#[test]
+#[ignore = "minutes: make test-long"]
+fn every_combination_of_features_is_valid_in_each_way() {
+    each_combination_is_valid(&|_| &[Scatter::Fused, Scatter::Queues, Scatter::Linked]);
+}
+
+fn each_combination_is_valid(ways: &(dyn Fn(usize) -> &'static [Scatter] + Sync)) {
     let mut unused_lines = lines_of_code();
     assert!(unused_lines.len() > 1000, "{} lines", unused_lines.len());
     // The numerics probe is part of no render.
@@ -421,7 +437,7 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
     let unused_after = &|first: usize| {
         let mut unused = unused_lines.clone();
         for (number, (features, options)) in all.iter().skip(first).step_by(cores) {
-            check_combination(*number, features, options, &mut unused);
+            check_combination(ways(*number), features, options, &mut unused);
         }
         unused
     };
@@ -435,15 +451,12 @@ fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
 
 /// Links the kernels of a combination, which have nothing that it does not require, and removes their lines.
 fn check_combination(
-    number: usize,
+    ways: &[Scatter],
     features: &Features,
     options: &RenderOptions,
     unused_lines: &mut BTreeSet<(String, usize)>,
 ) {
-    // A stage that is linked alone is in the fused kernel too, and with queues: of these, a fourth.
-    let own =
-        [Scatter::Fused, Scatter::Queues].into_iter().chain((number.is_multiple_of(4)).then_some(Scatter::Linked));
-    for scatter in own {
+    for &scatter in ways {
         let plan = kernels(features, options, scatter);
         assert!(!plan.all().is_empty());
         for kernel in plan.all() {
