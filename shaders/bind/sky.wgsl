@@ -1,2 +1,2 @@
-//@ use light/alias
+//@ use data/alias_entry
 @group(0) @binding(19) var<storage, read> sky: array<AliasEntry>;

@@ -1,16 +1,8 @@
+//@ use data/alias_entry
 //@ relies on uniforms
 // The alias method (Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM TOMS
 // 3(3), 1977): one lookup finds an entry, and either the entry or its alias is drawn. It uses integers, so that the
 // probabilities that the host states (src/lights.rs) are exact.
-
-// An entry of a table (src/light_distribution.rs). Where the rest of the uniform number is below the threshold, this entry is drawn, and
-// otherwise its alias. A density is the probability of an entry over the size of what it stands for.
-struct AliasEntry {
-    threshold: f32,
-    alias_index: u32,
-    density: f32,
-    alias_density: f32,
-}
 
 // An entry that was drawn.
 struct AliasChoice {

@@ -12,9 +12,7 @@ use crate::common::everything::same;
 use crate::common::instances::smooth_ball_file;
 use crate::common::kernel::Overlay;
 use crate::common::oracles::fresnel;
-use crate::common::render::{
-    Request, render, render_onto, render_planted, same_expectation, scene, scene_in, worst_difference,
-};
+use crate::common::render::{Request, render, render_onto, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 

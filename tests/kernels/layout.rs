@@ -8,7 +8,7 @@ use gpu_rt::flatten::{Features, MATERIALS, NotSampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Lobe, Material};
-use gpu_rt::options::{Fresnel, LightPaths, RenderOptions, Scatter};
+use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, UniformTables};
 
 /// Name, offset and bytes of each field.
@@ -86,12 +86,7 @@ fn modules() -> Vec<naga::Module> {
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()
         .flat_map(|scatter| {
-            let options = RenderOptions {
-                fresnel: Fresnel::Schlick,
-                clamp: Some(1.0),
-                light_paths: LightPaths::Count(8),
-                ..RenderOptions::default()
-            };
+            let options = RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), ..RenderOptions::default() };
             let kernels =
                 Kernels::link(&features, &options, scatter, &UniformTables::default()).expect("everything links");
             kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()

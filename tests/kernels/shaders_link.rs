@@ -10,7 +10,7 @@ use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, NotSampled, 
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
 use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
-use gpu_rt::options::{FeatureSet, Filter, Fresnel, Precision, RenderOptions, Scatter, Switch};
+use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::ALTERNATIVES;
 use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
 
@@ -384,6 +384,16 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let beside = [features(0, 0, 0, SOLID, true), everything()];
         found.extend(beside.map(|features| (features, RenderOptions { filter, ..RenderOptions::default() })));
     }
+    // Light paths: beside each kind of light, all materials and media, with each filter, and with everything.
+    let traced = |features: Features| Features { light_paths: Some("a test".to_string()), aims: 3, ..features };
+    for (number, emitters) in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]).enumerate() {
+        let surfaces = features(emitters, materials, textures, SOLID, number % 2 == 1);
+        let glass = coloured(lit(surfaces, emitters, false), true, number % 2 == 0);
+        let filter = [Filter::Box, Filter::Tent, Filter::Gauss, Filter::Mitchell][number % 4];
+        let options = RenderOptions { filter, light_paths: LightPaths::Count(8), ..RenderOptions::default() };
+        let fog = delta_lit(with_media(glass.clone(), 1, number % 2 == 0), true);
+        found.extend([glass, fog, everything()].map(|features| (traced(features), options.clone())));
+    }
     // Every channel beside the radiance, by itself and with the others, beside nothing, media, a sphere and everything.
     let names = ["albedo", "normal", "depth", "position", "object", "material", "direct", "indirect"];
     let every = names.join(",");
@@ -563,7 +573,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
     ("material", &["choice/multiscatter", "data", "geometry", "lib", "material"]),
-    ("bind", &["data", "light/sky"]),
+    ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
     ("filter", &["lib"]),
