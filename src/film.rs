@@ -6,13 +6,14 @@
 mod channels;
 mod estimate;
 mod floats;
+mod pixel;
 mod totals;
 mod values;
 mod verdict;
 mod words;
 
 use crate::aov::{Aovs, SceneSpace};
-use crate::data::{CHANNELS, PixelTotals, Rgb, Sampler, luminance};
+use crate::data::{PixelTotals, Rgb, Sampler, luminance};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
@@ -21,9 +22,10 @@ pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
 pub use verdict::Verdict;
 pub use words::{sample_variance_of, word_names};
 
-use channels::{Channels, has_saturated};
+use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
+use pixel::Pixel;
 
 /// The value of [`Picture::variance`] if the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would mean an exact pixel, and a program that takes this one for a variance ignores the pixel, which is right.
@@ -45,71 +47,6 @@ const MOST_OF_HALVES: f64 = 0.02;
 /// Degrees of freedom of a variance from the squared deviations of a pixel's samples. If k bright samples make the variance, its standard
 /// error is 1/√k of it, as with 2k degrees of freedom. Two bright samples are assumed.
 const DEGREES_OF_SAMPLES: f64 = 4.0;
-/// A sum of squares counts as known from this value for each run on, in units of 2^-[`crate::data::SQUARE_FRACTION`]: a run's squares are
-/// rounded by at most half a unit.
-const LEAST_SQUARES: i128 = 1 << 10;
-
-/// The totals of a pixel, in device units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
-struct Pixel {
-    /// Σ s over runs, s the run's sum, in units of 2^-[`crate::data::SUM_FRACTION`].
-    sum: Rgb<i128>,
-    /// The part of the odd runs.
-    odd_sum: Rgb<i128>,
-    /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`crate::data::SQUARE_FRACTION`].
-    squared_deviations: Rgb<i128>,
-    /// Accepted samples of even and of odd runs. 32 bits number a pixel's samples, so either count is at most 2^31.
-    even: u32,
-    odd: u32,
-    /// Runs with at least one accepted sample.
-    runs: u32,
-    rejected: u32,
-}
-
-impl From<&PixelTotals> for Pixel {
-    fn from(totals: &PixelTotals) -> Pixel {
-        let sum = |index: usize| match has_saturated(totals, index) {
-            false => i128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
-            true => i128::MAX,
-        };
-        let sums = |first: usize| [0, 1, 2].map(|channel| sum(first * CHANNELS.len() + channel));
-        let (even_sum, odd_sum) = (sums(0), sums(1));
-        let [even, odd] = totals.samples;
-        Pixel {
-            sum: [0, 1, 2].map(|channel| even_sum[channel].saturating_add(odd_sum[channel])),
-            odd_sum,
-            squared_deviations: sums(2),
-            even,
-            odd,
-            runs: totals.runs,
-            rejected: totals.rejected,
-        }
-    }
-}
-
-impl Pixel {
-    fn samples(&self) -> u64 {
-        u64::from(self.even) + u64::from(self.odd)
-    }
-
-    fn has_halves(&self) -> bool {
-        self.even > 0 && self.odd > 0
-    }
-
-    fn add(&mut self, other: &Pixel) {
-        for channel in 0..3 {
-            self.sum[channel] = self.sum[channel].saturating_add(other.sum[channel]);
-            self.odd_sum[channel] = self.odd_sum[channel].saturating_add(other.odd_sum[channel]);
-            self.squared_deviations[channel] =
-                self.squared_deviations[channel].saturating_add(other.squared_deviations[channel]);
-        }
-        self.even = self.even.saturating_add(other.even);
-        self.odd = self.odd.saturating_add(other.odd);
-        self.runs = self.runs.saturating_add(other.runs);
-        self.rejected = self.rejected.saturating_add(other.rejected);
-    }
-}
-
 /// The exact totals of an image.
 ///
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added

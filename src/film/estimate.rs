@@ -2,7 +2,7 @@
 
 use super::channels::Splats;
 use super::floats::exp2;
-use super::{LEAST_SQUARES, Pixel};
+use super::pixel::{LEAST_SQUARES, Pixel};
 use crate::data::{Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler};
 
 /// The halves of a pixel: the even runs and the odd ones.

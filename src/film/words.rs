@@ -1,8 +1,9 @@
 //! The exact totals of pixels as words of 16 bits, for files. Sums are in two's complement.
 
+use super::Film;
 use super::channels::{self, Splats};
 use super::floats::exp2;
-use super::{Film, LEAST_SQUARES, Pixel};
+use super::pixel::{LEAST_SQUARES, Pixel};
 use crate::aov::Aovs;
 use crate::data::{CHANNELS, SQUARE_FRACTION, SampleVariance};
 
