@@ -1,4 +1,4 @@
-//! The totals of a pixel.
+//! The exact sums of the camera samples of a pixel.
 
 use super::channels::has_saturated;
 use crate::data::{CHANNELS, PixelTotals, Rgb};

@@ -8,7 +8,7 @@ use gpu_rt::flatten::{Features, MATERIALS, NotSampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Lobe, Material};
-use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
+use gpu_rt::options::{Fresnel, LightPaths, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, UniformTables};
 
 /// Name, offset and bytes of each field.
@@ -21,6 +21,18 @@ fn with_lobe(lobe: Lobe) -> [Option<String>; MATERIALS.len()] {
 
 /// The modules of every production kernel with every feature on, and the numerics probe's.
 fn modules() -> Vec<naga::Module> {
+    let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
+    let (probe, _) = probe.validate().expect("the probe is valid");
+    linked(LightPaths::Off).into_iter().chain(std::iter::once(probe)).collect()
+}
+
+/// Those modules, and those of renders with light paths, whose films have more sums.
+fn all_modules() -> Vec<naga::Module> {
+    [modules(), linked(LightPaths::Count(8))].concat()
+}
+
+/// The modules of every production kernel with every feature on.
+fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
     let on = |_| Some("a test".to_string());
     let features = Features {
         primitives: Default::default(),
@@ -81,17 +93,15 @@ fn modules() -> Vec<naga::Module> {
         backgrounds: features.backgrounds.map(on),
         ..features
     };
-    let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
-    let (probe, _) = probe.validate().expect("the probe is valid");
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()
         .flat_map(|scatter| {
-            let options = RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), ..RenderOptions::default() };
+            let options =
+                RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), light_paths, ..RenderOptions::default() };
             let kernels =
                 Kernels::link(&features, &options, scatter, &UniformTables::default()).expect("everything links");
             kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
         })
-        .chain(std::iter::once(probe))
         .collect()
 }
 
@@ -172,7 +182,7 @@ fn every_struct_of_the_host_is_laid_out_as_in_wgsl() {
 /// The settings are placed by the names of their members, of which kernels have those that they need.
 #[test]
 fn every_setting_of_a_kernel_is_one_of_the_hosts() {
-    let modules = modules();
+    let modules = all_modules();
     // Each byte shows where it comes from, so that a member at a wrong offset is found.
     let words: Vec<u32> = (1..).take(size_of::<data::Settings>() / 4).collect();
     let host: &[u8] = bytemuck::cast_slice(&words);
@@ -206,7 +216,7 @@ fn every_setting_of_a_kernel_is_one_of_the_hosts() {
 
 #[test]
 fn the_comparison_finds_what_differs() {
-    let modules = modules();
+    let modules = all_modules();
     let (fields, size) = host_structs().remove("Sphere").expect("it is listed");
     let mut shifted = fields.clone();
     shifted[2].1 += 4;
@@ -247,7 +257,7 @@ fn constant(modules: &[naga::Module], name: &str) -> Option<u32> {
 
 #[test]
 fn every_constant_of_the_host_is_that_of_the_shaders() {
-    let modules = modules();
+    let modules = all_modules();
     let same = BTreeMap::from([
         ("PRIMITIVE_BIT", data::PRIMITIVE_BIT),
         ("PRIMITIVE_KIND_SHIFT", data::PRIMITIVE_KIND_SHIFT),

@@ -527,7 +527,8 @@ fn check_combination(
                 assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
             }
             for module in lacking.concat() {
-                if module.strip_prefix("geometry/").is_some_and(bounds) {
+                let aims = ["geometry/cuboid", "light/cuboid", "light/quad"].contains(&module.as_str());
+                if module.strip_prefix("geometry/").is_some_and(bounds) || (aims && options.light_paths.count() > 0) {
                     continue;
                 }
                 assert!(!kernel.linked.modules.contains(&module), "{}: {module} is linked: {features:?}", kernel.name);
@@ -576,7 +577,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
-    ("filter", &["lib"]),
+    ("filter", &["data", "filter", "lib"]),
     ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
     ("texel", &["bind"]),
     (
