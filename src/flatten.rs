@@ -199,7 +199,8 @@ pub fn flatten_with(
         return Err(scene.error(&[], message));
     }
     flat.warnings.extend(warnings);
-    flat.warnings.extend(stopped_by_glass(scene, &finder, &flat.features));
+    let traced = flat.light_paths(options).count() > 0;
+    flat.warnings.extend(stopped_by_glass(scene, &finder, &flat.features, traced));
     flat.features.shadow_rays = flat.features.lights > 0;
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
@@ -274,7 +275,8 @@ fn needs_light_sampling(scene: &Scene, object: &Object) -> Error {
 }
 
 /// The warning that mirrors or glass stop the light of lights without size, which BSDF sampling cannot find.
-fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> Option<String> {
+/// `traced`: whether light paths find some of it.
+fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features, traced: bool) -> Option<String> {
     let (object, _) = finder.lights.first()?;
     let specular = || features.specular.iter().zip(Material::KINDS);
     let solid = specular().find_map(|(used, kind)| used.as_ref().filter(|_| !kind.is_pane));
@@ -289,12 +291,17 @@ fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> 
         1 => String::new(),
         n => format!(" (and {} more like it)", n - 1),
     };
-    Some(format!(
-        "{}: this {} has no size, so that no path finds it {how} ({shiny}): that light of it is \
-         missing in the image. A small sphere with a DiffuseLight brings it back, as noise{more}",
-        scene.location_of(object),
-        object.name(),
-    ))
+    let (location, name) = (scene.location_of(object), object.name());
+    Some(match traced {
+        true => format!(
+            "{location}: this {name} has no size. Light paths find it {how} ({shiny}), but not what a mirror or glass shows of that: that \
+             light of it is missing in the image. A small sphere with a DiffuseLight brings it back, as noise{more}"
+        ),
+        false => format!(
+            "{location}: this {name} has no size, so that no path finds it {how} ({shiny}): that light of it is missing in the image. \
+             --light-paths auto finds most of it. A small sphere with a DiffuseLight brings it back, as noise{more}"
+        ),
+    })
 }
 
 /// The number of the brightest lights without size that count for the unit of radiance.

@@ -84,9 +84,12 @@ fn follow_ratio_in_medium(path: ptr<function, Path>, distance: f32) {
     }
 }
 
-// Whether light paths may find the light that a ray of this path finds in this lobe.
+// Whether light paths start at every light, and are aimed at all that can be specular.
+const FIND_ALL: bool = ${light_paths_find_all}u == 1u;
+
+// Whether light paths find the light that a ray of this path finds in this lobe.
 fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
-    return lobe == LOBE_SPECULAR && (*path).depth > 0u && (*path).log_ratio > 0.5 * NO_RATIO;
+    return FIND_ALL && lobe == LOBE_SPECULAR && (*path).depth > 0u && (*path).log_ratio > 0.5 * NO_RATIO;
 }
 
 // The weight of emission that the path's ray has hit, beside light paths. `weight` is that beside light sampling, which is 1 after a

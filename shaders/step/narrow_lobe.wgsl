@@ -105,6 +105,9 @@ fn record_found_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution
 }
 
 fn is_hidden_light(path: ptr<function, Path>) -> bool {
+    if (*path).pdf == 0.0 && light_paths_follow(path, LOBE_SPECULAR) {
+        return false;
+    }
     return ((*path).history & (AFTER_WIDE_LOBE | IN_NARROW_LOBE)) == (AFTER_WIDE_LOBE | IN_NARROW_LOBE);
 }
 

@@ -5,7 +5,7 @@ use crate::aov::SceneSpace;
 use crate::bitmap::{Format, SRGB};
 use crate::bvh::Bvh;
 use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT};
-use crate::options::{LightPaths, MOST_LIGHT_PATHS, RenderOptions};
+use crate::options::{LightPaths, RenderOptions};
 use crate::scene::Bitmap;
 use crate::shape::Tables;
 
@@ -54,12 +54,12 @@ pub struct DeviceScene {
 }
 
 impl DeviceScene {
-    /// The light paths of a render with these options: none if the scene has nothing to trace them to. `Auto` has the most, since each finds
-    /// light that nothing else finds as well (docs/light-transport.md).
+    /// The light paths of a render with these options: none if the scene has nothing to trace them to. `Auto` traces few: they reach all pixels, so that
+    /// even one for eight camera paths of a pixel has little noise of its own (docs/performance-log.md).
     pub fn light_paths(&self, options: &RenderOptions) -> LightPaths {
         match options.light_paths {
             _ if self.features.light_paths.is_none() => LightPaths::Off,
-            LightPaths::Auto => LightPaths::Count(MOST_LIGHT_PATHS),
+            LightPaths::Auto => LightPaths::Count(1),
             given => given,
         }
     }

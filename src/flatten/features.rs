@@ -75,6 +75,8 @@ pub struct Features {
     pub lights: u32,
     /// A surface that can be specular, if light paths can be traced to such.
     pub light_paths: Option<String>,
+    /// Whether light paths start at every light and are aimed at all that can be specular.
+    pub light_paths_find_all: bool,
     /// The number of boxes at which light paths are aimed.
     pub aims: u32,
     /// Emitters that are not sampled, because there are too many.

@@ -34,11 +34,15 @@ struct Aim {
 impl Builder<'_> {
     /// Adds the tables of light paths, if the scene has lights at which they can start, and something specular.
     pub fn add_light_paths(&mut self, primitives: &[Primitive<'_>], lights: &[LightBounds], starts: &[Start]) {
-        let (mut shapes, mut reason) = (Vec::new(), None);
+        let (mut shapes, mut reason, mut finds_all) = (Vec::new(), None, starts.iter().all(|start| start.is_possible));
         for primitive in primitives {
             let (name, material) = &self.scene.materials[primitive.material as usize];
-            if primitive.shape.large_sphere().is_none() && material.lobes(&self.scene.bitmaps).contains(&Lobe::Specular)
-            {
+            if !material.lobes(&self.scene.bitmaps).contains(&Lobe::Specular) {
+                continue;
+            }
+            if primitive.shape.large_sphere().is_some() {
+                finds_all = false;
+            } else {
                 reason.get_or_insert_with(|| format!("\"{name}\" at {}", self.scene.material_location(name)));
                 let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
                 shapes.push(primitive.shape.bounding_shape(&at));
@@ -55,6 +59,7 @@ impl Builder<'_> {
             self.flat.emitters = emitters;
             self.flat.features.aims = aims.len() as u32;
             self.flat.features.light_paths = reason;
+            self.flat.features.light_paths_find_all = finds_all;
             self.flat.aims = aims.iter().map(Aim::on_device).collect();
         }
     }

@@ -468,6 +468,7 @@ pub(super) fn decide(
         ("splat_sums", (FILM_SUMS + options.aov.count()) as u32),
         ("lights", features.lights),
         ("aims", features.aims),
+        ("light_paths_find_all", u32::from(features.light_paths_find_all)),
         ("path_sums", options.aov.count().max(1) as u32),
         ("queues", materials.len() as u32),
         ("queue", queue),

@@ -76,12 +76,15 @@ impl PathField {
 }
 
 /// The most bytes of a path's state in any scene: without channels of `--aov`, and what these add.
-const MOST_PATH_BYTES: u64 = 192;
+const MOST_PATH_BYTES: u64 = 168;
 const MOST_BYTES_OF_AOVS: u64 = 80;
+/// What light paths add.
+const MOST_BYTES_OF_LIGHT_PATHS: u64 = 24;
 
 /// The most bytes of a path's state in any scene with these channels.
-pub fn most_path_bytes(aovs: &Aovs) -> u64 {
-    MOST_PATH_BYTES + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
+pub fn most_path_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
+    let of_light_paths = if light_paths { MOST_BYTES_OF_LIGHT_PATHS } else { 0 };
+    MOST_PATH_BYTES + of_light_paths + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
 }
 
 /// The reasons for fields that not every render has.

@@ -44,7 +44,9 @@ impl Tuning {
             false => (65_536, 1 << 20),
         };
         // Their state is one buffer.
-        let most = most.min(device.max_binding_bytes / most_path_bytes(&options.aov)).max(fewest);
+        let most = most
+            .min(device.max_binding_bytes / most_path_bytes(&options.aov, options.light_paths.count() > 0))
+            .max(fewest);
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
         let room_for_records = device.max_binding_bytes / (u64::from(slots) * record_bytes(&options.aov));
         let pixels = job.pixels();

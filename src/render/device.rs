@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::outcome::totals_since;
 use super::sample_range::{PaceProbe, SampleRange};
-use super::tiles::{Schedule, pixel_in_order, tiles};
+use super::tiles::{MOST_RUNS, Schedule, pixel_in_order, tiles};
 use super::watch::Next;
 use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
@@ -146,6 +146,16 @@ impl<'a> DeviceRenderer<'a> {
             return Err(Error::Usage(format!(
                 "--slots {}: expected {most_slots} at most, with workgroups of {} invocations on {}",
                 tuning.slots, tuning.workgroup, device.name
+            )));
+        }
+        let Settings { image_width, image_height, .. } = plan.scene.settings;
+        let light_paths =
+            u64::from(image_width) * u64::from(image_height) * u64::from(plan.options.light_paths.count());
+        if light_paths > u64::from(MOST_RUNS) {
+            return Err(Error::Usage(format!(
+                "--light-paths {}: an image of {image_width} x {image_height} pixels has {light_paths} of them for each eight samples; \
+                 expected {MOST_RUNS} at most",
+                plan.options.light_paths
             )));
         }
         let numerics = probe::numerics(device)?;
@@ -434,7 +444,7 @@ impl<'a> DeviceRenderer<'a> {
     /// The light paths of a block of samples: of all pixels of the image, also where a part of it is rendered.
     fn light_paths_of_block(&self) -> u32 {
         let Settings { image_width, image_height, light_paths, .. } = self.settings;
-        image_width.saturating_mul(image_height).saturating_mul(light_paths)
+        image_width * image_height * light_paths
     }
 
     /// Waits for a submission, and returns its counters.

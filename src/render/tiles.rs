@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::data::STRIP_ROWS;
 
 /// The runs of a tile are counted in 32 bits, with room for one request too many by each slot.
-const MOST_RUNS: u32 = 1 << 31;
+pub const MOST_RUNS: u32 = 1 << 31;
 /// The most blocks of samples of a tile in a round: enough to make the transfer of its totals cheap.
 const MOST_BLOCKS: u32 = 64;
 /// The longest time that a round over several tiles should take. A film is complete between rounds, and only then can a render be stopped.

@@ -399,10 +399,10 @@ fn a_frosted_slab_under_a_sun_expects_the_same_with_rays_to_lights() {
 )";
     let scene = render::scene_in(folder.path(), text);
     let bsdf = rendered_as_with_rays_to_lights("a frosted slab under a sun", &scene);
-    let wrong = Overlay::new(&[]).rewritten("light/sky", |text| {
+    let wrong = Overlay::new(&[]).rewritten("light/alias", |text| {
         text.replace(
-            "select(cell.alias_density, cell.density, own)",
-            "1.1 * select(cell.alias_density, cell.density, own)",
+            "select(entry.alias_density, entry.density, own)",
+            "1.1 * select(entry.alias_density, entry.density, own)",
         )
     });
     let wrong = render_planted(&scene, &Request::spp(4096).seed(2).mis().sobol(), &wrong);

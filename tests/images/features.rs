@@ -98,8 +98,8 @@ fn the_state_of_all_slots_has_room() {
             *of = (*of).max(plan.kernels.path_bytes());
         }
     }
-    assert_eq!(most, most_path_bytes(&every.aov));
-    assert_eq!(most_with_aovs, most_path_bytes(&aovs.aov));
+    assert_eq!(most, most_path_bytes(&every.aov, false));
+    assert_eq!(most_with_aovs, most_path_bytes(&aovs.aov, false));
 }
 
 /// With everything on, a scene of nothing much has every kernel, and each of the modules that some scene has.

@@ -72,6 +72,7 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         sky_light: 999,
         light_paths: Some("a test".to_string()),
         aims: 3,
+        light_paths_find_all: true,
         not_sampled: Some(NotSampled { lights: 1, total: 2, reason: "a test".to_string() }),
     };
     let features = Features {

@@ -50,7 +50,7 @@ impl Finish {
 
     /// The facts about it. `excluded` says what the stated error excludes.
     pub fn record(&self, excluded: &str) -> Map<String, Value> {
-        let Totals { paths, rays, rejected, .. } = self.totals;
+        let Totals { paths, rays, rejected, light_paths: [even, odd], .. } = self.totals;
         let names = |name: fn(&(String, String)) -> &str| self.devices.iter().map(name).collect::<Vec<_>>().join("; ");
         let Verdict { error, hidden, .. } = self.verdict;
         object(json!({
@@ -62,6 +62,7 @@ impl Finish {
             "complete": self.complete,
             "paths": paths,
             "rays": rays,
+            "light_paths": even.saturating_add(odd),
             "rejected_samples": rejected.total(),
             "rejected_nan": rejected.nan,
             "rejected_infinite": rejected.infinite,

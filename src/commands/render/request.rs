@@ -16,6 +16,7 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
+use crate::options::LightPaths;
 use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::exr::{Attribute, State, read_state, write_render};
 use crate::output::format::{Format, format_of};
@@ -54,6 +55,7 @@ impl<'a> Request<'a> {
         start: Instant,
     ) -> Result<Request<'a>> {
         let (frame, job) = frame_and_job(args, scene, start)?;
+        check_light_paths(&job, flat.light_paths(&args.options))?;
         (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
         Ok(Request { args, scene, flat, frame, job, image, format, identity: OnceLock::new() })
     }
@@ -146,6 +148,21 @@ impl<'a> Request<'a> {
     pub fn ends_within_run(&self, samples: &Samples) -> bool {
         let end = samples.range().end;
         !end.is_multiple_of(RUN_LENGTH) && end < self.job.goal.end()
+    }
+}
+
+/// Refuses samples that no light path belongs to, which would lack light. Each light path of a run belongs to one of its samples, as
+/// shaders/step/light_sample.wgsl has it.
+fn check_light_paths(job: &Job, light_paths: LightPaths) -> Result<()> {
+    let (count, first) = (light_paths.count(), job.first_sample);
+    let Goal::Samples(end) = job.goal else { return Ok(()) };
+    let has_one = |sample: u32| (0..count).any(|number| number * RUN_LENGTH / count == sample % RUN_LENGTH);
+    match count == 0 || first >= end || (first..end.min(first.saturating_add(RUN_LENGTH))).any(has_one) {
+        true => Ok(()),
+        false => Err(Error::Usage(format!(
+            "--samples {first}..{end} has no light path: with --light-paths {light_paths} some samples of each {RUN_LENGTH} have one. \
+             Take more of them, or use --light-paths {RUN_LENGTH}"
+        ))),
     }
 }
 
