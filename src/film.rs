@@ -253,7 +253,7 @@ impl Film {
         }
     }
 
-    /// Those of all pixels.
+    /// The estimates of all pixels.
     fn estimates(&self) -> impl Iterator<Item = Estimate> {
         (0..self.pixels.len()).map(|index| self.estimate(index))
     }

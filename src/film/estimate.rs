@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(sample_variance_of(&film.words(0), 0, Some([0.0; 2])).variance, camera.variance);
     }
 
-    /// The same bits as without light paths, until there are splats.
+    /// A film without splats has the bits of one without light paths.
     #[test]
     fn films_are_alike_where_no_light_path_has_reached_them() {
         for sampler in [Sampler::Sobol, Sampler::Independent] {
