@@ -46,7 +46,7 @@ impl Default for RenderOptions {
             filter: Filter::Box,
             fresnel: Fresnel::Exact,
             clamp: None,
-            light_paths: LightPaths::Off,
+            light_paths: LightPaths::Auto,
             precision: Precision::Strict,
             build: Quality::Medium,
             aov: Aovs::default(),
@@ -627,9 +627,9 @@ pub const CLAMP: OptionSpec = OptionSpec {
 pub const LIGHT_PATHS: OptionSpec = OptionSpec {
     name: "light-paths",
     about: "Paths from the lights through mirrors and glass, for each run of 8 samples of a pixel: a number from 1 to 8, `off`, or `auto`, \
-            which traces them only where the scene has lights and something specular.",
+            which is 1 where lights are small, as seen from a mirror or glass, and otherwise off.",
     values: &["off", "1", "8"],
-    default: Some("off"),
+    default: Some("auto"),
     class: Class::Noise,
     trade_off: "They find caustics, and take time from everything else.",
     reading: Some(Reading {

@@ -25,6 +25,12 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return !pbr_is_smooth(material) || pbr_metallic(material) < 1.0;
 }
 
+// A layer over a matt body is none.
+fn pbr_is_near_mirror(material: Material) -> bool {
+    let alpha = pbr_roughness(material) * pbr_roughness(material);
+    return pbr_metallic(material) == 1.0 && is_narrow(width_of_reflection(alpha));
+}
+
 // The reflectance of the microfacets of layer and metal at this cosine, by single scattering.
 fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
     return mix(pbr_layer(material, hit, cos_facet), schlick(cos_facet, hit.colour), pbr_metallic(material));

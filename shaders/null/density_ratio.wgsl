@@ -20,6 +20,10 @@ fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
     return false;
 }
 
+fn light_paths_replace_samples(path: ptr<function, Path>, material: Material) -> bool {
+    return false;
+}
+
 fn weigh_beside_light_paths(path: ptr<function, Path>, hit: Hit, surface: Surface, weight: f32) -> f32 {
     return weight;
 }

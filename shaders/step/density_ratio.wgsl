@@ -9,9 +9,11 @@
 //@ use choice/normal_map
 //@ use scene/emission
 //@ use scene/interaction
+//@ use scene/near_mirrors
 //@ use scene/responses
 //@ use scene/reversal
-// Camera paths beside light paths. The paths that both find have a first event that is not specular and a last one that is. Each such path
+// Camera paths beside light paths. The paths that both find have a first event that is not specular and a last one that is; near mirrors
+// (scene/near_mirrors) count as specular there. Each such path
 // is weighed by the balance heuristic: with r the density of light paths over that of camera paths, camera paths have the weight 1/(1 + r),
 // and light paths r/(1 + r) (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, sections 9.2 and 10.2). A path
 // carries the product of r up to its last event (Georgiev, Krivanek, Davidovic, Slusallek, "Light Transport Simulation with Vertex
@@ -51,7 +53,7 @@ fn follow_ratio(
     let frame = shading_frame(hit, surface, -bsdf.direction);
     let reverse = interaction_at(hit, surface, frame, evaluated, -bsdf.direction);
     let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), bsdf.lobe), reverse.normal, frame.shading).event == SCATTERED;
-    let is_reached = select(is_kept, !is_specular, is_first);
+    let is_reached = select(is_kept, !is_specular && !counts_as_specular(evaluated.material), is_first);
     if bsdf.event != SCATTERED || !is_reached || (is_specular && !is_reversible(interaction, bsdf.direction, reverse)) {
         (*path).log_ratio = NO_RATIO;
         return;
@@ -84,12 +86,14 @@ fn follow_ratio_in_medium(path: ptr<function, Path>, distance: f32) {
     }
 }
 
-// Whether light paths start at every light, and are aimed at all that can be specular.
-const FIND_ALL: bool = ${light_paths_find_all}u == 1u;
-
 // Whether light paths find the light that a ray of this path finds in this lobe.
 fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
     return FIND_ALL && lobe == LOBE_SPECULAR && (*path).depth > 0u && (*path).log_ratio > 0.5 * NO_RATIO;
+}
+
+// Whether light paths find the light that a ray of this path finds by a near mirror, so that light sampling does not.
+fn light_paths_replace_samples(path: ptr<function, Path>, material: Material) -> bool {
+    return counts_as_specular(material) && light_paths_follow(path, LOBE_SPECULAR);
 }
 
 // The weight of emission that the path's ray has hit, beside light paths. `weight` is that beside light sampling, which is 1 after a

@@ -14,6 +14,7 @@
 //@ use geometry/offset
 //@ use scene/interaction
 //@ use scene/materials
+//@ use scene/near_mirrors
 //@ use scene/responses
 //@ use scene/reversal
 //@ use scene/surfaces
@@ -42,6 +43,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     absorb_ray(path, hit.t);
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
     let is_rough = is_non_specular(evaluated.material);
+    let is_near_mirror = counts_as_specular(evaluated.material);
     let to_light = -ray.direction;
     let view = view_from_lens(path, surface.point);
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
@@ -66,7 +68,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
         orders[i] = Order(interaction, response, is_kept);
     }
     let cos_light = abs(dot(to_light, surface.normal));
-    if !is_first && is_rough && orders[2].is_kept {
+    if !is_first && is_rough && !is_near_mirror && orders[2].is_kept {
         let cos_camera = abs(dot(view.direction, surface.normal));
         let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
         let origin = leave_surface(surface.point, surface.error, side, side);
@@ -83,7 +85,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
             throughput = (*path).throughput * drawn.weight / ratio;
             (*path).log_ratio += log_of_density(ratio);
         }
-    } else if drawn.event == SCATTERED && !is_first && orders[1].is_kept {
+    } else if drawn.event == SCATTERED && (!is_first || is_near_mirror) && orders[1].is_kept {
         let cos_camera = abs(dot(drawn.direction, surface.normal));
         let pdf = orders[0].response.pdf;
         throughput = (*path).throughput * orders[1].response.value * (cos_camera / (cos_light * pdf));

@@ -34,8 +34,9 @@ fn start_light_path(path: ptr<function, Path>) -> bool {
     (*path).sample = (within / RUN_LENGTH * 2u + (block & 1u)) * RUN_LENGTH + within % RUN_LENGTH;
     (*path).status = PATH_ENDED;
     (*path).light = NO_LIGHT;
-    // A light path belongs to a sample of its run, so that parts of a run have the light paths of all of it.
-    let sample = block * RUN_LENGTH + within % settings.light_paths * RUN_LENGTH / settings.light_paths;
+    // Each sample of a block has an equal share of its light paths, so that parts of a run have the light paths of all of it.
+    let of_sample = (of_block + RUN_LENGTH - 1u) / RUN_LENGTH;
+    let sample = block * RUN_LENGTH + within / of_sample;
     if sample >= settings.first_sample && sample < settings.end_sample {
         emit_light_path(path);
     }

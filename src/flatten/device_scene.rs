@@ -9,6 +9,9 @@ use crate::options::{LightPaths, RenderOptions};
 use crate::scene::Bitmap;
 use crate::shape::Tables;
 
+/// The largest solid angle of lights, seen from what is specular, to which light paths pay. Measured (docs/performance-log.md).
+const LARGEST_LIGHTS: f64 = 1e9;
+
 /// A scene in the layout of the kernels.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceScene {
@@ -54,12 +57,14 @@ pub struct DeviceScene {
 }
 
 impl DeviceScene {
-    /// The light paths of a render with these options: none if the scene has nothing to trace them to. `Auto` traces few: they reach all pixels, so that
-    /// even one for eight camera paths of a pixel has little noise of its own (docs/performance-log.md).
+    /// The light paths of a render with these options: none if the scene has nothing to trace them to. `Auto` traces them to lights that BSDF
+    /// sampling finds badly. It traces few: they reach all pixels, so that even one for eight camera paths of a pixel has little noise of its
+    /// own (docs/performance-log.md).
     pub fn light_paths(&self, options: &RenderOptions) -> LightPaths {
         match options.light_paths {
             _ if self.features.light_paths.is_none() => LightPaths::Off,
-            LightPaths::Auto => LightPaths::Count(1),
+            LightPaths::Auto if self.features.solid_angle_of_lights < LARGEST_LIGHTS => LightPaths::Count(1),
+            LightPaths::Auto => LightPaths::Off,
             given => given,
         }
     }

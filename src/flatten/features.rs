@@ -79,6 +79,9 @@ pub struct Features {
     pub light_paths_find_all: bool,
     /// The number of boxes at which light paths are aimed.
     pub aims: u32,
+    /// The solid angle of the lights at which light paths start, seen from these boxes: of one light, or of as many equal ones as make BSDF sampling
+    /// as noisy.
+    pub solid_angle_of_lights: f64,
     /// Emitters that are not sampled, because there are too many.
     pub not_sampled: Option<NotSampled>,
     /// The index of the sky among the lights.

@@ -7,9 +7,11 @@ use glam::{DMat3, DVec3};
 use super::builder::Builder;
 use super::finder::Primitive;
 use super::light_tree::{LightBounds, LightKind};
+use crate::bitmap::Bitmaps;
 use crate::data::{self, f32s};
 use crate::light_distribution::alias_entries;
-use crate::material::Lobe;
+use crate::material::{Lobe, Material};
+
 use crate::shape::{BoundingShape, ObjectTransform};
 
 /// The most boxes.
@@ -17,8 +19,8 @@ const MOST_AIMS: usize = 16;
 
 /// A light at which paths may start.
 pub struct Start {
-    /// Its area; 1 without one.
-    pub size: f64,
+    /// Its area; 0 without one.
+    pub area: f64,
     /// Whether paths start there: not at a large sphere, whose points are too far apart for f32, and not at the sky.
     pub is_possible: bool,
 }
@@ -37,7 +39,7 @@ impl Builder<'_> {
         let (mut shapes, mut reason, mut finds_all) = (Vec::new(), None, starts.iter().all(|start| start.is_possible));
         for primitive in primitives {
             let (name, material) = &self.scene.materials[primitive.material as usize];
-            if !material.lobes(&self.scene.bitmaps).contains(&Lobe::Specular) {
+            if !is_aimed_at(material, &self.scene.bitmaps) {
                 continue;
             }
             if primitive.shape.large_sphere().is_some() {
@@ -49,20 +51,33 @@ impl Builder<'_> {
             }
         }
         let aims = aims(shapes);
-        let power = |(light, start): (&LightBounds, &Start)| match start.is_possible {
-            true => aims.iter().map(|aim| light.intensity * aim.received_share(light)).sum::<f64>(),
-            false => 0.0,
-        };
-        let powers: Vec<f64> = lights.iter().zip(starts).map(power).collect();
-        let sizes: Vec<f64> = starts.iter().map(|start| start.size).collect();
+        let (mut powers, mut squares) = (vec![0.0; lights.len()], 0.0);
+        for ((power, light), start) in powers.iter_mut().zip(lights).zip(starts).filter(|(_, start)| start.is_possible)
+        {
+            for aim in &aims {
+                let received = light.intensity * aim.received_share(light);
+                *power += received;
+                squares +=
+                    if received > 0.0 { received * received / aim.solid_angle_of(light, start.area) } else { 0.0 };
+            }
+        }
+        let sizes: Vec<f64> = starts.iter().map(|start| if start.area > 0.0 { start.area } else { 1.0 }).collect();
         if let Some(emitters) = alias_entries(&powers, &sizes) {
             self.flat.emitters = emitters;
+            self.flat.features.solid_angle_of_lights = powers.iter().sum::<f64>().powi(2) / squares;
             self.flat.features.aims = aims.len() as u32;
             self.flat.features.light_paths = reason;
             self.flat.features.light_paths_find_all = finds_all;
             self.flat.aims = aims.iter().map(Aim::on_device).collect();
         }
     }
+}
+
+/// Whether a surface can be the first event of a light path: a specular one, or a near mirror (shaders/scene/near_mirrors).
+fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
+    let lobes = material.lobes(bitmaps);
+    let has_one_width = material.model().lobes == lobes;
+    lobes.contains(&Lobe::Specular) || lobes.contains(&Lobe::Narrow) && !(has_one_width && lobes.contains(&Lobe::Wide))
 }
 
 impl Aim {
@@ -96,6 +111,14 @@ impl Aim {
         }
         let sine = radius / to_box.length();
         if sine < 1.0 { 2.0 * PI * sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) } else { 4.0 * PI }
+    }
+
+    /// The solid angle of a light of this area, seen from the box: an estimate, which is at most a half sphere.
+    fn solid_angle_of(&self, light: &LightBounds, area: f64) -> f64 {
+        let to_box = self.center - light.around.center();
+        // The mean projected area of a flat light over its side, and of a convex body.
+        let projected = if light.half_angle == 0.0 { 0.5 * area } else { 0.25 * area };
+        (projected / to_box.length_squared()).min(2.0 * PI)
     }
 
     fn on_device(&self) -> data::Cuboid {

@@ -319,7 +319,7 @@ impl<'a> DeviceRenderer<'a> {
         let pixels = u64::from(self.film.size.0) * u64::from(self.film.size.1);
         let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
         let light_paths = self.light_paths_of_block();
-        let mut schedule = Schedule::new(pixels, self.tuning.tile, light_paths, shared.devices > 1);
+        let mut schedule = Schedule::new(pixels, self.tuning.tile, light_paths, self.tuning.slots, shared.devices > 1);
         while let Some(taken) = shared.take(&schedule) {
             let begin = Instant::now();
             let mut blocks = taken.clone();

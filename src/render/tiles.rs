@@ -9,6 +9,8 @@ use crate::data::STRIP_ROWS;
 pub const MOST_RUNS: u32 = 1 << 31;
 /// The most blocks of samples of a tile in a round: enough to make the transfer of its totals cheap.
 const MOST_BLOCKS: u32 = 64;
+/// The runs of each slot in the first round of a film with light paths.
+const RUNS_OF_SLOT: u32 = 4;
 /// The longest time that a round over several tiles should take. A film is complete between rounds, and only then can a render be stopped.
 const ROUND: Duration = Duration::from_secs(10);
 
@@ -27,13 +29,16 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// `light_paths` is the number of those of a block. They follow the camera paths of each round, so that rounds are short.
-    pub fn new(pixels: u32, tile: u32, light_paths: u32, several_devices: bool) -> Schedule {
+    /// `light_paths` is the number of those of a block. They follow the camera paths of each round, so that rounds are short, but long enough
+    /// that the `slots` are seldom idle at its end.
+    pub fn new(pixels: u32, tile: u32, light_paths: u32, slots: u32, several_devices: bool) -> Schedule {
         let most = (MOST_RUNS / tile.clamp(1, pixels.max(1)).max(light_paths)).max(1);
-        match tile >= pixels {
-            true => Schedule { next: if several_devices || light_paths > 0 { 1 } else { most }, most },
-            false => Schedule { next: 1, most: most.min(MOST_BLOCKS) },
-        }
+        let next = match tile >= pixels && !several_devices {
+            true if light_paths > 0 => (slots.saturating_mul(RUNS_OF_SLOT) / pixels.max(1)).clamp(1, most),
+            true => most,
+            false => 1,
+        };
+        Schedule { next, most: if tile >= pixels { most } else { most.min(MOST_BLOCKS) } }
     }
 
     /// The blocks of the next round, of those that are left.
@@ -77,7 +82,7 @@ mod tests {
                 tile.for_each(|rank| seen[pixel_in_order(rank, size)] += 1);
             }
             assert!(seen.iter().all(|count| *count == 1), "{size:?}, {tile}");
-            let (mut schedule, mut left) = (Schedule::new(pixels, tile, 0, false), blocks);
+            let (mut schedule, mut left) = (Schedule::new(pixels, tile, 0, 0, false), blocks);
             while !left.is_empty() {
                 let round = schedule.next(&left);
                 assert!(!round.is_empty() && (tile >= pixels || round.len() as u32 <= MOST_BLOCKS));
@@ -90,7 +95,7 @@ mod tests {
     /// Rounds grow while they are short, and shrink while they are long. 32 bits number their runs.
     #[test]
     fn rounds_are_short() {
-        let mut schedule = Schedule::new(100, 10, 0, false);
+        let mut schedule = Schedule::new(100, 10, 0, 0, false);
         let mut lengths = Vec::new();
         for seconds in [0, 1, 2, 4, 6, 11, 11, 11, 11, 11, 1, 1, 1, 1, 1, 1, 1] {
             lengths.push(schedule.next(&(0..1000)).len());
@@ -98,8 +103,14 @@ mod tests {
         }
         assert_eq!(lengths, [1, 2, 4, 8, 16, 16, 8, 4, 2, 1, 1, 2, 4, 8, 16, 32, 64]);
         for (pixels, tile) in [(u32::MAX, 1 << 22), (1, 1), (1 << 22, 1 << 22)] {
-            let round = Schedule::new(pixels, tile, 0, false).next(&(0..u32::MAX / 8));
+            let round = Schedule::new(pixels, tile, 0, 0, false).next(&(0..u32::MAX / 8));
             assert!(round.len() as u64 * u64::from(tile) <= u64::from(MOST_RUNS));
         }
+        // With light paths, the first round gives each slot some runs; a film of several tiles begins with one block.
+        let first = |pixels, tile, slots| Schedule::new(pixels, tile, pixels, slots, false).next(&(0..1000)).len();
+        assert_eq!(
+            [(100, 100, 1000), (1 << 20, 1 << 20, 1000), (100, 10, 1000)].map(|(p, t, s)| first(p, t, s)),
+            [40, 1, 1]
+        );
     }
 }

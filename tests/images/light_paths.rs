@@ -81,6 +81,21 @@ fn scenes() -> Vec<(&'static str, String)> {
             ),
         ),
         (
+            "near mirrors",
+            lit(
+                "",
+                ", \"fuzzy\": Metal(albedo: Rgb(0.8, 0.7, 0.6), fuzz: 0.08), \"rough\": Conductor(albedo: Rgb(0.9, 0.8, 0.6), roughness: 0.2),
+                 \"fine\": RoughDielectric(ior: 1.4, roughness: 0.15), \"gold\": Pbr(base_color: Rgb(0.9, 0.7, 0.3), metallic: 1, roughness: 0.18),
+                 \"matt\": ThinDielectric(roughness: 0.2)",
+                &format!(
+                    "{LAMP}, PointLight(at: (-1.5, 3, 1), intensity: (5, 4, 3)),
+                     Sphere(center: (0.7, 0.5, 1.4), radius: 0.45, material: \"rough\"), Sphere(center: (-1.4, 0.5, 1), radius: 0.45, material: \"fuzzy\"),
+                     Sphere(center: (-0.4, 0.45, 1.5), radius: 0.4, material: \"fine\"), Quad(corner: (-3, 0.02, -0.8), u: (6, 0, 0), v: (0, 1, -1), material: \"gold\"),
+                     Quad(corner: (1.6, 0.1, 1.4), u: (0.8, 0, -1.6), v: (0.2, 1.2, 0), material: \"matt\")"
+                ),
+            ),
+        ),
+        (
             "panes, a bubble and a thin lens",
             lit(
                 ", aperture: 0.5, focus_distance: 6",
@@ -104,8 +119,14 @@ fn scenes() -> Vec<(&'static str, String)> {
     ]
 }
 
+/// The scene of this name.
+fn scene_named(name: &str) -> String {
+    let found = scenes().into_iter().find(|(known, _)| *known == name);
+    found.unwrap_or_else(|| panic!("no scene has the name {name}")).1
+}
+
 fn off() -> Request {
-    Request::default().mis().roulette()
+    Request::default().mis().roulette().with(|options| options.light_paths = LightPaths::Off)
 }
 
 fn traced(count: u32) -> Request {
@@ -142,15 +163,13 @@ fn light_paths_change_no_expectation() {
 /// Of each number of events, and by each filter, both samplers and a tight roulette, too.
 #[test]
 fn light_paths_have_the_events_of_max_depth() {
-    let (_, text) = &scenes()[2];
-    let room = scene(text);
+    let room = scene(&scene_named("a lamp and a matt ball in glass that absorbs and is tinted"));
     for depth in [1, 2, 3, 5] {
         let alone = render(&room, &off().depth(depth).seed(1));
         let both = render(&room, &traced(8).depth(depth).seed(2));
         same_expectation(&alone, &both, 1e-4, ALPHA).unwrap_or_else(|error| panic!("{depth} events: {error}"));
     }
-    let (_, text) = &scenes()[0];
-    let room = scene(text);
+    let room = scene(&scene_named("a ball of glass"));
     for filter in [Filter::Tent, Filter::Gauss, Filter::Mitchell] {
         let by = |request: Request| request.with(|options| options.filter = filter);
         let alone = render(&room, &by(off()).seed(1));
@@ -159,28 +178,49 @@ fn light_paths_have_the_events_of_max_depth() {
     }
 }
 
-/// Errors of the emission, the adjoint and the weights are found.
+/// Errors of the emission, the adjoint, the weights and the class of a path are found.
 #[test]
 fn planted_errors_of_light_paths_are_found() {
-    let plant = |index: usize, name: &str, line: &str, by: &str| {
-        let room = scene(&scenes()[index].1);
-        let long = |request: Request| Request { samples: Some(0..1024), ..request };
+    let long = |request: Request| Request { samples: Some(0..1024), ..request };
+    let plant = |name: &str, plants: &[(&str, &str, &str)]| {
+        let room = scene(&scene_named(name));
         let alone = render(&room, &long(off()).seed(1));
-        let planted = Overlay::new(&[]).rewritten(name, |own| {
-            assert!(own.contains(line), "{name} has no {line}");
-            own.replace(line, by)
-        });
-        let both = render_planted(&room, &long(traced(8)).seed(2), &planted);
-        if false {
-            assert!(same_expectation(&alone, &both, 1e-4, ALPHA).is_err(), "{by} instead of {line} is not found");
+        for &(module, line, by) in plants {
+            let planted = Overlay::new(&[]).rewritten(module, |own| {
+                assert!(own.contains(line), "{module} has no {line}");
+                own.replace(line, by)
+            });
+            let both = render_planted(&room, &long(traced(8)).seed(2), &planted);
+            let found = same_expectation(&alone, &both, 1e-4, ALPHA);
+            assert!(found.is_err(), "{name}: {by} instead of {line} is not found");
         }
     };
-    plant(2, "step/light_path", "drawn.weight / ratio", "drawn.weight");
-    plant(0, "scene/emission", "choice.density * aim.pdf / cosine", "1.5 * choice.density * aim.pdf / cosine");
-    plant(2, "step/density_ratio", "1.0 / (1.0 + exp2(", "1.5 / (1.0 + exp2(");
-    plant(6, "step/light_path", "cos_camera / (cos_light * pdf)", "1.0 / pdf");
-    plant(6, "step/light_path", "orders[1].response.value", "orders[0].response.value");
-    plant(6, "step/density_ratio", "log_of_density(pdfs.x) - ", "");
+    plant(
+        "a lamp and a matt ball in glass that absorbs and is tinted",
+        &[
+            ("step/light_path", "drawn.weight / ratio", "drawn.weight"),
+            ("step/density_ratio", "1.0 / (1.0 + exp2(", "1.5 / (1.0 + exp2("),
+        ],
+    );
+    plant(
+        "a ball of glass",
+        &[("scene/emission", "choice.density * aim.pdf / cosine", "1.5 * choice.density * aim.pdf / cosine")],
+    );
+    plant(
+        "a bulb in a closed room",
+        &[
+            ("step/light_path", "cos_camera / (cos_light * pdf)", "1.0 / pdf"),
+            ("step/light_path", "orders[1].response.value", "orders[0].response.value"),
+            ("step/density_ratio", "log_of_density(pdfs.x) - ", ""),
+        ],
+    );
+    plant(
+        "near mirrors",
+        &[
+            ("step/light_path", "(!is_first || is_near_mirror)", "!is_first"),
+            ("step/surface_light", "&& !is_replaced;", ";"),
+        ],
+    );
 }
 
 /// A floor of hardly any albedo under a slab of glass, lit by a light without size. Seen from below the slab.
@@ -266,7 +306,7 @@ fn a_point_light_shines_through_a_slab() {
 /// The bytes are the same however the work is split: slots, bounces, stages, tiles, and parts that are joined.
 #[test]
 fn the_bytes_are_the_same_however_the_work_is_done() {
-    let room = scene(&scenes()[5].1);
+    let room = scene(&scene_named("panes, a bubble and a thin lens"));
     let request = Request { samples: Some(0..24), ..traced(8).sobol() };
     let whole = render(&room, &request.clone().scatter(Scatter::Fused));
     for changed in [

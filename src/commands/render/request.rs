@@ -55,7 +55,7 @@ impl<'a> Request<'a> {
         start: Instant,
     ) -> Result<Request<'a>> {
         let (frame, job) = frame_and_job(args, scene, start)?;
-        check_light_paths(&job, flat.light_paths(&args.options))?;
+        check_light_paths(&job, &frame, flat.light_paths(&args.options))?;
         (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
         Ok(Request { args, scene, flat, frame, job, image, format, identity: OnceLock::new() })
     }
@@ -153,15 +153,18 @@ impl<'a> Request<'a> {
 
 /// Refuses samples that no light path belongs to, which would lack light. Each light path of a run belongs to one of its samples, as
 /// shaders/step/light_sample.wgsl has it.
-fn check_light_paths(job: &Job, light_paths: LightPaths) -> Result<()> {
-    let (count, first) = (light_paths.count(), job.first_sample);
+fn check_light_paths(job: &Job, frame: &Frame, light_paths: LightPaths) -> Result<()> {
     let Goal::Samples(end) = job.goal else { return Ok(()) };
-    let has_one = |sample: u32| (0..count).any(|number| number * RUN_LENGTH / count == sample % RUN_LENGTH);
-    match count == 0 || first >= end || (first..end.min(first.saturating_add(RUN_LENGTH))).any(has_one) {
+    let (first, (width, height)) = (job.first_sample, frame.full);
+    let of_run = u64::from(width) * u64::from(height) * u64::from(light_paths.count());
+    // As shaders/step/light_sample has it.
+    let of_sample = of_run.div_ceil(u64::from(RUN_LENGTH));
+    let has_one = |sample: u32| u64::from(sample % RUN_LENGTH) * of_sample < of_run;
+    match of_run == 0 || first >= end || (first..end.min(first.saturating_add(RUN_LENGTH))).any(has_one) {
         true => Ok(()),
         false => Err(Error::Usage(format!(
-            "--samples {first}..{end} has no light path: with --light-paths {light_paths} some samples of each {RUN_LENGTH} have one. \
-             Take more of them, or use --light-paths {RUN_LENGTH}"
+            "--samples {first}..{end} has no light path: an image of {width} x {height} pixels has {of_run} for each {RUN_LENGTH} samples. \
+             Take more of them, or use --light-paths off"
         ))),
     }
 }
