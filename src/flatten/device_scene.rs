@@ -10,7 +10,7 @@ use crate::scene::Bitmap;
 use crate::shape::Tables;
 
 /// The largest solid angle of lights, seen from what is specular, to which light paths pay. Measured (docs/performance-log.md).
-const LARGEST_LIGHTS: f64 = 1e9;
+const LARGEST_LIGHTS: f64 = 0.17;
 
 /// A scene in the layout of the kernels.
 #[derive(Clone, Debug, Default)]

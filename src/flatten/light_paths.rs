@@ -51,15 +51,15 @@ impl Builder<'_> {
             }
         }
         let aims = aims(shapes);
+        // BSDF sampling has the variance of all lights, each of which is its power squared over its solid angle.
         let (mut powers, mut squares) = (vec![0.0; lights.len()], 0.0);
         for ((power, light), start) in powers.iter_mut().zip(lights).zip(starts).filter(|(_, start)| start.is_possible)
         {
-            for aim in &aims {
-                let received = light.intensity * aim.received_share(light);
-                *power += received;
-                squares +=
-                    if received > 0.0 { received * received / aim.solid_angle_of(light, start.area) } else { 0.0 };
-            }
+            let received = aims.iter().map(|aim| (aim, light.intensity * aim.received_share(light)));
+            let received: Vec<_> = received.filter(|(_, received)| *received > 0.0).collect();
+            *power = received.iter().map(|(_, received)| received).sum();
+            let per_solid_angle = |(aim, received): &(&Aim, f64)| received / aim.solid_angle_of(light, start.area);
+            squares += *power * received.iter().map(per_solid_angle).sum::<f64>();
         }
         let sizes: Vec<f64> = starts.iter().map(|start| if start.area > 0.0 { start.area } else { 1.0 }).collect();
         if let Some(emitters) = alias_entries(&powers, &sizes) {
