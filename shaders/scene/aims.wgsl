@@ -6,29 +6,35 @@
 //@ use light/cuboid
 //@ use light/sample
 //@ use scene/at_run_time
-// The directions of light paths: to one of the boxes around what can be specular. A box is chosen by its solid angle, so the density of a
-// direction is the number of boxes that hold it, over the sum of all solid angles.
+// The directions of light paths: to one of the boxes around what can be specular. A box is chosen by its solid angle times its weight, so the
+// density of a direction is the weight of the boxes that hold it, over the sum of all solid angles times weights.
 
 const AIMS: u32 = ${aims}u;
 
-fn boxes_on_ray(ray: Ray) -> f32 {
-    var count = 0.0;
-    for (var i = at_run_time(0u); i < AIMS; i++) {
-        let t = cuboid_crossings(cuboid_slab(ray, aims[i]));
-        count += select(0.0, 1.0, t.x <= t.y && t.y > 0.0);
-    }
-    return count;
+// A box keeps its weight in the word of a material.
+fn weight_of_aim(index: u32) -> f32 {
+    return bitcast<f32>(aims[index].material);
 }
 
-// A box that is chosen by its size, the sum of all sizes, and what is left of the uniform number.
+fn weight_on_ray(ray: Ray) -> f32 {
+    var weight = 0.0;
+    for (var i = at_run_time(0u); i < AIMS; i++) {
+        let t = cuboid_crossings(cuboid_slab(ray, aims[i]));
+        weight += select(0.0, weight_of_aim(i), t.x <= t.y && t.y > 0.0);
+    }
+    return weight;
+}
+
+// A box that is chosen by its size times weight, the sum of all of these, and what is left of the uniform number.
 struct AimChoice {
     index: u32,
     sum: f32,
     rest: f32,
 }
 
-// Offers another box of this size to a choice. It is taken with the probability of its share of the sizes so far.
-fn offer_box(choice: AimChoice, index: u32, size: f32) -> AimChoice {
+// Offers another box of this size to a choice. It is taken with the probability of its share of what was offered so far.
+fn offer_box(choice: AimChoice, index: u32, own_size: f32) -> AimChoice {
+    let size = own_size * weight_of_aim(index);
     let sum = choice.sum + size;
     let share = select(0.0, size / sum, size > 0.0);
     if choice.rest < share {
@@ -53,11 +59,11 @@ fn aim_from(from_point: vec3<f32>, u: f32, v: vec2<f32>) -> DirectionSample {
     }
     let direction = cuboid_light_sample(from_point, aims[choice.index], v).direction;
     // Rounding may move a direction out of its own box.
-    return DirectionSample(direction, max(boxes_on_ray(Ray(from_point, direction)), 1.0) / choice.sum);
+    return DirectionSample(direction, max(weight_on_ray(Ray(from_point, direction)), weight_of_aim(choice.index)) / choice.sum);
 }
 
 // The density of a direction by aim_from.
 fn density_of_aim(ray: Ray) -> f32 {
     let sum = choose_aim(ray.origin, 0.0).sum;
-    return select(0.0, boxes_on_ray(ray) / sum, sum > 0.0);
+    return select(0.0, weight_on_ray(ray) / sum, sum > 0.0);
 }

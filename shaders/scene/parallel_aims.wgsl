@@ -1,6 +1,6 @@
 //@ use light/cuboid
 //@ use scene/aims
-// Light paths of directional lights: parallel rays to the boxes. A box is chosen by the area of its shadow, and a point is uniform in that.
+// Light paths of directional lights: parallel rays to the boxes. A box is chosen by the area of its shadow times its weight, and a point is uniform in that.
 
 // The distance from which such rays come: beyond everything but large spheres. (Render space has an extent near 1.)
 const BEYOND_SCENE: f32 = 4.0;
@@ -26,5 +26,5 @@ fn aim_parallel(direction: vec3<f32>, u: f32, v: vec2<f32>) -> ParallelAim {
     let side = select(1.0, -1.0, along[face.axis] > 0.0);
     let point = box_ahead.center + cuboid_face_point(box_ahead, face.axis, side, vec2<f32>(face.rest, v.y));
     let origin = point - BEYOND_SCENE * direction;
-    return ParallelAim(origin, max(boxes_on_ray(Ray(origin, direction)), 1.0) / choice.sum);
+    return ParallelAim(origin, max(weight_on_ray(Ray(origin, direction)), weight_of_aim(choice.index)) / choice.sum);
 }

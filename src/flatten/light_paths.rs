@@ -25,9 +25,14 @@ pub struct Start {
     pub is_possible: bool,
 }
 
+/// The weight of boxes around panes, beside that of others: a pane reflects about a twelfth of the light, and what passes is no event.
+const WEIGHT_OF_PANES: f64 = 0.1;
+
 /// A box, in render space.
 #[derive(Clone, Copy)]
 struct Aim {
+    /// How likely it is aimed at, beside other boxes of its size.
+    weight: f64,
     center: DVec3,
     half: DVec3,
     axes: DMat3,
@@ -36,7 +41,8 @@ struct Aim {
 impl Builder<'_> {
     /// Adds the tables of light paths, if the scene has lights at which they can start, and something specular.
     pub fn add_light_paths(&mut self, primitives: &[Primitive<'_>], lights: &[LightBounds], starts: &[Start]) {
-        let (mut shapes, mut reason, mut finds_all) = (Vec::new(), None, starts.iter().all(|start| start.is_possible));
+        let (mut solid, mut panes, mut reason) = (Vec::new(), Vec::new(), None);
+        let mut finds_all = starts.iter().all(|start| start.is_possible);
         for primitive in primitives {
             let (name, material) = &self.scene.materials[primitive.material as usize];
             if !is_aimed_at(material, &self.scene.bitmaps) {
@@ -47,15 +53,17 @@ impl Builder<'_> {
             } else {
                 reason.get_or_insert_with(|| format!("\"{name}\" at {}", self.scene.material_location(name)));
                 let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
+                let is_pane = matches!(material, Material::ThinDielectric { .. });
+                let shapes = if is_pane { &mut panes } else { &mut solid };
                 shapes.push(primitive.shape.bounding_shape(&at));
             }
         }
-        let aims = aims(shapes);
+        let aims = aims(vec![(1.0, solid), (WEIGHT_OF_PANES, panes)]);
         // BSDF sampling has the variance of all lights, each of which is its power squared over its solid angle.
         let (mut powers, mut squares) = (vec![0.0; lights.len()], 0.0);
         for ((power, light), start) in powers.iter_mut().zip(lights).zip(starts).filter(|(_, start)| start.is_possible)
         {
-            let received = aims.iter().map(|aim| (aim, light.intensity * aim.received_share(light)));
+            let received = aims.iter().map(|aim| (aim, light.intensity * aim.weight * aim.received_share(light)));
             let received: Vec<_> = received.filter(|(_, received)| *received > 0.0).collect();
             *power = received.iter().map(|(_, received)| received).sum();
             let per_solid_angle = |(aim, received): &(&Aim, f64)| received / aim.solid_angle_of(light, start.area);
@@ -82,17 +90,19 @@ fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
 
 impl Aim {
     /// A box around a shape, along the shape's own axes.
-    fn around(shape: &BoundingShape) -> Aim {
+    fn around(shape: &BoundingShape, weight: f64) -> Aim {
         match *shape {
-            BoundingShape::Ball { center, radius } => Aim { center, half: DVec3::splat(radius), axes: DMat3::IDENTITY },
+            BoundingShape::Ball { center, radius } => {
+                Aim { weight, center, half: DVec3::splat(radius), axes: DMat3::IDENTITY }
+            }
             BoundingShape::Parallelogram { corner, u, v } => {
                 let x = u.normalize_or_zero();
                 let z = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
                 let axes = DMat3::from_cols(x, z.cross(x), z);
                 let half = (axes.transpose() * u).abs() + (axes.transpose() * v).abs();
-                Aim { center: corner + 0.5 * (u + v), half: 0.5 * half.with_z(0.0), axes }
+                Aim { weight, center: corner + 0.5 * (u + v), half: 0.5 * half.with_z(0.0), axes }
             }
-            BoundingShape::Cuboid { center, half, axes } => Aim { center, half, axes },
+            BoundingShape::Cuboid { center, half, axes } => Aim { weight, center, half, axes },
         }
     }
 
@@ -125,6 +135,7 @@ impl Aim {
         data::Cuboid {
             center: f32s(self.center),
             half_extent: f32s(self.half),
+            material: (self.weight as f32).to_bits(),
             x_axis: f32s(self.axes.x_axis),
             y_axis: f32s(self.axes.y_axis),
             ..data::Cuboid::default()
@@ -132,31 +143,31 @@ impl Aim {
     }
 }
 
-/// At most [`MOST_AIMS`] boxes around the shapes. Groups of shapes are halved along their longest side, the largest first.
-fn aims(shapes: Vec<BoundingShape>) -> Vec<Aim> {
-    let mut groups = vec![shapes];
+/// At most [`MOST_AIMS`] boxes around the shapes of each weight. Groups of shapes are halved along their longest side, the largest first.
+fn aims(mut groups: Vec<(f64, Vec<BoundingShape>)>) -> Vec<Aim> {
     while groups.len() < MOST_AIMS {
-        let area = |group: &Vec<BoundingShape>| {
+        let size = |(weight, group): &(f64, Vec<BoundingShape>)| {
             let (low, high) = bounds_of(group);
             let d = high - low;
-            if group.len() > 1 { d.x * d.y + d.y * d.z + d.z * d.x } else { -1.0 }
+            if group.len() > 1 { weight * (d.x * d.y + d.y * d.z + d.z * d.x) } else { -1.0 }
         };
-        let largest = (0..groups.len()).max_by(|a, b| area(&groups[*a]).total_cmp(&area(&groups[*b])));
-        let Some(largest) = largest.filter(|largest| groups[*largest].len() > 1) else { break };
-        let group = &mut groups[largest];
+        let largest = (0..groups.len()).max_by(|a, b| size(&groups[*a]).total_cmp(&size(&groups[*b])));
+        let Some(largest) = largest.filter(|largest| groups[*largest].1.len() > 1) else { break };
+        let (weight, group) = &mut groups[largest];
         let (low, high) = bounds_of(group);
         let axis = (high - low).max_position();
         let middle = |shape: &BoundingShape| shape.ball().0[axis];
         group.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
-        let rest = group.split_off(group.len() / 2);
+        let rest = (*weight, group.split_off(group.len() / 2));
         groups.push(rest);
     }
-    let around = |group: &Vec<BoundingShape>| match group.as_slice() {
+    let around = |(weight, group): &(f64, Vec<BoundingShape>)| match group.as_slice() {
         [] => None,
-        [one] => Some(Aim::around(one)),
+        [one] => Some(Aim::around(one, *weight)),
         all => {
             let (low, high) = bounds_of(all);
-            Some(Aim { center: 0.5 * (low + high), half: 0.5 * (high - low), axes: DMat3::IDENTITY })
+            let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+            Some(Aim { weight: *weight, center, half, axes: DMat3::IDENTITY })
         }
     };
     groups.iter().filter_map(around).collect()

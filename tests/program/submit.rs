@@ -2,6 +2,7 @@
 //! their scripts. `make test-slurm` does it with a real one.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -133,7 +134,13 @@ impl Cluster {
             command.env("SLURM_ARRAY_JOB_ID", "41").env("SLURM_ARRAY_TASK_ID", task.to_string());
         }
         set(&mut command);
-        command.spawn().expect("the script starts")
+        loop {
+            // Another thread may be between fork and exec, with the copy open for writing.
+            match command.spawn() {
+                Err(error) if error.kind() == ErrorKind::ExecutableFileBusy => std::thread::yield_now(),
+                started => return started.expect("the script starts"),
+            }
+        }
     }
 
     fn task(&self, task: u32) -> Ran {
