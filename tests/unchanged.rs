@@ -118,14 +118,14 @@ fn scenes() -> BTreeMap<String, PathBuf> {
         .chain(blender)
         .map(|path| (path.strip_prefix(ROOT).expect("within").with_extension("").display().to_string(), path))
         .collect();
-    assert_eq!(scenes.len(), 14 + 5 + 1 + BLENDER.len());
+    assert_eq!(scenes.len(), 15 + 5 + 1 + BLENDER.len());
     scenes
 }
 
 /// The options of a set for a scene. `--integrator bsdf` refuses lights without size.
 fn options(name: &str, set: &str) -> Vec<&'static str> {
     let (_, options) = SETS.into_iter().find(|(own, _)| *own == set).expect("a set");
-    let refused = name.starts_with("tests/blender");
+    let refused = name.starts_with("tests/blender") || name == "scenes/window";
     options.iter().map(|word| if refused && *word == "bsdf" { "mis" } else { word }).collect()
 }
 

@@ -12,7 +12,7 @@ use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::Linked;
 use gpu_rt::job::{Goal, Job};
-use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
+use gpu_rt::options::{FeatureSet, LightPaths, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, PathField, Plan, UniformTables, most_path_bytes};
 use gpu_rt::scene::Scene;
 use naga::compact::{KeepUnused, compact};
@@ -70,7 +70,7 @@ fn changes_no_byte(name: &str, scene: &Scene, scatter: Scatter) {
 #[test]
 fn the_state_of_all_slots_has_room() {
     let lattice = Lattice::new();
-    let options = RenderOptions::default();
+    let options = RenderOptions { light_paths: LightPaths::Off, ..RenderOptions::default() };
     let every = RenderOptions { features: FeatureSet::All, ..options.clone() };
     let mut aovs = every.clone();
     aovs.aov.set(Aovs::parse("albedo,normal,depth,position,object,material,direct,indirect").expect("they are names"));
