@@ -9,7 +9,7 @@ use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job, blocks};
-use gpu_rt::options::{Filter, Integrator, RenderOptions, Scatter, Switch};
+use gpu_rt::options::{Filter, Integrator, LightPaths, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged, Tuning};
 use gpu_rt::render::{Next, Outcome, Renderer, Watch, empty_film};
 use gpu_rt::scene::Scene;
@@ -36,6 +36,7 @@ pub fn plain() -> RenderOptions {
         integrator: Integrator::Bsdf,
         roulette: Switch::Off,
         sampler: Sampler::Independent,
+        light_paths: LightPaths::Off,
         ..RenderOptions::default()
     }
 }

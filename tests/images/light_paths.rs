@@ -126,7 +126,7 @@ fn scene_named(name: &str) -> String {
 }
 
 fn off() -> Request {
-    Request::default().mis().roulette().with(|options| options.light_paths = LightPaths::Off)
+    Request::default().mis().roulette()
 }
 
 fn traced(count: u32) -> Request {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::render::{Request, render as render_scene, scene};
 use gpu_rt::film::HiddenLight;
-use gpu_rt::options::Scatter;
+use gpu_rt::options::{LightPaths, Scatter};
 use gpu_rt::output::exr::read_exr;
 use serde_json::Value;
 
@@ -129,6 +129,19 @@ fn under_a_sky(lamp: f64) -> String {
     other(sky, above, "(0, 3, 0)", lamp)
 }
 
+/// By default, small lights have light paths, which find what narrow lobes hide: nothing of it counts as hidden. A narrow layer over a matt body and
+/// fog are left to probes.
+#[test]
+fn light_paths_find_what_narrow_lobes_hide() {
+    let is_found = |name: &str| !name.contains("ior: 5") && !name.contains("metallic: 0.5") && !name.contains("fog");
+    for (name, text) in narrow(0.002).into_iter().filter(|(name, _)| is_found(name)) {
+        let request = Request::spp(64).mis().sobol().roulette().with(|options| options.light_paths = LightPaths::Auto);
+        let shot = render_scene(&scene(&text), &request);
+        let hidden = shot.outcome.totals.hidden_light();
+        assert!((hidden.probed(), hidden.found()) == (0.0, 0.0), "{name}: {hidden:?}");
+    }
+}
+
 /// Light per sample: what probes find, what paths find, and what is missing.
 #[derive(Debug, PartialEq)]
 struct Counted {
@@ -239,7 +252,8 @@ impl Run {
 
     fn command(&self, scene: &Path, more: &[&str]) -> Command {
         let scene = scene.to_str().expect("UTF-8");
-        let usual = ["render", scene, "--json", "--device", &device::software().name.name, "-o", "a.exr"];
+        let device = &device::software().name.name;
+        let usual = ["render", scene, "--json", "--device", device, "--light-paths", "off", "-o", "a.exr"];
         program::command(self.folder.path(), &[&usual, more].concat())
     }
 
