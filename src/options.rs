@@ -628,7 +628,7 @@ pub const LIGHT_PATHS: OptionSpec = OptionSpec {
     name: "light-paths",
     about: "Paths from the lights through mirrors and glass, for each run of 8 samples of a pixel: a number from 1 to 8, `off`, or `auto`, \
             which is 1 where lights are small, as seen from a mirror or glass, 4 where one has no size, and otherwise off.",
-    values: &["off", "1", "8"],
+    values: &["auto", "off", "1", "8"],
     default: Some("auto"),
     class: Class::Noise,
     trade_off: "They find caustics, and take time from everything else.",

@@ -123,12 +123,13 @@ impl Aim {
         if sine < 1.0 { 2.0 * PI * sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) } else { 4.0 * PI }
     }
 
-    /// The solid angle of a light of this area, seen from the box: an estimate, which is at most a half sphere.
+    /// The solid angle of a light of this area, seen from the box, or from its surface if the light is within: an estimate, which is at most a half
+    /// sphere.
     fn solid_angle_of(&self, light: &LightBounds, area: f64) -> f64 {
         let to_box = self.center - light.around.center();
         // The mean projected area of a flat light over its side, and of a convex body.
         let projected = if light.half_angle == 0.0 { 0.5 * area } else { 0.25 * area };
-        (projected / to_box.length_squared()).min(2.0 * PI)
+        (projected / to_box.length_squared().max(self.half.length_squared())).min(2.0 * PI)
     }
 
     fn on_device(&self) -> data::Cuboid {
