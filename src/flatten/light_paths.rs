@@ -129,7 +129,7 @@ impl Aim {
         let to_box = self.center - light.around.center();
         // The mean projected area of a flat light over its side, and of a convex body.
         let projected = if light.half_angle == 0.0 { 0.5 * area } else { 0.25 * area };
-        (projected / to_box.length_squared().max(self.half.length_squared())).min(2.0 * PI)
+        (projected / to_box.length_squared().max(self.half.min_element().powi(2))).min(2.0 * PI)
     }
 
     fn on_device(&self) -> data::Cuboid {
