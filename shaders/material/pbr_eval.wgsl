@@ -25,7 +25,7 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return !pbr_is_smooth(material) || pbr_metallic(material) < 1.0;
 }
 
-// A layer over a matt body is none.
+// A narrow layer over a matt body is no near mirror.
 fn pbr_is_near_mirror(material: Material) -> bool {
     let alpha = pbr_roughness(material) * pbr_roughness(material);
     return pbr_metallic(material) == 1.0 && is_narrow(width_of_reflection(alpha));

@@ -9,10 +9,10 @@ use crate::options::{LightPaths, RenderOptions};
 use crate::scene::Bitmap;
 use crate::shape::Tables;
 
-/// The largest solid angle of lights, seen from what is specular, to which light paths pay. Measured (docs/performance-log.md).
-const LARGEST_LIGHTS: f64 = 0.17;
-/// The light paths of eight samples that pay best where a light has no size. Measured (docs/performance-log.md).
-const PATHS_OF_NO_SIZE: u32 = 4;
+/// Light paths pay if the solid angle of the lights, seen from what is specular, is below this, in sr. Measured (docs/performance-log.md).
+const LARGEST_SOLID_ANGLE: f64 = 0.17;
+/// The best number of light paths for eight samples where a light has no size. Measured (docs/performance-log.md).
+const PATHS_TO_DELTA_LIGHTS: u32 = 4;
 
 /// A scene in the layout of the kernels.
 #[derive(Clone, Debug, Default)]
@@ -61,12 +61,12 @@ pub struct DeviceScene {
 impl DeviceScene {
     /// The light paths of a render with these options: none if the scene has nothing to trace them to. `Auto` traces them to lights that BSDF
     /// sampling finds badly. It traces few: they reach all pixels, so that even one for eight camera paths of a pixel has little noise of its
-    /// own. Of a light without size they find all that there is, so that more of them pay.
+    /// own. A light without size is found by light paths alone, so that more of them pay.
     pub fn light_paths(&self, options: &RenderOptions) -> LightPaths {
         match options.light_paths {
             _ if self.features.light_paths.is_none() => LightPaths::Off,
-            LightPaths::Auto if self.features.solid_angle_of_lights == 0.0 => LightPaths::Count(PATHS_OF_NO_SIZE),
-            LightPaths::Auto if self.features.solid_angle_of_lights < LARGEST_LIGHTS => LightPaths::Count(1),
+            LightPaths::Auto if self.features.solid_angle_of_lights == 0.0 => LightPaths::Count(PATHS_TO_DELTA_LIGHTS),
+            LightPaths::Auto if self.features.solid_angle_of_lights < LARGEST_SOLID_ANGLE => LightPaths::Count(1),
             LightPaths::Auto => LightPaths::Off,
             given => given,
         }

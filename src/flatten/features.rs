@@ -79,8 +79,8 @@ pub struct Features {
     pub light_paths_find_all: bool,
     /// The number of boxes at which light paths are aimed.
     pub aims: u32,
-    /// The solid angle of the lights at which light paths start, seen from these boxes: of one light, or of as many equal ones as make BSDF sampling
-    /// as noisy.
+    /// The solid angle of the lights at which light paths start, seen from these boxes, in sr: that of one light with the power of all of them, by which
+    /// BSDF sampling is as noisy. 0 if one of them has no size.
     pub solid_angle_of_lights: f64,
     /// Emitters that are not sampled, because there are too many.
     pub not_sampled: Option<NotSampled>,

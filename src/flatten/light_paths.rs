@@ -43,11 +43,10 @@ impl Builder<'_> {
     pub fn add_light_paths(&mut self, primitives: &[Primitive<'_>], lights: &[LightBounds], starts: &[Start]) {
         let (mut solid, mut panes, mut reason) = (Vec::new(), Vec::new(), None);
         let mut finds_all = starts.iter().all(|start| start.is_possible);
-        for primitive in primitives {
+        // Once for each material, since a roughness may be an image, whose least texel counts.
+        let aimed: Vec<bool> = self.scene.materials.iter().map(|(_, m)| is_aimed_at(m, &self.scene.bitmaps)).collect();
+        for primitive in primitives.iter().filter(|primitive| aimed[primitive.material as usize]) {
             let (name, material) = &self.scene.materials[primitive.material as usize];
-            if !is_aimed_at(material, &self.scene.bitmaps) {
-                continue;
-            }
             if primitive.shape.large_sphere().is_some() {
                 finds_all = false;
             } else {
@@ -59,7 +58,7 @@ impl Builder<'_> {
             }
         }
         let aims = aims(vec![(1.0, solid), (WEIGHT_OF_PANES, panes)]);
-        // BSDF sampling has the variance of all lights, each of which is its power squared over its solid angle.
+        // The variance of BSDF sampling is a sum over the lights: a light adds the square of its power over its solid angle.
         let (mut powers, mut squares) = (vec![0.0; lights.len()], 0.0);
         for ((power, light), start) in powers.iter_mut().zip(lights).zip(starts).filter(|(_, start)| start.is_possible)
         {
@@ -84,8 +83,9 @@ impl Builder<'_> {
 /// Whether a surface can be the first event of a light path: a specular one, or a near mirror (shaders/scene/near_mirrors).
 fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
     let lobes = material.lobes(bitmaps);
-    let has_one_width = material.model().lobes == lobes;
-    lobes.contains(&Lobe::Specular) || lobes.contains(&Lobe::Narrow) && !(has_one_width && lobes.contains(&Lobe::Wide))
+    let varies = material.model().lobes != lobes;
+    let is_near_mirror = lobes.contains(&Lobe::Narrow) && (varies || !lobes.contains(&Lobe::Wide));
+    lobes.contains(&Lobe::Specular) || is_near_mirror
 }
 
 impl Aim {

@@ -78,7 +78,7 @@ fn the_unit_of_light_does_not_matter() {
 
 /// What `render` calls unreliable, a sweep calls so, in its words: much of the light comes by a narrow lobe, and no path finds the lamp there.
 #[test]
-fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
+fn light_that_a_narrow_lobe_hides_makes_a_setting_unreliable() {
     let _machine = alone();
     let sandbox = tempfile::tempdir().expect("a temporary folder");
     let text = |shade: &str, mirror: &str| {
