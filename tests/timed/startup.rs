@@ -1,6 +1,7 @@
 //! What a start costs, by what is compiled: kernels that run, each once, and no others. Seconds depend on the machine, and are in
 //! docs/performance.md.
 
+use crate::alone;
 use crate::common::{device, render};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -95,6 +96,7 @@ fn submission(device: &Device, bounces: Option<u32>) -> f64 {
 /// with other things slows some. A fast device has all that there is room for done sooner.
 #[test]
 fn submissions_are_short() {
+    let _machine = alone();
     let device = device::open();
     let adapted = submission(&device, None);
     let least = if device.class().software { 0.05 } else { 0.0 };
@@ -106,6 +108,7 @@ fn submissions_are_short() {
 
 #[test]
 fn every_compiled_kernel_runs() {
+    let _machine = alone();
     let files = Everything::new();
     // With the channels of --denoise too.
     let scenes = [
@@ -128,6 +131,7 @@ fn every_compiled_kernel_runs() {
 /// the same in both, and the device has kept it.
 #[test]
 fn a_kernel_that_is_compiled_in_vain_is_found() {
+    let _machine = alone();
     let device = device::open();
     let scene = scene_of(SPHERE);
     let _ = start(&device, &scene, Scatter::Linked, &[], false);
@@ -158,6 +162,7 @@ fn make_ready(device: &Device, buffers: &Buffers, number: usize) {
 /// A device that kept every kernel would take 9 MiB more with each new scene of a process.
 #[test]
 fn a_device_keeps_the_kernels_used_last() {
+    let _machine = alone();
     let device = device::open();
     let buffers = Buffers::create(&device, &[]).expect("no buffer is asked for");
     let compilations =
