@@ -178,7 +178,7 @@ fn light_paths_have_the_events_of_max_depth() {
     }
 }
 
-/// Errors of the emission, the adjoint, the weights and the class of a path are found.
+/// A missing factor of specular events and wrong classes of paths are found. Errors of 1 % elsewhere: tests/images/followed_back.rs.
 #[test]
 fn planted_errors_of_light_paths_are_found() {
     let long = |request: Request| Request { samples: Some(0..1024), ..request };
@@ -197,22 +197,7 @@ fn planted_errors_of_light_paths_are_found() {
     };
     plant(
         "a lamp and a matt ball in glass that absorbs and is tinted",
-        &[
-            ("step/light_path", "drawn.weight / ratio", "drawn.weight"),
-            ("step/density_ratio", "1.0 / (1.0 + exp2(", "1.5 / (1.0 + exp2("),
-        ],
-    );
-    plant(
-        "a ball of glass",
-        &[("scene/emission", "choice.density * aim.pdf / cosine", "1.5 * choice.density * aim.pdf / cosine")],
-    );
-    plant(
-        "a bulb in a closed room",
-        &[
-            ("step/light_path", "cos_camera / (cos_light * pdf)", "1.0 / pdf"),
-            ("step/light_path", "orders[1].response.value", "orders[0].response.value"),
-            ("step/density_ratio", "log_of_density(pdfs.x) - ", ""),
-        ],
+        &[("step/light_path", "drawn.weight / ratio", "drawn.weight")],
     );
     plant(
         "near mirrors",
