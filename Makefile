@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test oidn quick test-long test-slurm fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
+.PHONY: render test oidn quick test-long test-slurm test-tint fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -67,6 +67,13 @@ test-slurm: toolchain
 	@PATH="$$PATH:/usr/sbin"; { command -v slurmctld && command -v slurmd && command -v munged; } >/dev/null || \
 		$(call install, slurm-wlm munge, Slurm is missing)
 	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/slurm/run.sh
+
+# Whether the kernels are valid WGSL by Tint, the compiler of Chrome and Dawn, which is stricter than naga. It needs no driver.
+test-tint: export NODEVICE_SELECT = 1
+test-tint: toolchain
+	$(CARGO) build --release
+	@command -v npm >/dev/null || $(call install, nodejs npm, no Node.js runs Tint)
+	tests/tint/run.sh target/release/gpu-rt
 
 # COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.
 COUNT ?= 100000

@@ -61,7 +61,8 @@ fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, begin: f32, nea
     let leave = min(min(leave_axis(x, far.x), leave_yz), vec4<i32>(bitcast<i32>(nearest)));
     let child = vec4<u32>(0u, 1u, 2u, 3u);
     // Compared as floats, among which -0 equals 0.
-    let is_hit = bitcast<vec4<f32>>(enter) <= bitcast<vec4<f32>>(leave) & child < vec4<u32>(node.grid.w >> 24u);
+    let is_there = child < vec4<u32>(node.grid.w >> 24u);
+    let is_hit = (bitcast<vec4<f32>>(enter) <= bitcast<vec4<f32>>(leave)) & is_there;
     let key = (bitcast<vec4<u32>>(enter) & vec4<u32>(~CHILD_MASK)) | child;
     return select(vec4<u32>(CHILD_MISSED), key, is_hit);
 }

@@ -138,7 +138,9 @@ fn areas_of(x: vec3<f32>, y: vec3<f32>) -> Areas {
 // Whether the signs that are certain show that the ray misses a triangle with these sheared corners.
 fn misses(x: vec3<f32>, y: vec3<f32>) -> bool {
     let found = areas_of(x, y);
-    return any(found.certain & found.areas > vec3<f32>(0.0)) && any(found.certain & found.areas < vec3<f32>(0.0));
+    let is_positive = found.certain & (found.areas > vec3<f32>(0.0));
+    let is_negative = found.certain & (found.areas < vec3<f32>(0.0));
+    return any(is_positive) && any(is_negative);
 }
 
 fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> TriangleHit {

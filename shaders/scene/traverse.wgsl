@@ -34,7 +34,7 @@ fn wait_for(code: u32, keys: vec3<u32>) -> u32 {
     let second = select(keys.y, keys.x, keys.y == CHILD_MISSED);
     let third = select(keys.z, second, keys.z == CHILD_MISSED);
     let numbers = vec3<u32>(keys.x, second, third) & vec3<u32>(CHILD_MASK);
-    return code << WAITING_BITS | numbers.z << 4u | numbers.y << 2u | numbers.x;
+    return (code << WAITING_BITS) | (numbers.z << 4u) | (numbers.y << 2u) | numbers.x;
 }
 
 // The nearest hit with t > 0 that is not beyond `limit`; with `any_will_do`, the first such hit found. There is no minimum

@@ -38,7 +38,7 @@ fn brute_force_hit(ray: Ray) -> Hit {
         let here = to_mesh(instances[i], ray);
         let inverse = slab_inverse(here.direction);
         for (var face = 0u; face < FACES; face++) {
-            let code = PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
+            let code = PRIMITIVE_BIT | (KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT) | face;
             let t = face_hit(here, inverse, face).t;
             if t != NO_HIT && t < brute_force.t {
                 brute_force = hit_at(code, t);
