@@ -170,7 +170,7 @@ device_struct!(
 
 device_struct!(
     /// The runs that may be started now.
-    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, begins: u32, }
+    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, begins: u32, receipt: u32, }
 );
 
 device_struct!(
@@ -183,6 +183,7 @@ device_struct!(
         infinite: u32,
         cut: u32,
         refused: u32,
+        receipt: u32,
         counts: [[u32; 2]; 6],
         light: [[[u32; 2]; 2]; LIGHT_BINS],
     }

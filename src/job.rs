@@ -189,3 +189,9 @@ impl Job {
 pub fn blocks(samples: Range<u32>) -> Range<u32> {
     samples.start / RUN_LENGTH..samples.end.div_ceil(RUN_LENGTH)
 }
+
+/// The samples of a range that are in these blocks.
+pub fn samples_of(blocks: &Range<u32>, samples: &Range<u32>) -> Range<u32> {
+    let end_of = |block: u32| block.saturating_mul(RUN_LENGTH);
+    end_of(blocks.start).max(samples.start)..end_of(blocks.end).min(samples.end)
+}

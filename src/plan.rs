@@ -75,6 +75,8 @@ pub struct Kernels {
     pub bounce: Bounce,
     /// Adds finished runs to the film, after some bounces.
     pub accumulate: Kernel,
+    /// Ends a submission.
+    pub receipt: Kernel,
     /// Light paths; absent if none are traced.
     pub light_path: Option<Kernel>,
     /// The state of a path that slots keep from one dispatch to the next.
@@ -251,6 +253,7 @@ impl Kernels {
             generate,
             bounce,
             accumulate,
+            receipt: always("receipt", &every_render)?,
             light_path,
             path_fields,
             settings,
@@ -279,6 +282,7 @@ impl Kernels {
         }
         all.push(&self.accumulate);
         all.extend(&self.light_path);
+        all.push(&self.receipt);
         all
     }
 

@@ -12,6 +12,8 @@ struct Window {
     pixels: u32,
     // 1 for the first dispatch of a window of light paths, else 0.
     begins: u32,
+    // The number of the submission.
+    receipt: u32,
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;
@@ -36,6 +38,8 @@ struct Counters {
     infinite: atomic<u32>,
     cut: atomic<u32>,
     refused: atomic<u32>,
+    // The number of the last submission whose kernels have all run.
+    receipt: u32,
     // Counts of 64 bits, the low word first (step/count).
     counts: array<array<atomic<u32>, 2>, 6>,
     //@ if probed

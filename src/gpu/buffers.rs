@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::device::Device;
+use super::receipt::{Commands, RECEIPT_BYTES, Submission};
 use crate::error::{Error, Result};
 
 /// A buffer to be made.
@@ -145,7 +146,7 @@ impl Buffers {
                 usage: spec.usage,
                 mapped_at_creation: false,
             });
-            device.fill(&buffer, &spec.contents)?;
+            fill(device, &buffer, &spec.contents)?;
             named.insert(spec.name, buffer);
         }
         match pollster::block_on(scope.pop()) {
@@ -171,10 +172,37 @@ impl Buffers {
     }
 }
 
+/// Bytes of a buffer's contents that are on their way at a time.
+const FILL_AT_ONCE: usize = 64 << 20;
+
+/// Fills a buffer with the bytes of these parts, one after the other. The driver copies what is on its way, so that much is sent in
+/// pieces, each of which is waited for.
+fn fill(device: &Device, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> Result<()> {
+    let mut offset = 0;
+    for part in contents.iter().flat_map(|part| part.chunks(FILL_AT_ONCE)) {
+        device.write_at(buffer, offset, part)?;
+        if part.len() == FILL_AT_ONCE {
+            execute(device, device.commands("upload")?)?;
+        }
+        offset += part.len() as u64;
+    }
+    Ok(())
+}
+
+/// Submits commands from which nothing but the receipt is read, with what was written before them, and waits until they are executed.
+///
+/// # Errors
+/// As of [`Readback::read`].
+pub fn execute(device: &Device, mut commands: Commands) -> Result<()> {
+    let readback = Readback::new(device, "receipt", 0);
+    readback.confirm(device, &mut commands);
+    readback.read(device, device.submit(commands), 0, |_| ())
+}
+
 /// When a wait on another thread has called back at the latest.
 const CALL_BACK: Duration = Duration::from_secs(60);
 
-/// A staging buffer, through which the host reads what the device wrote.
+/// A staging buffer, through which the host reads what the device wrote. The receipt of the submission stands behind that.
 pub struct Readback {
     staging: wgpu::Buffer,
 }
@@ -184,7 +212,7 @@ impl Readback {
     pub fn new(device: &Device, label: &str, bytes: u64) -> Readback {
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: bytes.max(4).next_multiple_of(4),
+            size: bytes.next_multiple_of(4) + RECEIPT_BYTES,
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -193,37 +221,52 @@ impl Readback {
 
     /// The bytes that it has room for.
     pub fn room(&self) -> u64 {
-        self.staging.size()
+        self.staging.size() - RECEIPT_BYTES
     }
 
-    /// Records the copy of the bytes of a buffer from `offset` on.
-    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, offset: u64, bytes: u64) {
-        encoder.copy_buffer_to_buffer(from, offset, &self.staging, 0, bytes);
+    /// Records the copy of the bytes of a buffer from `offset` on, and of the receipt.
+    pub fn copy(&self, device: &Device, commands: &mut Commands, from: &wgpu::Buffer, offset: u64, bytes: u64) {
+        commands.encoder.copy_buffer_to_buffer(from, offset, &self.staging, 0, bytes);
+        self.confirm(device, commands);
+    }
+
+    /// Records the copy of the receipt alone.
+    fn confirm(&self, device: &Device, commands: &mut Commands) {
+        let number = &device.receipts.number;
+        commands.encoder.copy_buffer_to_buffer(number, 0, &self.staging, self.room(), RECEIPT_BYTES);
     }
 
     /// Waits for the submission that holds the copy, and hands its bytes to `use_bytes`.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device has failed, or the receipt is not that of the submission.
     pub fn read<T>(
         &self,
         device: &Device,
-        submission: wgpu::SubmissionIndex,
+        submission: Submission,
         bytes: u64,
         use_bytes: impl FnOnce(&[u8]) -> T,
     ) -> Result<T> {
-        let slice = self.staging.slice(..bytes);
+        let slice = self.staging.slice(..);
         let (sender, receiver) = std::sync::mpsc::channel();
         slice.map_async(wgpu::MapMode::Read, move |result| {
             // The receiver is gone only if the wait below failed, and then the result is not needed.
             let _ = sender.send(result);
         });
-        device.wait(submission)?;
+        device.wait(submission.index.clone())?;
         // The wait has called back. If another thread's wait is about to, it is a moment later.
         match receiver.recv_timeout(CALL_BACK) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(device.failed(&error.to_string())),
             Err(error) => return Err(device.failed(&error.to_string())),
         }
-        let result =
-            slice.get_mapped_range().map(|view| use_bytes(&view)).map_err(|error| device.failed(&error.to_string()));
+        let read = |view: wgpu::BufferView| {
+            let (written, receipt) = view.split_at(self.room() as usize);
+            device.expect_done(bytemuck::pod_read_unaligned::<u32>(receipt) == submission.receipt)?;
+            Ok(use_bytes(written.get(..bytes as usize).unwrap_or(written)))
+        };
+        let view = slice.get_mapped_range().map_err(|error| device.failed(&error.to_string()));
+        let result = view.and_then(read);
         self.staging.unmap();
         result
     }

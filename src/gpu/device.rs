@@ -1,6 +1,5 @@
 //! Adapters and devices.
 
-use std::borrow::Cow;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,6 +9,7 @@ use std::time::Duration;
 use super::compile_progress::CompileProgress;
 use super::kernel_cache::KernelCache;
 use super::numerics::Numerics;
+use super::receipt::{Commands, Receipts, Submission};
 use crate::error::{Error, Result};
 use crate::guard;
 
@@ -221,6 +221,8 @@ pub struct Device {
     pub numerics: OnceLock<Numerics>,
     /// The kernels that were compiled for it.
     pub kernels: KernelCache,
+    /// The receipts of its submissions.
+    pub(super) receipts: Receipts,
     /// How far it is with those of the present render.
     pub compiling: CompileProgress,
     /// The first error that occurred outside a call that could return it.
@@ -232,9 +234,6 @@ pub struct Device {
 const WAITS: u32 = 10;
 /// A wait whose time is over while another thread also waits for this device may panic in wgpu, so that none should be over on a busy machine.
 const WAIT: Duration = Duration::from_secs(60);
-
-/// Bytes of a buffer's contents that are on their way at a time.
-const FILL_AT_ONCE: usize = 64 << 20;
 
 /// What to do about a device that failed.
 const ADVICE: &str = "If it happens again, end other programs that use the device, update its driver, or choose another one \
@@ -277,7 +276,8 @@ impl Device {
             }
         });
         let (numerics, kernels, compiling) = (OnceLock::new(), KernelCache::default(), CompileProgress::default());
-        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, compiling, fault })
+        let receipts = Receipts::new(&device);
+        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, receipts, compiling, fault })
     }
 
     /// The class of this device.
@@ -285,33 +285,42 @@ impl Device {
         DeviceClass::new(self.name.software, &self.limits)
     }
 
-    /// Records commands. `label` names them in the driver's messages.
-    pub fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
-        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
-    }
-
     /// Writes the first bytes of a buffer, before the next submission.
     pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<()> {
         self.write_at(buffer, 0, bytes)
     }
 
-    fn write_at(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) -> Result<()> {
+    pub(super) fn write_at(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) -> Result<()> {
         // wgpu panics where the driver has no memory for the commands that copy the bytes.
         caught(|| self.queue.write_buffer(buffer, offset, bytes)).or_else(|panic| self.fail(panic))
     }
 
-    /// Fills a buffer with the bytes of these parts, one after the other. The driver copies what is on its way, so that much is sent in
-    /// pieces, each of which is waited for.
-    pub(super) fn fill(&self, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> Result<()> {
-        let mut offset = 0;
-        for part in contents.iter().flat_map(|part| part.chunks(FILL_AT_ONCE)) {
-            self.write_at(buffer, offset, part)?;
-            if part.len() == FILL_AT_ONCE {
-                self.wait(self.queue.submit([]))?;
-            }
-            offset += part.len() as u64;
+    /// Begins to record commands. `label` names them in the driver's messages.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device has failed.
+    pub fn commands(&self, label: &str) -> Result<Commands> {
+        let receipt = self.receipts.next();
+        self.write(&self.receipts.number, &receipt.to_le_bytes())?;
+        let encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) });
+        Ok(Commands { encoder, receipt })
+    }
+
+    /// Submits commands, and what was written before them.
+    pub fn submit(&self, commands: Commands) -> Submission {
+        let Commands { encoder, receipt } = commands;
+        Submission { index: self.queue.submit([encoder.finish()]), receipt }
+    }
+
+    /// Fails the device unless it has done work that its driver reported as done.
+    ///
+    /// # Errors
+    /// `Error::Device` if it has not.
+    pub fn expect_done(&self, is_done: bool) -> Result<()> {
+        match is_done {
+            true => Ok(()),
+            false => self.fail("the driver reported work as done that the device has not done".to_string()),
         }
-        Ok(())
     }
 
     /// Waits until a submission has been executed.

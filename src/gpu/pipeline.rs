@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, execute};
 use super::device::Device;
 use super::kernel_cache::{Compiled, CompiledFrom};
 use super::layout::{Binding, BindingKind, has_override};
@@ -75,9 +75,9 @@ impl Pipeline {
 
     /// Dispatches the kernel with no workgroups, because some drivers compile at the first dispatch.
     pub fn warm_up(&self, device: &Device) -> Result<()> {
-        let mut encoder = device.encoder("warm-up");
-        self.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
-        device.wait(device.queue.submit([encoder.finish()]))
+        let mut commands = device.commands("warm-up")?;
+        self.dispatch(&mut commands.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
+        execute(device, commands)
     }
 
     /// Records a dispatch of so many workgroups.

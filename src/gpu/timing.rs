@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::buffers::Readback;
 use super::device::Device;
+use super::receipt::{Commands, Submission};
 use crate::error::Result;
 
 /// Timestamps of the passes of one submission at a time.
@@ -82,21 +83,16 @@ impl Timing {
     }
 
     /// Records the copy of the timestamps to the host; the last thing of a submission.
-    pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub fn resolve(&self, device: &Device, commands: &mut Commands) {
         let queries = self.recorded.len() as u32 * 2;
         if queries > 0 {
-            encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
-            self.readback.copy(encoder, &self.resolved, 0, u64::from(queries) * 8);
+            commands.encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
+            self.readback.copy(device, commands, &self.resolved, 0, u64::from(queries) * 8);
         }
     }
 
     /// Adds the times of a submission that has been executed.
-    pub fn collect(
-        &mut self,
-        device: &Device,
-        submission: wgpu::SubmissionIndex,
-        times: &mut StageTimes,
-    ) -> Result<()> {
+    pub fn collect(&mut self, device: &Device, submission: Submission, times: &mut StageTimes) -> Result<()> {
         let recorded = std::mem::take(&mut self.recorded);
         if recorded.is_empty() {
             return Ok(());

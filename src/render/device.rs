@@ -18,8 +18,9 @@ use crate::gpu::compile_beside::{compile_beside, is_worth_it};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
+use crate::gpu::receipt::Submission;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
-use crate::job::{Job, blocks};
+use crate::job::{Job, blocks, samples_of};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
 use crate::threads::join;
 
@@ -54,6 +55,8 @@ struct Kernels {
     accumulate: Stage,
     /// Light paths, if they are traced.
     light_path: Option<Stage>,
+    /// The last of a submission.
+    receipt: Stage,
     settings_layout: SettingsLayout,
 }
 
@@ -125,7 +128,7 @@ struct Report {
 
 /// A submission that the device has not reported on yet.
 struct Flight {
-    submission: wgpu::SubmissionIndex,
+    submission: Submission,
     /// Its index among the reports.
     report: usize,
     kind: PathKind,
@@ -239,6 +242,7 @@ impl<'a> DeviceRenderer<'a> {
                 light_path: { plan.kernels.light_path.as_ref() }
                     .map(|kernel| stage(kernel, StageSize::Slots))
                     .transpose()?,
+                receipt: stage(&plan.kernels.receipt, StageSize::One)?,
                 settings_layout: plan.kernels.settings.clone(),
             },
             paces: [pace(), pace()],
@@ -260,20 +264,20 @@ impl<'a> DeviceRenderer<'a> {
         Ok(renderer)
     }
 
-    /// Makes the kernels ready, and counts those that are. The first two are small: if they take long, the driver compiles. Then this device
+    /// Makes the kernels ready, and counts those that are. The first three are small: if they take long, the driver compiles. Then this device
     /// compiles the largest kernel, while another device compiles the others.
     fn warm_up(&self, specs: &[PipelineSpec<'_>], buffers: &[BufferSpec<'_>]) -> Result<()> {
-        let Kernels { generate, bounce, accumulate, light_path, .. } = &self.kernels;
+        let Kernels { generate, bounce, accumulate, light_path, receipt, .. } = &self.kernels;
         let device = self.device;
         let large: Vec<&Stage> = bounce.iter().chain(light_path).collect();
-        device.compiling.begin(2 + large.len());
+        device.compiling.begin(3 + large.len());
         let warm_up = |stage: &Stage| {
             stage.pipeline.warm_up(device)?;
             device.compiling.advance();
             Ok(())
         };
         let begin = Instant::now();
-        [generate, accumulate].into_iter().try_for_each(warm_up)?;
+        [generate, accumulate, receipt].into_iter().try_for_each(warm_up)?;
         let is_large = |spec: &&PipelineSpec<'_>| large.iter().any(|stage| stage.pipeline.name == spec.name);
         let mut by_size: Vec<_> = specs.iter().filter(is_large).collect();
         by_size.sort_by_key(|spec| Reverse(spec.text.len()));
@@ -361,7 +365,8 @@ impl<'a> DeviceRenderer<'a> {
         let pixels = self.film.tile.len() as u32;
         let first_block = blocks.start;
         let end = blocks.len() as u32 * pixels;
-        let mut window = Window { first_block, end, bounces: 0, first_pixel: self.film.tile.start, pixels, begins: 0 };
+        let mut window =
+            Window { first_block, end, bounces: 0, first_pixel: self.film.tile.start, pixels, begins: 0, receipt: 0 };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -405,7 +410,11 @@ impl<'a> DeviceRenderer<'a> {
             }
             to_cut |= may_end_early && !cut && shared.state().ends_early();
         }
-        Ok(first_block + window.end / pixels)
+        let rendered = first_block..first_block + window.end / pixels;
+        let samples = samples_of(&rendered, &(self.settings.first_sample..self.settings.end_sample));
+        let paths = totals_since(&counters, &Counters::default()).paths;
+        self.device.expect_done(paths == u64::from(pixels) * samples.len() as u64)?;
+        Ok(rendered.end)
     }
 
     /// Traces the light paths of blocks of samples, of the whole image, until every slot is idle. They add light to the pixels of the tile.
@@ -413,7 +422,7 @@ impl<'a> DeviceRenderer<'a> {
         let tile = self.film.tile.clone();
         let (first_block, first_pixel, pixels) = (blocks.start, tile.start, tile.len() as u32);
         let end = blocks.len() as u32 * self.light_paths_of_block();
-        let mut window = Window { first_block, end, bounces: 0, first_pixel, pixels, begins: 1 };
+        let mut window = Window { first_block, end, bounces: 0, first_pixel, pixels, begins: 1, receipt: 0 };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -438,7 +447,15 @@ impl<'a> DeviceRenderer<'a> {
             }
         }
         // They find only idle slots.
-        flights.into_iter().try_for_each(|flight| self.finish(flight).map(|_| ()))
+        flights.into_iter().try_for_each(|flight| self.finish(flight).map(|_| ()))?;
+        let samples = samples_of(&blocks, &(self.settings.first_sample..self.settings.end_sample));
+        let of_block = u64::from(self.light_paths_of_block());
+        let before = |sample: u32| {
+            let (block, within) = (u64::from(sample / RUN_LENGTH), u64::from(sample % RUN_LENGTH));
+            block * of_block + (within * of_block.div_ceil(u64::from(RUN_LENGTH))).min(of_block)
+        };
+        let traced: u64 = totals_since(&counters, &Counters::default()).light_paths.into_iter().sum();
+        self.device.expect_done(traced == before(samples.end) - before(samples.start))
     }
 
     /// The light paths of a block of samples: of all pixels of the image, also where a part of it is rendered.
@@ -452,7 +469,9 @@ impl<'a> DeviceRenderer<'a> {
         let Flight { submission, report, kind, bounces, begin } = flight;
         let Report { counters, timing } = &mut self.reports.each[report];
         let bytes = size_of::<Counters>() as u64;
-        let counted = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
+        let counted: Counters = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
+        // Each slot asks for a run in the first submission.
+        self.device.expect_done(counted.receipt == submission.receipt && counted.next >= self.tuning.slots)?;
         if let Some(timing) = timing {
             timing.collect(self.device, submission, &mut self.reports.stages)?;
         }
@@ -477,10 +496,10 @@ impl<'a> DeviceRenderer<'a> {
         for first in tile.clone().step_by(at_once as usize) {
             let end = tile.end.min(first.saturating_add(at_once));
             let bytes = u64::from(end - first) * each;
-            let mut encoder = self.device.encoder("pass");
-            readback.copy(&mut encoder, self.buffers.get("film")?, u64::from(first - tile.start) * each, bytes);
-            let submission = self.device.queue.submit([encoder.finish()]);
-            readback.read(self.device, submission, bytes, |bytes| {
+            let mut commands = self.device.commands("film")?;
+            let from = u64::from(first - tile.start) * each;
+            readback.copy(self.device, &mut commands, self.buffers.get("film")?, from, bytes);
+            readback.read(self.device, self.device.submit(commands), bytes, |bytes| {
                 let indices = (first..end).map(|rank| pixel_in_order(rank, *size));
                 film.add_from_device(indices, bytes);
             })?;
@@ -512,21 +531,22 @@ impl<'a> DeviceRenderer<'a> {
     fn submit(&mut self, window: &mut Window, number: usize, kind: PathKind) -> Result<Flight> {
         let pace = &self.paces[kind as usize];
         let bounces = pace.bounces.clamp(1, pace.most);
-        window.bounces = bounces;
-        self.write("window", bytemuck::bytes_of(window))?;
         let begin = Instant::now();
+        let mut commands = self.device.commands("pass")?;
+        (window.bounces, window.receipt) = (bounces, commands.receipt);
+        self.write("window", bytemuck::bytes_of(window))?;
         let report = number % IN_FLIGHT;
-        let mut encoder = self.device.encoder("pass");
+        let encoder = &mut commands.encoder;
         if std::mem::take(&mut self.film.is_stale) {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
-        let Kernels { generate, bounce, is_fused, accumulate, light_path, .. } = &self.kernels;
+        let Kernels { generate, bounce, is_fused, accumulate, light_path, receipt, .. } = &self.kernels;
         let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
         let first = (number == 0).then_some(generate);
         let stages: Vec<&Stage> = match kind {
-            PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate]).collect(),
-            PathKind::Light => light_path.iter().collect(),
+            PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate, receipt]).collect(),
+            PathKind::Light => light_path.iter().chain([receipt]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();
         let Report { counters: readback, timing } = &mut self.reports.each[report];
@@ -543,15 +563,14 @@ impl<'a> DeviceRenderer<'a> {
                     });
                     stage.record(&mut pass, groups, sizes);
                 }
-                timing.resolve(&mut encoder);
+                timing.resolve(self.device, &mut commands);
             }
         }
         let counters = self.buffers.get("counters")?;
-        readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
+        readback.copy(self.device, &mut commands, counters, 0, size_of::<Counters>() as u64);
         // The records have been added to the film.
-        encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
-        let submission = self.device.queue.submit([encoder.finish()]);
-        Ok(Flight { submission, report, kind, bounces, begin })
+        commands.encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
+        Ok(Flight { submission: self.device.submit(commands), report, kind, bounces, begin })
     }
 
     /// The most bounces of a submission, for which there are records for all finished runs: a slot finishes the run that it has, and then at

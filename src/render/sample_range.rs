@@ -7,9 +7,8 @@ use std::time::Instant;
 use super::outcome::Outcome;
 use super::tiles::Schedule;
 use super::watch::{Next, Snapshot, Watch};
-use crate::data::RUN_LENGTH;
 use crate::film::{Film, Totals};
-use crate::job::blocks;
+use crate::job::{blocks, samples_of};
 
 /// The caller of a render: its film, its outcome so far, and its `watch`.
 pub struct Caller<'a> {
@@ -127,9 +126,7 @@ impl<'a, 'b> SampleRange<'a, 'b> {
             let index = state.left.partition_point(|blocks| blocks.start < rest.start);
             state.left.insert(index, rest);
         }
-        let start = (rendered.start * RUN_LENGTH).max(self.samples.start);
-        let end = (rendered.end * RUN_LENGTH).min(self.samples.end);
-        state.caller.outcome.samples.add(start..end);
+        state.caller.outcome.samples.add(samples_of(&rendered, &self.samples));
         state.caller.wants_complete
     }
 

@@ -14,8 +14,8 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A function of Vulkan returns `lost` or `memory` from this call on, or the device hangs from then on: `hang`. The mark lies in
-    /// the folder.
+    /// A function of Vulkan returns `lost` or `memory` from this call on, or the device hangs from then on (`hang`), or does not do all that it
+    /// says (`skip`, `half`). The mark lies in the folder.
     pub fn new(folder: &Path, function: &str, call: u32, result: &str) -> Fault {
         Fault { fault: format!("{function}:{call}:{result}:always"), mark: folder.join("fault") }
     }

@@ -221,15 +221,15 @@ impl Kernel {
         };
         let pipeline = Pipeline::new(device, &spec, &buffers).expect("the test kernel compiles");
         let readback = Readback::new(device, wanted, bytes);
-        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut commands = device.commands("test").expect("the device works");
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = commands.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             for _ in 0..dispatches {
                 pipeline.dispatch(&mut pass, rows.div_ceil(WORKGROUP));
             }
         }
-        readback.copy(&mut encoder, buffers.get(wanted).expect("it was made above"), 0, bytes);
-        let submission = device.queue.submit([encoder.finish()]);
+        readback.copy(device, &mut commands, buffers.get(wanted).expect("it was made above"), 0, bytes);
+        let submission = device.submit(commands);
         readback.read(device, submission, bytes, bytemuck::pod_collect_to_vec::<u8, O>).expect("the test kernel runs")
     }
 }

@@ -487,7 +487,7 @@ fn everything_on_cuts_no_walk_shorter() {
             let flat = flat(&parse(&text), every);
             let (plan, _) = planned_with(&flat, &classes()[0], Scatter::Fused, options(every));
             let own: Vec<_> = plan.kernels().iter().map(|kernel| kernel.choices.values["most_steps"].clone()).collect();
-            assert_eq!(own, [steps; 3], "{material} {objects} {every}");
+            assert_eq!(own, [steps; 4], "{material} {objects} {every}");
         }
     }
 }
@@ -581,7 +581,7 @@ fn scenes_without_surfaces_are_fused_too() {
         let flat = flat(&parse(&text), FeatureSet::Scene);
         let (plan, report) = planned(&flat, class, Scatter::Fused);
         let names: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
-        assert_eq!(names, ["generate", "bounce", "accumulate"]);
+        assert_eq!(names, ["generate", "bounce", "accumulate", "receipt"]);
         assert!(report.scatter.starts_with("fused"), "{}", report.scatter);
         assert!(!names_in(&plan, &report).contains("step/scatter"), "{objects}");
     }

@@ -2,7 +2,9 @@
 //! (tests/common/fault.rs).
 //!
 //! `GPU_RT_FAULT` says what fails: `FUNCTION:CALL:RESULT:HOW_OFTEN`. The calls of a function count from 1. The result is `lost`
-//! (VK_ERROR_DEVICE_LOST), `memory` (VK_ERROR_OUT_OF_DEVICE_MEMORY) or `hang`: from then on the device finishes nothing. It happens
+//! (VK_ERROR_DEVICE_LOST), `memory` (VK_ERROR_OUT_OF_DEVICE_MEMORY), `hang`: from then on the device finishes nothing, or `skip`: the device
+//! reports work as done that it has not done. `skip` of `vkQueueSubmit` leaves out all commands, `half` all but the first command buffer,
+//! and `skip` of `vkCmdDispatch` leaves out that dispatch. It happens
 //! `once` or `always`: in this call, or in this and all later ones. With `GPU_RT_FAULT_AFTER`, calls count once that file exists. A
 //! fault that has happened leaves the file `GPU_RT_FAULT_MARK`.
 //!
@@ -29,6 +31,9 @@ const TIMEOUT: i32 = 2;
 const OUT_OF_DEVICE_MEMORY: i32 = -2;
 const INITIALIZATION_FAILED: i32 = -3;
 const DEVICE_LOST: i32 = -4;
+// No results of Vulkan: what to leave out.
+const SKIP: i32 = i32::MIN;
+const HALF: i32 = i32::MIN + 1;
 
 // The structs by which the loader links layers (vulkan/vk_layer.h).
 
@@ -141,6 +146,8 @@ fn failing(name: &str) -> Option<i32> {
     match fault.result.as_str() {
         "lost" => Some(DEVICE_LOST),
         "memory" => Some(OUT_OF_DEVICE_MEMORY),
+        "skip" => Some(SKIP),
+        "half" => Some(HALF),
         _ => {
             HANGS.store(true, Ordering::Relaxed);
             None
@@ -231,6 +238,41 @@ can_fail! {
     vkResetFences(count: u32, fences: Any)
     vkCreateQueryPool(info: Any, allocator: Any, pool: Any)
     vkGetSemaphoreCounterValue(semaphore: u64, value: *mut u64)
+    vkCmdDispatch(x: u32, y: u32, z: u32)
+}
+
+/// VkSubmitInfo.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct SubmitInfo {
+    struct_type: i32,
+    next: Any,
+    wait_semaphores: u32,
+    waits: Any,
+    wait_stages: Any,
+    command_buffers: u32,
+    commands: Any,
+    signal_semaphores: u32,
+    signals: Any,
+}
+
+/// Submits what a fault leaves of the commands, and says that all of them are done.
+unsafe extern "system" fn queue_submit(queue: Handle, count: u32, submits: *mut SubmitInfo, fence: u64) -> i32 {
+    let most = match failing("vkQueueSubmit") {
+        Some(SKIP) => 0,
+        Some(HALF) => 1,
+        Some(result) => return result,
+        None => u32::MAX,
+    };
+    hanging("vkQueueSubmit");
+    let mut left = Vec::new();
+    for index in 0..count as usize {
+        let submit = unsafe { *submits.add(index) };
+        left.push(SubmitInfo { command_buffers: submit.command_buffers.min(most), ..submit });
+    }
+    let next = next::vkQueueSubmit.load(Ordering::Relaxed);
+    let next: unsafe extern "system" fn(Handle, u32, *mut SubmitInfo, u64) -> i32 = unsafe { transmute(next) };
+    unsafe { next(queue, count, left.as_mut_ptr(), fence) }
 }
 
 /// Keeps the counter of a device that hangs at its last value.
@@ -358,6 +400,7 @@ unsafe extern "system" fn device_proc(device: Handle, name: *const c_char) -> Fu
     let core = text.strip_suffix("KHR").unwrap_or(text);
     match of_device(core, next) {
         Some(_) if core == "vkGetSemaphoreCounterValue" => counter_value as Function,
+        Some(_) if core == "vkQueueSubmit" => queue_submit as Function,
         Some(function) => function,
         None => next,
     }

@@ -196,6 +196,47 @@ fn a_device_that_cannot_be_set_up_is_an_error() {
     );
 }
 
+/// A small image with light paths.
+const GLASS: &str = "Scene(image: (width: 20, height: 12), camera: (look_from: (0, 2, 5), look_at: (0, 0.5, 0), vertical_fov: 40),
+    background: Solid((0, 0, 0)), materials: {\"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"glass\": Dielectric(ior: 1.5)},
+    objects: [Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"floor\"), PointLight(at: (1, 4, 0), intensity: (9, 9, 9)),
+        Sphere(center: (0, 1, 0), radius: 1, material: \"glass\")], render: (samples: 16, max_depth: 8))";
+
+/// A driver that says that work is done which the device has not done, once: a submission, its half, or a dispatch. The render begins again, or
+/// ends with an error. A warm-up that is left out does no harm.
+#[test]
+fn work_that_is_only_reported_as_done_is_found() {
+    for (scene, function, result) in [
+        (SPHERE, "vkQueueSubmit", "skip"),
+        (SPHERE, "vkQueueSubmit", "half"),
+        (SPHERE, "vkCmdDispatch", "skip"),
+        (GLASS, "vkCmdDispatch", "skip"),
+    ] {
+        let folder = sandbox();
+        fs::write(folder.path().join("sphere.ron"), scene).expect("the scene is written");
+        ran(render(folder.path(), &["-o", "full.exr", "--quiet"])).exits(0);
+        let full = read_exr(&folder.path().join("full.exr")).expect("it is read");
+        let mut again = 0;
+        for call in 1.. {
+            let fault = Fault::once(folder.path(), function, call, result);
+            let ran = meets(render(folder.path(), &["--force", "--scatter", "fused", "--bounces", "64"]), &fault);
+            if !fault.has_happened() {
+                break;
+            }
+            if ran.code() != 0 {
+                let said = the_error(ran, &fault);
+                let words = "the driver reported work as done that the device has not done";
+                assert!(said.contains(words), "{fault:?}: {said}");
+                continue;
+            }
+            again += usize::from(ran.stderr.contains("the device is opened once more"));
+            let image = image(folder.path());
+            assert_eq!((&image.rgb, &image.variance), (&full.rgb, &full.variance), "{fault:?}: {}", ran.stderr);
+        }
+        assert!(again > 0, "{function}, {result}: no render begins again");
+    }
+}
+
 /// The last waits may find that all is done.
 #[test]
 fn a_device_that_hangs_at_any_wait_lets_the_program_end() {
