@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test oidn quick test-long test-slurm test-tint fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
+.PHONY: render test driver oidn quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -31,10 +31,14 @@ test: export LVP_POISON_MEMORY = true
 test: export NODEVICE_SELECT = 1
 test: toolchain oidn
 	$(CARGO) test --release --no-run
-	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
-		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
+	@$(MAKE) --no-print-directory driver
 	tests/slowest.sh $(CARGO) test --release --lib --bins --tests
 	$(CARGO) test --release --doc
+
+# A driver for the tests.
+driver: toolchain
+	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
+		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 
 # Open Image Denoise, which the tests denoise with, unless OIDN_DIR names its folder. Python only fetches it and checks its hash.
 oidn:
@@ -62,11 +66,13 @@ test-long: toolchain
 	$(CARGO) test --release --test long --test unchanged --test program --test images --test kernels -- --ignored --nocapture
 
 # A render over a real Slurm, with two nodes on this machine, of which one fails. About a minute, as root.
-test-slurm: toolchain
+test-slurm: toolchain slurm
 	$(CARGO) build --release
+	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/slurm/run.sh
+
+slurm:
 	@PATH="$$PATH:/usr/sbin"; { command -v slurmctld && command -v slurmd && command -v munged; } >/dev/null || \
 		$(call install, slurm-wlm munge, Slurm is missing)
-	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/slurm/run.sh
 
 # Whether the kernels are valid WGSL by Tint, the compiler of Chrome and Dawn, which is stricter than naga. It needs no driver.
 test-tint: export NODEVICE_SELECT = 1
