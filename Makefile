@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
+.PHONY: render test driver oidn quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -117,6 +117,27 @@ gpu-compile: toolchain
 		$(call install, libvulkan1 mesa-vulkan-drivers, Mesa's RADV is missing)
 	@settings=; [ -n "$$VK_DRIVER_FILES" ] || settings=$$(tests/drivers/matrix.sh radv) || echo "using the installed Mesa"; \
 		env $$settings $(CARGO) bench --bench gpu_compile
+
+# On a machine with a GPU: the tests on it, and what it renders by which settings, within nine minutes. docs/gpu-NAME.md has it then.
+# DEVICE names another device than the default.
+DEVICE ?=
+GPU_SECONDS ?= 540
+OUT ?= docs
+gpu: gpu-kit
+	OUT="$(OUT)" target/gpu-kit/run.sh "$(DEVICE)" $(GPU_SECONDS)
+
+# What that runs, for a machine without a compiler: copy the repository and this folder, and run target/gpu-kit/run.sh.
+gpu-kit: toolchain
+	$(CARGO) build --release
+	$(CARGO) bench --no-run --bench gpu
+	rm -rf target/gpu-kit && mkdir -p target/gpu-kit
+	cp target/release/gpu-rt tests/gpu/run.sh target/gpu-kit
+	@echo "$(CURDIR)" >target/gpu-kit/root
+	@for name in kernels images; do \
+		cp "$$($(CARGO) test --release --no-run --test $$name 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/$$name || exit 1; \
+	done
+	cp "$$($(CARGO) bench --no-run --bench gpu 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/gpu
+	@bytes=$$(du -sb target/gpu-kit | cut -f1); [ "$$bytes" -lt 67108864 ] || { echo "error: target/gpu-kit has $$bytes bytes" >&2; exit 1; }
 
 lint: toolchain
 	$(CARGO) fmt --check

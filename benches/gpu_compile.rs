@@ -188,6 +188,7 @@ fn kernels() -> Result<Vec<Compiled>> {
     for name in names {
         let scene = Scene::load(&root().join(format!("scenes/{name}.ron")))?;
         let flat = flatten(&scene, (scene.image.width, scene.image.height), &options)?;
+        let options = RenderOptions { light_paths: flat.light_paths(&options), ..options.clone() };
         // Tables are storage, as on every GPU.
         let tables = UniformTables::new(&flat, DeviceClass::default());
         for (way, scatter) in WAYS {

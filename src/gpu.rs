@@ -11,6 +11,6 @@ pub mod numerics;
 pub mod pipeline;
 pub mod probe;
 mod reach;
-pub mod receipt;
 pub mod spirv;
 pub mod timing;
+pub mod unseen;

@@ -11,7 +11,7 @@ use super::console::{path_text, print_json, print_line, tell, tell_colours, tell
 use super::outputs::{check_name, make_folder};
 use super::scene::{flatten_for, load, name_of, stem_of, tell_biases};
 use super::signals::Signals;
-use super::target::{open_device, tell_software};
+use super::target::{open_device, tell_driver};
 use crate::cli::{PathArgs, SceneArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -95,7 +95,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), &args.options)?;
     let device = open_device(args.paths.device.as_deref())?;
-    tell_software(&device, args.quiet);
+    tell_driver(&device, args.quiet);
 
     let end = args.spp.0.unwrap_or(scene.render.samples);
     let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);

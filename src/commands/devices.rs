@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use super::console::{print_json, print_line};
+use super::console::{print_json, print_line, tell};
 use crate::error::Result;
 use crate::gpu::device::{Adapters, Device};
 use crate::gpu::numerics::{LOOPS, Numerics};
@@ -21,6 +21,9 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
     let adapters = Adapters::find();
     // If there is no device, the error says what to install.
     let chosen = adapters.index_of_choice(None)?;
+    if let Some(missing) = adapters.unseen_gpu() {
+        tell(&format!("warning: {missing}"));
+    }
     let names = adapters.names();
     let found: Vec<Result<Numerics>> = (0..names.len()).map(|index| probe(&adapters, index)).collect();
     if args.json {

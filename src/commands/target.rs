@@ -58,9 +58,29 @@ pub fn open_devices(spec: Option<&str>) -> Result<Vec<Device>> {
     Adapters::find().choose_several(spec)?.into_iter().map(Device::open).collect()
 }
 
-/// Prints a warning about a software driver, unless `quiet`.
-pub fn tell_software(device: &Device, quiet: bool) {
-    if device.name.software && !quiet {
-        tell(&format!("warning: {} is a software driver: it renders on the processor, without a GPU", device.name));
+/// Prints warnings about a driver that renders on the processor, and about an old compiler, unless `quiet`.
+pub fn tell_driver(device: &Device, quiet: bool) {
+    if quiet {
+        return;
     }
+    if device.name.software {
+        let gpu = Adapters::find().unseen_gpu().map_or_else(String::new, |missing| format!(". {missing}"));
+        tell(&format!(
+            "warning: {} is a software driver: it renders on the processor, without a GPU{gpu}",
+            device.name
+        ));
+    }
+    if device.name.backend == wgpu::Backend::Dx12.to_string() && !is_on_path("dxcompiler.dll") {
+        tell(
+            "warning: without dxcompiler.dll, DirectX 12 compiles kernels by an old compiler, which takes minutes or fails. Put \
+             dxcompiler.dll of Microsoft's DirectXShaderCompiler beside the program, or choose a device of Vulkan",
+        );
+    }
+}
+
+/// Whether a file is in the program's folder or in one of PATH.
+fn is_on_path(file: &str) -> bool {
+    let own = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.to_path_buf()));
+    let listed = std::env::var_os("PATH").unwrap_or_default();
+    own.into_iter().chain(std::env::split_paths(&listed)).any(|folder| folder.join(file).is_file())
 }

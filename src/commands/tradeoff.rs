@@ -10,7 +10,7 @@ use super::outputs::{check_name, make_folder};
 use super::render::RenderArgs;
 use super::scene::{load, name_of, stem_of};
 use super::signals::Signals;
-use super::target::{open_device, tell_software};
+use super::target::{open_device, tell_driver};
 use crate::aov::Aov;
 use crate::cli::{OIDN, SceneArgs, duration};
 use crate::denoise::Denoiser;
@@ -105,7 +105,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let seed = distinct_seed(args.seed, reference.as_ref());
     let folder = folder_of(args)?;
     let device = open_device(args.device.as_deref())?;
-    tell_software(&device, args.quiet);
+    tell_driver(&device, args.quiet);
     let at = |share: f64| start + Duration::from_secs_f64(share * args.budget.as_secs_f64());
 
     let mut loading = Loading::new(args.quiet);

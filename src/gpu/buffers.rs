@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use super::device::Device;
-use super::receipt::{Commands, RECEIPT_BYTES, Submission};
 use crate::error::{Error, Result};
 
 /// A buffer to be made.
@@ -182,7 +182,7 @@ fn fill(device: &Device, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> R
     for part in contents.iter().flat_map(|part| part.chunks(FILL_AT_ONCE)) {
         device.write_at(buffer, offset, part)?;
         if part.len() == FILL_AT_ONCE {
-            execute(device, device.commands("upload")?)?;
+            execute(device, device.encoder("upload"))?;
         }
         offset += part.len() as u64;
     }
@@ -193,30 +193,46 @@ fn fill(device: &Device, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> R
 ///
 /// # Errors
 /// As of [`Readback::read`].
-pub fn execute(device: &Device, mut commands: Commands) -> Result<()> {
+pub fn execute(device: &Device, mut encoder: wgpu::CommandEncoder) -> Result<()> {
     let readback = Readback::new(device, "receipt", 0);
-    readback.confirm(device, &mut commands);
-    readback.read(device, device.submit(commands), 0, |_| ())
+    readback.confirm(device, &mut encoder)?;
+    readback.read(device, device.submit(encoder), 0, |_| ())
 }
 
 /// When a wait on another thread has called back at the latest.
 const CALL_BACK: Duration = Duration::from_secs(60);
 
-/// A staging buffer, through which the host reads what the device wrote. The receipt of the submission stands behind that.
+/// The bytes of a receipt.
+const RECEIPT_BYTES: u64 = size_of::<u32>() as u64;
+
+/// A staging buffer, through which the host reads what the device wrote in one submission at a time. Each submission has a receipt: a number that is
+/// uploaded with it, and copied back after all else. A driver may give a submission up and report it as finished, as that of Metal
+/// does when its watchdog ends one (<https://github.com/gfx-rs/wgpu/issues/9545>). Then the number that comes back is an earlier one.
 pub struct Readback {
+    /// The receipt stands behind what is read.
     staging: wgpu::Buffer,
+    /// The number of the present submission on the device, and here.
+    number: wgpu::Buffer,
+    last: AtomicU32,
 }
 
 impl Readback {
     /// With room for so many bytes.
     pub fn new(device: &Device, label: &str, bytes: u64) -> Readback {
-        let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes.next_multiple_of(4) + RECEIPT_BYTES,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        Readback { staging }
+        let buffer = |size: u64, usage| {
+            device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let bytes = bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+        Readback {
+            staging: buffer(bytes + RECEIPT_BYTES, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+            number: buffer(RECEIPT_BYTES, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST),
+            last: AtomicU32::new(0),
+        }
     }
 
     /// The bytes that it has room for.
@@ -224,16 +240,34 @@ impl Readback {
         self.staging.size() - RECEIPT_BYTES
     }
 
-    /// Records the copy of the bytes of a buffer from `offset` on, and of the receipt.
-    pub fn copy(&self, device: &Device, commands: &mut Commands, from: &wgpu::Buffer, offset: u64, bytes: u64) {
-        commands.encoder.copy_buffer_to_buffer(from, offset, &self.staging, 0, bytes);
-        self.confirm(device, commands);
+    /// The receipt of the submission that is recorded next. None is 0, which fresh memory may hold.
+    pub fn next_receipt(&self) -> u32 {
+        self.last.load(Ordering::Relaxed) % u32::MAX + 1
+    }
+
+    /// Records the copy of the bytes of a buffer from `offset` on, and of the receipt: the last commands of a submission.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device has failed.
+    pub fn copy(
+        &self,
+        device: &Device,
+        encoder: &mut wgpu::CommandEncoder,
+        from: &wgpu::Buffer,
+        offset: u64,
+        bytes: u64,
+    ) -> Result<()> {
+        encoder.copy_buffer_to_buffer(from, offset, &self.staging, 0, bytes);
+        self.confirm(device, encoder)
     }
 
     /// Records the copy of the receipt alone.
-    fn confirm(&self, device: &Device, commands: &mut Commands) {
-        let number = &device.receipts.number;
-        commands.encoder.copy_buffer_to_buffer(number, 0, &self.staging, self.room(), RECEIPT_BYTES);
+    fn confirm(&self, device: &Device, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
+        let receipt = self.next_receipt();
+        self.last.store(receipt, Ordering::Relaxed);
+        device.write(&self.number, &receipt.to_le_bytes())?;
+        encoder.copy_buffer_to_buffer(&self.number, 0, &self.staging, self.room(), RECEIPT_BYTES);
+        Ok(())
     }
 
     /// Waits for the submission that holds the copy, and hands its bytes to `use_bytes`.
@@ -243,7 +277,7 @@ impl Readback {
     pub fn read<T>(
         &self,
         device: &Device,
-        submission: Submission,
+        submission: wgpu::SubmissionIndex,
         bytes: u64,
         use_bytes: impl FnOnce(&[u8]) -> T,
     ) -> Result<T> {
@@ -253,7 +287,7 @@ impl Readback {
             // The receiver is gone only if the wait below failed, and then the result is not needed.
             let _ = sender.send(result);
         });
-        device.wait(submission.index.clone())?;
+        device.wait(submission)?;
         // The wait has called back. If another thread's wait is about to, it is a moment later.
         match receiver.recv_timeout(CALL_BACK) {
             Ok(Ok(())) => {}
@@ -262,7 +296,7 @@ impl Readback {
         }
         let read = |view: wgpu::BufferView| {
             let (written, receipt) = view.split_at(self.room() as usize);
-            device.expect_done(bytemuck::pod_read_unaligned::<u32>(receipt) == submission.receipt)?;
+            device.expect_done(bytemuck::pod_read_unaligned::<u32>(receipt) == self.last.load(Ordering::Relaxed))?;
             Ok(use_bytes(written.get(..bytes as usize).unwrap_or(written)))
         };
         let view = slice.get_mapped_range().map_err(|error| device.failed(&error.to_string()));

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::compile_progress::CompileProgress;
 use super::kernel_cache::KernelCache;
 use super::numerics::Numerics;
-use super::receipt::{Commands, Receipts, Submission};
+use super::unseen::unseen_gpu;
 use crate::error::{Error, Result};
 use crate::guard;
 
@@ -72,6 +72,16 @@ impl Adapters {
         Adapters { list }
     }
 
+    /// Whether none is a GPU.
+    fn are_software(&self) -> bool {
+        self.list.iter().all(|adapter| AdapterName::from_adapter(adapter).software)
+    }
+
+    /// What is missing where the system has a GPU, and no adapter is one.
+    pub fn unseen_gpu(&self) -> Option<String> {
+        if self.are_software() { unseen_gpu() } else { None }
+    }
+
     /// The names of all adapters, with their limits.
     pub fn names(&self) -> Vec<(AdapterName, wgpu::Limits)> {
         self.list.iter().map(|adapter| (AdapterName::from_adapter(adapter), adapter.limits())).collect()
@@ -105,11 +115,11 @@ impl Adapters {
     /// adapter of the most capable kind.
     pub fn index_of_choice(&self, spec: Option<&str>) -> Result<usize> {
         if self.list.is_empty() {
-            return Err(Error::Device(
-                "no device: no Vulkan, Metal or DirectX 12 driver was found. On Debian or Ubuntu `apt-get install \
+            let gpu = unseen_gpu().map_or_else(String::new, |missing| format!("{missing}. "));
+            return Err(Error::Device(format!(
+                "no device: no Vulkan, Metal or DirectX 12 driver was found. {gpu}On Debian or Ubuntu `apt-get install \
                  mesa-vulkan-drivers` installs a software driver that needs no GPU"
-                    .to_string(),
-            ));
+            )));
         }
         let names: Vec<_> = self.list.iter().map(AdapterName::from_adapter).collect();
         match spec {
@@ -221,8 +231,6 @@ pub struct Device {
     pub numerics: OnceLock<Numerics>,
     /// The kernels that were compiled for it.
     pub kernels: KernelCache,
-    /// The receipts of its submissions.
-    pub(super) receipts: Receipts,
     /// How far it is with those of the present render.
     pub compiling: CompileProgress,
     /// The first error that occurred outside a call that could return it.
@@ -276,8 +284,7 @@ impl Device {
             }
         });
         let (numerics, kernels, compiling) = (OnceLock::new(), KernelCache::default(), CompileProgress::default());
-        let receipts = Receipts::new(&device);
-        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, receipts, compiling, fault })
+        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, compiling, fault })
     }
 
     /// The class of this device.
@@ -296,20 +303,13 @@ impl Device {
     }
 
     /// Begins to record commands. `label` names them in the driver's messages.
-    ///
-    /// # Errors
-    /// `Error::Device` if the device has failed.
-    pub fn commands(&self, label: &str) -> Result<Commands> {
-        let receipt = self.receipts.next();
-        self.write(&self.receipts.number, &receipt.to_le_bytes())?;
-        let encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) });
-        Ok(Commands { encoder, receipt })
+    pub fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
     }
 
     /// Submits commands, and what was written before them.
-    pub fn submit(&self, commands: Commands) -> Submission {
-        let Commands { encoder, receipt } = commands;
-        Submission { index: self.queue.submit([encoder.finish()]), receipt }
+    pub fn submit(&self, encoder: wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
+        self.queue.submit([encoder.finish()])
     }
 
     /// Fails the device unless it has done work that its driver reported as done.

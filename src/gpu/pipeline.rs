@@ -75,9 +75,9 @@ impl Pipeline {
 
     /// Dispatches the kernel with no workgroups, because some drivers compile at the first dispatch.
     pub fn warm_up(&self, device: &Device) -> Result<()> {
-        let mut commands = device.commands("warm-up")?;
-        self.dispatch(&mut commands.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
-        execute(device, commands)
+        let mut encoder = device.encoder("warm-up");
+        self.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 0);
+        execute(device, encoder)
     }
 
     /// Records a dispatch of so many workgroups.

@@ -72,14 +72,14 @@ pub fn run(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     };
     let pipeline = Pipeline::new(device, &spec, &buffers)?;
     let readback = Readback::new(device, "answers", answers_bytes);
-    let mut commands = device.commands("probe")?;
+    let mut encoder = device.encoder("probe");
     {
-        let mut pass = commands.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pipeline.dispatch(&mut pass, 1);
     }
-    readback.copy(device, &mut commands, buffers.get("answers")?, 0, answers_bytes);
+    readback.copy(device, &mut encoder, buffers.get("answers")?, 0, answers_bytes)?;
     let answers: Vec<Answer> =
-        readback.read(device, device.submit(commands), answers_bytes, bytemuck::pod_collect_to_vec)?;
+        readback.read(device, device.submit(encoder), answers_bytes, bytemuck::pod_collect_to_vec)?;
     // The state of no generator is 0.
     device.expect_done(answers.iter().all(|answer| answer.loop_state != 0))?;
     Ok(answers)

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::buffers::Readback;
 use super::device::Device;
-use super::receipt::{Commands, Submission};
 use crate::error::Result;
 
 /// Timestamps of the passes of one submission at a time.
@@ -34,6 +33,18 @@ impl StageTimes {
         (last > first).then(|| 1.0 - self.busy as f64 / (last - first) as f64)
     }
 
+    /// Adds the passes of these names, each with two ticks, the low byte first. Ticks that are all 0 are none.
+    fn add_passes(&mut self, names: Vec<String>, ticks: &[u8], seconds_per_tick: f64) {
+        let tick = |bytes: &[u8]| bytes.iter().rev().fold(0u64, |all, &byte| all << 8 | u64::from(byte));
+        if ticks.iter().all(|&byte| byte == 0) {
+            return;
+        }
+        for (name, pair) in names.into_iter().zip(ticks.chunks_exact(16)) {
+            let (begin, end) = pair.split_at(8);
+            self.add(name, (tick(begin), tick(end)), seconds_per_tick);
+        }
+    }
+
     fn add(&mut self, name: String, (begin, end): (u64, u64), seconds_per_tick: f64) {
         *self.seconds.entry(name).or_default() += end.saturating_sub(begin) as f64 * seconds_per_tick;
         let (first, last) = self.span.unwrap_or((begin, begin));
@@ -43,8 +54,9 @@ impl StageTimes {
     }
 }
 
-/// Passes of a submission at most: two queries each, of the 4096 that a set may hold.
-pub const MAX_PASSES: usize = 2048;
+/// Passes of a submission at most: two queries each, of the 4096 that a set may hold. On Metal, wgpu has two command buffers for each, of 4096 that
+/// may be recorded at a time.
+pub const MAX_PASSES: usize = 1024;
 
 impl Timing {
     /// None if the device has no timestamps.
@@ -83,27 +95,52 @@ impl Timing {
     }
 
     /// Records the copy of the timestamps to the host; the last thing of a submission.
-    pub fn resolve(&self, device: &Device, commands: &mut Commands) {
+    pub fn resolve(&self, device: &Device, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
         let queries = self.recorded.len() as u32 * 2;
         if queries > 0 {
-            commands.encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
-            self.readback.copy(device, commands, &self.resolved, 0, u64::from(queries) * 8);
+            encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
+            self.readback.copy(device, encoder, &self.resolved, 0, u64::from(queries) * 8)?;
         }
+        Ok(())
     }
 
     /// Adds the times of a submission that has been executed.
-    pub fn collect(&mut self, device: &Device, submission: Submission, times: &mut StageTimes) -> Result<()> {
+    pub fn collect(
+        &mut self,
+        device: &Device,
+        submission: wgpu::SubmissionIndex,
+        times: &mut StageTimes,
+    ) -> Result<()> {
         let recorded = std::mem::take(&mut self.recorded);
         if recorded.is_empty() {
             return Ok(());
         }
         let seconds_per_tick = f64::from(device.queue.get_timestamp_period()) * 1e-9;
         self.readback.read(device, submission, recorded.len() as u64 * 16, |bytes| {
-            for (name, pair) in recorded.into_iter().zip(bytes.chunks_exact(16)) {
-                let (begin, end) = pair.split_at(8);
-                let tick = |bytes: &[u8]| bytes.iter().rev().fold(0u64, |all, &byte| all << 8 | u64::from(byte));
-                times.add(name, (tick(begin), tick(end)), seconds_per_tick);
-            }
+            times.add_passes(recorded, bytes, seconds_per_tick);
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As on macOS 26.
+    #[test]
+    fn timestamps_that_are_all_0_are_none() {
+        let passes = |ticks: [u64; 4]| {
+            let mut times = StageTimes::default();
+            let bytes: Vec<u8> = ticks.iter().flat_map(|tick| tick.to_le_bytes()).collect();
+            times.add_passes(["bounce", "refill"].map(String::from).into(), &bytes, 0.5);
+            times
+        };
+        assert_eq!(
+            passes([7, 9, 10, 14]).seconds,
+            BTreeMap::from([("bounce".to_string(), 1.0), ("refill".to_string(), 2.0)])
+        );
+        assert_eq!(passes([7, 9, 10, 14]).idle(), Some(1.0 / 7.0));
+        let none = passes([0; 4]);
+        assert!(none.seconds.is_empty() && none.idle().is_none());
     }
 }

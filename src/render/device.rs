@@ -18,7 +18,6 @@ use crate::gpu::compile_beside::{compile_beside, is_worth_it};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
-use crate::gpu::receipt::Submission;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Job, blocks, samples_of};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
@@ -128,7 +127,8 @@ struct Report {
 
 /// A submission that the device has not reported on yet.
 struct Flight {
-    submission: Submission,
+    submission: wgpu::SubmissionIndex,
+    receipt: u32,
     /// Its index among the reports.
     report: usize,
     kind: PathKind,
@@ -466,12 +466,12 @@ impl<'a> DeviceRenderer<'a> {
 
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
-        let Flight { submission, report, kind, bounces, begin } = flight;
+        let Flight { submission, receipt, report, kind, bounces, begin } = flight;
         let Report { counters, timing } = &mut self.reports.each[report];
         let bytes = size_of::<Counters>() as u64;
         let counted: Counters = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
         // Each slot asks for a run in the first submission.
-        self.device.expect_done(counted.receipt == submission.receipt && counted.next >= self.tuning.slots)?;
+        self.device.expect_done(counted.receipt == receipt && counted.next >= self.tuning.slots)?;
         if let Some(timing) = timing {
             timing.collect(self.device, submission, &mut self.reports.stages)?;
         }
@@ -496,10 +496,10 @@ impl<'a> DeviceRenderer<'a> {
         for first in tile.clone().step_by(at_once as usize) {
             let end = tile.end.min(first.saturating_add(at_once));
             let bytes = u64::from(end - first) * each;
-            let mut commands = self.device.commands("film")?;
+            let mut encoder = self.device.encoder("film");
             let from = u64::from(first - tile.start) * each;
-            readback.copy(self.device, &mut commands, self.buffers.get("film")?, from, bytes);
-            readback.read(self.device, self.device.submit(commands), bytes, |bytes| {
+            readback.copy(self.device, &mut encoder, self.buffers.get("film")?, from, bytes)?;
+            readback.read(self.device, self.device.submit(encoder), bytes, |bytes| {
                 let indices = (first..end).map(|rank| pixel_in_order(rank, *size));
                 film.add_from_device(indices, bytes);
             })?;
@@ -532,21 +532,21 @@ impl<'a> DeviceRenderer<'a> {
         let pace = &self.paces[kind as usize];
         let bounces = pace.bounces.clamp(1, pace.most);
         let begin = Instant::now();
-        let mut commands = self.device.commands("pass")?;
-        (window.bounces, window.receipt) = (bounces, commands.receipt);
-        self.write("window", bytemuck::bytes_of(window))?;
         let report = number % IN_FLIGHT;
-        let encoder = &mut commands.encoder;
+        let receipt = self.reports.each[report].counters.next_receipt();
+        (window.bounces, window.receipt) = (bounces, receipt);
+        self.write("window", bytemuck::bytes_of(window))?;
+        let mut encoder = self.device.encoder("pass");
         if std::mem::take(&mut self.film.is_stale) {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
-        let Kernels { generate, bounce, is_fused, accumulate, light_path, receipt, .. } = &self.kernels;
+        let Kernels { generate, bounce, is_fused, accumulate, light_path, receipt: last, .. } = &self.kernels;
         let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
         let first = (number == 0).then_some(generate);
         let stages: Vec<&Stage> = match kind {
-            PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate, receipt]).collect(),
-            PathKind::Light => light_path.iter().chain([receipt]).collect(),
+            PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate, last]).collect(),
+            PathKind::Light => light_path.iter().chain([last]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();
         let Report { counters: readback, timing } = &mut self.reports.each[report];
@@ -563,14 +563,14 @@ impl<'a> DeviceRenderer<'a> {
                     });
                     stage.record(&mut pass, groups, sizes);
                 }
-                timing.resolve(self.device, &mut commands);
+                timing.resolve(self.device, &mut encoder)?;
             }
         }
         let counters = self.buffers.get("counters")?;
-        readback.copy(self.device, &mut commands, counters, 0, size_of::<Counters>() as u64);
         // The records have been added to the film.
-        commands.encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
-        Ok(Flight { submission: self.device.submit(commands), report, kind, bounces, begin })
+        encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
+        readback.copy(self.device, &mut encoder, counters, 0, size_of::<Counters>() as u64)?;
+        Ok(Flight { submission: self.device.submit(encoder), receipt, report, kind, bounces, begin })
     }
 
     /// The most bounces of a submission, for which there are records for all finished runs: a slot finishes the run that it has, and then at
@@ -588,8 +588,8 @@ impl<'a> DeviceRenderer<'a> {
         };
         let kernels = self.kernels.bounce.len() as u32;
         let timed = match self.reports.each.iter().any(|report| report.timing.is_some()) {
-            // Without the first kernel and the last.
-            true => (MAX_PASSES as u32 - 2) / kernels,
+            // Without the first kernel and the last two.
+            true => (MAX_PASSES as u32 - 3) / kernels,
             false => u32::MAX,
         };
         ((self.tuning.records_per_slot - 1) * shortest).clamp(1, timed)

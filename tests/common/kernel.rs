@@ -221,15 +221,16 @@ impl Kernel {
         };
         let pipeline = Pipeline::new(device, &spec, &buffers).expect("the test kernel compiles");
         let readback = Readback::new(device, wanted, bytes);
-        let mut commands = device.commands("test").expect("the device works");
+        let mut encoder = device.encoder("test");
         {
-            let mut pass = commands.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             for _ in 0..dispatches {
                 pipeline.dispatch(&mut pass, rows.div_ceil(WORKGROUP));
             }
         }
-        readback.copy(device, &mut commands, buffers.get(wanted).expect("it was made above"), 0, bytes);
-        let submission = device.submit(commands);
+        let copied = readback.copy(device, &mut encoder, buffers.get(wanted).expect("it was made above"), 0, bytes);
+        copied.expect("the device works");
+        let submission = device.submit(encoder);
         readback.read(device, submission, bytes, bytemuck::pod_collect_to_vec::<u8, O>).expect("the test kernel runs")
     }
 }

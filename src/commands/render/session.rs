@@ -5,7 +5,7 @@ use super::changes::Changes;
 use super::rendering::Clock;
 use crate::commands::scene::{load_with, size_of};
 use crate::commands::signals::Signals;
-use crate::commands::target::{open_devices, tell_software};
+use crate::commands::target::{open_devices, tell_driver};
 use crate::error::Result;
 use crate::flatten::{DeviceScene, Hierarchies, flatten_with};
 use crate::gpu::device::Device;
@@ -65,7 +65,7 @@ impl Session {
         self.devices.extend(opened);
         for (number, device) in self.devices.iter().enumerate() {
             let is_repeated = self.devices.iter().take(number).any(|other| other.name == device.name);
-            tell_software(device, quiet || is_repeated || self.devices_reported);
+            tell_driver(device, quiet || is_repeated || self.devices_reported);
         }
         self.devices_reported |= !quiet;
     }

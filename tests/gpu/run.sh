@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Measures a device by the programs beside this file (`make gpu-kit`), in the root of the repository: `run.sh [DEVICE] [SECONDS]`. The figures go to
+# the folder OUT, or to docs.
+set -euo pipefail
+export NODEVICE_SELECT=1
+kit=$(cd "$(dirname "$0")" && pwd)
+# The tests look for the repository where it was when they were built.
+built=$(cat "$kit/root")
+[ -e "$built" ] || { mkdir -p "$(dirname "$built")" && ln -s "$PWD" "$built"; }
+mkdir -p "$built/target/release" "$built/target/tmp"
+[ -e "$built/target/release/gpu-rt" ] || cp "$kit/gpu-rt" "$built/target/release/"
+exec "$kit/gpu" --program "$kit/gpu-rt" --tests "$kit/kernels" --tests "$kit/images" --device "${1:-}" --seconds "${2:-540}" --out "${OUT:-docs}"
