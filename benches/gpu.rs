@@ -118,7 +118,8 @@ fn chosen<'a>(devices: &'a Value, spec: &str) -> Result<&'a Value> {
         "" => device["default"] == true,
         _ => {
             let name = device["name"].as_str().unwrap_or_default().to_lowercase();
-            device["index"].to_string() == spec || name.contains(&spec.to_lowercase())
+            device["index"].as_u64().is_some_and(|index| spec.parse() == Ok(index))
+                || name.contains(&spec.to_lowercase())
         }
     };
     all.iter().find(fits).ok_or_else(|| format!("no device is named {spec}").into())
