@@ -1,5 +1,6 @@
 //! Compiles every kernel of the scenes that ship for real GPUs, on a machine without one, and compares the figures with the tables of
-//! docs/gpu.md. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes the tables anew.
+//! docs/gpu.md. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes the tables anew. With `--variant unchecked` or `uncontracted` it
+//! prints what kernels without checks, or without fused products, take over those that it has.
 //!
 //! Mesa's RADV opens on no hardware at all where RADV_FORCE_FAMILY names a GPU. It compiles pipelines for it and says what they take,
 //! but runs nothing. wgpu waits for its queue in vain, so this program calls Vulkan itself.
@@ -107,6 +108,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     match &words[..] {
         [] => check(),
+        [option, name] if option == "--variant" => compare(name),
         [option, folder] if option == "--compile" => {
             println!("{}", compile_all(Path::new(folder))?);
             Ok(())
@@ -115,18 +117,56 @@ fn main() -> Result<()> {
     }
 }
 
-/// Compiles all kernels for every GPU, and compares or writes the tables.
-fn check() -> Result<()> {
-    let folder = tempfile::tempdir()?;
-    let kernels = kernels()?;
+/// What differs from the kernels as they are.
+#[derive(Clone, Copy, PartialEq)]
+enum Variant {
+    Usual,
+    /// Without checks of indices and bounds of loops.
+    Unchecked,
+    /// Without products that are fused with sums.
+    Uncontracted,
+}
+
+/// Prints the figures of a variant over the usual ones: geometric means over the kernels, and the extremes.
+fn compare(name: &str) -> Result<()> {
+    let variant = match name {
+        "unchecked" => Variant::Unchecked,
+        "uncontracted" => Variant::Uncontracted,
+        _ => return Err(format!("no variant is named {name}").into()),
+    };
+    for family in &FAMILIES {
+        let of = |variant| -> Result<Vec<Figures>> {
+            let folder = tempfile::tempdir()?;
+            let kernels = kernels(variant)?;
+            let numbers = written(&kernels, folder.path())?;
+            let (_, figures) = compiled_for(family.name, folder.path())?;
+            Ok(numbers.into_iter().skip(1).filter_map(|number| figures.get(number).cloned()).collect())
+        };
+        let (usual, other) = (of(Variant::Usual)?, of(variant)?);
+        for head in ["VGPRs", "subgroups a SIMD", "instructions", "inverse throughput"] {
+            let ratio = |(a, b): (&Figures, &Figures)| b.get(head) as f64 / (a.get(head) as f64).max(1.0);
+            let ratios: Vec<f64> = usual.iter().zip(&other).map(ratio).collect();
+            let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp();
+            let (least, most) = ratios.iter().fold((f64::MAX, 0f64), |(least, most), r| (least.min(*r), most.max(*r)));
+            println!(
+                "{}, {name}: {mean:.3} of the {head} ({least:.2} to {most:.2}), {} kernels",
+                family.name,
+                ratios.len()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Writes the kernels into a folder, those that are the same once. The result has the number of each.
+fn written(kernels: &[Compiled], folder: &Path) -> Result<Vec<usize>> {
     let mut numbers = Vec::new();
     let mut index = Vec::new();
-    // Kernels that are the same, such as those of two ways of linking, are compiled once.
     let mut known: BTreeMap<&[u32], usize> = BTreeMap::new();
-    for kernel in &kernels {
+    for kernel in kernels {
         let number = *known.entry(&kernel.words).or_insert(index.len());
         if number == index.len() {
-            let path = folder.path().join(format!("{number}.spv"));
+            let path = folder.join(format!("{number}.spv"));
             fs::write(&path, kernel.words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
             validate(&path, &kernel.key)?;
             index.push(json!({"file": path, "entry_point": kernel.entry_point, "bindings": kernel.bindings}));
@@ -134,8 +174,17 @@ fn check() -> Result<()> {
         numbers.push(number);
     }
     let (all, different) = (kernels.len() - 1, index.len() - 1);
-    fs::write(folder.path().join("index.json"), Value::from(index).to_string())?;
+    fs::write(folder.join("index.json"), Value::from(index).to_string())?;
     eprintln!("{all} kernels, {different} of them different; spirv-val finds no fault in them");
+    Ok(numbers)
+}
+
+/// Compiles all kernels for every GPU, and compares or writes the tables.
+fn check() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let kernels = kernels(Variant::Usual)?;
+    let numbers = written(&kernels, folder.path())?;
+    let all = kernels.len() - 1;
 
     let document = root().join(DOCUMENT);
     let text = fs::read_to_string(&document)?;
@@ -174,7 +223,7 @@ fn check() -> Result<()> {
 }
 
 /// Every kernel of the scenes that ship, in every way of linking, as for a GPU; and the planted one.
-fn kernels() -> Result<Vec<Compiled>> {
+fn kernels(variant: Variant) -> Result<Vec<Compiled>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(root().join("scenes"))? {
         let path = entry?.path();
@@ -184,7 +233,7 @@ fn kernels() -> Result<Vec<Compiled>> {
     }
     names.sort();
     let options = RenderOptions::default();
-    let mut all = vec![planted()?];
+    let mut all = vec![planted(variant)?];
     for name in names {
         let scene = Scene::load(&root().join(format!("scenes/{name}.ron")))?;
         let flat = flatten(&scene, (scene.image.width, scene.image.height), &options)?;
@@ -193,7 +242,8 @@ fn kernels() -> Result<Vec<Compiled>> {
         let tables = UniformTables::new(&flat, DeviceClass::default());
         for (way, scatter) in WAYS {
             for kernel in Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables)?.all() {
-                all.push(compiled((name.clone(), way.to_string(), kernel.name.clone()), kernel.stage, &kernel.module)?);
+                let key = (name.clone(), way.to_string(), kernel.name.clone());
+                all.push(compiled(key, kernel.stage, &kernel.module, variant)?);
             }
         }
     }
@@ -201,24 +251,30 @@ fn kernels() -> Result<Vec<Compiled>> {
 }
 
 /// The SPIR-V of a kernel as wgpu 30 hands it to RADV, with robust buffers (VK_EXT_robustness2) and Vulkan 1.3.
-fn compiled(key: Key, entry_point: &str, module: &naga::Module) -> Result<Compiled> {
+fn compiled(key: Key, entry_point: &str, module: &naga::Module, variant: Variant) -> Result<Compiled> {
     let mut overrides = vec![("WORKGROUP_SIZE", WORKGROUP)];
     overrides.extend(STEPS.map(|name| (name, f64::from(MOST_STEPS))));
     let (resolved, info) = spirv::resolved(module, entry_point, &overrides)?;
+    let is_checked = variant != Variant::Unchecked;
     let options = spv::Options {
         lang_version: (1, 6),
         flags: spv::WriterFlags::LABEL_VARYINGS | spv::WriterFlags::FORCE_POINT_SIZE,
         bounds_check_policies: BoundsCheckPolicies {
-            index: BoundsCheckPolicy::Restrict,
+            index: if is_checked { BoundsCheckPolicy::Restrict } else { BoundsCheckPolicy::Unchecked },
             // The driver checks buffers itself.
             ..BoundsCheckPolicies::default()
         },
+        force_loop_bounding: is_checked,
+        emit_int_div_checks: is_checked,
         zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::Native,
         ..spv::Options::default()
     };
     let stage = naga::ShaderStage::Compute;
     let pipeline = spv::PipelineOptions { shader_stage: stage, entry_point: entry_point.to_string() };
-    let words = spv::write_vec(&resolved, &info, &options, Some(&pipeline))?;
+    let mut words = spv::write_vec(&resolved, &info, &options, Some(&pipeline))?;
+    if variant == Variant::Uncontracted {
+        words = spirv::with_no_contraction(&words);
+    }
     let bindings = layout::bindings(module)?;
     let bindings = bindings.values().map(|binding| (binding.number, binding.kind == BindingKind::Uniform)).collect();
     Ok(Compiled { key, entry_point: entry_point.to_string(), words, bindings })
@@ -230,14 +286,14 @@ fn planted_key() -> Key {
 }
 
 /// A kernel that must use scratch: its array is too large for registers, and its indices are known only at run time.
-fn planted() -> Result<Compiled> {
+fn planted(variant: Variant) -> Result<Compiled> {
     let text = "@group(0) @binding(0) var<storage, read_write> words: array<u32>;\n\
                 @compute @workgroup_size(64) fn planted(@builtin(global_invocation_id) id: vec3u) {\n\
                     var kept: array<u32, 1024>;\n\
                     for (var i = 0u; i < 1024u; i++) { kept[words[i] & 1023u] = words[i + id.x]; }\n\
                     words[id.x] = kept[words[id.x] & 1023u];\n\
                 }\n";
-    compiled(planted_key(), "planted", &naga::front::wgsl::parse_str(text)?)
+    compiled(planted_key(), "planted", &naga::front::wgsl::parse_str(text)?, variant)
 }
 
 /// The comparison finds the planted spill, and a growth of each figure that is watched.

@@ -49,8 +49,11 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
 
     // One call for three: the light's order, and the camera's orders for the sampled direction and for that to the lens.
+    // (No array of orders: GPUs keep an array at an index of run time in slow memory.)
     var drawn: Scatter;
-    var orders: array<Order, 3>;
+    var of_light: Order;
+    var of_sample: Order;
+    var of_lens: Order;
     for (var i = 0u; i < 3u + settings.zero; i++) {
         let to_camera = select(drawn.direction, view.direction, i == 2u);
         let incoming = select(-to_camera, ray.direction, i == 0u);
@@ -65,32 +68,39 @@ fn scatter_light_path(path: ptr<function, Path>) {
             response = response_of_material(evaluated.material, interaction, outgoing);
         }
         let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
-        orders[i] = Order(interaction, response, is_kept);
+        let order = Order(interaction, response, is_kept);
+        if i == 0u {
+            of_light = order;
+        } else if i == 1u {
+            of_sample = order;
+        } else {
+            of_lens = order;
+        }
     }
     let cos_light = abs(dot(to_light, surface.normal));
-    if !is_first && is_rough && !is_near_mirror && orders[2].is_kept {
+    if !is_first && is_rough && !is_near_mirror && of_lens.is_kept {
         let cos_camera = abs(dot(view.direction, surface.normal));
         let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
         let origin = leave_surface(surface.point, surface.error, side, side);
-        let tinted = tint_through(orders[2].response.value, evaluated, view.direction, frame.shading);
+        let tinted = tint_through(of_lens.response.value, evaluated, view.direction, frame.shading);
         let value = absorb_to_lens(tinted, surface, view.direction, view.distance);
-        send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, orders[2].response.pdf / cos_light);
+        send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, of_lens.response.pdf / cos_light);
     }
 
     // The next ray.
     var throughput = vec3<f32>(0.0);
     if drawn.event == SCATTERED && drawn.lobe == LOBE_SPECULAR {
-        if orders[1].is_kept && is_reversible(orders[0].interaction, drawn.direction, orders[1].interaction) {
-            let ratio = specular_ratio(evaluated.material, orders[0].interaction, surface.normal, drawn.direction, to_light);
+        if of_sample.is_kept && is_reversible(of_light.interaction, drawn.direction, of_sample.interaction) {
+            let ratio = specular_ratio(evaluated.material, of_light.interaction, surface.normal, drawn.direction, to_light);
             throughput = (*path).throughput * drawn.weight / ratio;
             (*path).log_ratio += log_of_density(ratio);
         }
-    } else if drawn.event == SCATTERED && (!is_first || is_near_mirror) && orders[1].is_kept {
+    } else if drawn.event == SCATTERED && (!is_first || is_near_mirror) && of_sample.is_kept {
         let cos_camera = abs(dot(drawn.direction, surface.normal));
-        let pdf = orders[0].response.pdf;
-        throughput = (*path).throughput * orders[1].response.value * (cos_camera / (cos_light * pdf));
+        let pdf = of_light.response.pdf;
+        throughput = (*path).throughput * of_sample.response.value * (cos_camera / (cos_light * pdf));
         let from_light = log_of_density(pdf) - log_of_density(cos_camera);
-        (*path).log_ratio += from_light + log_of_density(cos_light) - log_of_density(orders[1].response.pdf);
+        (*path).log_ratio += from_light + log_of_density(cos_light) - log_of_density(of_sample.response.pdf);
     }
     throughput = tint_through(throughput, evaluated, drawn.direction, frame.shading);
     (*path).throughput = russian_roulette(path, throughput);

@@ -151,6 +151,7 @@ impl Buffers {
         }
         match pollster::block_on(scope.pop()) {
             Some(error) => {
+                device.lacked_memory.store(true, Ordering::Relaxed);
                 let bytes: u64 = specs.iter().map(BufferSpec::allocated).sum();
                 Err(device.failed(&format!(
                     "the render needs {bytes} bytes of device memory, and the device has less: {error}. Make the scene smaller, end \

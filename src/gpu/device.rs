@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::mem::ManuallyDrop;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
@@ -181,6 +181,10 @@ fn index_by_spec(names: &[AdapterName], spec: &str) -> Result<usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviceClass {
     pub software: bool,
+    /// Whether it is a GPU that shares the memory of the processor.
+    pub integrated: bool,
+    /// How often the work that it gets at a time is halved, because more was too much for it.
+    pub halvings: u32,
     pub max_binding_bytes: u64,
     pub max_uniform_bytes: u64,
     /// Uniform bindings of a kernel at most.
@@ -190,14 +194,16 @@ pub struct DeviceClass {
 impl Default for DeviceClass {
     /// The limits that WebGPU guarantees.
     fn default() -> Self {
-        DeviceClass::new(false, &wgpu::Limits::default())
+        DeviceClass::new(wgpu::DeviceType::Other, &wgpu::Limits::default())
     }
 }
 
 impl DeviceClass {
-    fn new(software: bool, limits: &wgpu::Limits) -> DeviceClass {
+    fn new(kind: wgpu::DeviceType, limits: &wgpu::Limits) -> DeviceClass {
         DeviceClass {
-            software,
+            software: kind == wgpu::DeviceType::Cpu,
+            integrated: kind == wgpu::DeviceType::IntegratedGpu,
+            halvings: 0,
             max_binding_bytes: limits.max_storage_buffer_binding_size,
             max_uniform_bytes: limits.max_uniform_buffer_binding_size,
             max_uniforms: limits.max_uniform_buffers_per_shader_stage,
@@ -206,7 +212,7 @@ impl DeviceClass {
 
     /// The class of an adapter that is not open.
     pub fn from_adapter(adapter: &wgpu::Adapter) -> DeviceClass {
-        DeviceClass::new(AdapterName::from_adapter(adapter).software, &adapter.limits())
+        DeviceClass::new(adapter.get_info().device_type, &adapter.limits())
     }
 
     /// The largest size of a table that is bound as a uniform, in bytes; 0 if uniforms are no faster.
@@ -231,11 +237,23 @@ pub struct Device {
     pub numerics: OnceLock<Numerics>,
     /// The kernels that were compiled for it.
     pub kernels: KernelCache,
+    /// Whether it takes SPIR-V as it is, and checks buffers itself.
+    takes_spirv: bool,
+    no_contraction: AtomicBool,
+    kind: wgpu::DeviceType,
+    halvings: AtomicU32,
+    pub(super) lacked_memory: AtomicBool,
     /// How far it is with those of the present render.
     pub compiling: CompileProgress,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
 }
+
+/// In the environment, it forbids contraction on all devices of Vulkan, as the probe does on those that contract.
+const NO_CONTRACTION: &str = "GPU_RT_NO_CONTRACTION";
+
+/// So often at most the work that a device gets at a time is halved.
+const MOST_HALVINGS: u32 = 8;
 
 /// How often a wait is begun anew, and for how long each time. Ten minutes are far more than any submission takes, also on a busy
 /// machine without a GPU. Time in which the process is stopped or the machine sleeps costs one of the waits at most.
@@ -256,12 +274,10 @@ impl Device {
         let name = AdapterName::from_adapter(adapter);
         let limits = adapter.limits();
         let timestamps = adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PASSTHROUGH_SHADERS;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("gpu-rt"),
-            required_features: match timestamps {
-                true => wgpu::Features::TIMESTAMP_QUERY,
-                false => wgpu::Features::empty(),
-            },
+            required_features: adapter.features() & wanted,
             required_limits: limits.clone(),
             ..wgpu::DeviceDescriptor::default()
         };
@@ -271,6 +287,7 @@ impl Device {
         let (device, queue) =
             opened.map_err(|error| Error::Device(format!("{name} cannot be opened: {}. {ADVICE}", line(&error))))?;
         let queue = ManuallyDrop::new(queue);
+        let takes_spirv = device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS) && checks_buffers(&device);
         let fault = Arc::new(OnceLock::new());
         let uncaptured = Arc::clone(&fault);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -284,12 +301,47 @@ impl Device {
             }
         });
         let (numerics, kernels, compiling) = (OnceLock::new(), KernelCache::default(), CompileProgress::default());
-        Ok(Device { name, device, queue, limits, timestamps, numerics, kernels, compiling, fault })
+        Ok(Device {
+            name,
+            device,
+            queue,
+            limits,
+            timestamps,
+            numerics,
+            kernels,
+            takes_spirv,
+            no_contraction: AtomicBool::new(takes_spirv && std::env::var_os(NO_CONTRACTION).is_some()),
+            kind: adapter.get_info().device_type,
+            halvings: AtomicU32::new(0),
+            lacked_memory: AtomicBool::new(false),
+            compiling,
+            fault,
+        })
     }
 
     /// The class of this device.
     pub fn class(&self) -> DeviceClass {
-        DeviceClass::new(self.name.software, &self.limits)
+        DeviceClass { halvings: self.halvings.load(Ordering::Relaxed), ..DeviceClass::new(self.kind, &self.limits) }
+    }
+
+    /// Has kernels compiled from now on round each product before it is added to something, so that a kernel's bytes do not depend on what it
+    /// is linked with. Returns false where that was so before, or the driver cannot be told.
+    pub fn forbid_contraction(&self) -> bool {
+        self.takes_spirv && !self.no_contraction.swap(true, Ordering::Relaxed)
+    }
+
+    pub fn forbids_contraction(&self) -> bool {
+        self.no_contraction.load(Ordering::Relaxed)
+    }
+
+    /// Halves the work that it gets at a time so many times more. Returns whether there is still less to give.
+    pub fn halve(&self, times: u32) -> bool {
+        self.halvings.fetch_add(times, Ordering::Relaxed) + times <= MOST_HALVINGS
+    }
+
+    /// Whether it has lacked memory for buffers since the last call.
+    pub fn has_lacked_memory(&self) -> bool {
+        self.lacked_memory.swap(false, Ordering::Relaxed)
     }
 
     /// Writes the first bytes of a buffer, before the next submission.
@@ -361,6 +413,19 @@ impl Device {
     pub fn failed(&self, message: &str) -> Error {
         Error::Device(format!("{}: {message}", self.name))
     }
+}
+
+/// Whether this is a device of Vulkan whose driver checks the indices of buffers, so that kernels need not.
+#[cfg(any(windows, all(unix, not(target_vendor = "apple"))))]
+fn checks_buffers(device: &wgpu::Device) -> bool {
+    // SAFETY: nothing is done with the device but to read what it was opened with.
+    let vulkan = unsafe { device.as_hal::<wgpu::hal::api::Vulkan>() };
+    vulkan.is_some_and(|device| device.enabled_device_extensions().contains(&c"VK_EXT_robustness2"))
+}
+
+#[cfg(not(any(windows, all(unix, not(target_vendor = "apple")))))]
+fn checks_buffers(_device: &wgpu::Device) -> bool {
+    false
 }
 
 /// Whether the queue of any device was kept.

@@ -7,6 +7,7 @@ use super::buffers::{Buffers, execute};
 use super::device::Device;
 use super::kernel_cache::{Compiled, CompiledFrom};
 use super::layout::{Binding, BindingKind, has_override};
+use super::spirv::uncontracted;
 use crate::error::Result;
 use crate::threads::{cores, each};
 
@@ -31,9 +32,11 @@ pub struct PipelineSpec<'a> {
 }
 
 impl PipelineSpec<'_> {
-    fn compiled_from(&self) -> CompiledFrom {
+    fn compiled_from(&self, device: &Device) -> CompiledFrom {
+        let contraction = ("no contraction".to_string(), u64::from(device.forbids_contraction()));
         let constants = self.constants.iter().map(|(name, value)| (name.to_string(), value.to_bits()));
-        (self.text.to_string(), self.entry_point.to_string(), self.workgroup, constants.collect())
+        let constants = constants.chain([contraction]).collect();
+        (self.text.to_string(), self.entry_point.to_string(), self.workgroup, constants)
     }
 }
 
@@ -55,7 +58,7 @@ impl Pipeline {
     /// Compiles and binds a kernel. One that the device has compiled before is not compiled again.
     pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
         let Compiled { pipeline, layout } =
-            device.kernels.compiled_once(spec.compiled_from(), || compile(device, spec))?;
+            device.kernels.compiled_once(spec.compiled_from(device), || compile(device, spec))?;
         let bound = spec
             .bindings
             .iter()
@@ -110,10 +113,29 @@ fn compile(device: &Device, spec: &PipelineSpec<'_>) -> Result<Compiled> {
         )));
     }
     device.kernels.note_compiled(spec.name);
-    let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(spec.name),
-        source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
-    });
+    let workgroup = ("WORKGROUP_SIZE", f64::from(spec.workgroup));
+    let given = spec.constants.iter().copied().filter(|(name, _)| has_override(spec.module, name));
+    let mut constants: Vec<_> = std::iter::once(workgroup).chain(given).collect();
+    let module = if device.forbids_contraction() {
+        let bindings = spec.bindings.values().map(|binding| binding.number).collect();
+        let words = uncontracted(spec.module, spec.entry_point, &constants, bindings)?;
+        constants.clear();
+        let workgroup_size = (spec.workgroup, 1, 1);
+        let entry_points = [wgpu::PassthroughShaderEntryPoint { name: spec.entry_point.into(), workgroup_size }];
+        let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+            label: Some(spec.name),
+            entry_points: Cow::Borrowed(&entry_points),
+            spirv: Some(Cow::Owned(words)),
+            ..wgpu::ShaderModuleDescriptorPassthrough::default()
+        };
+        // SAFETY: naga wrote the words of a module that it has validated, with checks of indices and bounds of loops; the driver checks buffers.
+        unsafe { wgpu_device.create_shader_module_passthrough(descriptor) }
+    } else {
+        wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(spec.name),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
+        })
+    };
     let entries: Vec<_> = spec.bindings.values().map(layout_entry).collect();
     let layout = wgpu_device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(spec.name), entries: &entries });
@@ -122,9 +144,6 @@ fn compile(device: &Device, spec: &PipelineSpec<'_>) -> Result<Compiled> {
         bind_group_layouts: &[Some(&layout)],
         immediate_size: 0,
     });
-    let workgroup = ("WORKGROUP_SIZE", f64::from(spec.workgroup));
-    let given = spec.constants.iter().copied().filter(|(name, _)| has_override(spec.module, name));
-    let constants: Vec<_> = std::iter::once(workgroup).chain(given).collect();
     let pipeline = wgpu_device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(spec.name),
         layout: Some(&pipeline_layout),

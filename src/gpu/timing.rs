@@ -139,7 +139,7 @@ mod tests {
             passes([7, 9, 10, 14]).seconds,
             BTreeMap::from([("bounce".to_string(), 1.0), ("refill".to_string(), 2.0)])
         );
-        assert_eq!(passes([7, 9, 10, 14]).idle(), Some(1.0 / 7.0));
+        assert_eq!(passes([7, 9, 10, 14]).idle(), Some(1.0 - 6.0 / 7.0));
         let none = passes([0; 4]);
         assert!(none.seconds.is_empty() && none.idle().is_none());
     }

@@ -41,13 +41,14 @@ impl Tuning {
         // latencies. A slot should serve several runs, or most of the render has idle slots.
         let (fewest, most) = match device.software {
             true => (2048, 4096 * cores().clamp(2, 16) as u64),
+            false if device.integrated => (16_384, 1 << 18),
             false => (65_536, 1 << 20),
         };
         // Their state is one buffer.
         let most = most
             .min(device.max_binding_bytes / most_path_bytes(&options.aov, options.light_paths.count() > 0))
             .max(fewest);
-        let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
+        let slots = options.slots.unwrap_or(((runs / 8).clamp(fewest, most) >> device.halvings) as u32).max(1);
         let room_for_records = device.max_binding_bytes / (u64::from(slots) * record_bytes(&options.aov));
         let pixels = job.pixels();
         let room =

@@ -29,6 +29,8 @@ fn classes() -> [Class; 2] {
         name,
         device: DeviceClass {
             software,
+            integrated: false,
+            halvings: 0,
             max_binding_bytes: limits.max_storage_buffer_binding_size,
             max_uniform_bytes: limits.max_uniform_buffer_binding_size,
             max_uniforms: limits.max_uniform_buffers_per_shader_stage,
@@ -490,6 +492,22 @@ fn everything_on_cuts_no_walk_shorter() {
             assert_eq!(own, [steps; 4], "{material} {objects} {every}");
         }
     }
+}
+
+/// A GPU that shares the processor's memory gets a quarter of the paths in flight, and one that failed gets half as many each time.
+#[test]
+fn small_devices_get_less_at_a_time() {
+    let [_, gpu] = classes();
+    let job = Job { size: (1920, 1080), max_depth: 50, seed: 0, first_sample: 0, goal: Goal::Samples(1000) };
+    let slots = |device: DeviceClass| Tuning::new(device, &job, &RenderOptions::default()).slots;
+    let most = slots(gpu.device);
+    let integrated = DeviceClass { integrated: true, ..gpu.device };
+    assert_eq!((most, slots(integrated)), (1 << 20, 1 << 18));
+    for halvings in [1, 2, 8] {
+        assert_eq!(slots(DeviceClass { halvings, ..integrated }), (1 << 18) >> halvings);
+    }
+    let given = RenderOptions { slots: Some(7), ..RenderOptions::default() };
+    assert_eq!(Tuning::new(DeviceClass { halvings: 3, ..gpu.device }, &job, &given).slots, 7);
 }
 
 /// The limit of a walk is that of the device which the plan is for.

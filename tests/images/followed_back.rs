@@ -128,7 +128,7 @@ fn light_paths_and_camera_paths_agree_path_by_path() {
         ("scene/emission", "choice.density * aim.pdf / cosine", "1.01 * choice.density * aim.pdf / cosine"),
         ("scene/aims", "weight_on_ray(ray) / sum", "1.01 * weight_on_ray(ray) / sum"),
         ("step/light_path", "cos_camera / (cos_light * pdf)", "1.01 * cos_camera / (cos_light * pdf)"),
-        ("step/light_path", "log_of_density(orders[1].response.pdf)", "log_of_density(1.01 * orders[1].response.pdf)"),
+        ("step/light_path", "log_of_density(of_sample.response.pdf)", "log_of_density(1.01 * of_sample.response.pdf)"),
         ("step/density_ratio", "log_of_density(pdfs.x) - ", "log_of_density(1.01 * pdfs.x) - "),
         ("step/density_ratio", "log_of_density(light_paths) - density", "log_of_density(1.01 * light_paths) - density"),
         ("step/lens_connection", "density / (distance * distance)", "1.01 * density / (distance * distance)"),

@@ -237,6 +237,54 @@ fn work_that_is_only_reported_as_done_is_found() {
     }
 }
 
+/// With all sums and products rounded, as a device gets kernels whose driver fuses them, the way of linking does not show either. Mesa's software
+/// driver fuses none, but it takes `(x + y) - x` for `y`, and then no longer does.
+#[test]
+fn without_contraction_the_way_of_linking_does_not_show() {
+    let folder = sandbox();
+    let exact = |arguments: &[&str]| {
+        let mut command = command(folder.path(), arguments);
+        command.env("GPU_RT_NO_CONTRACTION", "1");
+        ran(command).exits(0)
+    };
+    let devices = exact(&["devices", "--json"]).json();
+    let numerics = &devices["devices"][software().parse::<usize>().expect("an index")]["numerics"];
+    assert_eq!((&numerics["two_sum"], &numerics["contraction"]), (&true.into(), &false.into()), "{numerics:#}");
+    fs::write(folder.path().join("glass.ron"), GLASS).expect("the scene is written");
+    let render = |scatter: &str| {
+        let arguments = ["render", "glass.ron", "--device", software(), "--quiet", "--force", "--scatter", scatter];
+        exact(&[&arguments[..], &["-o", "sphere.exr"]].concat());
+        image(folder.path()).rgb
+    };
+    let fused = render("fused");
+    assert!(fused == render("linked") && fused == render("queues"));
+}
+
+/// A device that lacks memory once gets buffers of fewer slots.
+#[test]
+fn a_render_that_does_not_fit_has_fewer_slots() {
+    let full = sandbox();
+    let usual = ran(render(full.path(), &["--json", "--quiet"])).exits(0).json();
+    let full = image(full.path());
+    let mut fitted = 0;
+    for call in 1.. {
+        let folder = sandbox();
+        let fault = Fault::once(folder.path(), "vkCreateBuffer", call, "memory");
+        let ran = meets(render(folder.path(), &["--json", "--quiet"]), &fault);
+        if !fault.has_happened() {
+            break;
+        }
+        if ran.code() != 0 {
+            the_error(ran, &fault);
+            continue;
+        }
+        let report = ran.json();
+        fitted += usize::from(report["gpu_bytes"].as_u64() < usual["gpu_bytes"].as_u64());
+        assert_eq!((&image(folder.path()).rgb, &report["seed"]), (&full.rgb, &usual["seed"]), "{fault:?}");
+    }
+    assert!(fitted > 0, "no render goes on with fewer slots");
+}
+
 /// The last waits may find that all is done.
 #[test]
 fn a_device_that_hangs_at_any_wait_lets_the_program_end() {

@@ -26,6 +26,9 @@ use crate::threads::join;
 /// Under `--watch`: the time that a submission should take, since the one that is under way is waited for.
 const SOON: Duration = Duration::from_millis(30);
 
+/// The work that a device gets at a time is halved so often after it has failed.
+const HALVINGS_AFTER_LOSS: u32 = 2;
+
 /// A render under way.
 pub struct Rendering<'a> {
     pub request: &'a Request<'a>,
@@ -69,10 +72,13 @@ fn per_sample(seconds: f64, samples: u64) -> f64 {
 }
 
 impl Rendering<'_> {
-    /// Renders what the film lacks. Devices that fail are opened once more, and go on from the last checkpoint or from the beginning.
-    /// `quiet` hides what compiles.
+    /// Renders what the film lacks. Devices that fail are opened once more, get less work at a time, and go on from the last checkpoint or from
+    /// the beginning. `quiet` hides what compiles.
     pub fn run(&mut self, quiet: bool) -> Result<()> {
-        let first = self.attempt(quiet);
+        let mut first = self.attempt(quiet);
+        while first.is_err() && self.may_fit() {
+            first = self.attempt(quiet);
+        }
         let Err(Error::Device(why)) = &first else { return first };
         if self.loaded.is_none() || self.observers.signals.are_pending() {
             return first;
@@ -80,8 +86,18 @@ impl Rendering<'_> {
         self.observers.progress.message(&format!("warning: {why}; the device is opened once more"));
         // If that fails too, the first failure is reported.
         let Ok((film, devices)) = self.begin_again() else { return first };
+        // A watchdog may have ended work that took too long.
+        for (before, again) in self.devices.iter().zip(&devices) {
+            again.halve(before.class().halvings + HALVINGS_AFTER_LOSS);
+        }
         (self.film, *self.devices) = (film, devices);
         self.attempt(quiet)
+    }
+
+    /// Whether buffers of fewer slots may fit a device that had no memory for them, of which it then gets half as many.
+    fn may_fit(&self) -> bool {
+        let lacking: Vec<&Device> = self.devices.iter().filter(|device| device.has_lacked_memory()).collect();
+        self.request.args.options.slots.is_none() && !lacking.is_empty() && lacking.iter().all(|device| device.halve(1))
     }
 
     fn attempt(&mut self, quiet: bool) -> Result<()> {
