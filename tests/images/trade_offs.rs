@@ -304,12 +304,12 @@ fn exact_values_and_undeclared_options_change_no_byte() {
 }
 
 /// What more light is found of the values that change noise and detail, as a share of it.
-const FOUND: f64 = 0.022;
+const FOUND: f64 = 0.026;
 
-/// 1024 pixels of 96 samples, or as many samples of fewer pixels; the other sampler takes more. Of that the mean of the image is known
-/// to 0.26 % (printed), and that of the usual image to 0.18 %: 5.6 standard errors of the difference are 1.8 % of the light, and 2.2 % are
-/// planted and found. (tests/images/estimators.rs finds 1 % of what the integrator and the roulette do, and 2 % of the sampler.) Fewer samples are
-/// tested as precisely as they allow: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
+/// 1024 pixels of 96 samples, or as many samples of fewer pixels; the other sampler takes more. Of that the mean of the image is known to 0.38 % at
+/// worst (printed; for a quarter of the size), and that of the usual image to 0.19 %: 5.6 standard errors of the difference are 2.4 % of
+/// the light, and 2.6 % are planted and found. (tests/images/estimators.rs finds 1 % of what the integrator and the roulette do, and 2 % of the
+/// sampler.) Fewer samples are tested as precisely as they allow: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
 #[test]
 fn values_of_noise_change_no_expectation() {
     let sandbox = Sandbox::new();
@@ -364,7 +364,7 @@ fn values_of_noise_change_no_expectation() {
             let planted: Vec<Mean> =
                 found.iter().map(|mean| Mean { value: (1.0 + FOUND) * mean.value, ..*mean }).collect();
             let found = same_expectation(usual, &planted, 1e-5).is_err();
-            assert!(found, "{}: 2.2 % more light is not found", spec.option(value));
+            assert!(found, "{}: 2.6 % more light is not found", spec.option(value));
         }
     }
 }
