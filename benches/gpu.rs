@@ -250,26 +250,13 @@ impl Run {
 
     /// Paths per second by a render of so many seconds, and the seconds of its stages by another one, which is shorter.
     fn measure(&self, scene: &str, setting: &str, seconds: f64, out: &Path) -> Result<Value> {
-        let options = |share: f64| -> Vec<String> {
-            let time = format!("{:.2}s", share * seconds);
-            setting
-                .split_whitespace()
-                .map(String::from)
-                .chain(["--spp".into(), "1000000".into(), "--time".into(), time])
-                .collect()
-        };
-        let render = |options: Vec<String>| {
-            self.render(scene, self.size, out, &options.iter().map(String::as_str).collect::<Vec<_>>())
-        };
+        let setting: Vec<&str> = setting.split_whitespace().collect();
+        let render = |more: &[&str]| self.render(scene, self.size, out, &[&setting, more].concat());
+        let time = |share: f64| format!("{:.2}s", share * seconds);
         // Kernels are compiled before the time that is measured.
-        let first = self.render(
-            scene,
-            self.size,
-            out,
-            &[&setting.split_whitespace().collect::<Vec<_>>()[..], &["--spp", "1"]].concat(),
-        )?;
-        let timed = render(options(0.7))?;
-        let profiled = render([options(0.3), vec!["--profile".to_string()]].concat())?;
+        let first = render(&["--spp", "1"])?;
+        let timed = render(&["--spp", "1000000", "--time", &time(0.7)])?;
+        let profiled = render(&["--spp", "1000000", "--time", &time(0.3), "--profile"])?;
         Ok(json!({
             "compile": first["seconds"]["compile"],
             "paths_per_second": timed["paths_per_second"],

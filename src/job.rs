@@ -190,6 +190,17 @@ pub fn blocks(samples: Range<u32>) -> Range<u32> {
     samples.start / RUN_LENGTH..samples.end.div_ceil(RUN_LENGTH)
 }
 
+/// The light paths that belong to a range of samples, where a block of samples has so many. Each sample has an equal share of those of its
+/// block, but for the last ones, which may have fewer or none (shaders/step/light_sample.wgsl).
+pub fn light_paths_of(samples: &Range<u32>, of_block: u64) -> u64 {
+    let of_sample = of_block.div_ceil(u64::from(RUN_LENGTH));
+    let before = |sample: u32| {
+        let (block, within) = (u64::from(sample / RUN_LENGTH), u64::from(sample % RUN_LENGTH));
+        block * of_block + (within * of_sample).min(of_block)
+    };
+    before(samples.end).saturating_sub(before(samples.start))
+}
+
 /// The samples of a range that are in these blocks.
 pub fn samples_of(blocks: &Range<u32>, samples: &Range<u32>) -> Range<u32> {
     let end_of = |block: u32| block.saturating_mul(RUN_LENGTH);

@@ -68,14 +68,9 @@ fn scatter_light_path(path: ptr<function, Path>) {
             response = response_of_material(evaluated.material, interaction, outgoing);
         }
         let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
-        let order = Order(interaction, response, is_kept);
-        if i == 0u {
-            of_light = order;
-        } else if i == 1u {
-            of_sample = order;
-        } else {
-            of_lens = order;
-        }
+        of_light = of_sample;
+        of_sample = of_lens;
+        of_lens = Order(interaction, response, is_kept);
     }
     let cos_light = abs(dot(to_light, surface.normal));
     if !is_first && is_rough && !is_near_mirror && of_lens.is_kept {

@@ -72,14 +72,10 @@ impl Adapters {
         Adapters { list }
     }
 
-    /// Whether none is a GPU.
-    fn are_software(&self) -> bool {
-        self.list.iter().all(|adapter| AdapterName::from_adapter(adapter).software)
-    }
-
     /// What is missing where the system has a GPU, and no adapter is one.
     pub fn unseen_gpu(&self) -> Option<String> {
-        if self.are_software() { unseen_gpu() } else { None }
+        let are_software = self.list.iter().all(|adapter| AdapterName::from_adapter(adapter).software);
+        if are_software { unseen_gpu() } else { None }
     }
 
     /// The names of all adapters, with their limits.
@@ -115,7 +111,7 @@ impl Adapters {
     /// adapter of the most capable kind.
     pub fn index_of_choice(&self, spec: Option<&str>) -> Result<usize> {
         if self.list.is_empty() {
-            let gpu = unseen_gpu().map_or_else(String::new, |missing| format!("{missing}. "));
+            let gpu = self.unseen_gpu().map_or_else(String::new, |missing| format!("{missing}. "));
             return Err(Error::Device(format!(
                 "no device: no Vulkan, Metal or DirectX 12 driver was found. {gpu}On Debian or Ubuntu `apt-get install \
                  mesa-vulkan-drivers` installs a software driver that needs no GPU"
@@ -240,7 +236,7 @@ pub struct Device {
     /// Whether it takes SPIR-V as it is, and checks buffers itself.
     takes_spirv: bool,
     no_contraction: AtomicBool,
-    kind: wgpu::DeviceType,
+    class: DeviceClass,
     halvings: AtomicU32,
     pub(super) lacked_memory: AtomicBool,
     /// How far it is with those of the present render.
@@ -311,7 +307,7 @@ impl Device {
             kernels,
             takes_spirv,
             no_contraction: AtomicBool::new(takes_spirv && std::env::var_os(NO_CONTRACTION).is_some()),
-            kind: adapter.get_info().device_type,
+            class: DeviceClass::from_adapter(adapter),
             halvings: AtomicU32::new(0),
             lacked_memory: AtomicBool::new(false),
             compiling,
@@ -321,7 +317,7 @@ impl Device {
 
     /// The class of this device.
     pub fn class(&self) -> DeviceClass {
-        DeviceClass { halvings: self.halvings.load(Ordering::Relaxed), ..DeviceClass::new(self.kind, &self.limits) }
+        DeviceClass { halvings: self.halvings.load(Ordering::Relaxed), ..self.class }
     }
 
     /// Has kernels compiled from now on round each product before it is added to something, so that a kernel's bytes do not depend on what it
@@ -339,8 +335,8 @@ impl Device {
         self.halvings.fetch_add(times, Ordering::Relaxed) + times <= MOST_HALVINGS
     }
 
-    /// Whether it has lacked memory for buffers since the last call.
-    pub fn has_lacked_memory(&self) -> bool {
+    /// Whether it has lacked memory for buffers since the last call, which forgets it.
+    pub fn take_lacked_memory(&self) -> bool {
         self.lacked_memory.swap(false, Ordering::Relaxed)
     }
 

@@ -19,7 +19,7 @@ use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
-use crate::job::{Job, blocks, samples_of};
+use crate::job::{Job, blocks, light_paths_of, samples_of};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
 use crate::threads::join;
 
@@ -411,9 +411,8 @@ impl<'a> DeviceRenderer<'a> {
             to_cut |= may_end_early && !cut && shared.state().ends_early();
         }
         let rendered = first_block..first_block + window.end / pixels;
-        let samples = samples_of(&rendered, &(self.settings.first_sample..self.settings.end_sample));
         let paths = totals_since(&counters, &Counters::default()).paths;
-        self.device.expect_done(paths == u64::from(pixels) * samples.len() as u64)?;
+        self.device.expect_done(paths == u64::from(pixels) * self.samples_in(&rendered).len() as u64)?;
         Ok(rendered.end)
     }
 
@@ -448,14 +447,14 @@ impl<'a> DeviceRenderer<'a> {
         }
         // They find only idle slots.
         flights.into_iter().try_for_each(|flight| self.finish(flight).map(|_| ()))?;
-        let samples = samples_of(&blocks, &(self.settings.first_sample..self.settings.end_sample));
-        let of_block = u64::from(self.light_paths_of_block());
-        let before = |sample: u32| {
-            let (block, within) = (u64::from(sample / RUN_LENGTH), u64::from(sample % RUN_LENGTH));
-            block * of_block + (within * of_block.div_ceil(u64::from(RUN_LENGTH))).min(of_block)
-        };
         let traced: u64 = totals_since(&counters, &Counters::default()).light_paths.into_iter().sum();
-        self.device.expect_done(traced == before(samples.end) - before(samples.start))
+        let expected = light_paths_of(&self.samples_in(&blocks), u64::from(self.light_paths_of_block()));
+        self.device.expect_done(traced == expected)
+    }
+
+    /// The samples that are rendered of these blocks.
+    fn samples_in(&self, blocks: &Range<u32>) -> Range<u32> {
+        samples_of(blocks, &(self.settings.first_sample..self.settings.end_sample))
     }
 
     /// The light paths of a block of samples: of all pixels of the image, also where a part of it is rendered.

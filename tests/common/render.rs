@@ -75,6 +75,11 @@ impl Request {
         self.with(|options| options.roulette = Switch::On)
     }
 
+    /// With so many light paths for each run.
+    pub fn light_paths(self, count: u32) -> Request {
+        self.with(|options| options.light_paths = LightPaths::Count(count))
+    }
+
     /// Its stages linked this way.
     pub fn scatter(self, scatter: Scatter) -> Request {
         self.with(|options| options.scatter = Some(scatter))

@@ -3,7 +3,6 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use gpu_rt::options::LightPaths;
 
 use crate::common::kernel::Overlay;
 use crate::common::oracles::fresnel;
@@ -32,7 +31,7 @@ const MIRROR: Bench =
     Bench { material: "mirror", light: 0.5, floor: -0.4, eye: DVec3::new(0.5, 0.1, 0.0), half_field: 0.3 };
 
 fn traced() -> Request {
-    Request::default().mis().roulette().with(|options| options.light_paths = LightPaths::Count(8))
+    Request::default().mis().roulette().light_paths(8)
 }
 
 impl Bench {

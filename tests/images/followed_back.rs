@@ -1,7 +1,7 @@
 //! Light paths are followed back from the lens as camera paths: each with the weights of both, which sum to 1, and the same light.
 
 use gpu_rt::gpu::link::{Choices, Chosen, Reason};
-use gpu_rt::options::{LightPaths, Scatter};
+use gpu_rt::options::Scatter;
 
 use crate::common::kernel::Overlay;
 use crate::common::render::{Change, Request, render_with, scene};
@@ -105,9 +105,8 @@ fn follow(text: &str, plant: Option<(&str, &str, &str)>) -> Followed {
         let nothing = Chosen { module: "null/surface_light", why: Reason::EveryRender };
         choices.modules.insert("surface_light", nothing);
     };
-    let request = Request::default().mis().scatter(Scatter::Fused).with(|options| {
-        (options.light_paths, options.bounces) = (LightPaths::Count(8), Some(64));
-    });
+    let request = Request::default().mis().light_paths(8).scatter(Scatter::Fused);
+    let request = request.with(|options| options.bounces = Some(64));
     let change = Change { library: Some(&overlay), choices: Some(&choose), flat: None };
     let mut found = Vec::new();
     render_with(&room, &request, std::iter::once((7, 0..room.render.samples)), &change, |shot| {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
-use gpu_rt::options::{Filter, LightPaths, Scatter};
+use gpu_rt::options::{Filter, Scatter};
 use gpu_rt::render::{Next, empty_film};
 
 use crate::common::everything::same;
@@ -130,7 +130,7 @@ fn off() -> Request {
 }
 
 fn traced(count: u32) -> Request {
-    off().with(|options| options.light_paths = LightPaths::Count(count))
+    off().light_paths(count)
 }
 
 /// The light of both kinds of path together is that of camera paths alone.

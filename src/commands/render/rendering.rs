@@ -76,7 +76,7 @@ impl Rendering<'_> {
     /// the beginning. `quiet` hides what compiles.
     pub fn run(&mut self, quiet: bool) -> Result<()> {
         let mut first = self.attempt(quiet);
-        while first.is_err() && self.may_fit() {
+        while first.is_err() && self.take_fewer_slots() {
             first = self.attempt(quiet);
         }
         let Err(Error::Device(why)) = &first else { return first };
@@ -94,9 +94,9 @@ impl Rendering<'_> {
         self.attempt(quiet)
     }
 
-    /// Whether buffers of fewer slots may fit a device that had no memory for them, of which it then gets half as many.
-    fn may_fit(&self) -> bool {
-        let lacking: Vec<&Device> = self.devices.iter().filter(|device| device.has_lacked_memory()).collect();
+    /// Halves the slots of the devices that had no memory for their buffers. Returns whether that leaves something to try.
+    fn take_fewer_slots(&self) -> bool {
+        let lacking: Vec<&Device> = self.devices.iter().filter(|device| device.take_lacked_memory()).collect();
         self.request.args.options.slots.is_none() && !lacking.is_empty() && lacking.iter().all(|device| device.halve(1))
     }
 

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::identity::Identity;
-use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
+use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES, light_paths_of};
 use crate::options::LightPaths;
 use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::exr::{Attribute, State, read_state, write_render};
@@ -151,16 +151,12 @@ impl<'a> Request<'a> {
     }
 }
 
-/// Refuses samples that no light path belongs to, which would lack light. Each light path of a run belongs to one of its samples, as
-/// shaders/step/light_sample.wgsl has it.
+/// Refuses samples that no light path belongs to, which would lack light.
 fn check_light_paths(job: &Job, frame: &Frame, light_paths: LightPaths) -> Result<()> {
     let Goal::Samples(end) = job.goal else { return Ok(()) };
     let (first, (width, height)) = (job.first_sample, frame.full);
     let of_run = u64::from(width) * u64::from(height) * u64::from(light_paths.count());
-    // As shaders/step/light_sample has it.
-    let of_sample = of_run.div_ceil(u64::from(RUN_LENGTH));
-    let has_one = |sample: u32| u64::from(sample % RUN_LENGTH) * of_sample < of_run;
-    match of_run == 0 || first >= end || (first..end.min(first.saturating_add(RUN_LENGTH))).any(has_one) {
+    match of_run == 0 || first >= end || light_paths_of(&(first..end), of_run) > 0 {
         true => Ok(()),
         false => Err(Error::Usage(format!(
             "--samples {first}..{end} has no light path: an image of {width} x {height} pixels has {of_run} for each {RUN_LENGTH} samples. \
