@@ -1,7 +1,7 @@
 //! Temporary files, each in the folder of the file that it replaces.
 //!
-//! Where the system can, such a file has no name until it is complete: if its writer dies before, however it dies, nothing is left. Elsewhere,
-//! as on network file systems, it has a name from the start, and its writer holds a lock on it, which the system gives up when the writer
+//! Where the system can, such a file has no name until it is complete: if its writer dies before, however it dies, nothing is left. Then it
+//! has the name of its target, at once if no file has that name. Elsewhere, as on network file systems, it has a name from the start, and its writer holds a lock on it, which the system gives up when the writer
 //! dies. So a temporary file without a lock was left by a dead writer. A process number would not show that, because hosts share folders.
 
 use std::ffi::OsStr;
@@ -68,6 +68,9 @@ impl Temporary {
     pub fn persist(self, target: &Path) -> io::Result<()> {
         let path = match self.path {
             Some(path) => path,
+            // A link replaces no file. Where there is none to replace, the file never has a temporary name.
+            #[cfg(target_os = "linux")]
+            None if nameless::link(&self.file, target).is_ok() => return Ok(()),
             #[cfg(target_os = "linux")]
             None => with_name(target, |path| nameless::link(&self.file, path))?.into_temp_path(),
             #[cfg(not(target_os = "linux"))]
