@@ -170,7 +170,8 @@ device_struct!(
 
 device_struct!(
     /// The runs that may be started now.
-    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, begins: u32, receipt: u32, }
+    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, begins: u32, receipt: u32, first_slot: u32,
+        end_slot: u32, }
 );
 
 device_struct!(

@@ -10,10 +10,13 @@ struct Window {
     // The tile of the film: its first index, and its number of pixels.
     first_pixel: u32,
     pixels: u32,
-    // 1 for the first dispatch of a window of light paths, else 0.
+    // 1 as long as the submission's slots have no run of this window, else 0.
     begins: u32,
     // The number of the submission.
     receipt: u32,
+    // The slots of the submission: the first, and one past the last.
+    first_slot: u32,
+    end_slot: u32,
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;

@@ -1,4 +1,5 @@
-// An invocation has the slot of its number.
+//@ use bind/window
+// An invocation has the slot of its number among those of the submission.
 fn queued_slot(index: u32) -> u32 {
-    return index;
+    return window.first_slot + index;
 }

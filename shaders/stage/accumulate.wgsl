@@ -1,5 +1,4 @@
 //@ use bind/records
-//@ use bind/settings
 //@ use bind/window
 //@ use step/count
 //@ use step/film
@@ -12,12 +11,13 @@ override WORKGROUP_SIZE: u32 = 64u;
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let finished = atomicLoad(&counters.records);
-    if id.x >= min(settings.slots, finished) {
+    let invocations = window.end_slot - window.first_slot;
+    if id.x >= min(invocations, finished) {
         return;
     }
     var paths = 0u;
     var rays = 0u;
-    for (var i = id.x; i < finished; i += settings.slots) {
+    for (var i = id.x; i < finished; i += invocations) {
         let run = records[i];
         let pixel = rank_of_pixel(run.pixel) - window.first_pixel;
         paths += add_run(pixel, run);

@@ -2,6 +2,7 @@
 //@ use data/primitive
 //@ use step/trace
 //@ use step/refill
+//@ use bind/window
 //@ use choice/aov_hit
 //@ use choice/media
 //@ use choice/scatter
@@ -17,8 +18,8 @@ const MOST_ITERATIONS: u32 = 16384u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= settings.slots || load_status(slot) == SLOT_IDLE {
+    let slot = window.first_slot + id.x;
+    if slot >= window.end_slot || load_status(slot) == SLOT_IDLE {
         return;
     }
     var path: Path;

@@ -1,13 +1,14 @@
 //@ use slots/state
 //@ use step/start
+//@ use bind/window
 //@ use choice/shadow_slot
 // Gives every slot its first run.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= settings.slots {
+    let slot = window.first_slot + id.x;
+    if slot >= window.end_slot {
         return;
     }
     var path: Path;

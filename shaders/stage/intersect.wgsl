@@ -1,5 +1,6 @@
 //@ use generated/slots
 //@ use step/trace
+//@ use bind/window
 //@ use choice/aov_hit_slot
 //@ use choice/walker_slot
 //@ use choice/pane_slot
@@ -9,8 +10,8 @@ override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= settings.slots {
+    let slot = window.first_slot + id.x;
+    if slot >= window.end_slot {
         return;
     }
     var path: Path;

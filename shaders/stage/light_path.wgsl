@@ -2,6 +2,7 @@
 //@ use data/primitive
 //@ use step/trace
 //@ use step/light_path
+//@ use bind/window
 //@ use choice/media
 //@ use step/count
 //@ relies on loops
@@ -14,8 +15,8 @@ const MOST_ITERATIONS: u32 = 16384u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn light_path(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= settings.slots {
+    let slot = window.first_slot + id.x;
+    if slot >= window.end_slot {
         return;
     }
     var path: Path;

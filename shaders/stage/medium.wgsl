@@ -1,5 +1,6 @@
 //@ use generated/slots
 //@ use step/media
+//@ use bind/window
 //@ use choice/shadow_slot
 //@ use choice/queue_of_events
 // Lets media scatter the paths before they reach their hits.
@@ -7,8 +8,8 @@ override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= settings.slots {
+    let slot = window.first_slot + id.x;
+    if slot >= window.end_slot {
         return;
     }
     var path: Path;

@@ -1,5 +1,6 @@
 //@ use generated/slots
 //@ use step/scatter
+//@ use bind/window
 //@ use choice/shadow_slot
 //@ use choice/queued_slot
 // Scatters the paths that hit a surface.
@@ -8,7 +9,7 @@ override WORKGROUP_SIZE: u32 = 64u;
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = queued_slot(id.x);
-    if slot >= settings.slots {
+    if slot >= window.end_slot {
         return;
     }
     var path: Path;

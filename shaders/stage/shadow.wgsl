@@ -1,5 +1,6 @@
 //@ use generated/slots
 //@ use slots/shadow
+//@ use bind/window
 //@ use step/light
 //@ use choice/walker_slot
 //@ use choice/aov_direct_slot
@@ -9,8 +10,8 @@ override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= settings.slots || load_light(slot) == NO_LIGHT {
+    let slot = window.first_slot + id.x;
+    if slot >= window.end_slot || load_light(slot) == NO_LIGHT {
         return;
     }
     var path: Path;

@@ -27,6 +27,9 @@ use crate::threads::join;
 const SUBMISSION: Duration = Duration::from_millis(100);
 /// Submissions in flight. While the device executes one, the next one waits in its queue, and the host reads the counters of the last one.
 const IN_FLIGHT: usize = 2;
+/// The least work of a submission, in slots times bounces. The first one of a renderer has it: drivers end a device whose submission takes too
+/// long, and how long it takes is not known yet.
+const LEAST_WORK: u64 = 1024;
 /// Small kernels that take longer than this to get ready were not in the driver's cache.
 const COMPILED: Duration = Duration::from_millis(40);
 /// The most bytes of the film in a transfer to the host.
@@ -80,11 +83,12 @@ enum PathKind {
     Light,
 }
 
-/// Controls the number of bounces of a submission.
+/// Controls the slots and bounces of a submission.
 struct Pace {
-    /// Bounces of the next submission, and whether their number is fixed.
-    bounces: u32,
-    is_fixed: bool,
+    /// Slots of the next submission times its bounces. It has bounces of all slots, or one bounce of some.
+    work: u64,
+    /// Bounces of each submission, if their number is fixed.
+    fixed: Option<u32>,
     /// The most bounces of a submission.
     most: u32,
     /// The time that a submission should take.
@@ -132,7 +136,10 @@ struct Flight {
     /// Its index among the reports.
     report: usize,
     kind: PathKind,
-    bounces: u32,
+    /// Its slots times its bounces.
+    work: u64,
+    /// The slots that have had a run when it ends.
+    begun: u32,
     begin: Instant,
 }
 
@@ -215,8 +222,8 @@ impl<'a> DeviceRenderer<'a> {
             timing: if profile { Timing::new(device) } else { None },
         };
         let pace = || Pace {
-            bounces: tuning.bounces.unwrap_or(1),
-            is_fixed: tuning.bounces.is_some(),
+            work: LEAST_WORK,
+            fixed: tuning.bounces,
             most: 1,
             submission: SUBMISSION,
             last_end: Instant::now(),
@@ -366,7 +373,7 @@ impl<'a> DeviceRenderer<'a> {
         let first_block = blocks.start;
         let end = blocks.len() as u32 * pixels;
         let mut window =
-            Window { first_block, end, bounces: 0, first_pixel: self.film.tile.start, pixels, begins: 0, receipt: 0 };
+            Window { first_block, end, first_pixel: self.film.tile.start, pixels, begins: 1, ..Window::default() };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -375,8 +382,7 @@ impl<'a> DeviceRenderer<'a> {
         // Whether the tile must end early, and whether its end is set, which nothing may be in flight for.
         let (mut to_cut, mut cut) = (false, false);
         loop {
-            // If all runs have been started, a second submission might find only idle slots. Each slot takes a run in the first
-            // submission.
+            // If all runs have been started, a second submission might find only idle slots. Each slot takes a run in its first one.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while counters.idle < self.tuning.slots && !wants_snapshot && !to_cut && flights.len() < wanted {
                 flights.push_back(self.submit(&mut window, submitted, PathKind::Camera)?);
@@ -421,7 +427,7 @@ impl<'a> DeviceRenderer<'a> {
         let tile = self.film.tile.clone();
         let (first_block, first_pixel, pixels) = (blocks.start, tile.start, tile.len() as u32);
         let end = blocks.len() as u32 * self.light_paths_of_block();
-        let mut window = Window { first_block, end, bounces: 0, first_pixel, pixels, begins: 1, receipt: 0 };
+        let mut window = Window { first_block, end, first_pixel, pixels, begins: 1, ..Window::default() };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -430,7 +436,6 @@ impl<'a> DeviceRenderer<'a> {
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while flights.len() < wanted {
                 flights.push_back(self.submit(&mut window, submitted, PathKind::Light)?);
-                window.begins = 0;
                 submitted += 1;
             }
             let Some(flight) = flights.pop_front() else { break };
@@ -465,16 +470,16 @@ impl<'a> DeviceRenderer<'a> {
 
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
-        let Flight { submission, receipt, report, kind, bounces, begin } = flight;
+        let Flight { submission, receipt, report, kind, work, begun, begin } = flight;
         let Report { counters, timing } = &mut self.reports.each[report];
         let bytes = size_of::<Counters>() as u64;
         let counted: Counters = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
-        // Each slot asks for a run in the first submission.
-        self.device.expect_done(counted.receipt == receipt && counted.next >= self.tuning.slots)?;
+        // Each slot asks for a run in its first submission.
+        self.device.expect_done(counted.receipt == receipt && counted.next >= begun)?;
         if let Some(timing) = timing {
             timing.collect(self.device, submission, &mut self.reports.stages)?;
         }
-        self.paces[kind as usize].adapt(bounces, begin);
+        self.paces[kind as usize].adapt(work, begin);
         Ok(counted)
     }
 
@@ -525,12 +530,17 @@ impl<'a> DeviceRenderer<'a> {
         Err(Error::Usage(format!("the render needs a film of {}, found {}", words(needed), words(found))))
     }
 
-    /// Records and submits a pass of camera paths or of light paths; `number` counts the passes of the tile. The first pass gives each slot a run. Each pass has some bounces,
-    /// and adds the finished runs to the film.
+    /// Records and submits a pass of camera paths or of light paths; `number` counts the passes of the tile. Each pass has some bounces of the
+    /// next slots, and adds the finished runs to the film. After the last slots come the first ones again. The first pass of a slot gives it
+    /// a run.
     fn submit(&mut self, window: &mut Window, number: usize, kind: PathKind) -> Result<Flight> {
-        let pace = &self.paces[kind as usize];
-        let bounces = pace.bounces.clamp(1, pace.most);
         let begin = Instant::now();
+        let all = self.tuning.slots;
+        if window.end_slot == all {
+            (window.end_slot, window.begins) = (0, 0);
+        }
+        let (slots, bounces) = self.paces[kind as usize].next(all - window.end_slot, all);
+        (window.first_slot, window.end_slot) = (window.end_slot, window.end_slot + slots);
         let report = number % IN_FLIGHT;
         let receipt = self.reports.each[report].counters.next_receipt();
         (window.bounces, window.receipt) = (bounces, receipt);
@@ -539,10 +549,10 @@ impl<'a> DeviceRenderer<'a> {
         if std::mem::take(&mut self.film.is_stale) {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
-        let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
+        let groups = slots.div_ceil(self.tuning.workgroup);
         let Kernels { generate, bounce, is_fused, accumulate, light_path, receipt: last, .. } = &self.kernels;
         let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
-        let first = (number == 0).then_some(generate);
+        let first = (window.begins == 1).then_some(generate);
         let stages: Vec<&Stage> = match kind {
             PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate, last]).collect(),
             PathKind::Light => light_path.iter().chain([last]).collect(),
@@ -569,7 +579,9 @@ impl<'a> DeviceRenderer<'a> {
         // The records have been added to the film.
         encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
         readback.copy(self.device, &mut encoder, counters, 0, size_of::<Counters>() as u64)?;
-        Ok(Flight { submission: self.device.submit(encoder), receipt, report, kind, bounces, begin })
+        let (work, begun) =
+            (u64::from(slots) * u64::from(bounces), if window.begins == 1 { window.end_slot } else { all });
+        Ok(Flight { submission: self.device.submit(encoder), receipt, report, kind, work, begun, begin })
     }
 
     /// The most bounces of a submission, for which there are records for all finished runs: a slot finishes the run that it has, and then at
@@ -600,15 +612,23 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Pace {
-    /// Sets the bounces of the next submission by the time of one that began at `begin` and has just ended.
-    fn adapt(&mut self, bounces: u32, begin: Instant) {
+    /// The slots and bounces of the next submission, if so many slots of all are left. What is left is divided evenly.
+    fn next(&self, left: u32, all: u32) -> (u32, u32) {
+        if let Some(bounces) = self.fixed {
+            return (left, bounces.clamp(1, self.most));
+        }
+        let parts = u64::from(left).div_ceil(self.work);
+        let slots = u64::from(left).div_ceil(parts.max(1)) as u32;
+        (slots, (self.work / u64::from(all)).clamp(1, u64::from(self.most)) as u32)
+    }
+
+    /// Sets the work of the next submission by the time of one that began at `begin` and has just ended.
+    fn adapt(&mut self, work: u64, begin: Instant) {
         // The device starts a submission when the previous one has ended.
         let now = Instant::now();
         let took = now - begin.max(std::mem::replace(&mut self.last_end, now));
-        if !self.is_fixed {
-            let ratio = self.submission.as_secs_f64() / took.as_secs_f64().max(1e-6);
-            self.bounces = (f64::from(bounces) * ratio.clamp(0.25, 4.0)).round().clamp(1.0, 4096.0) as u32;
-        }
+        let ratio = self.submission.as_secs_f64() / took.as_secs_f64().max(1e-6);
+        self.work = ((work as f64 * ratio.clamp(0.25, 4.0)) as u64).max(LEAST_WORK);
     }
 }
 
@@ -620,6 +640,56 @@ impl Stage {
             (StageSize::One, _) => self.pipeline.dispatch(pass, 1),
             (StageSize::Queue(queue), Some(sizes)) => self.pipeline.dispatch_indirect(pass, sizes, queue * 16),
             (StageSize::Queue(_), None) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pace(work: u64) -> Pace {
+        Pace { work, fixed: None, most: 120, submission: SUBMISSION, last_end: Instant::now() }
+    }
+
+    /// Little first; then some slots, all of them, and bounces of all, up to the most.
+    #[test]
+    fn submissions_grow_from_little() {
+        let all = 1 << 20;
+        assert_eq!(pace(LEAST_WORK).next(all, all), (1024, 1));
+        // Evenly: 700,000 would leave a third.
+        assert_eq!(pace(700_000).next(all, all), (all / 2, 1));
+        assert_eq!(pace(700_000).next(all / 2, all), (all / 2, 1));
+        assert_eq!(pace(7 << 20).next(all, all), (all, 7));
+        assert_eq!(pace(1 << 40).next(all, all), (all, 120));
+        assert_eq!(pace(1 << 40).next(5, all), (5, 120));
+        assert_eq!(Pace { fixed: Some(3), ..pace(LEAST_WORK) }.next(all, all), (all, 3));
+    }
+
+    /// A device that needs a second for each bounce of all slots gets a tenth of them, within four submissions.
+    #[test]
+    fn a_slow_device_gets_fewer_slots_at_a_time() {
+        let mut slow = pace(1 << 20);
+        for _ in 0..4 {
+            let took = Duration::from_secs(1).mul_f64(slow.work as f64 / f64::from(1 << 20));
+            slow.last_end = Instant::now() - took;
+            slow.adapt(slow.work, slow.last_end);
+        }
+        let slots = slow.next(1 << 20, 1 << 20).0;
+        assert!((95_000..=105_000).contains(&slots), "{slots}");
+    }
+
+    /// What takes no time gets four times as much; what takes for ever a fourth, but never nothing.
+    #[test]
+    fn the_work_changes_by_a_factor_of_four_at_most() {
+        let mut fast = pace(5000);
+        fast.adapt(5000, Instant::now());
+        assert_eq!(fast.work, 20_000);
+        let mut slow = pace(5000);
+        for expected in [1250, LEAST_WORK, LEAST_WORK] {
+            slow.last_end = Instant::now() - Duration::from_secs(100);
+            slow.adapt(slow.work, slow.last_end);
+            assert_eq!(slow.work, expected);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
@@ -28,6 +29,8 @@ pub struct Request {
     pub options: RenderOptions,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
+    /// The time that a submission should take, if not the usual one.
+    pub submission: Option<Duration>,
 }
 
 /// Scattered rays alone, independent samples, every path to its end: most statistics of the tests take runs for independent.
@@ -43,7 +46,15 @@ pub fn plain() -> RenderOptions {
 
 impl Default for Request {
     fn default() -> Request {
-        Request { size: None, samples: None, max_depth: None, seed: 0, options: plain(), storage_tables: false }
+        Request {
+            size: None,
+            samples: None,
+            max_depth: None,
+            seed: 0,
+            options: plain(),
+            storage_tables: false,
+            submission: None,
+        }
     }
 }
 
@@ -227,6 +238,9 @@ pub fn render_with(
     let mut plan = Plan::new(&flat, &options, class, &first).expect("the kernels link");
     relink(&mut plan.kernels, change);
     let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
+    if let Some(time) = request.submission {
+        renderer.set_submission_time(time);
+    }
     for (seed, samples) in wanted {
         let job = job(seed, &samples);
         let mut film = empty_film(&flat, size, &request.options).expect("the film fits");

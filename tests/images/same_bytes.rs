@@ -5,6 +5,8 @@
 //! gets is developed from it by a pure function. Equality has no noise, and so no false alarms; that it can fail at all is shown by
 //! renders that must differ.
 
+use std::time::Duration;
+
 use crate::common::everything::{Everything, World, same};
 use crate::common::render::{Request, render, render_each};
 use gpu_rt::film::Film;
@@ -71,6 +73,18 @@ fn slots_workgroups_and_submissions_do_not_show() {
     let (_files, scene) = everything();
     cuts_do_not_show(&scene, &by_rays(), &[(Linked, 1, 64, 50), (Queues, 97, 1, 1)]);
     cuts_do_not_show(&scene, &by_defaults(), &[(Linked, 100_000, 256, 7), (Fused, 97, 64, 1)]);
+}
+
+/// Where a bounce of all slots takes too long, a submission has some of the slots. Here any bounce does: 5000 slots take five submissions.
+#[test]
+fn submissions_of_some_of_the_slots_do_not_show() {
+    use Scatter::{Fused, Linked, Queues};
+    let (_files, scene) = everything();
+    for (scatter, usual) in [(Fused, by_defaults().light_paths(1)), (Linked, by_rays()), (Queues, by_rays())] {
+        let usual = usual.scatter(scatter).with(|options| options.slots = Some(5000));
+        let slow = Request { submission: Some(Duration::ZERO), ..usual.clone() };
+        assert!(same(&render(&scene, &usual), &render(&scene, &slow)), "{scatter:?}");
+    }
 }
 
 #[test]
