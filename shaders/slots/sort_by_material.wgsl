@@ -7,11 +7,13 @@
 //@ use scene/surfaces
 // Puts a slot whose ray hit a surface into the queue of that surface's material.
 
-fn queue_of(kind: u32) -> u32 {
+// Takes the next place of the queue of a kind. Each case has a counter of its own, at an address that is the same for all invocations: drivers
+// then add once for each subgroup (docs/gpu.md).
+fn place_in_queue(kind: u32) -> u32 {
     switch kind {
         //@ each material
         ${case}: {
-            return ${rank}u;
+            return queue_index(${rank}u, atomicAdd(&queues[${rank}u], 1u), settings.slots);
         }
         //@ end
     }
@@ -21,7 +23,6 @@ fn sort_slot(slot: u32, hit: Hit) {
     if hit.code >= FIRST_STATUS {
         return;
     }
-    let queue = queue_of(materials[material_index(hit)].kind);
-    let index = atomicAdd(&queues[queue], 1u);
-    atomicStore(&queues[queue_index(queue, index, settings.slots)], slot);
+    let place = place_in_queue(materials[material_index(hit)].kind);
+    atomicStore(&queues[place], slot);
 }

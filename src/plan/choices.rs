@@ -405,7 +405,7 @@ pub(super) fn decide(
         ("probe_slot", either(&probed, "slots/probe", "null/probe_slot")),
         ("queue_of_hits", either(&queue_of_hits, "slots/sort_by_material", "null/sort")),
         ("queue_of_events", either(&queue_why, "slots/sort_by_material", "null/sort")),
-        ("queued_slot", either(&queue_why, "slots/queued_slot", "null/queued_slot")),
+        ("queued_slot", either(&queue_why, "slots/queued_slot", "slots/own_slot")),
     ];
     // The lists of `//@ each`.
     let lists = [
