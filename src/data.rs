@@ -27,6 +27,8 @@ pub const HIT_NOTHING: u32 = 0xffff_ffff;
 pub const SLOT_IDLE: u32 = 0xffff_fffd;
 /// Instead of a primitive's index among the lights: it emits, and is not sampled.
 pub const NOT_SAMPLED: u32 = 0x8000_0000;
+/// In the order of an object: it moves.
+pub const MOVES: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
 /// Instead of the second face of a `FacePair` that has one.
@@ -255,7 +257,7 @@ device_struct!(
         material: u32,
         frame: u32,
         light: u32,
-        padding: u32,
+        follows_nearest: u32,
     }
 );
 

@@ -110,6 +110,15 @@ const FARTHEST: f64 = (1u64 << 30) as f64;
 const MARGIN: f64 = 2e-3;
 
 impl WorldLight {
+    /// Render space as it is for this light: nearer to the camera, if the light would be too far away.
+    pub fn own_space(&self, space: RenderSpace) -> RenderSpace {
+        let distance = self.position.map_or(0.0, |at| space.point(at).length());
+        RenderSpace {
+            scale: if distance > FARTHEST { space.scale * FARTHEST / distance } else { space.scale },
+            ..space
+        }
+    }
+
     /// Its position in render space, or the direction to a directional light; and its intensity there per unit of the world's.
     fn in_space(&self, space: RenderSpace) -> (DVec3, f64) {
         let Some(at) = self.position.map(|at| space.point(at)) else { return (-self.axis, 1.0) };

@@ -16,9 +16,13 @@ mod light_tree;
 mod media;
 mod mesh_tables;
 mod meshes;
+mod motion;
+mod motion_tables;
+mod moving_objects;
 mod octahedral;
 mod pairs;
 mod sampled_lights;
+mod swept;
 mod tangents;
 mod view;
 
@@ -37,8 +41,9 @@ use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, binary_exponent,
 use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
-use finder::{Finder, WorldMedium, extent};
+use finder::{Finder, MovingLight, WorldMedium, extent};
 use mesh_tables::Table;
+use motion::Placement;
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -78,9 +83,11 @@ pub fn flatten_with(
     }
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
-    let view = View::new(&scene.camera, size);
+    let camera = scene.camera.at(scene.camera.shutter.0);
+    let view = View::new(&camera, size);
     let mut finder = Finder::new(scene, &meshes, view.eye);
-    scene.objects.iter().for_each(|object| finder.add(object, &view.to_space));
+    let world = Placement::resting(view.to_space);
+    scene.objects.iter().for_each(|object| finder.add(object, &world));
     // Of materials that are smooth panes: whether they have textures.
     let panes = scene.materials.iter().map(|(_, material)| {
         let is_pane = material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular);
@@ -123,7 +130,7 @@ pub fn flatten_with(
         let message = format!("expected at most {MOST_MEDIA} media, found {}", finder.media.len());
         return Err(scene.error(&[], message));
     }
-    if let Some((object, _)) = finder.lights.first()
+    if let Some(MovingLight { object, .. }) = finder.lights.first()
         && options.integrator == Integrator::Bsdf
     {
         return Err(needs_light_sampling(scene, object));
@@ -141,7 +148,7 @@ pub fn flatten_with(
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
-    let to_scene = SceneSpace::new(scene.camera.look_from, view.to_space.rotation.transpose(), length_exponent);
+    let to_scene = SceneSpace::new(camera.look_from, view.to_space.rotation.transpose(), length_exponent);
     let mut flat = DeviceScene { features, radiance_exponent, space: to_scene, ..DeviceScene::default() };
     if brightest == 0.0 {
         let at = scene.location(&[Step::Field("background")]);
@@ -163,6 +170,7 @@ pub fn flatten_with(
         textures: scene.materials.iter().map(|(_, material)| material.textures()).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
+        motions: None,
         flat,
     };
     builder.find_tables(&finder.primitives);
@@ -174,6 +182,7 @@ pub fn flatten_with(
     if builder.flat.features.has_extension(ExtensionKind::Multiscatter) || options.features == FeatureSet::All {
         builder.flat.directional_albedos = microfacets::directional_albedos();
     }
+    builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
     // The warnings are searched for while the hierarchies are built.
     let (warnings, ()) = join(
@@ -184,6 +193,7 @@ pub fn flatten_with(
             if sample_lights && builder.flat.features.samples_light_anywhere() {
                 builder.add_lights(&finder.primitives, &finder.lights, radiance_scale);
             }
+            builder.end_motions();
         },
     );
     let mut flat = builder.flat;
@@ -277,7 +287,7 @@ fn needs_light_sampling(scene: &Scene, object: &Object) -> Error {
 /// The warning that mirrors or glass stop the light of lights without size, which BSDF sampling cannot find.
 /// `traced`: whether light paths find some of it.
 fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features, traced: bool) -> Option<String> {
-    let (object, _) = finder.lights.first()?;
+    let MovingLight { object, .. } = finder.lights.first()?;
     let specular = || features.specular.iter().zip(Material::KINDS);
     let solid = specular().find_map(|(used, kind)| used.as_ref().filter(|_| !kind.is_pane));
     let (shiny, how) = match solid {
@@ -312,7 +322,7 @@ const LEAST_LIGHT_DISTANCE: f64 = 1.0 / (1u64 << 14) as f64;
 /// An estimate of the largest radiance of a white diffuse surface lit by a light without size: at the nearest bounding shape of an object.
 fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
-    let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).collect();
+    let mut lights: Vec<_> = finder.lights.iter().map(|moving| &moving.light).collect();
     lights.sort_by(|a, b| b.colour.max_element().total_cmp(&a.colour.max_element()));
     let primitives = finder
         .primitives

@@ -28,7 +28,7 @@ pub use large_sphere::LargeSphere;
 use mesh::MeshShape;
 pub use quad::Quad;
 use similarity::Similarity;
-pub use space::{Aabb, ObjectTransform, RenderSpace, binary_exponent, exp2};
+pub use space::{Aabb, ObjectTransform, RenderSpace, binary_exponent, error_bound, exp2, padded};
 pub use sphere::Sphere;
 
 /// A shape in its own space.

@@ -2,10 +2,11 @@
 //@ use data/ray
 //@ use lib/sampling
 //@ use camera/film_plane
-// A point on the lens, uniform by area.
+//@ use choice/camera_pose
+// A point on the lens relative to its middle, uniform by area.
 fn lens_point(u: vec2<f32>) -> vec3<f32> {
     let lens = sample_disk(u);
-    return lens.x * settings.lens_x + lens.y * settings.lens_y;
+    return lens.x * camera_lens_x() + lens.y * camera_lens_y();
 }
 
 // A ray starts at a point of the lens. It goes to the point at the focus distance through which the pinhole's ray would go
@@ -13,10 +14,10 @@ fn lens_point(u: vec2<f32>) -> vec3<f32> {
 fn camera_ray(column: u32, row: u32, u: vec4<f32>) -> Ray {
     let origin = lens_point(u.zw);
     let direction = film_direction(column, row, u.xy) - lens_shift(origin);
-    return Ray(origin, normalize(direction));
+    return Ray(from_lens(origin), normalize(direction));
 }
 
 // How far a direction through a point of the film moves if its ray starts at this point of the lens.
 fn lens_shift(lens: vec3<f32>) -> vec3<f32> {
-    return settings.inverse_focus * lens;
+    return camera_inverse_focus() * lens;
 }

@@ -76,7 +76,8 @@ struct LargeSphere {
     frame: u32,
     // Its index in the table of lights, if it is a light.
     light: u32,
-    padding: u32,
+    // 1 if the point that was nearest is its own point where it moves, 0 if the centre is (motion/large_sphere).
+    follows_nearest: u32,
 }
 
 // A parallelogram corner + a u + b v with 0 <= a, b <= 1, where a = (p - corner) . a_axis and b = (p - corner) . b_axis. A disk is stored

@@ -1,3 +1,4 @@
+//@ use data/motion
 // The hit record: the surface at the point where a ray hit it.
 struct Surface {
     // The hit point in render space. `error` bounds its distance from the surface, plus the rounding error of the next distance
@@ -12,6 +13,15 @@ struct Surface {
     local: vec3<f32>,
     // Index of the frame that maps `local` to the point at which a texture is evaluated.
     frame: u32,
+    // The pose of the object, which has the point and the normal in it.
+    pose: Pose,
+}
+
+// Returns the surface with the pose of its object.
+fn in_pose(surface: Surface, pose: Pose) -> Surface {
+    var posed = surface;
+    posed.pose = pose;
+    return posed;
 }
 
 const NO_HIT: f32 = -1.0;

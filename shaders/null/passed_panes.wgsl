@@ -1,4 +1,5 @@
 //@ use data/hit
+//@ use data/motion
 //@ use data/ray
 // No surface is a pane.
 const ANY_HIT_ENDS_WALK: bool = true;
@@ -7,7 +8,7 @@ fn begin_of_walk() -> f32 {
     return 0.0;
 }
 
-fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
+fn distance_ahead(candidate: Hit, pose: Pose, ray: Ray) -> f32 {
     return candidate.t;
 }
 

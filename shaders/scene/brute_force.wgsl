@@ -17,8 +17,9 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     //@ each primitive
     for (var index = at_run_time(0u); index < settings.brute_force[${rank}u]; index += 1u) {
         let code = PRIMITIVE_BIT | (${number}u << PRIMITIVE_KIND_SHIFT) | index;
-        var candidate = hit_at(code, ${name}_distance(ray, ${name}s[index]));
-        candidate.t = distance_ahead(candidate, ray);
+        let pose = pose_at(code, NO_INSTANCE);
+        var candidate = hit_at(code, ${name}_distance(ray, moved_${name}(${name}s[index], pose)));
+        candidate.t = distance_ahead(candidate, pose, ray);
         if candidate.t != NO_HIT && candidate.t <= hit.t {
             if candidate.t < hit.t || comes_before(candidate, hit) {
                 hit = candidate;

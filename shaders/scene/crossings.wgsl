@@ -1,19 +1,21 @@
 //@ use data/hit
 //@ use data/primitive
+//@ use data/motion
 //@ use data/ray
 //@ each convex_pane
 //@ use medium/${name}
 //@ use bind/${name}s
+//@ use choice/moved_${name}
 //@ end
 // Convex bodies whose surface is a pane, such as soap bubbles. A ray that passes the near side meets the far side from inside.
 
 // The distances at which the ray enters such a body and leaves it; 0 twice for other primitives.
-fn interval_of_body(code: u32, ray: Ray) -> vec2<f32> {
+fn interval_of_body(code: u32, pose: Pose, ray: Ray) -> vec2<f32> {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each convex_pane
         case ${number}u: {
-            return ${name}_interval(ray, ${name}s[index]);
+            return ${name}_interval(ray, moved_${name}(${name}s[index], pose));
         }
         //@ end
         default: {
@@ -23,8 +25,8 @@ fn interval_of_body(code: u32, ray: Ray) -> vec2<f32> {
 }
 
 // Returns the hit with its side of the body.
-fn with_side(hit: Hit, ray: Ray) -> Hit {
-    let inside = interval_of_body(hit.code, ray);
+fn with_side(hit: Hit, pose: Pose, ray: Ray) -> Hit {
+    let inside = interval_of_body(hit.code, pose, ray);
     let is_far = inside.x > 0.0 && inside.x < inside.y && hit.t - inside.x > inside.y - hit.t;
     var sided = hit;
     sided.instance = select(hit.instance, FAR_SIDE, is_far);
@@ -32,11 +34,11 @@ fn with_side(hit: Hit, ray: Ray) -> Hit {
 }
 
 // To the far side, the ray begins in the middle of the body: shapes take a ray from outside to hit the near side.
-fn ray_to_hit(hit: Hit, ray: Ray) -> RayToHit {
+fn ray_to_hit(hit: Hit, pose: Pose, ray: Ray) -> RayToHit {
     if hit.instance != FAR_SIDE {
         return RayToHit(ray, hit.t);
     }
-    let inside = interval_of_body(hit.code, ray);
+    let inside = interval_of_body(hit.code, pose, ray);
     let middle = 0.5 * (inside.x + inside.y);
     return RayToHit(Ray(ray.origin + middle * ray.direction, ray.direction), hit.t - middle);
 }

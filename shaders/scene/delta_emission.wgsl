@@ -1,12 +1,11 @@
 //@ use data/emitted_ray
 //@ use data/primitive
-//@ use bind/delta_lights
 //@ use scene/aims
 //@ use scene/parallel_aims
 //@ use scene/delta_lights
 // Light paths of lights without size. Their density is 0: no other technique finds them by this class of paths.
 fn emit_from_delta_light(code: u32, probability: f32, u: f32, v: vec2<f32>) -> EmittedRay {
-    let light = delta_lights[primitive_index(code)];
+    let light = delta_light_at(primitive_index(code));
     if light.has_position > 0.0 {
         let aim = aim_from(light.position, u, v);
         let intensity = intensity_of_delta_light(code, -aim.direction);

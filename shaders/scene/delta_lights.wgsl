@@ -4,24 +4,29 @@
 //@ use data/ray
 //@ use bind/delta_lights
 //@ use light/delta
+//@ use choice/moved_delta_light
 //@ use lib/float
 // Lights without size, by their codes.
+
+fn delta_light_at(index: u32) -> DeltaLight {
+    return moved_delta_light(delta_lights[index], index);
+}
 
 fn is_delta_light(code: u32) -> bool {
     return primitive_kind(code) == KIND_DELTA_LIGHT;
 }
 
 fn direction_to_delta_light(code: u32, from_point: vec3<f32>) -> DirectionSample {
-    return delta_light_sample(from_point, delta_lights[primitive_index(code)]);
+    return delta_light_sample(from_point, delta_light_at(primitive_index(code)));
 }
 
 fn intensity_of_delta_light(code: u32, direction: vec3<f32>) -> vec3<f32> {
-    return delta_light_intensity(direction, delta_lights[primitive_index(code)]);
+    return delta_light_intensity(direction, delta_light_at(primitive_index(code)));
 }
 
 // The end of a shadow ray to such a light.
 fn limit_at_delta_light(code: u32, shadow: Ray) -> Hit {
-    let light = delta_lights[primitive_index(code)];
+    let light = delta_light_at(primitive_index(code));
     let distance = delta_light_distance(shadow.origin, shadow.direction, light);
     return hit_at(code, select(VERY_FAR, distance, light.has_position > 0.0));
 }

@@ -25,15 +25,16 @@ const BEFORE_LIGHT: f32 = 0.125;
 
 fn point_of_light(light: Light, u: vec2<f32>) -> LightPoint {
     let index = primitive_index(light.code);
+    let pose = pose_at(light.code, light.instance);
     switch primitive_kind(light.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_light_point(${name}s[index], u);
+            return ${name}_light_point(moved_${name}(${name}s[index], pose), u);
         }
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = corners_in_render_space(instances[light.instance], index);
+            let corners = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
             return triangle_light_point(corners.a, corners.b, corners.c, u);
         }
         //@ end

@@ -5,14 +5,17 @@
 //@ use bind/lights
 //@ use light/sample
 //@ use scene/at_run_time
+//@ use choice/pose
 //@ use choice/light_choice
 //@ each emitter
 //@ use light/${name}
 //@ use geometry/${name}
 //@ use bind/${name}s
+//@ use choice/moved_${name}
 //@ end
 //@ if emitting_mesh
 //@ use light/triangle
+//@ use choice/moved_instance
 //@ use scene/meshes
 //@ end
 //@ use choice/delta_lights
@@ -28,15 +31,16 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     if is_delta_light(light.code) {
         return direction_to_delta_light(light.code, from_point);
     }
+    let pose = pose_at(light.code, light.instance);
     switch primitive_kind(light.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_light_sample(from_point, ${name}s[index], u.xy);
+            return ${name}_light_sample(from_point, moved_${name}(${name}s[index], pose), u.xy);
         }
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = corners_in_render_space(instances[light.instance], index);
+            let corners = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
             return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
         }
         //@ end
@@ -48,12 +52,12 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
 
 // The distance to a light in front of the ray's origin, or NO_HIT. Unlike primitive_distance (scene/primitives), it has no code for
 // primitives that are no lights, because GPUs inline each call.
-fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
+fn light_hit_distance(code: u32, pose: Pose, ray: Ray, inverse: vec3<f32>) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_distance(ray, ${name}s[index]);
+            return ${name}_distance(ray, moved_${name}(${name}s[index], pose));
         }
         //@ end
         //@ if emitting_mesh
@@ -70,15 +74,16 @@ fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
 // The hit record of a ray that hits a light. Unlike surface_at (scene/surfaces), it has no code for other primitives.
 fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
     let index = primitive_index(hit.code);
+    let pose = pose_at(hit.code, hit.instance);
     switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_surface(ray, hit.t, ${name}s[index]);
+            return ${name}_at_rest(in_pose(${name}_surface(ray, hit.t, moved_${name}(${name}s[index], pose)), pose), ${name}s[index]);
         }
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            return mesh_surface(ray, instances[at_run_time(hit.instance)], index);
+            return in_pose(mesh_surface(ray, moved_instance(instances[at_run_time(hit.instance)], pose), index), pose);
         }
         //@ end
         default: {
@@ -88,12 +93,12 @@ fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
 }
 
 // Approximate distance to a primitive along a ray that misses it. For a face, the ray is in its mesh's space.
-fn distance_to_light(code: u32, ray: Ray) -> f32 {
+fn distance_to_light(code: u32, pose: Pose, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_light_distance(ray, ${name}s[index]);
+            return ${name}_light_distance(ray, moved_${name}(${name}s[index], pose));
         }
         //@ end
         //@ if emitting_mesh
@@ -109,17 +114,17 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
     }
 }
 
-// Whether a shadow ray arrives at the front of a light. `normal` is the light's normal at the hit.
-fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
+// Whether a shadow ray arrives at the front of a light, whose surface at the hit is given.
+fn arrives_at_front(code: u32, ray: Ray, surface: Surface) -> bool {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_light_front(ray, normal, ${name}s[index]);
+            return ${name}_light_front(ray, surface.normal, moved_${name}(${name}s[index], surface.pose));
         }
         //@ end
         default: {
-            return dot(ray.direction, normal) < 0.0;
+            return dot(ray.direction, surface.normal) < 0.0;
         }
     }
 }
@@ -160,19 +165,20 @@ fn number_of_light(hit: Hit) -> u32 {
 // The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);
+    let pose = pose_at(hit.code, hit.instance);
     var light = at_run_time(0u);
     var pdf = 0.0;
     switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
-            let shape = ${name}s[index];
+            let shape = moved_${name}(${name}s[index], pose);
             light = shape.light;
             pdf = ${name}_light_pdf(from_point, direction, shape);
         }
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let instance = instances[at_run_time(hit.instance)];
+            let instance = moved_instance(instances[at_run_time(hit.instance)], pose);
             let corners = corners_in_render_space(instance, index);
             light = instance.to_light + index;
             pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);

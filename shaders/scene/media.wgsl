@@ -3,9 +3,11 @@
 //@ use data/medium
 //@ use data/primitive
 //@ use bind/media
+//@ use choice/pose_of_boundary
 //@ each convex_boundary
 //@ use medium/${name}
 //@ use bind/${name}s
+//@ use choice/moved_${name}
 //@ end
 //@ if mesh_boundary
 //@ use scene/medium_in_mesh
@@ -17,15 +19,16 @@
 fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let distance = depth / medium.density;
     let index = primitive_index(medium.boundary);
+    let pose = pose_of_boundary(medium.boundary);
     switch primitive_kind(medium.boundary) {
         //@ each convex_boundary
         ${case}: {
-            return collision_within(${name}_interval(ray, ${name}s[index]), distance, limit);
+            return collision_within(${name}_interval(ray, moved_${name}(${name}s[index], pose)), distance, limit);
         }
         //@ end
         //@ if mesh_boundary
         default: {
-            return collision_in_mesh(ray, index, distance, limit, steps);
+            return collision_in_mesh(ray, moved_instance(instances[index], pose), distance, limit, steps);
         }
         //@ end
     }

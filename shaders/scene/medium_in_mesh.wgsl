@@ -4,6 +4,7 @@
 //@ use data/primitive
 //@ use bind/nodes
 //@ use bind/instances
+//@ use choice/moved_instance
 //@ use geometry/bounds
 //@ use geometry/instance
 //@ use geometry/slab
@@ -93,8 +94,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
 
 // The distance at which the ray has travelled the length `distance` inside the mesh, if that is nearer than `limit`; NO_HIT
 // otherwise, or WALK_CUT if the walk took too many steps.
-fn collision_in_mesh(ray: Ray, index: u32, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
-    let instance = instances[index];
+fn collision_in_mesh(ray: Ray, instance: Instance, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let here = to_mesh(instance, ray);
     var left = distance;
     var last = Crossing(0.0, 0xffffffffu, 0);
@@ -117,8 +117,7 @@ fn collision_in_mesh(ray: Ray, index: u32, distance: f32, limit: f32, steps: ptr
 }
 
 // The length that the ray travels inside the mesh up to distance t, or WALK_CUT.
-fn length_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
-    let instance = instances[index];
+fn length_in_mesh(ray: Ray, instance: Instance, t: f32, steps: ptr<function, u32>) -> f32 {
     let here = to_mesh(instance, ray);
     var distance = 0.0;
     var last = Crossing(0.0, 0xffffffffu, 0);

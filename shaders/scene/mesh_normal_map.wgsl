@@ -2,6 +2,7 @@
 //@ use data/primitive
 //@ use data/surface
 //@ use bind/instances
+//@ use choice/moved_instance
 //@ use lib/octahedral
 //@ use lib/tangents
 //@ use scene/at_run_time
@@ -13,7 +14,7 @@
 // Returns the vector `mapped` of a normal map in the frame of `normal`. `number` is that of the map's table.
 fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surface, number: f32) -> vec3<f32> {
     let index = primitive_index(hit.code);
-    let instance = with_table(instances[at_run_time(hit.instance)], number);
+    let instance = with_table(moved_instance(instances[at_run_time(hit.instance)], surface.pose), number);
     //@ if vertex_tangents
     if meshes[meshes[index].x].w != NO_NORMAL {
         return rotated_from_mesh(instance, normal_by_tangents(mapped, rotated_to_mesh(instance, normal), instance, index, surface.local));

@@ -9,10 +9,12 @@
 //@ use lib/tangents
 //@ each primitive
 //@ use bind/${name}s
+//@ use choice/moved_${name}
 //@ use tangent/${name}
 //@ end
 //@ if mesh
 //@ use bind/instances
+//@ use choice/moved_instance
 //@ use scene/at_run_time
 //@ use scene/mesh_tangents
 //@ end
@@ -26,12 +28,13 @@ fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}_tangents(surface, ${name}s[index], frame);
+            let moved = moved_${name}(${name}s[index], surface.pose);
+            return ${name}_tangents_with(${name}_tangents(${name}_unturned(surface), moved, frame), surface.pose);
         }
         //@ end
         //@ if mesh
         default: {
-            return mesh_tangents(instances[at_run_time(hit.instance)], index);
+            return mesh_tangents(moved_instance(instances[at_run_time(hit.instance)], surface.pose), index);
         }
         //@ end
     }

@@ -28,12 +28,12 @@ fn begin_of_walk() -> f32 {
 }
 
 // The distance to the first crossing of a primitive that lies behind the last pane, or NO_HIT. `candidate` is the nearest crossing.
-fn distance_ahead(candidate: Hit, ray: Ray) -> f32 {
+fn distance_ahead(candidate: Hit, pose: Pose, ray: Ray) -> f32 {
     let is_ahead = candidate.t > passed.t || (candidate.t == passed.t && comes_before(passed, candidate));
     if is_ahead || candidate.t == NO_HIT {
         return candidate.t;
     }
-    let leaves = interval_of_body(candidate.code, ray).y;
+    let leaves = interval_of_body(candidate.code, pose, ray).y;
     return select(NO_HIT, leaves, leaves > passed.t);
 }
 

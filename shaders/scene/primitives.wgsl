@@ -2,9 +2,11 @@
 //@ use data/hit
 //@ use data/primitive
 //@ use choice/delta_lights
+//@ use choice/pose
 //@ each primitive
 //@ use geometry/${name}
 //@ use bind/${name}s
+//@ use choice/moved_${name}
 //@ end
 //@ if mesh
 //@ use bind/instances
@@ -14,12 +16,12 @@
 // The scene's primitives by their codes; only the kinds that the scene has.
 
 // Distance to the primitive in front of the ray's origin, or NO_HIT. Faces of meshes are tested in pairs (scene/face_pairs).
-fn primitive_distance(code: u32, ray: Ray) -> f32 {
+fn primitive_distance(code: u32, pose: Pose, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each primitive
         ${case}: {
-            return ${name}_distance(ray, ${name}s[index]);
+            return ${name}_distance(ray, moved_${name}(${name}s[index], pose));
         }
         //@ end
         //@ if mesh
@@ -36,12 +38,12 @@ fn primitive_order(hit: Hit) -> u32 {
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}s[index].order;
+            return place_of(${name}s[index].order);
         }
         //@ end
         //@ if mesh
         default: {
-            return instances[at_run_time(hit.instance)].order;
+            return place_of(instances[at_run_time(hit.instance)].order);
         }
         //@ end
     }

@@ -5,6 +5,7 @@
 //@ use geometry/offset
 //@ use scene/at_run_time
 //@ use scene/meshes
+//@ use choice/moved_instance
 //@ use lib/bent_back
 //@ use lib/octahedral
 // Meshes with vertex normals look smooth: light scatters around the interpolated normal, and rays leave from the smooth
@@ -30,7 +31,7 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
         return facing;
     }
     let normals = normals_of(hit.code);
-    let interpolated = rotated_from_mesh(instances[at_run_time(hit.instance)], blend(surface.local, normals));
+    let interpolated = rotated_from_mesh(moved_instance(instances[at_run_time(hit.instance)], surface.pose), blend(surface.local, normals));
     let sided = select(-interpolated, interpolated, dot(facing, surface.normal) > 0.0);
     // Vertex normals in opposite directions can cancel.
     return bent_back(sided, incoming, facing);
@@ -57,7 +58,7 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
         dot(corners.c - point, normals.c),
     );
     let by = side * weights * max(below, vec3<f32>(0.0));
-    let instance = instances[at_run_time(hit.instance)];
+    let instance = moved_instance(instances[at_run_time(hit.instance)], surface.pose);
     let lift = instance.scale * rotated_from_mesh(instance, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }

@@ -2,10 +2,12 @@
 //@ use data/medium
 //@ use data/primitive
 //@ use bind/media
+//@ use choice/pose_of_boundary
 //@ use scene/at_run_time
 //@ each convex_boundary
 //@ use medium/${name}
 //@ use bind/${name}s
+//@ use choice/moved_${name}
 //@ end
 //@ if mesh_boundary
 //@ use scene/medium_in_mesh
@@ -16,16 +18,17 @@ fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
     for (var i = 0u; i < ${media}u; i++) {
         let medium = media[at_run_time(i)];
         let index = primitive_index(medium.boundary);
+        let pose = pose_of_boundary(medium.boundary);
         var distance = 0.0;
         switch primitive_kind(medium.boundary) {
             //@ each convex_boundary
             ${case}: {
-                distance = length_within(${name}_interval(ray, ${name}s[index]), t);
+                distance = length_within(${name}_interval(ray, moved_${name}(${name}s[index], pose)), t);
             }
             //@ end
             //@ if mesh_boundary
             default: {
-                distance = length_in_mesh(ray, index, t, steps);
+                distance = length_in_mesh(ray, moved_instance(instances[index], pose), t, steps);
             }
             //@ end
         }

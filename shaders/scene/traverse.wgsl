@@ -7,6 +7,7 @@
 //@ use scene/primitives
 //@ if mesh
 //@ use geometry/instance
+//@ use choice/moved_instance
 //@ use scene/face_pairs
 //@ end
 //@ use choice/coverage
@@ -69,6 +70,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
         hit.steps += 1u;
         var next = CHILD_MISSED;
         if (code & PRIMITIVE_BIT) != 0u {
+            let pose = pose_at(code, NO_INSTANCE);
             //@ if mesh
             if primitive_kind(code) == KIND_INSTANCE {
                 let entered = primitive_index(code);
@@ -76,13 +78,13 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 entered_at = depth;
                 outside = waiting;
                 waiting = NONE_WAIT;
-                here = to_mesh(instances[entered], ray);
+                here = to_mesh(moved_instance(instances[entered], pose), ray);
                 inverse = slab_inverse(here.direction);
                 code = instances[entered].root;
                 continue;
             }
             //@ end
-            var t = primitive_distance(code, here);
+            var t = primitive_distance(code, pose, here);
             //@ if mesh
             let leaf = code;
             if primitive_kind(leaf) == KIND_TRIANGLE {
@@ -99,7 +101,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             //@ if mesh
             candidate.instance = instance;
             //@ end
-            candidate.t = distance_ahead(candidate, here);
+            candidate.t = distance_ahead(candidate, pose, here);
             if candidate.t != NO_HIT && candidate.t <= hit.t {
                 if (candidate.t < hit.t || comes_before(candidate, hit)) && is_stopped(candidate, ray) {
                     candidate.steps = hit.steps;

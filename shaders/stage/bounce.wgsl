@@ -7,6 +7,7 @@
 //@ use choice/media
 //@ use choice/scatter
 //@ use choice/shadow
+//@ use choice/time
 //@ relies on loops
 // Intersects, crosses media, scatters and refills in one kernel, with several bounces per dispatch. It is for devices where
 // storing and loading a path's state costs more than divergence, such as software drivers.
@@ -26,6 +27,7 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     load_path(slot, &path);
     var iterations = MOST_STEPS_OF_MEDIA;
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
+        begin_time(&path);
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
         record_hit(&path);
         iterations = cross_media(&path, iterations);

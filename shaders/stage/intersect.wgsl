@@ -3,6 +3,7 @@
 //@ use bind/window
 //@ use choice/aov_hit_slot
 //@ use choice/walker_slot
+//@ use choice/time
 //@ use choice/pane_slot
 //@ use choice/queue_of_hits
 // Finds the nearest hit of each slot's ray.
@@ -20,6 +21,7 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     load_walker(slot, &path);
+    begin_time(&path);
     trace(&path);
     store_passed(slot, &path);
     record_hit_of_slot(slot, &path);

@@ -4,6 +4,7 @@
 //@ use step/light_path
 //@ use bind/window
 //@ use choice/media
+//@ use choice/time
 //@ use step/count
 //@ relies on loops
 // Light paths: emits, intersects, crosses media, scatters and connects to the lens, with several bounces per dispatch. They have the slots
@@ -38,6 +39,7 @@ fn light_path(@builtin(global_invocation_id) id: vec3<u32>) {
         if path.status == PATH_ENDED {
             continue;
         }
+        begin_time(&path);
         path.rays += 1u;
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
         let is_first = path.depth == FIRST_LIGHT_EVENT;

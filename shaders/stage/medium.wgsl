@@ -2,6 +2,7 @@
 //@ use step/media
 //@ use bind/window
 //@ use choice/shadow_slot
+//@ use choice/time
 //@ use choice/queue_of_events
 // Lets media scatter the paths before they reach their hits.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -21,6 +22,7 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     path.light = NO_LIGHT;
     load_throughput(slot, &path);
     load_sample_of_path(slot, &path);
+    begin_time(&path);
     load_radiance(slot, &path);
     load_aov_surface(slot, &path);
     cross_media(&path, 0u);

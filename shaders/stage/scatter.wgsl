@@ -2,6 +2,7 @@
 //@ use step/scatter
 //@ use bind/window
 //@ use choice/shadow_slot
+//@ use choice/time
 //@ use choice/queued_slot
 // Scatters the paths that hit a surface.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -21,6 +22,7 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     path.light = NO_LIGHT;
     load_throughput(slot, &path);
     load_sample_of_path(slot, &path);
+    begin_time(&path);
     load_radiance(slot, &path);
     load_direct(slot, &path);
     load_aov_surface(slot, &path);

@@ -3,6 +3,7 @@
 //@ use bind/window
 //@ use step/light
 //@ use choice/walker_slot
+//@ use choice/time
 //@ use choice/aov_direct_slot
 //@ use choice/probe_slot
 // Traces the shadow rays, and adds the light that they find.
@@ -17,6 +18,7 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     var path: Path;
     load_shadow(slot, &path);
     load_walker(slot, &path);
+    begin_time(&path);
     let limit = limit_of_shadow(&path);
     let hit = shadow_hit(&path, limit);
     // What the walk does not need is loaded after it, so that the walk has the registers.

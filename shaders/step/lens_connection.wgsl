@@ -5,6 +5,7 @@
 //@ use bind/settings
 //@ use camera/film_point
 //@ use choice/camera
+//@ use choice/camera_pose
 //@ use choice/panes
 //@ use choice/sampler
 //@ use choice/transmittance
@@ -31,7 +32,7 @@ struct LensView {
 fn view_from_lens(path: ptr<function, Path>, point: vec3<f32>) -> LensView {
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_LIGHT), settings.seed);
     let lens = lens_point(u.xy);
-    let to_lens = lens - point;
+    let to_lens = from_lens(lens) - point;
     let distance = length(to_lens);
     let direction = to_lens / distance;
     let density = density_of_camera_ray(-direction);

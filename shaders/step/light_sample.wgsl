@@ -6,6 +6,7 @@
 //@ use bind/window
 //@ use choice/light_absorption
 //@ use choice/sampler
+//@ use choice/time
 //@ use data/primitive
 //@ use data/ray
 //@ use lib/float
@@ -46,6 +47,7 @@ fn start_light_path(path: ptr<function, Path>) -> bool {
 fn emit_light_path(path: ptr<function, Path>) {
     let u = random4((*path).pixel, (*path).sample, DIMENSION_EMISSION, settings.seed);
     let v = random4((*path).pixel, (*path).sample, DIMENSION_EMITTED_DIRECTION, settings.seed);
+    begin_time(path);
     let emitted = emit_light(u, v.xy);
     (*path).light_paths[half_of_light_path(path)] += 1u;
     if !any(emitted.weight > vec3<f32>(0.0)) {

@@ -28,7 +28,7 @@ fn hit_of_path(path: ptr<function, Path>) -> Hit {
     var hit: Hit;
     pass_no_pane();
     loop {
-        hit = with_side(first_hit(ray, settings.root, limit, false), ray);
+        hit = sided_hit(first_hit(ray, settings.root, limit, false), ray);
         let pane = pane_at(hit, ray);
         if !pane.is_smooth || is_reflected(path, hit, pane.reflectance) {
             break;
@@ -55,7 +55,7 @@ fn hit_of_shadow(path: ptr<function, Path>, limit: Hit) -> Hit {
     var hit: Hit;
     pass_no_pane();
     loop {
-        hit = with_side(first_hit(ray, settings.root, rest, true), ray);
+        hit = sided_hit(first_hit(ray, settings.root, rest, true), ray);
         let pane = pane_at(hit, ray);
         if !pane.is_smooth {
             break;

@@ -7,6 +7,7 @@
 //@ use choice/camera
 //@ use choice/filter
 //@ use choice/sampler
+//@ use choice/time
 //@ use step/pixel_order
 //@ use choice/probe
 //@ use choice/aov_record
@@ -15,6 +16,7 @@
 // Puts the path onto the camera ray of its sample.
 fn start_sample(path: ptr<function, Path>) {
     let pixel = (*path).pixel;
+    begin_time(path);
     let u = random4(pixel, (*path).sample, DIMENSION_CAMERA, settings.seed);
     let jitter = vec4<f32>(filter_point(u.xy), u.zw);
     (*path).ray = camera_ray(pixel % settings.image_width, pixel / settings.image_width, jitter);

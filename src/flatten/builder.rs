@@ -2,19 +2,22 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::device_scene::DeviceScene;
 use super::finder::{Primitive, WorldMedium};
 use super::hierarchies::Hierarchies;
 use super::mesh_tables::Table;
+use super::motion::{Motion, in_space};
+use super::motion_tables::{Motions, follows_nearest, order_of, row_of_boundary};
+use super::swept::swept;
 use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
 use crate::material::{Extension, ExtensionKind, Slot};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape};
+use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
 
 /// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
 /// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
@@ -43,6 +46,8 @@ pub struct Builder<'a> {
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
     pub mesh_frames: HashMap<(usize, u32), u32>,
+    /// The motions, if anything moves.
+    pub motions: Option<Motions>,
     pub flat: DeviceScene,
 }
 
@@ -70,8 +75,10 @@ impl Builder<'_> {
     }
 
     pub fn add_media(&mut self, media: &[WorldMedium<'_>]) {
-        for medium in media {
-            self.add_medium(medium);
+        for (index, medium) in media.iter().enumerate() {
+            let order = row_of_boundary(self.flat.primitives as usize, index) as u32;
+            let order = order_of(order, &medium.motion);
+            self.add_medium(medium, order);
             let size = self.layout_of(&medium.boundary).stack_size;
             let features = &mut self.flat.features;
             features.boundary_stack_size = features.boundary_stack_size.max(size);
@@ -84,8 +91,37 @@ impl Builder<'_> {
         let Primitive { shape, to_world, material, .. } = primitive;
         let frame = self.frame_of(primitive);
         let material = self.materials[*material as usize];
-        let (index, bounds) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
+        let order = order_of(order, &primitive.motion);
+        let (index, rest) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
+        if primitive.motion.is_empty() {
+            return (shape.code(index), rest);
+        }
+        self.choose_own_point(shape, index, to_world, &primitive.motion);
+        let bounds = self.bounds_of_way(primitive, rest);
         (shape.code(index), bounds)
+    }
+
+    /// Writes into a large sphere that moves which is its own point.
+    pub fn choose_own_point(&mut self, shape: &Shape, index: usize, to_world: &Similarity, motion: &Motion) {
+        let at = ObjectTransform { to_world, space: self.space };
+        if shape.large_sphere().is_some()
+            && let Some(element) = self.flat.shapes.large_spheres.get_mut(index)
+        {
+            element.follows_nearest = u32::from(follows_nearest(shape, &at, motion));
+        }
+    }
+
+    /// The bounds of a primitive on all its way, with room for the rounding of its poses: as much as for that at rest, for each step.
+    fn bounds_of_way(&self, primitive: &Primitive, rest: Bounds) -> Bounds {
+        let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
+        let steps = in_space(&primitive.motion, self.space);
+        let shape = primitive.shape.bounding_shape(&at);
+        let way = swept(&shape, &steps);
+        let arms = steps.iter().map(|step| (shape.position() - step.center).length() as f32);
+        let sizes = [way.min.as_vec3(), way.max.as_vec3(), Vec3::splat(arms.sum())];
+        let room = error_bound(&sizes) * (1 + steps.len()) as f32;
+        let (min, max) = padded(way.min.as_vec3(), way.max.as_vec3(), room);
+        Bounds { min: min.min(rest.min), max: max.max(rest.max) }
     }
 
     /// Adds a shape of an object or of a medium's boundary. Returns its index among its kind, and its bounds.

@@ -93,6 +93,15 @@ pub struct Features {
     pub alpha_textures: bool,
     /// Whether passing a pane may read a texture. It depends only on the scene, too.
     pub pane_textures: bool,
+    /// Kinds of primitive that move, and kinds of boundaries of media that do, by the indices of `PRIMITIVES`.
+    pub motions: [Option<String>; PRIMITIVES.len()],
+    pub moving_boundaries: [Option<String>; PRIMITIVES.len()],
+    /// Lights without size that move, media whose texture moves, and a camera that moves.
+    pub moving_lights: Option<String>,
+    pub moving_media: Option<String>,
+    pub moving_camera: Option<String>,
+    /// The loop iterations that finding a pose takes at most. It depends only on the scene, too.
+    pub motion_iterations: u32,
     /// The number of media.
     pub media: u32,
     /// Kinds of background, by the indices of `BACKGROUNDS`. A scene itself has one.
@@ -126,8 +135,10 @@ impl Features {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
         };
         let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
-        let lists: [&mut [Option<String>]; 7] = [
+        let lists: [&mut [Option<String>]; 9] = [
             &mut self.primitives,
+            &mut self.motions,
+            &mut self.moving_boundaries,
             &mut self.panes,
             &mut self.materials,
             &mut self.textures,
@@ -140,9 +151,11 @@ impl Features {
             .into_iter()
             .for_each(add);
         [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
+        [&mut self.moving_media, &mut self.moving_camera].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.textured_lights);
             [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
+            add(&mut self.moving_lights);
             for (lobe, used) in [
                 (Lobe::Wide, &mut self.non_specular),
                 (Lobe::Narrow, &mut self.narrow),

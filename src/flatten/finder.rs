@@ -1,11 +1,14 @@
 //! Finds the primitives and media of a scene, each with the transform from its own space to the world.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::motion::{Motion, Placement, Shutter, in_space};
+use super::swept::swept;
 use crate::delta_light::WorldLight;
-use crate::scene::{Object, Scene, Texture, Transform};
+use crate::scene::{Object, Scene, Texture};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
@@ -14,8 +17,9 @@ use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
 pub struct Primitive<'a> {
     pub object: &'a Object,
     pub shape: Shape<'a>,
-    /// The transform from the object's own space to the world.
+    /// The transform from the object's own space to the world, where the shutter opens.
     pub to_world: Similarity,
+    pub motion: Motion,
     pub material: u32,
 }
 
@@ -23,10 +27,11 @@ pub struct Primitive<'a> {
 pub struct WorldMedium<'a> {
     pub object: &'a Object,
     pub boundary: Shape<'a>,
-    /// The transform from the boundary's own space to the world.
+    /// The transform from the boundary's own space to the world, where the shutter opens.
     pub to_world: Similarity,
-    /// The transform from the medium's own space, which is also that of its texture, to the world.
-    pub own: Similarity,
+    pub motion: Motion,
+    /// The placement of the medium's own space, which is also that of its texture.
+    pub own: Placement,
     /// The density per unit of length in the world.
     pub density: f64,
     pub albedo: &'a Texture,
@@ -39,10 +44,18 @@ pub struct Finder<'a> {
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
     /// The camera's position.
     eye: DVec3,
+    shutter: Shutter,
     pub primitives: Vec<Primitive<'a>>,
     pub media: Vec<WorldMedium<'a>>,
-    /// The lights without size, each with its object.
-    pub lights: Vec<(&'a Object, WorldLight)>,
+    /// The lights without size.
+    pub lights: Vec<MovingLight<'a>>,
+}
+
+/// A light without size, where the shutter opens, and its motion from there.
+pub struct MovingLight<'a> {
+    pub object: &'a Object,
+    pub light: WorldLight,
+    pub motion: Motion,
 }
 
 impl<'a> Finder<'a> {
@@ -51,6 +64,7 @@ impl<'a> Finder<'a> {
             materials: (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect(),
             meshes,
             eye,
+            shutter: Shutter::new(&scene.camera),
             primitives: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),
@@ -58,22 +72,24 @@ impl<'a> Finder<'a> {
     }
 
     /// Adds the primitives, media and lights of an object.
-    pub fn add(&mut self, object: &'a Object, to_world: &Similarity) {
+    pub fn add(&mut self, object: &'a Object, at: &Placement) {
         match object {
-            Object::Transformed { by, object } => self.add(object, &to_world.after(&similarity(by))),
+            Object::Transformed { by, object } => self.add(object, &at.transformed(by)),
+            Object::Moving { keys, object } => self.add(object, &at.moving(keys, self.shutter)),
             Object::Group(objects) | Object::Gltf { objects, .. } => {
-                objects.iter().for_each(|object| self.add(object, to_world));
+                objects.iter().for_each(|object| self.add(object, at));
             }
             Object::Medium { boundary, density, albedo, anisotropy } => {
                 // A medium without density has no effect.
                 if *density > 0.0
-                    && let Some((boundary, around)) = self.boundary(boundary, to_world)
+                    && let Some((boundary, around)) = self.boundary(boundary, at)
                 {
                     self.media.push(WorldMedium {
                         object,
                         boundary,
-                        to_world: around,
-                        own: *to_world,
+                        to_world: around.to_world,
+                        motion: around.motion,
+                        own: at.clone(),
                         density: *density,
                         albedo,
                         anisotropy: *anisotropy,
@@ -81,36 +97,27 @@ impl<'a> Finder<'a> {
                 }
             }
             _ => {
-                self.lights.extend(object.delta_light().map(|light| (object, light.in_world(to_world))));
+                let Placement { to_world, motion } = at;
+                let light = object.delta_light().map(|light| light.in_world(to_world));
+                self.lights.extend(light.map(|light| MovingLight { object, light, motion: Arc::clone(motion) }));
                 let material = object.material().and_then(|name| self.materials.get(name).copied());
                 if let (Some(shape), Some(material)) = (object.shape(self.meshes), material) {
                     let shape = shape.seen_from(to_world, self.eye);
-                    self.primitives.push(Primitive { object, shape, to_world: *to_world, material });
+                    let (to_world, motion) = (*to_world, Arc::clone(motion));
+                    self.primitives.push(Primitive { object, shape, to_world, motion, material });
                 }
             }
         }
     }
 
-    /// The shape of a boundary, and the transform from its own space to the world.
-    fn boundary(&self, object: &Object, to_world: &Similarity) -> Option<(Shape<'a>, Similarity)> {
+    /// The shape of a boundary, and its placement.
+    fn boundary(&self, object: &Object, at: &Placement) -> Option<(Shape<'a>, Placement)> {
         match object {
-            Object::Transformed { by, object } => self.boundary(object, &to_world.after(&similarity(by))),
-            _ => object.shape(self.meshes).map(|shape| (shape.seen_from(to_world, self.eye), *to_world)),
+            Object::Transformed { by, object } => self.boundary(object, &at.transformed(by)),
+            Object::Moving { keys, object } => self.boundary(object, &at.moving(keys, self.shutter)),
+            _ => object.shape(self.meshes).map(|shape| (shape.seen_from(&at.to_world, self.eye), at.clone())),
         }
     }
-}
-
-/// A list of transforms, applied in the order listed.
-fn similarity(transforms: &[Transform]) -> Similarity {
-    let one = |transform: &Transform| match *transform {
-        Transform::Translate(by) => Similarity::translation(by),
-        Transform::Scale(scale) => Similarity::scale(scale),
-        Transform::RotateX(degrees) => Similarity::rotation(DVec3::X, degrees),
-        Transform::RotateY(degrees) => Similarity::rotation(DVec3::Y, degrees),
-        Transform::RotateZ(degrees) => Similarity::rotation(DVec3::Z, degrees),
-        Transform::Rotate { axis, degrees } => Similarity::rotation(axis, degrees),
-    };
-    transforms.iter().fold(Similarity::IDENTITY, |done, next| one(next).after(&done))
 }
 
 /// The largest distance of a shape's points from the eye along an axis. Of a large sphere only the nearest point counts, because rays seldom
@@ -131,8 +138,17 @@ pub fn extent_of(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
 
 /// The largest distance of all primitives, media and the lens from the eye along an axis; 1 if the scene is empty.
 pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>) -> f64 {
-    let primitives = finder.primitives.iter().map(|primitive| extent_of(&primitive.shape, &primitive.to_world, eye));
-    let media = finder.media.iter().map(|medium| extent_of(&medium.boundary, &medium.to_world, eye));
+    let space = RenderSpace { eye, scale: 1.0 };
+    let of = |shape: &Shape, to_world: &Similarity, motion: &Motion| {
+        let rest = extent_of(shape, to_world, eye);
+        if motion.is_empty() || shape.large_sphere().is_some() {
+            return rest;
+        }
+        let way = swept(&shape.bounding_shape(&ObjectTransform { to_world, space }), &in_space(motion, space));
+        rest.max(way.min.abs().max(way.max.abs()).max_element())
+    };
+    let primitives = finder.primitives.iter().map(|found| of(&found.shape, &found.to_world, &found.motion));
+    let media = finder.media.iter().map(|medium| of(&medium.boundary, &medium.to_world, &medium.motion));
     let far = primitives.chain(media).fold(lens_radius, f64::max);
     if far > 0.0 { far } else { 1.0 }
 }

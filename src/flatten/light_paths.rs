@@ -7,6 +7,8 @@ use glam::{DMat3, DVec3};
 use super::builder::Builder;
 use super::finder::Primitive;
 use super::light_tree::{LightBounds, LightKind};
+use super::motion::in_space;
+use super::swept::swept;
 use crate::bitmap::Bitmaps;
 use crate::data::{self, f32s};
 use crate::light_distribution::alias_entries;
@@ -54,7 +56,15 @@ impl Builder<'_> {
                 let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
                 let is_pane = matches!(material, Material::ThinDielectric { .. });
                 let shapes = if is_pane { &mut panes } else { &mut solid };
-                shapes.push(primitive.shape.bounding_shape(&at));
+                let shape = primitive.shape.bounding_shape(&at);
+                shapes.push(match primitive.motion.is_empty() {
+                    true => shape,
+                    false => {
+                        let way = swept(&shape, &in_space(&primitive.motion, self.space));
+                        let half = 0.5 * (way.max - way.min);
+                        BoundingShape::Cuboid { center: way.center(), half, axes: DMat3::IDENTITY }
+                    }
+                });
             }
         }
         let aims = aims(vec![(1.0, solid), (WEIGHT_OF_PANES, panes)]);

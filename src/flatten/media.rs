@@ -8,10 +8,13 @@ use crate::data::{self, f32s};
 use crate::shape::{Element, ObjectTransform, RenderSpace};
 
 impl Builder<'_> {
-    pub fn add_medium(&mut self, medium: &WorldMedium<'_>) {
+    /// `order` is the place of its boundary behind the primitives.
+    pub fn add_medium(&mut self, medium: &WorldMedium<'_>, order: u32) {
         let WorldMedium { boundary, to_world, own, density, albedo, anisotropy, .. } = medium;
+        let own = &own.to_world;
         // The boundary is not a surface: it has no material, and is not a primitive.
-        let (index, _) = self.add_shape(boundary, to_world, Element::default());
+        let (index, _) = self.add_shape(boundary, to_world, Element { order, ..Element::default() });
+        self.choose_own_point(boundary, index, to_world, &medium.motion);
         let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
         let center = match boundary.large_sphere() {
             Some(large_sphere) => large_sphere.nearest(to_world, self.space.eye),

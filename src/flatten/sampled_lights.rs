@@ -2,19 +2,20 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::builder::Builder;
 use super::features::{NotSampled, PRIMITIVES};
-use super::finder::Primitive;
+use super::finder::{MovingLight, Primitive};
 use super::light_paths::Start;
 use super::light_tree::{LightBounds, LightKind, LightTree};
+use super::motion::in_space;
+use super::swept::{changes_size, largest_scale, largest_turn, swept};
 use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
-use crate::delta_light::WorldLight;
 use crate::light_distribution::SkyDistribution;
 use crate::material::Emission;
-use crate::scene::{Background, Bitmap, Object};
-use crate::shape::{Aabb, Emitter, ObjectTransform};
+use crate::scene::{Background, Bitmap};
+use crate::shape::{Aabb, BoundingShape, Emitter, ObjectTransform};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
@@ -33,12 +34,7 @@ struct LightGroup<'a> {
 
 impl Builder<'_> {
     /// Adds the primitives that emit as lights, in their order, then lights without size, and then the background's image.
-    pub fn add_lights(
-        &mut self,
-        primitives: &[Primitive<'_>],
-        delta_lights: &[(&Object, WorldLight)],
-        radiance_scale: f64,
-    ) {
+    pub fn add_lights(&mut self, primitives: &[Primitive<'_>], delta_lights: &[MovingLight<'_>], radiance_scale: f64) {
         let materials = &self.scene.materials;
         let bitmaps = &self.scene.bitmaps;
         let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
@@ -58,9 +54,9 @@ impl Builder<'_> {
         }
         let sky = self.add_sky();
         let delta_lights: Vec<_> =
-            delta_lights.iter().filter(|(_, light)| light.brightness(self.space) > 0.0).collect();
+            delta_lights.iter().filter(|moving| moving.light.brightness(self.space) > 0.0).collect();
         let groups = self.drop_faintest(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
-        let of_delta = delta_lights.iter().map(|(_, light)| light.brightness(self.space));
+        let of_delta = delta_lights.iter().map(|moving| moving.light.brightness(self.space));
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
         // The scene has no light.
         if sum == 0.0 || !sum.is_finite() {
@@ -77,9 +73,19 @@ impl Builder<'_> {
                 self.flat.features.textured_lights.get_or_insert_with(reason);
             }
             self.set_light(&group, lights.len() as u32);
-            let is_possible = group.primitive.shape.large_sphere().is_none();
+            let steps = in_space(&group.primitive.motion, self.space);
+            // Light paths start with a density that is the same at all times.
+            let is_possible = group.primitive.shape.large_sphere().is_none() && !changes_size(&steps);
+            let turn = largest_turn(&steps);
             for (Emitter { code, instance, around, normal, area }, intensity) in group.emitters {
-                let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
+                let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, turn.min(PI)));
+                let half = 0.5 * (around.max - around.min);
+                let around = match steps.is_empty() {
+                    true => around,
+                    false => {
+                        swept(&BoundingShape::Cuboid { center: around.center(), half, axes: DMat3::IDENTITY }, &steps)
+                    }
+                };
                 bounds.push(LightBounds {
                     around,
                     axis,
@@ -95,10 +101,10 @@ impl Builder<'_> {
         }
         // Lights with a position come first, as the tree requires.
         let (positional, at_infinity): (Vec<_>, Vec<_>) =
-            delta_lights.into_iter().partition(|(_, light)| light.position.is_some());
-        for (object, light) in positional.into_iter().chain(at_infinity) {
+            delta_lights.into_iter().partition(|moving| moving.light.position.is_some());
+        for light in positional.into_iter().chain(at_infinity) {
             let code = primitive_code(KIND_DELTA_LIGHT, self.flat.delta_lights.len() as u32);
-            bounds.push(self.add_delta_light(object, &light, radiance_scale));
+            bounds.push(self.add_delta_light(light, radiance_scale));
             lights.push((code, data::NO_INSTANCE));
             starts.push(Start { area: 0.0, is_possible: true });
         }
@@ -115,10 +121,18 @@ impl Builder<'_> {
     }
 
     /// Adds a light without size to its table.
-    fn add_delta_light(&mut self, object: &Object, light: &WorldLight, radiance_scale: f64) -> LightBounds {
+    fn add_delta_light(&mut self, moving: &MovingLight<'_>, radiance_scale: f64) -> LightBounds {
+        let MovingLight { object, light, motion } = moving;
+        let space = light.own_space(self.space);
+        let steps = in_space(motion, space);
+        let position = light.around(self.space).min;
+        self.add_motion_of_light(self.flat.delta_lights.len(), motion, position, space);
         let features = &mut self.flat.features;
         let reason = || format!("{} at {}", object.name(), self.scene.location_of(object));
         features.delta_lights.get_or_insert_with(reason);
+        if !motion.is_empty() {
+            features.moving_lights.get_or_insert_with(reason);
+        }
         self.flat.delta_lights.push(light.on_device(self.space, radiance_scale));
         let intensity = light.brightness(self.space);
         if light.position.is_none() {
@@ -127,9 +141,9 @@ impl Builder<'_> {
         }
         let (axis, beam) = light.cone();
         LightBounds {
-            around: light.around(self.space),
+            around: swept(&BoundingShape::Ball { center: position, radius: 0.0 }, &steps),
             axis,
-            half_angle: beam.unwrap_or(PI),
+            half_angle: beam.map_or(PI, |beam| (beam + largest_turn(&steps)).min(PI)),
             is_beam: beam.is_some(),
             kind: LightKind::Positional,
             ..infinite_light(intensity)
@@ -204,11 +218,12 @@ impl Builder<'_> {
         let layout = self.layout_of(&primitive.shape);
         let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
         let code = primitive.shape.code(index as usize);
+        let scale = largest_scale(&primitive.motion);
         let emitters = primitive.shape.emitters(&at, index, code, layout).into_iter().map(|emitter| {
             let normal = emitter.normal.and_then(DVec3::try_normalize);
             // The mean projected area of a convex body is a quarter of its surface (Cauchy).
             let projected_area = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
-            (Emitter { normal, ..emitter }, radiance * projected_area)
+            (Emitter { normal, ..emitter }, radiance * projected_area * scale * scale)
         });
         let emitters: Vec<(Emitter, f64)> = emitters.collect();
         let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();

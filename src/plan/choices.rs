@@ -328,10 +328,36 @@ pub(super) fn decide(
         (Some(_), Some(why)) => Chosen { module: "step/surface_light", why },
     };
     let queue_of_hits = queue_why.clone().filter(|_| medium.is_none());
+    let moving_object = first_reason(&features.motions);
+    let moving_boundary = first_reason(&features.moving_boundaries);
+    let others = [&features.moving_camera, &features.moving_lights, &features.moving_media];
+    let motion = moving_object.clone().or(moving_boundary.clone()).or(first_reason(others));
+    let moved = |kind: &str, module, other| {
+        let number = PRIMITIVES.iter().position(|name| *name == kind);
+        let used =
+            [&features.motions, &features.moving_boundaries].map(|used| number.and_then(|n| reason_of(&used[n])));
+        either(&used.into_iter().flatten().next(), module, other)
+    };
     // The modules behind `choice/…`.
     let modules = [
         ("axes", either(&reason_of(&features.camera_axes), "scene/camera_axes", "scene/world_axes")),
         ("camera", either(&reason_of(&features.thin_lens), "camera/thin_lens", "camera/pinhole")),
+        ("camera_pose", either(&reason_of(&features.moving_camera), "camera/moving", "camera/resting")),
+        // What moves.
+        ("time", either(&motion, "motion/time", "null/time")),
+        ("pose", either(&moving_object, "motion/objects", "null/pose")),
+        ("pose_of_boundary", either(&moving_boundary, "motion/boundaries", "null/pose_of_boundary")),
+        ("moved_sphere", moved("sphere", "motion/sphere", "null/moved_sphere")),
+        ("moved_large_sphere", moved("large_sphere", "motion/large_sphere", "null/moved_large_sphere")),
+        ("moved_quad", moved("quad", "motion/quad", "null/moved_quad")),
+        ("moved_disk", moved("disk", "motion/disk", "null/moved_disk")),
+        ("moved_cuboid", moved("cuboid", "motion/cuboid", "null/moved_cuboid")),
+        ("moved_instance", moved("triangle", "motion/instance", "null/moved_instance")),
+        (
+            "moved_delta_light",
+            either(&reason_of(&features.moving_lights), "motion/delta_light", "null/moved_delta_light"),
+        ),
+        ("moved_medium", either(&reason_of(&features.moving_media), "motion/medium", "null/moved_medium")),
         ("filter", by_option(&options::FILTER)),
         ("filter_weight", either(&negative_lobes, "step/filter_weight", "null/filter_weight")),
         ("colour", either(&first_reason(&features.textures), "scene/textured_colour", "scene/plain_colour")),
@@ -399,7 +425,7 @@ pub(super) fn decide(
         // Modules that only separate stages have.
         ("aov_hit_slot", either(&aov_hit, "slots/aov_hit", "null/aov_hit_slot")),
         ("aov_direct_slot", either(&aov_direct, "slots/aov_direct", "null/aov_direct_slot")),
-        ("walker_slot", either(&alpha.clone().or(pane.clone()), "slots/walker", "null/walker_slot")),
+        ("walker_slot", either(&alpha.clone().or(pane.clone()).or(motion.clone()), "slots/walker", "null/walker_slot")),
         ("pane_slot", either(&pane, "slots/pane", "null/pane_slot")),
         ("shadow_slot", either(&staged(&light), "slots/shadow", "null/shadow_slot")),
         ("probe_slot", either(&probed, "slots/probe", "null/probe_slot")),
@@ -455,10 +481,12 @@ pub(super) fn decide(
         ("sky_columns", features.sky_grid.0),
         ("sky_rows", features.sky_grid.1),
         // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's. A step that reads
-        // an alpha has four more, one for each texel.
+        // an alpha has four more, one for each texel, and one at what moves has those of its pose.
         (
             "most_steps",
-            if features.shadow_rays { 19_000 } else { 48_000 } / if features.alpha_textures { 5 } else { 1 },
+            if features.shadow_rays { 19_000 } else { 48_000 }
+                / if features.alpha_textures { 5 } else { 1 }
+                / (1 + features.motion_iterations),
         ),
         // The iterations that count for passing a pane: those of the longest texture, or some for its material.
         ("pane_steps", if features.pane_textures { 384 } else { 8 }),

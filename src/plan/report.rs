@@ -256,6 +256,16 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("sky light", &features.emitting_sky, "light/sky"));
     all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));
     all.push(one("thin lens", &features.thin_lens, "camera/thin_lens"));
+    let mut motions = kinds(PRIMITIVES, &features.motions, "motion", " motion");
+    motions.iter_mut().filter(|known| known.module == "motion/triangle").for_each(|mesh| {
+        mesh.module = "motion/instance".to_string();
+    });
+    all.extend(motions);
+    let boundaries = PRIMITIVES.iter().zip(&features.moving_boundaries);
+    all.extend(boundaries.map(|(name, used)| one(&format!("{name} boundary motion"), used, "motion/boundaries")));
+    all.push(one("delta light motion", &features.moving_lights, "motion/delta_light"));
+    all.push(one("medium motion", &features.moving_media, "motion/medium"));
+    all.push(one("camera motion", &features.moving_camera, "camera/moving"));
     all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));
     all
 }

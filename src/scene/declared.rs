@@ -58,6 +58,50 @@ declare! {
         /// The distance from the lens to the plane that is sharp.
         #[serde(default)]
         focus_distance: Option<f64> = LENGTH.or("the distance to `look_at`");
+        /// When the shutter opens and closes. What moves between these times is blurred.
+        #[serde(default, skip_serializing_if = "is_default")]
+        shutter: (f64, f64) = other("two numbers of seconds: (open, close)").or("(0, 0)");
+        /// Where the camera is at which times, in place of `look_from` and `look_at`. Both points move straight from key to key. The times do
+        /// not decrease; before the first key and behind the last one the camera rests.
+        #[serde(default, skip_serializing_if = "is_default")]
+        moving: Vec<(f64, CameraKey)> = other("a list of keys: [(seconds, (look_from: .., look_at: ..)), ..]").or("[]");
+    }
+}
+
+declare! {
+    /// Where a moving camera is at a time.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct CameraKey: camera_key, "(look_from: (13, 2, 3), look_at: (0, 0, 0))" {
+        look_from: DVec3 = camera::FIELDS.look_from;
+        look_at: DVec3 = camera::FIELDS.look_at;
+    }
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl Camera {
+    /// The camera as it stands at a time, in seconds.
+    pub fn at(&self, seconds: f64) -> Camera {
+        let mut camera = self.clone();
+        if let Some((before, after, share)) = keys_around(&self.moving, seconds) {
+            camera.look_from = before.look_from.lerp(after.look_from, share);
+            camera.look_at = before.look_at.lerp(after.look_at, share);
+        }
+        camera
+    }
+}
+
+/// The keys before and after a time, and the share of the way from the first to the second. Before the first key and behind the last one,
+/// both are that key. Of keys at one time, the last one counts from then on.
+pub fn keys_around<T>(keys: &[(f64, T)], seconds: f64) -> Option<(&T, &T, f64)> {
+    let next = keys.partition_point(|(time, _)| *time <= seconds);
+    match (next.checked_sub(1).and_then(|last| keys.get(last)), keys.get(next)) {
+        (Some((start, before)), Some((end, after))) => Some((before, after, (seconds - start) / (end - start))),
+        (Some((_, only)), None) | (None, Some((_, only))) => Some((only, only, 0.0)),
+        (None, None) => None,
     }
 }
 
@@ -232,6 +276,21 @@ declare! {
             /// Any object, also a group.
             object: Box<Object> = other("an object");
         }
+        /// An object that moves. A propeller is a `RotateZ` from 0 to 3600.
+        Moving: moving,
+            "Moving(
+    keys: [(0, [Translate((0, 0, 0))]), (1, [Translate((8, 0, 0))])],
+    object: Sphere(center: (0, 1, 0), radius: 1, material: \"matt\"),
+)"
+        {
+            /// Times in seconds, which do not decrease, each with the transforms of the object at that time, applied in the order listed. All keys
+            /// have the same kinds of transforms in the same order. Each transform goes from its value in one key to that in the next at a
+            /// constant pace: shifts, factors and degrees. A `Rotate` whose axes differ takes the shortest turn. Before the first key and
+            /// behind the last one the object rests.
+            keys: Vec<(f64, Vec<Transform>)> = other("a list of keys: [(seconds, [..]), ..]");
+            /// Any object, also a group or one that moves.
+            object: Box<Object> = other("an object");
+        }
         /// Several objects as one.
         Group: group,
             "Group([
@@ -262,7 +321,7 @@ declare! {
         Medium: medium,
             "Medium(boundary: Sphere(center: (0, 1, 0), radius: 5), density: 0.01, albedo: Rgb(1, 1, 1), anisotropy: 0)"
         {
-            /// A Sphere, a Box or a closed Mesh, Transformed or not.
+            /// A Sphere, a Box or a closed Mesh, Transformed, Moving or not.
             boundary: Box<Object> = other("an object without a material");
             /// The extinction coefficient: light falls to 1/e over a distance of 1 / density.
             density: f64 = number(Range::NOT_NEGATIVE, "per scene unit");

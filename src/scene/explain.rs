@@ -373,7 +373,7 @@ fn expected(path: &[Step<'_>]) -> String {
         [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => {
             format!("an object: {}", any_of(Object::FORMS.iter()))
         }
-        [.., Step::Field("boundary")] => boundaries("(..)", ", Transformed(..) or not"),
+        [.., Step::Field("boundary")] => boundaries("(..)", ", Transformed(..), Moving(..) or not"),
         [.., Step::Field("by"), Step::Index(_)] => format!("a transform: {}", any_of(Transform::FORMS.iter())),
         [.., Step::Field(name)] => field(name).map_or(NUMBER.to_owned(), Takes::words),
         [.., Step::Variant(name)] => form(name).map_or(BY_NAME.to_owned(), Form::content),

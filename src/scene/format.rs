@@ -1,6 +1,6 @@
 //! The forms of the scene file by what they are.
 
-use super::declared::{camera, image, render};
+use super::declared::{camera, camera_key, image, render};
 use super::types::{Background, Material, Object, Texture, Transform};
 use crate::source::form::{Form, other};
 
@@ -33,7 +33,7 @@ pub const SCENE: Form = Form {
 /// All forms by what they are, in the order of docs/scene.md. A name may stand for two of them, which are written alike.
 pub fn groups() -> [(&'static str, &'static [Form]); 6] {
     [
-        ("Scene", &[SCENE, image::FORM, camera::FORM, render::FORM]),
+        ("Scene", &[SCENE, image::FORM, camera::FORM, render::FORM, camera_key::FORM]),
         ("Backgrounds", Background::FORMS),
         ("Materials", Material::FORMS),
         ("Textures", Texture::FORMS),

@@ -199,7 +199,9 @@ fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
         match object {
             Object::Gltf { path, objects, .. } if path == name => *objects = contents.to_vec(),
             Object::Group(objects) => fill(objects, name, contents),
-            Object::Transformed { object, .. } => fill(std::slice::from_mut(object), name, contents),
+            Object::Transformed { object, .. } | Object::Moving { object, .. } => {
+                fill(std::slice::from_mut(object), name, contents)
+            }
             _ => {}
         }
     }
@@ -329,6 +331,8 @@ impl SceneFile {
             vertical_fov: 45.0,
             aperture: 0.0,
             focus_distance: None,
+            shutter: (0.0, 0.0),
+            moving: Vec::new(),
         };
         SceneFile {
             image: parts.image.unwrap_or(ImageSize { width: 1, height: 1 }),

@@ -1,6 +1,8 @@
 //! The types of what a scene consists of.
 
-pub use super::declared::{Background, Camera, ImageSize, Object, RenderDefaults, Thin, Transform};
+pub use super::declared::{
+    Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, Thin, Transform, keys_around,
+};
 pub use crate::bitmap::{Bitmap, Bitmaps};
 pub use crate::material::Material;
 pub use crate::texture::{Colour, Texture, Use};

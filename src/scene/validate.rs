@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
-use crate::source::{LARGEST, SMALLEST, Step, ValuePath, parallel, vector};
+use crate::source::{LARGEST, Range, SMALLEST, Step, ValuePath, parallel, vector};
 
 /// Checks all of the scene, in the order of the format's description, except for the files that it names.
 pub fn validate(scene: &Scene, findings: &mut Findings) {
@@ -58,6 +58,75 @@ fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
         findings.record(directions(at, camera));
     }
     findings.record_all(camera.check_fields(at));
+    findings.record(shutter(&at.field("shutter"), camera.shutter));
+    camera_keys(&at.field("moving"), camera, findings);
+}
+
+fn shutter(at: &ValuePath, (open, close): (f64, f64)) -> Result<()> {
+    for (index, time) in [open, close].into_iter().enumerate() {
+        SECONDS.check(&at.index(index), "time", "seconds", time)?;
+    }
+    match close < open {
+        true => {
+            Err(at.error(format!("the shutter closes at {close}, before it opens at {open}: expected (open, close)")))
+        }
+        false => Ok(()),
+    }
+}
+
+/// Checks the keys of a moving camera, and that it has a direction all the way between them.
+fn camera_keys(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
+    findings.record(times(at, &camera.moving));
+    let mut last: Option<&CameraKey> = None;
+    for (index, (_, key)) in camera.moving.iter().enumerate() {
+        let of_key = at.index(index);
+        let at = of_key.index(1);
+        let errors = key.check_fields(&at);
+        let is_valid = errors.is_empty();
+        findings.record_all(errors);
+        if is_valid && vector(&at, camera.up).is_ok() {
+            let at_key = |key: &CameraKey| Camera { look_from: key.look_from, look_at: key.look_at, ..camera.clone() };
+            findings.record(directions(&at, &at_key(key)).and_then(|()| match last {
+                Some(last) => keeps_direction(&at, last, key, camera.up),
+                None => Ok(()),
+            }));
+            last = Some(key);
+        }
+    }
+}
+
+/// Refuses a camera whose view vanishes or becomes parallel to up on the way from one key to the next. The view goes straight.
+fn keeps_direction(at: &ValuePath, from: &CameraKey, to: &CameraKey, up: DVec3) -> Result<()> {
+    let (start, end) = (from.look_at - from.look_from, to.look_at - to.look_from);
+    // Across up, the view must not pass through 0.
+    let across = |view: DVec3| view - up * (view.dot(up) / up.length_squared());
+    let (start, end) = (across(start), across(end));
+    let way = end - start;
+    let nearest = if way == DVec3::ZERO { 0.0 } else { (-start.dot(way) / way.length_squared()).clamp(0.0, 1.0) };
+    match start.lerp(end, nearest).length() < 1e-6 * start.length().max(end.length()) {
+        true => Err(at.error(
+            "between this key and the one before, the view becomes parallel to up: add a key, or choose another direction for up",
+        )),
+        false => Ok(()),
+    }
+}
+
+/// The range of times.
+const SECONDS: Range = Range::from_to(-1e9, 1e9);
+
+/// Checks that the times of keys are numbers that do not decrease.
+fn times<T>(at: &ValuePath, keys: &[(f64, T)]) -> Result<()> {
+    let mut last = f64::NEG_INFINITY;
+    for (index, (time, _)) in keys.iter().enumerate() {
+        let of_key = at.index(index);
+        let at = of_key.index(0);
+        SECONDS.check(&at, "time", "seconds", *time)?;
+        if *time < last {
+            return Err(at.error(format!("expected keys in the order of their times, found {time} behind {last}")));
+        }
+        last = *time;
+    }
+    Ok(())
 }
 
 fn directions(at: &ValuePath, camera: &Camera) -> Result<()> {
@@ -95,21 +164,25 @@ fn background(at: &ValuePath, background: &Background) -> Result<()> {
     }
 }
 
-/// A bound of the transforms around an object: they take a distance x from the origin to at most `scale` x + `shift`.
+/// A bound of the transforms around an object, at all times: they take a distance x from the origin to at most `scale` x + `shift`, and
+/// a size to at least `least_scale` times it.
 #[derive(Clone, Copy)]
 struct TransformBound {
     scale: f64,
+    least_scale: f64,
     shift: f64,
 }
 
 impl TransformBound {
-    const IDENTITY: TransformBound = TransformBound { scale: 1.0, shift: 0.0 };
+    const IDENTITY: TransformBound = TransformBound { scale: 1.0, least_scale: 1.0, shift: 0.0 };
 
     /// The bound with one more transform, inside all others.
     fn after(self, inner: &Transform) -> TransformBound {
         match inner {
             Transform::Translate(by) => TransformBound { shift: self.shift + self.scale * by.length(), ..self },
-            Transform::Scale(factor) => TransformBound { scale: self.scale * factor, ..self },
+            Transform::Scale(factor) => {
+                TransformBound { scale: self.scale * factor, least_scale: self.least_scale * factor, ..self }
+            }
             _ => self,
         }
     }
@@ -117,7 +190,16 @@ impl TransformBound {
     /// Whether a shape of this size, with no part farther than `distance` from the origin, stays in the range of numbers.
     fn holds(self, size: f64, distance: f64) -> bool {
         let distance = self.scale * distance + self.shift;
-        self.scale * size >= SMALLEST && distance <= LARGEST
+        self.least_scale * size >= SMALLEST && distance <= LARGEST
+    }
+
+    /// The bound of this one and of another.
+    fn union(self, other: TransformBound) -> TransformBound {
+        TransformBound {
+            scale: self.scale.max(other.scale),
+            least_scale: self.least_scale.min(other.least_scale),
+            shift: self.shift.max(other.shift),
+        }
     }
 }
 
@@ -132,6 +214,10 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
     match object {
         Object::Transformed { by, object: inner } => {
             let bound = transforms(&at.field("by"), by, bound, findings);
+            self::object(known, &at.field("object"), inner, bound, findings);
+        }
+        Object::Moving { keys, object: inner } => {
+            let bound = moving(&at.field("keys"), keys, bound, findings);
             self::object(known, &at.field("object"), inner, bound, findings);
         }
         Object::Group(objects) | Object::Gltf { objects, .. } => {
@@ -183,8 +269,12 @@ fn boundary(known: &KnownNames, at: &ValuePath, object: &Object, bound: Transfor
         let bound = transforms(&inside.field("by"), by, bound, findings);
         return boundary(known, &inside.field("object"), object, bound, findings);
     }
+    if let Object::Moving { keys, object } = object {
+        let bound = moving(&inside.field("keys"), keys, bound, findings);
+        return boundary(known, &inside.field("object"), object, bound, findings);
+    }
     if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
-        findings.record::<()>(Err(at.unexpected(boundaries("", ", Transformed or not"))));
+        findings.record::<()>(Err(at.unexpected(boundaries("", ", Transformed, Moving or not"))));
         return;
     }
     findings.record(shape(known, inside, object, bound));
@@ -198,7 +288,7 @@ fn boundary(known: &KnownNames, at: &ValuePath, object: &Object, bound: Transfor
     }
 }
 
-/// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
+/// "a boundary: a Sphere, a Box or a closed Mesh, Transformed, Moving or not, without a material"
 pub fn boundaries(after_each: &str, transformed: &str) -> String {
     let boundary =
         |(name, kind): (_, &ShapeKind)| Some(format!("{} {name}{after_each}", kind.boundary.as_ref()?.words));
@@ -213,12 +303,44 @@ fn transforms(at: &ValuePath, by: &[Transform], mut bound: TransformBound, findi
             continue;
         }
         let wider = bound.after(transform);
-        match (SMALLEST..=LARGEST).contains(&wider.scale) && wider.shift <= LARGEST {
+        match wider.least_scale >= SMALLEST && wider.scale <= LARGEST && wider.shift <= LARGEST {
             true => bound = wider,
             false => _ = findings.record::<()>(Err(at.error(OUT_OF_RANGE))),
         }
     }
     bound
+}
+
+/// Checks the keys of what moves and adds them to the transforms around them. Between keys, shifts and factors lie between those of the keys.
+fn moving(
+    at: &ValuePath,
+    keys: &[(f64, Vec<Transform>)],
+    bound: TransformBound,
+    findings: &mut Findings,
+) -> TransformBound {
+    findings.record(times(at, keys));
+    let Some((_, first)) = keys.first() else {
+        findings.record::<()>(Err(at.error(
+            "there is no key: expected a list such as [(0, [Translate((0, 0, 0))]), (1, [Translate((8, 0, 0))])]",
+        )));
+        return bound;
+    };
+    let mut all: Option<TransformBound> = None;
+    for (index, (_, by)) in keys.iter().enumerate() {
+        let of_key = at.index(index);
+        let at = of_key.index(1);
+        let kinds = |by: &[Transform]| by.iter().map(Transform::name).collect::<Vec<_>>();
+        if kinds(by) != kinds(first) {
+            findings.record::<()>(Err(at.error(format!(
+                "expected the transforms of the first key, [{}], found [{}]",
+                kinds(first).join(", "),
+                kinds(by).join(", ")
+            ))));
+        }
+        let own = transforms(&at, by, bound, findings);
+        all = Some(all.map_or(own, |all| all.union(own)));
+    }
+    all.unwrap_or(bound)
 }
 
 fn transform(at: &ValuePath, transform: &Transform) -> Result<()> {

@@ -9,7 +9,9 @@ pub fn visit<'a>(at: &ValuePath, object: &'a Object, visitor: &mut dyn FnMut(&Va
     let at = &at.variant(object.name());
     visitor(at, object);
     match object {
-        Object::Transformed { object, .. } => visit(&at.field("object"), object, visitor),
+        Object::Transformed { object, .. } | Object::Moving { object, .. } => {
+            visit(&at.field("object"), object, visitor)
+        }
         Object::Medium { boundary, .. } => visit(&at.field("boundary"), boundary, visitor),
         Object::Group(objects) | Object::Gltf { objects, .. } => {
             objects.iter().enumerate().for_each(|(index, object)| visit(&at.index(index), object, visitor));

@@ -38,23 +38,32 @@ impl Scene {
                 let about = self.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
             }
-            Object::Transformed { by, .. } => {
-                let by_field = at.field("by");
-                for (index, transform) in by.iter().enumerate() {
-                    let at = by_field.index(index);
-                    warnings.extend(match transform {
-                        Transform::RotateX(_) => radians(&at.variant("RotateX")),
-                        Transform::RotateY(_) => radians(&at.variant("RotateY")),
-                        Transform::RotateZ(_) => radians(&at.variant("RotateZ")),
-                        Transform::Rotate { .. } => radians(&at.variant("Rotate").field("degrees")),
-                        Transform::Translate(_) | Transform::Scale(_) => None,
-                    });
+            Object::Transformed { by, .. } => warnings.extend(angles(&at.field("by"), by)),
+            Object::Moving { keys, .. } => {
+                let keys_field = at.field("keys");
+                for (index, (_, by)) in keys.iter().enumerate() {
+                    warnings.extend(angles(&keys_field.index(index).index(1), by));
                 }
             }
             _ => {}
         });
         warnings
     }
+}
+
+/// The warnings about the angles of transforms.
+fn angles(at: &ValuePath, by: &[Transform]) -> Vec<String> {
+    let angle = |(index, transform): (usize, &Transform)| {
+        let at = at.index(index);
+        match transform {
+            Transform::RotateX(_) => radians(&at.variant("RotateX")),
+            Transform::RotateY(_) => radians(&at.variant("RotateY")),
+            Transform::RotateZ(_) => radians(&at.variant("RotateZ")),
+            Transform::Rotate { .. } => radians(&at.variant("Rotate").field("degrees")),
+            Transform::Translate(_) | Transform::Scale(_) => None,
+        }
+    };
+    by.iter().enumerate().filter_map(angle).collect()
 }
 
 /// The warning that an angle is surely written in radians.

@@ -54,6 +54,9 @@ fn object(object: &Object) -> Result<String, ron::Error> {
         Object::Transformed { by, object } => {
             format!("Transformed(by: {}, object: {})", value(by)?, self::object(object)?)
         }
+        Object::Moving { keys, object } => {
+            format!("Moving(keys: {}, object: {})", value(keys)?, self::object(object)?)
+        }
         Object::Group(objects) => {
             let objects: Result<Vec<_>, _> = objects.iter().map(self::object).collect();
             format!("Group([{}])", objects?.join(", "))

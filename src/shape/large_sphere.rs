@@ -117,7 +117,7 @@ impl Geometry for LargeSphere {
             material,
             frame,
             light: 0,
-            padding: 0,
+            follows_nearest: 0,
         });
         let (center, radius) = ((nearest + radius * inward).as_vec3(), radius as f32);
         padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))

@@ -188,6 +188,7 @@ impl<T: Checked> Checked for Option<T> {
 }
 
 impl Checked for bool {}
+impl Checked for (f64, f64) {}
 impl Checked for String {}
 impl<T> Checked for Vec<T> {}
 impl<T> Checked for Box<T> {}

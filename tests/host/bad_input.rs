@@ -266,7 +266,7 @@ fn bad_objects() -> Vec<Bad> {
 fn bad_media() -> Vec<Bad> {
     let boundary = |text: &str| object(&format!("Medium(boundary: {text}, density: 1, albedo: Rgb(1, 1, 1))"));
     let rest = |text: &str| object(&format!("Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), {text})"));
-    let wanted = &["a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"];
+    let wanted = &["a boundary: a Sphere, a Box or a closed Mesh, Transformed, Moving or not, without a material"];
     vec![
         bad(boundary("§Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0))"), "objects[0].Medium.boundary", wanted),
         bad(boundary("§Group([Sphere(center: (0, 0, 0), radius: 1)])"), "objects[0].Medium.boundary", wanted),

@@ -4,7 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use gpu_rt::scene::format::groups;
-use gpu_rt::scene::{Background, Camera, ImageSize, Material, Object, RenderDefaults, Scene, Texture, Transform};
+use gpu_rt::scene::{
+    Background, Camera, CameraKey, ImageSize, Material, Object, RenderDefaults, Scene, Texture, Transform,
+};
 use gpu_rt::source::form::{Field, Form, Takes};
 use gpu_rt::source::{LARGEST, SMALLEST};
 use ron::error::Error as Ron;
@@ -125,6 +127,7 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Other("true or false") => "true",
         Takes::Other("R, G, B or A") => "G",
         Takes::Other("Auto or Pane") => "Pane",
+        Takes::Other("two numbers of seconds: (open, close)") => "(7, 8)",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",
         Takes::Other(words) if words.starts_with("a list") => "[]",
         Takes::Other(words) if words.starts_with("an object") => "Group([])",
@@ -180,6 +183,7 @@ fn the_declarations_are_those_that_are_read() {
                 compare::<ImageSize>(&forms[1..2]);
                 compare::<Camera>(&forms[2..3]);
                 compare::<RenderDefaults>(&forms[3..4]);
+                compare::<CameraKey>(&forms[4..5]);
                 let error = Scene::parse("Scene(nothing: 1)", Path::new("a.ron")).expect_err("no field").to_string();
                 let names: Vec<_> = forms[0].fields.iter().map(|field| field.name).collect();
                 assert!(error.ends_with(&format!("expected one of {}", names.join(", "))), "{error}");
@@ -200,11 +204,19 @@ fn around(group: &str, form: &Form) -> String {
         ["(width: 32, height: 18)", "(look_from: (0, 1, 8), look_at: (0, 1, 0), vertical_fov: 30)", "()"];
     let [mut background, mut material, mut object] =
         ["Solid((1, 1, 1))", "Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", ""].map(str::to_owned);
+    let camera_of_key;
     let example = form.example;
     match (group, form.name) {
         (_, "Scene") => return example.to_owned(),
         (_, "image") => image = example,
         (_, "camera") => camera = example,
+        (_, "camera_key") => {
+            let key = format!(
+                "(look_from: (0, 1, 8), look_at: (0, 1, 0), vertical_fov: 30, shutter: (0, 1), moving: [(0, {example})])"
+            );
+            camera_of_key = key;
+            camera = &camera_of_key;
+        }
         (_, "render") => render = example,
         ("Backgrounds", _) => background = example.to_owned(),
         ("Materials", _) => material = example.to_owned(),

@@ -33,7 +33,7 @@ scene_tests! {
     camera_corners camera_rolled convex_box convex_quads convex_sphere floor_disk_light floor_quad_light floor_sphere_light fuzz_one fuzz_plane
     fuzz_sphere glass_depths glass_furnace gradient_sky lambertian_gradient lamp_in_sphere lamp_in_sphere_depths
     lamp_in_sphere_small lens_far lens_near lens_sharp medium_around_the_camera medium_furnace medium_in_glass medium_in_mesh
-    medium_overlap medium_slab medium_sphere mirror_corridor mirror_plane mirror_sphere no_objects one_sided_in_a_box
+    medium_overlap medium_slab medium_sphere mirror_corridor mirror_plane mirror_sphere motion_checker motion_lamp motion_square no_objects one_sided_in_a_box
     one_sided_inside one_sided_quads rotations smooth_octahedron smooth_square transforms_in_order
 }
 

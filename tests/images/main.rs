@@ -21,6 +21,7 @@ mod instances;
 mod large_spheres;
 mod layers;
 mod light_paths;
+mod motion;
 mod multiscatter;
 mod narrow_lobes;
 mod normal_maps;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::bitmap::FORMATS;
-use gpu_rt::data::{KIND_TRIANGLE, Sampler};
+use gpu_rt::data::{KIND_INSTANCE, KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, NotSampled, PRIMITIVES, TEXTURES};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
@@ -176,6 +176,22 @@ fn all_sampled() -> Features {
 /// Turns render space to the camera's axes.
 fn turned(features: Features) -> Features {
     Features { camera_axes: Some("a test".to_string()), ..features }
+}
+
+/// Everything that it has moves; the camera too, if `camera` does.
+fn moving(features: Features, camera: bool) -> Features {
+    let boundary =
+        |kind: u32| BOUNDARIES.iter().zip(&features.boundaries).any(|((_, of), used)| *of == kind && used.is_some());
+    let code = |number: usize| if number == KIND_TRIANGLE as usize { KIND_INSTANCE } else { number as u32 };
+    Features {
+        motions: features.primitives.clone(),
+        moving_boundaries: std::array::from_fn(|number| boundary(code(number)).then(|| "a test".to_string())),
+        moving_lights: features.delta_lights.clone(),
+        moving_media: features.textured_media.clone(),
+        moving_camera: camera.then(|| "a test".to_string()),
+        motion_iterations: 3,
+        ..features
+    }
 }
 
 /// Has so few primitives that each ray tests all of them.
@@ -366,6 +382,21 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend(of_each.map(many_lights));
     }
     found.extend([many_lights(everything()), turned(everything())]);
+    // Each shape moves, alone, as a light, with an alpha, a normal map, or a pane; boundaries of media do, and the camera alone.
+    for set in (0..PRIMITIVES.len()).map(|i| 1 << i) {
+        let own = features(set, 1, textures, SOLID, false);
+        let panes = paned(features(set, materials, 0, SOLID, true), set);
+        let all = [own.clone(), lit(own.clone(), set, false), covered(own.clone()), panes];
+        found.extend(all.map(|features| moving(features, set > 1)));
+        found.push(moving(lit(with_extension(own, ExtensionKind::Normal), set, true), false));
+    }
+    for boundaries in 1..=all(BOUNDARIES) {
+        found.push(moving(with_media(features(0, 0, 1, SOLID, false), boundaries, true), false));
+    }
+    let still = features(1, 1, 0, SOLID, true);
+    let nothing_else = Features { primitives: Default::default(), ..still.clone() };
+    found.push(Features { moving_camera: moving(nothing_else, true).moving_camera, ..still });
+    found.extend([false, true].map(|camera| moving(many_lights(everything()), camera)));
     let mut found: Vec<_> = found.into_iter().map(|features| (features, RenderOptions::default())).collect();
     // What approximates: each beside the least and everything, with lights and without; all of it beside every kind.
     for number in 0..3 {
@@ -551,12 +582,12 @@ fn lines_of_code() -> BTreeSet<(String, usize)> {
 /// The most storage buffers that a kernel with everything on binds, all tables in storage bindings. WebGPU promises 8. Kernels
 /// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
-    [(Scatter::Linked, 20), (Scatter::Queues, 22), (Scatter::Fused, 23)];
+    [(Scatter::Linked, 21), (Scatter::Queues, 23), (Scatter::Fused, 24)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {
     for (scatter, most) in MOST_STORAGE_BUFFERS {
-        let kernels = kernels(&many_lights(everything()), &RenderOptions::default(), scatter);
+        let kernels = kernels(&moving(many_lights(everything()), true), &RenderOptions::default(), scatter);
         let storage =
             |kernel: &Kernel| kernel.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
         assert_eq!(kernels.all().into_iter().map(storage).max(), Some(most), "{scatter:?}");
@@ -576,7 +607,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("material", &["choice/multiscatter", "data", "geometry", "lib", "material"]),
     ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
-    ("camera", &["bind", "camera", "data", "lib"]),
+    ("camera", &["bind", "camera", "data", "lib", "motion"]),
+    ("motion", &["bind", "camera", "data", "lib", "motion", "sampler", "scene/at_run_time"]),
     ("filter", &["data", "filter", "lib"]),
     ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
     ("texel", &["bind"]),
@@ -592,6 +624,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "light",
             "material",
             "medium",
+            "motion",
             "sampler",
             "scene",
             "tangent",
@@ -600,9 +633,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("slots", &["aov", "bind", "data", "generated", "lib", "scene", "slots"]),
-    ("aov", &["aov", "bind", "data", "scene", "step"]),
+    ("aov", &["aov", "bind", "camera", "data", "scene", "step"]),
     ("extension", &["bind", "data"]),
-    ("null", &["data", "light"]),
+    ("null", &["data", "lib", "light"]),
     (
         "step",
         &[
@@ -616,6 +649,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "lib",
             "light",
             "medium",
+            "motion",
             "sampler",
             "scene",
             "step",
@@ -633,6 +667,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "geometry",
             "lib",
             "material",
+            "motion",
             "scene",
             "slots",
             "step",
@@ -645,6 +680,19 @@ const MAY_USE: &[(&str, &[&str])] = &[
 const CHOICES: &[(&str, &str)] = &[
     ("axes", "scene"),
     ("camera", "camera"),
+    ("camera_pose", "camera"),
+    ("time", "motion"),
+    ("pose", "motion"),
+    ("pose_of_boundary", "motion"),
+    ("moved_${name}", "motion"),
+    ("moved_sphere", "motion"),
+    ("moved_large_sphere", "motion"),
+    ("moved_quad", "motion"),
+    ("moved_disk", "motion"),
+    ("moved_cuboid", "motion"),
+    ("moved_instance", "motion"),
+    ("moved_delta_light", "motion"),
+    ("moved_medium", "motion"),
     ("filter", "filter"),
     ("filter_weight", "step"),
     ("colour", "scene"),
@@ -920,6 +968,10 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
                     lists.insert(list.to_string());
                 }
                 ["//@", "end"] => is_in_list = false,
+                ["//@", "use", "choice/moved_${name}"] => {
+                    let shapes = PRIMITIVES.iter().filter(|name| **name != "triangle");
+                    modules.extend(shapes.map(|name| format!("moved_{name}")));
+                }
                 ["//@", "use", used] => modules.extend(used.strip_prefix("choice/").map(str::to_string)),
                 _ if is_in_list => {}
                 _ => {

@@ -22,7 +22,7 @@ struct Out {
 fn run(row: u32) {
     let given = input[row];
     let ray = Ray(given.origin, given.direction);
-    let t = primitive_distance(given.code, ray);
+    let t = primitive_distance(given.code, Pose(), ray);
     var out = Out(vec3<f32>(-1.0), t);
     if t != NO_HIT {
         let surface = surface_at(hit_at(given.code, t), ray);

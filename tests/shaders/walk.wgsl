@@ -33,7 +33,7 @@ fn run(row: u32) {
     for (var kind = 0u; kind < 3u; kind++) {
         for (var i = 0u; i < COUNTS[kind]; i++) {
             let code = PRIMITIVE_BIT | (kind << PRIMITIVE_KIND_SHIFT) | i;
-            let t = primitive_distance(code, ray);
+            let t = primitive_distance(code, Pose(), ray);
             let own = primitive_order(hit_at(code, t));
             if t != NO_HIT && (t < brute_force.t || (t == brute_force.t && own < order)) {
                 brute_force.code = code;

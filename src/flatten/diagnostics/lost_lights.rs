@@ -2,6 +2,7 @@
 //! that emits outwards; a closed opaque object around either a light or the camera, with the other one outside; and a closed room around
 //! the camera that only the background and directional lights light.
 
+use crate::flatten::finder::MovingLight;
 use glam::DVec3;
 
 use super::search::{Diagnostic, OTHER, Role, Search, U, Worst};
@@ -64,10 +65,9 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
         let (center, radius) = body.bounds.ball();
         Light { object: body.object, center, radius }
     });
-    let without_size =
-        search.finder.lights.iter().filter_map(|(object, light)| {
-            Some(Light { object, center: light.position? - search.view.eye, radius: 0.0 })
-        });
+    let without_size = search.finder.lights.iter().filter_map(|MovingLight { object, light, .. }| {
+        Some(Light { object, center: light.position? - search.view.eye, radius: 0.0 })
+    });
     let lights: Vec<Light> = surfaces.take(MOST_LIGHTS).chain(without_size.take(MOST_LIGHTS)).collect();
     if !search.is_lit {
         return [outwards, hidden, rooms];

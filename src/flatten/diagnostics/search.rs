@@ -39,13 +39,15 @@ impl<'a> Search<'a> {
     }
 
     pub fn body(&self, number: usize) -> Body<'a> {
-        let Primitive { object, shape, to_world, material } = &self.finder.primitives[number];
+        let Primitive { object, shape, to_world, material, .. } = &self.finder.primitives[number];
         let role = self.roles[*material as usize];
         Body { material: *material, role, ..self.new_body(object, shape, to_world) }
     }
 
+    /// The objects that rest: where one that moves is at one time says little.
     pub fn bodies(&self) -> impl Iterator<Item = Body<'a>> {
-        (0..self.finder.primitives.len()).map(|number| self.body(number))
+        let primitives = self.finder.primitives.iter().enumerate();
+        primitives.filter(|(_, found)| found.motion.is_empty()).map(|(number, _)| self.body(number))
     }
 
     /// The boundaries of the media, which have no material, and which light passes.

@@ -77,6 +77,8 @@ impl File {
             vertical_fov: yfov.to_degrees(),
             aperture: 0.0,
             focus_distance: None,
+            shutter: (0.0, 0.0),
+            moving: Vec::new(),
         };
         Ok(Some(View { names, camera, image: image(aspect) }))
     }
@@ -98,6 +100,8 @@ pub fn framing(Aabb { min: low, max: high }: Aabb) -> (Camera, ImageSize) {
         vertical_fov: FOV,
         aperture: 0.0,
         focus_distance: None,
+        shutter: (0.0, 0.0),
+        moving: Vec::new(),
     };
     (camera, image(ASPECT))
 }

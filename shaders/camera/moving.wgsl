@@ -1,0 +1,64 @@
+//@ use bind/motions
+//@ use bind/settings
+//@ use motion/pose
+// A camera that moves: both the point at which it is and the one at which it looks have keys. They are relative to the camera where the
+// shutter opens, which is the origin of render space.
+
+struct MovingCamera {
+    origin: vec3<f32>,
+    forward: vec3<f32>,
+    right: vec3<f32>,
+    upward: vec3<f32>,
+    // The distance to the point at which it looks.
+    distance: f32,
+}
+var<private> camera_now: MovingCamera;
+
+// Sets the camera to where it is at the time of the sample. The first row of its keys has the direction that is up, as a unit vector, and whether
+// the plane that is sharp is at the point at which it looks.
+fn begin_camera() {
+    let first = motions[0].x;
+    let keys = motions[0].y;
+    if keys == 0u {
+        let right = normalize(settings.pixel_x);
+        camera_now = MovingCamera(vec3<f32>(0.0), settings.forward, right, normalize(-settings.pixel_y), 0.0);
+        return;
+    }
+    let origin = vector_between(between_keys(first + 1u, keys, 1u));
+    let view = vector_between(between_keys(first + 1u + keys, keys, 1u)) - origin;
+    let distance = length(view);
+    let forward = view / distance;
+    let right = normalize(cross(forward, vector_of_row(motions[first])));
+    camera_now = MovingCamera(origin, forward, right, cross(right, forward), select(0.0, distance, motions[first].w == 1u));
+}
+
+// A point given relative to the middle of the lens.
+fn from_lens(point: vec3<f32>) -> vec3<f32> {
+    return camera_now.origin + point;
+}
+
+fn camera_forward() -> vec3<f32> {
+    return camera_now.forward;
+}
+
+fn camera_pixel_x() -> vec3<f32> {
+    return length(settings.pixel_x) * camera_now.right;
+}
+
+fn camera_pixel_y() -> vec3<f32> {
+    return -length(settings.pixel_y) * camera_now.upward;
+}
+
+//@ if lens
+fn camera_lens_x() -> vec3<f32> {
+    return length(settings.lens_x) * camera_now.right;
+}
+
+fn camera_lens_y() -> vec3<f32> {
+    return length(settings.lens_y) * camera_now.upward;
+}
+
+fn camera_inverse_focus() -> f32 {
+    return select(settings.inverse_focus, 1.0 / camera_now.distance, camera_now.distance > 0.0);
+}
+//@ end

@@ -1,0 +1,36 @@
+//@ use bind/settings
+// A camera that rests, at the origin of render space.
+
+fn begin_camera() {
+}
+
+// A point given relative to the middle of the lens.
+fn from_lens(point: vec3<f32>) -> vec3<f32> {
+    return point;
+}
+
+fn camera_forward() -> vec3<f32> {
+    return settings.forward;
+}
+
+fn camera_pixel_x() -> vec3<f32> {
+    return settings.pixel_x;
+}
+
+fn camera_pixel_y() -> vec3<f32> {
+    return settings.pixel_y;
+}
+
+//@ if lens
+fn camera_lens_x() -> vec3<f32> {
+    return settings.lens_x;
+}
+
+fn camera_lens_y() -> vec3<f32> {
+    return settings.lens_y;
+}
+
+fn camera_inverse_focus() -> f32 {
+    return settings.inverse_focus;
+}
+//@ end

@@ -1,0 +1,46 @@
+//@ use data/hit
+//@ use data/primitive
+//@ use motion/pose
+//@ each primitive
+//@ use bind/${name}s
+//@ end
+//@ if mesh
+//@ use bind/instances
+//@ use scene/at_run_time
+//@ end
+// The poses of objects by their codes. Drivers inline each call, so that what needs a pose several times gets it once.
+
+// For a face, `instance` is that of its mesh; without one it is in the mesh's space, and rests.
+fn order_of_object(code: u32, instance: u32) -> u32 {
+    let index = primitive_index(code);
+    switch primitive_kind(code) {
+        //@ each primitive
+        case ${number}u: {
+            return ${name}s[index].order;
+        }
+        //@ end
+        //@ if mesh
+        case KIND_TRIANGLE: {
+            if instance == NO_INSTANCE {
+                return 0u;
+            }
+            return instances[at_run_time(instance)].order;
+        }
+        case KIND_INSTANCE: {
+            return instances[index].order;
+        }
+        //@ end
+        default: {
+            return 0u;
+        }
+    }
+}
+
+// Its place in the order of the scene.
+fn place_of(order: u32) -> u32 {
+    return order & ~MOVES;
+}
+
+fn pose_at(code: u32, instance: u32) -> Pose {
+    return pose_of(order_of_object(code, instance));
+}

@@ -1,0 +1,34 @@
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/quaternion
+//@ use lib/tangents
+//@ use motion/turned_surface
+// Spheres that move. Their own point is the middle.
+
+fn moved_sphere(sphere: Sphere, pose: Pose) -> Sphere {
+    if !pose.moves {
+        return sphere;
+    }
+    var moved = sphere;
+    moved.center += pose.shift;
+    moved.radius *= pose.scale;
+    return moved;
+}
+
+// Returns the surface with its local coordinates in the pose at rest: the texture moves with the sphere.
+fn sphere_at_rest(surface: Surface, sphere: Sphere) -> Surface {
+    if !surface.pose.moves {
+        return surface;
+    }
+    var rest = surface;
+    rest.local = turned(inverse_turn(surface.pose.turn), surface.normal);
+    return rest;
+}
+
+fn sphere_unturned(surface: Surface) -> Surface {
+    return unturned_surface(surface);
+}
+
+fn sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return turned_tangents(tangents, pose);
+}

@@ -1,0 +1,22 @@
+//@ use data/motion
+//@ use data/surface
+//@ use lib/quaternion
+//@ use lib/tangents
+// The frame of a normal map of an object that moves: its tangents are found at rest, and turned.
+
+// Returns the surface with the normal that it has at rest.
+fn unturned_surface(surface: Surface) -> Surface {
+    if !surface.pose.moves {
+        return surface;
+    }
+    var rest = surface;
+    rest.normal = turned(inverse_turn(surface.pose.turn), surface.normal);
+    return rest;
+}
+
+fn turned_tangents(tangents: Tangents, pose: Pose) -> Tangents {
+    if !pose.moves {
+        return tangents;
+    }
+    return Tangents(turned(pose.turn, tangents.u), turned(pose.turn, tangents.v));
+}

@@ -1,0 +1,20 @@
+//@ use data/motion
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+// Disks rest.
+fn moved_disk(disk: Quad, pose: Pose) -> Quad {
+    return disk;
+}
+
+fn disk_at_rest(surface: Surface, disk: Quad) -> Surface {
+    return surface;
+}
+
+fn disk_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
+}
