@@ -64,7 +64,8 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     // As `check` has them; --quiet leaves them to the report and the image's header.
     let warnings = scene.warnings();
     session.tell_warnings(&warnings, args.quiet);
-    tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet || session.is_later_frame());
+    let are_reported = session.begins_later_frame();
+    tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet || are_reported);
     let image = checked_image(args, scene)?;
     let denoising = denoising::open(args, &image.0)?;
     clock.seconds.load = clock.lap();

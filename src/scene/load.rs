@@ -170,7 +170,8 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
     scene.visit_objects(&mut |at, object| {
         let Object::Gltf { path, watts, thin, frame, fps, .. } = object else { return };
         let frame = frame.map(|number| AnimationFrame { number, fps: *fps });
-        let seconds = frame.as_ref().map(AnimationFrame::seconds);
+        // Other times are refused where numbers are checked.
+        let seconds = frame.as_ref().map(AnimationFrame::seconds).filter(|seconds| seconds.is_finite());
         let reading = gltf::Reading { asker: &gltf::OBJECT, watts: *watts, thin: *thin, seconds };
         if let Some(before) = known.insert(path.clone(), reading) {
             let alike = "another Gltf(..) reads this file in another way: expected the same fields in both, or a copy of the file";

@@ -40,9 +40,7 @@ pub fn render_frames(args: &RenderArgs, frames: Range<u32>, start: Instant, rend
         if let Some(signals) = session.signals.as_ref().filter(|signals| signals.are_pending()) {
             return Err(signals.interrupted(&format!("frame {number} and later ones are not rendered")));
         }
-        let rendered = render_frame(args, number, &mut session, begin, render);
-        session.sequence.iter_mut().for_each(|sequence| sequence.has_begun = true);
-        rendered
+        render_frame(args, number, &mut session, begin, render)
     });
     let reports = session.sequence.map(|sequence| sequence.reports).unwrap_or_default();
     let printed = if args.json { print_json(&json!({"frames": reports})) } else { Ok(()) };
@@ -117,7 +115,7 @@ impl Names {
 
     /// The arguments of one frame.
     fn args_of(&self, args: &RenderArgs, number: u32) -> RenderArgs {
-        let mut args = RenderArgs { frames: None, output: Some(self.image.of_frame(number)), ..args.clone() };
+        let mut args = RenderArgs { output: Some(self.image.of_frame(number)), ..args.clone() };
         args.png = self.png.as_ref().map(|name| name.of_frame(number));
         args.scene.gltf.frame = Some(f64::from(number));
         args

@@ -47,8 +47,8 @@ pub struct Sequence {
     pub reports: Vec<Value>,
     /// The warnings that have been printed.
     told: HashSet<String>,
-    /// Whether a frame has been rendered, or nearly.
-    pub has_begun: bool,
+    /// Whether the warnings about settings have been printed.
+    has_begun: bool,
 }
 
 impl Session {
@@ -69,9 +69,9 @@ impl Session {
         new.filter(|_| !quiet).for_each(|warning| tell(&format!("warning: {warning}")));
     }
 
-    /// Whether a frame of the sequence has been rendered before.
-    pub fn is_later_frame(&self) -> bool {
-        self.sequence.as_ref().is_some_and(|sequence| sequence.has_begun)
+    /// Begins a render. Returns whether it is that of a later frame of a sequence, whose settings are those of the first.
+    pub fn begins_later_frame(&mut self) -> bool {
+        self.sequence.as_mut().is_some_and(|sequence| std::mem::replace(&mut sequence.has_begun, true))
     }
 
     /// Flattens the scene. If no device is open, the driver loads meanwhile. A scene that does not load waits for no driver.

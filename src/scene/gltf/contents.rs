@@ -178,7 +178,8 @@ impl File {
                 baked.push(scene_node.index);
             }
             // What stands still has one name at all times, so that it stays in memory from frame to frame.
-            let is_moved = scene_node.is_moved || self.has_moved_joints(&pose, &scene_node)?;
+            let is_moved =
+                scene_node.is_moved || pose.seconds.is_some() && self.has_moved_joints(&pose, &scene_node)?;
             let is_animated = pose.weights(scene_node.index).is_some();
             for (index, primitive) in self.primitives(mesh, scene_node.index)?.iter().enumerate() {
                 if !has_triangles(primitive) {
