@@ -76,9 +76,9 @@ pub struct File {
     /// Each is at least as long as the document says.
     buffers: Vec<Bytes>,
     rest: Arc<Pose>,
-    /// The pose that was asked for last: the parts of a scene are read one by one, in one pose.
+    /// The pose that was requested last: the parts of a scene are read one by one, in one pose.
     last: Mutex<Option<Arc<Pose>>>,
-    /// What is wrong with them counts only where a pose is asked for.
+    /// What is wrong with them counts only where a pose is requested.
     animations: Result<Vec<Animation>>,
 }
 

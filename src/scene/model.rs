@@ -24,7 +24,7 @@ pub struct Scene {
     pub bitmaps: Bitmaps,
     /// The meshes, by the paths that the scene file writes.
     pub meshes: BTreeMap<String, Arc<Mesh>>,
-    /// The frame of the animations of a glTF scene, if one was asked for.
+    /// The frame of the animations of a glTF scene, if one was requested.
     pub frame: Option<AnimationFrame>,
     /// Warnings about what glTF files have and the scene does not.
     pub(super) notes: Vec<String>,

@@ -46,7 +46,7 @@ pub struct Sequence {
     /// The reports of `--json`.
     pub reports: Vec<Value>,
     /// The warnings that have been printed.
-    told: HashSet<String>,
+    reported: HashSet<String>,
     /// Whether the warnings about settings have been printed.
     has_begun: bool,
 }
@@ -62,7 +62,7 @@ impl Session {
     /// Prints warnings unless `quiet`; those of a sequence once, and not for each of its frames.
     pub fn tell_warnings(&mut self, warnings: &[String], quiet: bool) {
         let mut is_new = |warning: &String| match &mut self.sequence {
-            Some(sequence) => sequence.told.insert(without_times(warning)),
+            Some(sequence) => sequence.reported.insert(without_times(warning)),
             None => true,
         };
         let new = warnings.iter().filter(|warning| is_new(warning));

@@ -9,7 +9,7 @@ use gltf::json::accessor::Accessor;
 
 use super::accessors::Extent;
 use super::channels::{Interpolation, Sampler};
-use super::interpolate::{Place, place, value};
+use super::interpolate::{Position, locate, value};
 use super::nodes::{Animated, Pose};
 use super::{File, GltfError, Result};
 use crate::scene::mesh_files::quote;
@@ -55,7 +55,7 @@ impl File {
         let animations = self.animations.as_ref().map_err(Clone::clone)?;
         let (mut animated, mut notes) = (HashMap::<usize, Animated>::new(), Vec::new());
         // The animation that moves each property of a node, and where the time is among the keys of each accessor.
-        let (mut movers, mut places) = (HashMap::new(), HashMap::new());
+        let (mut movers, mut positions) = (HashMap::new(), HashMap::new());
         let mut keys_left = MOST_KEYS;
         let mut pointers = 0;
         for (number, animation) in animations.iter().enumerate() {
@@ -79,12 +79,12 @@ impl File {
                     Entry::Vacant(entry) => _ = entry.insert(number),
                 }
                 let at = format!("animations[{number}].samplers[{}]", channel.sampler);
-                let place = match places.entry(sampler.input) {
+                let position = match positions.entry(sampler.input) {
                     Entry::Occupied(known) => *known.get(),
-                    Entry::Vacant(new) => *new.insert(self.place(sampler, seconds, &mut keys_left, &at)?),
+                    Entry::Vacant(new) => *new.insert(self.locate(sampler, seconds, &mut keys_left, &at)?),
                 };
                 let width = if property == Property::Weights { self.target_count(node) } else { 1 };
-                let found = self.sampled(sampler, place, property, (width, &at))?;
+                let found = self.sampled(sampler, position, property, (width, &at))?;
                 set(animated.entry(node).or_default(), property, &found);
             }
             notes.extend(moved_before.map(|(mover, node)| {
@@ -101,7 +101,7 @@ impl File {
         }
         if pointers > 0 {
             notes.push(format!(
-                "animations: {pointers} channels of KHR_animation_pointer are not read: what they move stays still"
+                "animations: channels of KHR_animation_pointer are not read, and what they move stays still: {pointers} of them"
             ));
         }
         if animations.is_empty() {
@@ -121,7 +121,7 @@ impl File {
     }
 
     /// Where a time is among a sampler's keys, and their number.
-    fn place(&self, sampler: &Sampler, seconds: f64, keys_left: &mut u64, at: &str) -> Result<(Place, u64)> {
+    fn locate(&self, sampler: &Sampler, seconds: f64, keys_left: &mut u64, at: &str) -> Result<(Position, u64)> {
         let wrong = |reason: String| GltfError::new(format!("{at}.input"), reason);
         let index = Index::<Accessor>::new(u32::try_from(sampler.input).unwrap_or(u32::MAX));
         let times = self.scalars(index, 0).map_err(wrong)?;
@@ -129,14 +129,14 @@ impl File {
         *keys_left = keys_left
             .checked_sub(count)
             .ok_or_else(|| wrong(format!("expected at most {MOST_KEYS} keys of all animations, found more")))?;
-        Ok((place(times, seconds).map_err(wrong)?, count))
+        Ok((locate(times, seconds).map_err(wrong)?, count))
     }
 
-    /// The value of a sampler at a place among its keys. An element of weights has so many numbers.
+    /// The value of a sampler at a position among its keys. An element of weights has so many numbers.
     fn sampled(
         &self,
         sampler: &Sampler,
-        (place, keys): (Place, u64),
+        (position, keys): (Position, u64),
         property: Property,
         (width, at): (usize, &str),
     ) -> Result<Vec<f64>> {
@@ -162,7 +162,7 @@ impl File {
                 None => Ok(numbers),
             }
         };
-        value(sampler.interpolation, place, property == Property::Rotation, element).map_err(wrong)
+        value(sampler.interpolation, position, property == Property::Rotation, element).map_err(wrong)
     }
 }
 

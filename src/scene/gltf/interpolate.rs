@@ -4,7 +4,7 @@ use super::channels::Interpolation;
 
 /// Where a time is among keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum Position {
     /// At a key, or before the first or after the last one, where the value rests.
     At(usize),
     /// Between this key and the next one: the share of the way, and the seconds from one to the other.
@@ -15,7 +15,7 @@ pub enum Place {
 ///
 /// # Errors
 /// What is wrong with the times, in words.
-pub fn place(times: impl Iterator<Item = f64>, time: f64) -> Result<Place, String> {
+pub fn locate(times: impl Iterator<Item = f64>, time: f64) -> Result<Position, String> {
     let (mut before, mut after, mut last) = (None, None, f64::NEG_INFINITY);
     for (key, at) in times.enumerate() {
         if !at.is_finite() || at < last {
@@ -31,31 +31,31 @@ pub fn place(times: impl Iterator<Item = f64>, time: f64) -> Result<Place, Strin
     match (before, after) {
         (Some((key, at)), Some(next)) if at < time => {
             let seconds = next - at;
-            Ok(Place::Between { key, share: (time - at) / seconds, seconds })
+            Ok(Position::Between { key, share: (time - at) / seconds, seconds })
         }
-        (Some((key, _)), _) => Ok(Place::At(key)),
-        (None, Some(_)) => Ok(Place::At(0)),
+        (Some((key, _)), _) => Ok(Position::At(key)),
+        (None, Some(_)) => Ok(Position::At(0)),
         (None, None) => Err("expected at least one key".to_owned()),
     }
 }
 
-/// The value at a place. `element` reads the elements of the sampler's output: one for each key, or of a cubic spline three, the tangent towards
+/// The value at a position among the keys. `element` reads the elements of the sampler's output: one for each key, or of a cubic spline three, the tangent towards
 /// the key, its value, and the tangent from it. Rotations are unit quaternions.
 pub fn value<E>(
     interpolation: Interpolation,
-    place: Place,
+    position: Position,
     is_rotation: bool,
     element: impl Fn(usize) -> Result<Vec<f64>, E>,
 ) -> Result<Vec<f64>, E> {
     let is_cubic = interpolation == Interpolation::CubicSpline;
     let of_key = |key: usize| element(if is_cubic { 3 * key + 1 } else { key });
-    let found = match (place, interpolation) {
-        (Place::At(key), _) | (Place::Between { key, .. }, Interpolation::Step) => of_key(key)?,
-        (Place::Between { key, share, .. }, Interpolation::Linear) => {
+    let found = match (position, interpolation) {
+        (Position::At(key), _) | (Position::Between { key, .. }, Interpolation::Step) => of_key(key)?,
+        (Position::Between { key, share, .. }, Interpolation::Linear) => {
             let (from, to) = (of_key(key)?, of_key(key + 1)?);
             if is_rotation { slerp(from, to, share) } else { linear(&from, &to, share) }
         }
-        (Place::Between { key, share, seconds }, Interpolation::CubicSpline) => {
+        (Position::Between { key, share, seconds }, Interpolation::CubicSpline) => {
             let [from, leaving] = [of_key(key)?, element(3 * key + 2)?];
             let [arriving, to] = [element(3 * key + 3)?, of_key(key + 1)?];
             hermite([&from, &leaving, &arriving, &to], share, seconds)
@@ -116,8 +116,8 @@ mod tests {
     }
 
     fn at(interpolation: Interpolation, times: &[f64], elements: &[Vec<f64>], time: f64) -> Vec<f64> {
-        let place = place(times.iter().copied(), time).unwrap();
-        value(interpolation, place, elements[0].len() == 4, read(elements)).unwrap()
+        let position = locate(times.iter().copied(), time).unwrap();
+        value(interpolation, position, elements[0].len() == 4, read(elements)).unwrap()
     }
 
     /// The largest difference of two values.
@@ -215,12 +215,12 @@ mod tests {
 
     #[test]
     fn keys_in_no_order_are_refused() {
-        let found = |times: &[f64]| place(times.iter().copied(), 0.5).unwrap_err();
+        let found = |times: &[f64]| locate(times.iter().copied(), 0.5).unwrap_err();
         assert_eq!(found(&[]), "expected at least one key");
         assert_eq!(found(&[0.0, 2.0, 1.0]), "expected finite times that increase, found 1 at key 2");
         assert_eq!(found(&[0.0, f64::NAN]), "expected finite times that increase, found NaN at key 1");
         assert_eq!(found(&[0.0, f64::INFINITY]), "expected finite times that increase, found inf at key 1");
         // Two keys at one time are a jump: the later one counts from then on.
-        assert_eq!(place([0.0, 0.5, 0.5, 1.0].into_iter(), 0.5), Ok(Place::At(2)));
+        assert_eq!(locate([0.0, 0.5, 0.5, 1.0].into_iter(), 0.5), Ok(Position::At(2)));
     }
 }
