@@ -48,6 +48,22 @@ pub struct GltfArgs {
     /// thickness in the file, as glTF says.
     #[arg(long, value_name = "WORD", value_enum, default_value_t, help_heading = GLTF)]
     pub thin: Thin,
+    /// Of a .glb or .gltf: the frame of its animations, at N / --fps seconds [default: its rest pose].
+    #[arg(long, value_name = "N", value_parser = frame_number, allow_negative_numbers = true, help_heading = GLTF)]
+    pub frame: Option<f64>,
+    /// The frames of a second, of --frame and --frames [default: 24].
+    #[arg(long, value_name = "N", value_parser = frames_per_second, help_heading = GLTF)]
+    pub fps: Option<f64>,
+}
+
+fn frame_number(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.abs() <= 1e9);
+    number.ok_or_else(|| "expected the number of a frame, such as 12".to_owned())
+}
+
+fn frames_per_second(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (1e-3..=1e6).contains(number));
+    number.ok_or_else(|| "expected a positive number of frames, such as 24".to_owned())
 }
 
 fn on_or_off(text: &str) -> Result<bool, String> {
@@ -109,6 +125,13 @@ pub fn sample_range(text: &str) -> Result<Range<u32>, String> {
         true => Ok(from..to),
         false => Err(expected()),
     }
+}
+
+/// Parses a range of frames such as 1..49.
+pub fn frame_range(text: &str) -> Result<Range<u32>, String> {
+    let range = text.split_once("..").and_then(|(from, to)| Some(from.trim().parse().ok()?..to.trim().parse().ok()?));
+    let expected = || "expected A..B with A < B, such as 1..49 for the frames 1 to 48".to_owned();
+    range.filter(|range: &Range<u32>| range.start < range.end).ok_or_else(expected)
 }
 
 /// Parses a time such as 30s.

@@ -34,6 +34,9 @@ impl Identity {
             ("max-depth", job.max_depth.to_string()),
             ("seed", job.seed.to_string()),
         ];
+        // Also where nothing moves between two frames, an image is of one of them.
+        let of_animation =
+            scene.frame.map(|frame| [("frame", frame.number.to_string()), ("fps", frame.fps.to_string())]);
         let of_crop = frame.crop().map(|crop| ("crop", crop.to_string()));
         Identity {
             version: env!("CARGO_PKG_VERSION").to_string(),
@@ -43,6 +46,7 @@ impl Identity {
             settings: of_job
                 .into_iter()
                 .chain(of_crop)
+                .chain(of_animation.into_iter().flatten())
                 .chain(options.of_image())
                 .map(|(name, value)| (name.to_string(), value))
                 .collect(),

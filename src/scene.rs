@@ -4,6 +4,7 @@
 //! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field. `recover` reads on
 //! behind an error, so that all are listed.
 
+mod animation_frame;
 mod assets;
 mod declared;
 mod explain;
@@ -29,6 +30,7 @@ mod write;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
 pub use crate::source::{Step, ValuePath};
+pub use animation_frame::{AnimationFrame, FPS};
 pub use assets::{Assets, Stamp, stamp};
 pub use file::OnProgress;
 pub use gltf_options::GltfOptions;

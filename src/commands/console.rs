@@ -33,18 +33,24 @@ fn words_of_command() -> Vec<String> {
 
 /// The words of `gpu-rt render` with another output and --resume, and without what --resume takes no part in.
 fn words_to_resume(words: Vec<String>, image: String) -> Vec<String> {
+    // Of a sequence the name has no frame's number, and stays.
+    let is_sequence = words.iter().any(|word| word == "--frames" || word.starts_with("--frames="));
     let mut words = words.into_iter();
     let mut kept = Vec::new();
     while let Some(word) = words.next() {
         let (name, value) = word.split_once('=').map_or((&*word, None), |(name, value)| (name, Some(value)));
         match name {
-            "-o" | "--output" => _ = value.is_none().then(|| words.next()),
             "--resume" | "--watch" | "--force" => {}
+            _ if is_sequence => kept.push(word),
+            "-o" | "--output" => _ = value.is_none().then(|| words.next()),
             _ if name.starts_with("-o") => {}
             _ => kept.push(word),
         }
     }
-    kept.extend(["-o".to_string(), image, "--resume".to_string()]);
+    if !is_sequence {
+        kept.extend(["-o".to_string(), image]);
+    }
+    kept.push("--resume".to_string());
     kept
 }
 
@@ -133,5 +139,7 @@ mod tests {
                 assert_eq!(resumes(&words), "gpu-rt render s.ron --spp=8 -o b.exr --resume", "{words}");
             }
         }
+        let words = "gpu-rt render s.glb --frames 1..9 -o a.##.exr --resume=auto";
+        assert_eq!(resumes(words), "gpu-rt render s.glb --frames 1..9 -o a.##.exr --resume");
     }
 }

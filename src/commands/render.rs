@@ -10,6 +10,7 @@ mod observers;
 mod record;
 mod rendering;
 mod request;
+mod sequence;
 mod session;
 mod summary;
 mod viewers;
@@ -19,7 +20,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::console::{print_json, tell};
+use super::console::print_json;
 use super::scene::tell_biases;
 use super::signals::Signals;
 use crate::error::{Error, Result};
@@ -45,12 +46,15 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if args.watch {
         return watch::watch(args, start, render);
     }
-    let mut session = Session { quiet: args.quiet, ..Session::default() };
-    let scene = session.load(args)?;
     let mut args = args.clone();
     if args.denoise() {
         args.options.aov.include(&denoising::WANTED);
     }
+    if let Some(frames) = args.frames.clone() {
+        return sequence::render_frames(&args, frames, start, render);
+    }
+    let mut session = Session { quiet: args.quiet, ..Session::default() };
+    let scene = session.load(&args)?;
     render(&args, &scene, &mut session, start)
 }
 
@@ -58,14 +62,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instant) -> Result<()> {
     let mut clock = Clock::new(start);
     // As `check` has them; --quiet leaves them to the report and the image's header.
-    let tell_warnings = |warnings: &[String]| {
-        if !args.quiet {
-            warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
-        }
-    };
     let warnings = scene.warnings();
-    tell_warnings(&warnings);
-    tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet);
+    session.tell_warnings(&warnings, args.quiet);
+    let are_reported = session.begins_later_frame();
+    tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet || are_reported);
     let image = checked_image(args, scene)?;
     let denoising = denoising::open(args, &image.0)?;
     clock.seconds.load = clock.lap();
@@ -73,13 +73,13 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let (opened, flat) = session.flatten(args, scene, &mut clock);
     let mut request = Request::new(args, scene, flat?, image, start)?;
     let earlier = request.earlier()?;
-    tell_warnings(&request.flat.warnings);
+    session.tell_warnings(&request.flat.warnings, args.quiet);
     // Every checkpoint has all of them in its header.
     request.flat.warnings.splice(0..0, warnings);
     session.add_devices(opened?, args.quiet);
     clock.seconds.device = clock.lap();
 
-    let Session { devices, signals, changes, compile, quiet, .. } = session;
+    let Session { devices, signals, changes, compile, quiet, sequence, .. } = session;
     let film = Accumulation::begin(&request, earlier.as_ref(), devices)?;
     let held = FileSamples { before: earlier.as_ref().map(|state| state.samples.count()), at_end: None };
     let signals = signals.get_or_insert_with(|| {
@@ -123,7 +123,11 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     }
     if args.json {
         record.insert("seconds".to_string(), json!(clock.seconds));
-        print_json(&rendering.report(record, denoised.as_ref()))?;
+        let report = rendering.report(record, denoised.as_ref());
+        match sequence {
+            Some(sequence) => sequence.reports.push(report),
+            None => print_json(&report)?,
+        }
     }
     let (paths, rejected) = (finish.totals.paths, finish.totals.rejected.total());
     let words = rejected_words(&finish.totals);

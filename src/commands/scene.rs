@@ -5,16 +5,16 @@ use std::path::Path;
 
 use super::console::tell;
 use crate::cli::{GltfArgs, SceneArgs};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::flatten::{DeviceScene, flatten};
 use crate::job::Size;
 use crate::options::{MAX_DEPTH, OptionSpec, RenderOptions};
 use crate::output::destination::is_standard;
-use crate::scene::{Assets, GltfOptions, OnProgress, Scene};
+use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
 pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-    let options = options(&scene.gltf);
+    let options = options(&scene.gltf)?;
     match is_standard(&scene.path) {
         true => {
             options.refuse(&scene.path)?;
@@ -31,14 +31,22 @@ pub fn load(scene: &SceneArgs) -> Result<Scene> {
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.
 pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path, assets: &mut Assets) -> Result<Scene> {
-    Scene::of_gltf(from, to, &options(gltf), assets)
+    Scene::of_gltf(from, to, &options(gltf)?, assets)
 }
 
 /// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.
-fn options(args: &GltfArgs) -> GltfOptions {
+///
+/// # Errors
+/// `Error::Usage` if frames have a rate and no number.
+fn options(args: &GltfArgs) -> Result<GltfOptions> {
+    if let (None, Some(fps)) = (args.frame, args.fps) {
+        return Err(Error::Usage(format!("--fps {fps}: expected --frame N beside it, whose time it says")));
+    }
+    let frame = args.frame.map(|number| AnimationFrame { number, fps: args.fps.unwrap_or(FPS) });
     let sky = args.sky.as_ref().map(|path| std::path::absolute(path).unwrap_or(path.clone()));
     let sky = sky.map(|path| path.to_string_lossy().into_owned());
-    GltfOptions { camera: args.camera.clone(), sky, sun: args.sun, watts: args.watts, thin: args.thin }
+    let camera = args.camera.clone();
+    Ok(GltfOptions { camera, sky, sun: args.sun, watts: args.watts, thin: args.thin, frame })
 }
 
 /// The scene's name, which names of outputs begin with: that of its file without the ending, or `stdin`.

@@ -81,6 +81,8 @@ fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
         "sun",
         "watts",
         "thin",
+        "frame",
+        "fps",
         "spp",
         "noise",
         "parts",
@@ -264,6 +266,8 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
     words.extend(args.gltf.sun.map(|(elevation, azimuth)| format!("--sun={elevation},{azimuth}")));
     words.extend(args.gltf.watts.map(|watts| format!("--watts={}", if watts { "on" } else { "off" })));
     words.extend((args.gltf.thin == Thin::Pane).then(|| "--thin=pane".to_string()));
+    words.extend(args.gltf.frame.map(|frame| format!("--frame={frame}")));
+    words.extend(args.gltf.fps.map(|fps| format!("--fps={fps}")));
     words.extend(args.options.words());
     words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
     Ok(words)

@@ -50,6 +50,8 @@ pub struct Assets {
     noted: HashMap<PathBuf, Vec<(PathBuf, Stamp)>>,
     /// The glTF files that parts are read from.
     pub(super) gltf: gltf::Files,
+    /// Whether these stay open from one scene to the next.
+    keeps_open: bool,
 }
 
 struct Kept<T> {
@@ -59,6 +61,11 @@ struct Kept<T> {
 }
 
 impl Assets {
+    /// For the frames of one glTF file, which is read once: the scene has the file as it was at the first frame.
+    pub fn of_frames() -> Assets {
+        Assets { keeps_open: true, ..Assets::default() }
+    }
+
     /// Begins to read a scene.
     pub(super) fn begin(&mut self, scene: &Path) {
         self.files = BTreeMap::from([(scene.to_owned(), stamp(scene))]);
@@ -69,7 +76,9 @@ impl Assets {
 
     /// Closes the files that are read from no more.
     pub(super) fn close(&mut self) {
-        self.gltf = gltf::Files::default();
+        if !self.keeps_open {
+            self.gltf = gltf::Files::default();
+        }
     }
 
     /// Ends it: what the scene does not name is dropped.

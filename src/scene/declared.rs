@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::animation_frame::FPS;
 use crate::delta_light::DeltaLight;
 use crate::error::{Error, Result};
 use crate::shape::mesh::MeshShape;
@@ -314,6 +315,12 @@ declare! {
             /// file, as glTF says.
             #[serde(default, skip_serializing)]
             thin: Thin = other("Auto or Pane").or("Auto");
+            /// The frame of its animations, at frame / fps seconds.
+            #[serde(default, skip_serializing)]
+            frame: Option<f64> = number(Range::ANY, NO_UNIT).or("none: its rest pose");
+            /// The frames of a second.
+            #[serde(default = "default_fps", skip_serializing)]
+            fps: f64 = number(Range::POSITIVE, NO_UNIT).or("24");
             .. #[serde(default, skip_deserializing)] objects: Vec<Object>
         }
         /// Fog or smoke of constant density inside a boundary, which itself is invisible. Where media overlap, their densities add. A
@@ -392,6 +399,10 @@ impl Object {
 
 fn default_outer() -> f64 {
     45.0
+}
+
+fn default_fps() -> f64 {
+    FPS
 }
 
 /// Which glass of a glTF file is thin.

@@ -4,11 +4,15 @@
 //! an accessor against its buffer before the crate's iterators see it, because they trust offsets and counts.
 
 mod accessors;
+mod animation;
 mod camera;
+mod channels;
 mod contents;
+mod deformation;
 mod error;
 mod generator;
 mod geometry;
+mod interpolate;
 mod light;
 mod material;
 mod nodes;
@@ -16,11 +20,10 @@ mod nodes;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use glam::DAffine3;
 use gltf::json::{Index, Root, buffer};
 use gltf::{Document, binary};
 use serde::Deserialize;
@@ -33,10 +36,11 @@ use super::mesh_files::quote;
 use crate::guard::guarded;
 
 pub use camera::framing;
+use channels::Animation;
 pub use contents::{OBJECT, OPTIONS, Reading, bounds};
 pub use error::{GltfError, Result};
 pub use light::sun;
-use nodes::SceneNode;
+use nodes::Pose;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
 const LONGEST_JSON: usize = 1 << 28;
@@ -71,10 +75,11 @@ pub struct File {
     document: Document,
     /// Each is at least as long as the document says.
     buffers: Vec<Bytes>,
-    /// The numbers and transforms of the nodes of the default scene.
-    nodes: Vec<(usize, DAffine3)>,
-    /// Their positions in that list, by number.
-    positions: HashMap<usize, usize>,
+    rest: Arc<Pose>,
+    /// The pose that was requested last: the parts of a scene are read one by one, in one pose.
+    last: Mutex<Option<Arc<Pose>>>,
+    /// What is wrong with them counts only where a pose is requested.
+    animations: Result<Vec<Animation>>,
 }
 
 impl File {
@@ -102,30 +107,15 @@ impl File {
         check_json(&json)?;
         let root = guarded(|| parse(&json))??;
         check(&root)?;
+        let animations = if root.animations.is_empty() { Ok(Vec::new()) } else { channels::animations(&json) };
         drop(json);
         drop(bytes);
         let room = file::LONGEST.saturating_sub(length);
         let buffers = buffers(&root, binary, path, room)?;
         progress(path, length, length);
-        let nodes = nodes::nodes(&root)?;
+        let rest = Arc::new(Pose::rest(&root)?);
         let document = Document::from_json_without_validation(root);
-        let positions = nodes.iter().enumerate().map(|(position, (index, _))| (*index, position)).collect();
-        Ok(File { path: path.to_owned(), document, buffers, nodes, positions })
-    }
-
-    /// The nodes of the default scene: each before its children.
-    pub fn nodes(&self) -> impl Iterator<Item = SceneNode<'_>> {
-        (0..self.nodes.len()).filter_map(|position| self.scene_node(position))
-    }
-
-    /// The node of this number, if the default scene has it.
-    pub fn node(&self, index: usize) -> Option<SceneNode<'_>> {
-        self.scene_node(*self.positions.get(&index)?)
-    }
-
-    fn scene_node(&self, position: usize) -> Option<SceneNode<'_>> {
-        let &(index, to_scene) = self.nodes.get(position)?;
-        Some(SceneNode { index, node: self.root().nodes.get(index)?, to_scene })
+        Ok(File { path: path.to_owned(), document, buffers, rest, last: Mutex::new(None), animations })
     }
 
     fn root(&self) -> &Root {

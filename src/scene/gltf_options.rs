@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::animation_frame::AnimationFrame;
 use super::types::Thin;
 use crate::error::{Error, Result};
 
@@ -17,6 +18,8 @@ pub struct GltfOptions {
     /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
     pub watts: Option<bool>,
     pub thin: Thin,
+    /// The frame of its animations; its rest pose if it is not given.
+    pub frame: Option<AnimationFrame>,
 }
 
 impl GltfOptions {
@@ -28,6 +31,7 @@ impl GltfOptions {
             ("--sun", self.sun.is_some(), "has its own lights"),
             ("--watts", self.watts.is_some(), "has `watts` in its Gltf(..)"),
             ("--thin", self.thin != Thin::Auto, "has `thin` in its Gltf(..)"),
+            ("--frame", self.frame.is_some(), "has `frame` in its Gltf(..)"),
         ];
         match given.into_iter().find(|(_, is_given, _)| *is_given) {
             Some((option, _, instead)) => Err(Error::Usage(format!(

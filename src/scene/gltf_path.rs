@@ -17,10 +17,18 @@ pub enum Part {
         mesh: usize,
         primitive: usize,
     },
-    /// A primitive of the mesh of a node, with the transforms of the node and of those around it.
+    /// A primitive of the mesh of a node in the scene: morphed, and moved by its joints, or by the node and those around it. At a time of the
+    /// file's animations, or in its rest pose.
     OfNode {
         node: usize,
         primitive: usize,
+        seconds: Option<f64>,
+    },
+    /// A primitive of the mesh of a node in the mesh's own space: only morphed. At a time of the file's animations, or in its rest pose.
+    Morphed {
+        node: usize,
+        primitive: usize,
+        seconds: Option<f64>,
     },
     Image(usize),
 }
@@ -29,10 +37,20 @@ impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Part::OfMesh { mesh, primitive } => write!(f, "meshes/{mesh}/primitives/{primitive}"),
-            Part::OfNode { node, primitive } => write!(f, "nodes/{node}/primitives/{primitive}"),
+            Part::OfNode { node, primitive, seconds } => {
+                write!(f, "nodes/{node}/primitives/{primitive}{}", at_time(*seconds))
+            }
+            Part::Morphed { node, primitive, seconds } => {
+                write!(f, "nodes/{node}/mesh/primitives/{primitive}{}", at_time(*seconds))
+            }
             Part::Image(image) => write!(f, "images/{image}"),
         }
     }
+}
+
+/// The end of a part's path that says a time.
+fn at_time(seconds: Option<f64>) -> String {
+    seconds.map_or(String::new(), |seconds| format!("/seconds/{seconds}"))
 }
 
 impl Part {
@@ -40,7 +58,7 @@ impl Part {
     pub fn to_json(self) -> String {
         match self {
             Part::OfMesh { mesh, primitive } => format!("meshes[{mesh}].primitives[{primitive}]"),
-            Part::OfNode { node, .. } => format!("nodes[{node}]"),
+            Part::OfNode { node, .. } | Part::Morphed { node, .. } => format!("nodes[{node}]"),
             Part::Image(image) => format!("images[{image}]"),
         }
     }
@@ -51,12 +69,25 @@ pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
     let whole_file = (Cow::Borrowed(path), None);
     let Some((file, part)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole_file };
     let words: Vec<&str> = part.split('/').collect();
+    let (words, seconds) = match words.as_slice() {
+        [words @ .., "seconds", seconds] => match seconds.parse::<f64>() {
+            Ok(seconds) if !seconds.is_nan() => (words, Some(seconds)),
+            _ => return whole_file,
+        },
+        words => (words, None),
+    };
+    let of_node = |node: &str, primitive: &str| Some((node.parse::<usize>().ok()?, primitive.parse::<usize>().ok()?));
     let part = match *words {
+        ["nodes", node, "primitives", primitive] => {
+            of_node(node, primitive).map(|(node, primitive)| Part::OfNode { node, primitive, seconds })
+        }
+        ["nodes", node, "mesh", "primitives", primitive] => {
+            of_node(node, primitive).map(|(node, primitive)| Part::Morphed { node, primitive, seconds })
+        }
+        // The others are the same at all times.
+        _ if seconds.is_some() => None,
         ["meshes", mesh, "primitives", primitive] => {
             mesh.parse().ok().zip(primitive.parse().ok()).map(|(mesh, primitive)| Part::OfMesh { mesh, primitive })
-        }
-        ["nodes", node, "primitives", primitive] => {
-            node.parse().ok().zip(primitive.parse().ok()).map(|(node, primitive)| Part::OfNode { node, primitive })
         }
         ["images", image] => image.parse().ok().map(Part::Image),
         _ => None,
@@ -88,13 +119,25 @@ mod tests {
 
     #[test]
     fn a_path_may_name_a_part_of_a_gltf_file() {
-        for part in [Part::OfMesh { mesh: 3, primitive: 12 }, Part::OfNode { node: 0, primitive: 1 }, Part::Image(7)] {
+        let times = [None, Some(0.0), Some(1.0 / 24.0), Some(-1e-9), Some(1e300)];
+        let of_node = times.map(|seconds| Part::OfNode { node: 0, primitive: 1, seconds });
+        let morphed = times.map(|seconds| Part::Morphed { node: 2, primitive: 0, seconds });
+        let others = [Part::OfMesh { mesh: 3, primitive: 12 }, Part::Image(7)];
+        for part in others.into_iter().chain(of_node).chain(morphed) {
             let path = format!("a #1/room.GLB#{part}");
             assert_eq!(split(Path::new(&path)), (Path::new("a #1/room.GLB").into(), Some(part)));
         }
-        for path in
-            ["room.glb", "room.obj#images/1", "room.glb#images/x", "a.glb#b.glb", "room.glb#images", "#images/0"]
-        {
+        for path in [
+            "room.glb",
+            "room.obj#images/1",
+            "room.glb#images/x",
+            "a.glb#b.glb",
+            "room.glb#images",
+            "#images/0",
+            "a.glb#images/0/seconds/1",
+            "a.glb#nodes/0/primitives/0/seconds/NaN",
+            "a.glb#nodes/0/primitives/0/seconds/",
+        ] {
             assert_eq!(split(Path::new(path)), (Path::new(path).into(), None));
         }
     }

@@ -8,6 +8,7 @@ use std::path::Path;
 use glam::DVec3;
 use serde::Deserialize;
 
+use super::animation_frame::AnimationFrame;
 use super::assets::Assets;
 use super::explain::{explain, hash_at_start};
 use super::file::{OnProgress, Reading};
@@ -154,6 +155,7 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
         render: file.render,
         bitmaps: Bitmaps::default(),
         meshes: BTreeMap::new(),
+        frame: None,
         notes: Vec::new(),
         source,
     };
@@ -166,8 +168,11 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
 fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgress, assets: &mut Assets) {
     let (mut paths, mut known) = (Vec::new(), HashMap::new());
     scene.visit_objects(&mut |at, object| {
-        let Object::Gltf { path, watts, thin, .. } = object else { return };
-        let reading = gltf::Reading { asker: &gltf::OBJECT, watts: *watts, thin: *thin };
+        let Object::Gltf { path, watts, thin, frame, fps, .. } = object else { return };
+        let frame = frame.map(|number| AnimationFrame { number, fps: *fps });
+        // Other times are refused where numbers are checked.
+        let seconds = frame.as_ref().map(AnimationFrame::seconds).filter(|seconds| seconds.is_finite());
+        let reading = gltf::Reading { asker: &gltf::OBJECT, watts: *watts, thin: *thin, seconds };
         if let Some(before) = known.insert(path.clone(), reading) {
             let alike = "another Gltf(..) reads this file in another way: expected the same fields in both, or a copy of the file";
             findings.record(if before == reading { Ok(()) } else { Err(at.field("path").error(alike)) });
@@ -227,7 +232,8 @@ fn of_gltf(
         false => relative(to.parent().unwrap_or(Path::new("")), file),
     };
     let name = seen(path).to_string_lossy().into_owned();
-    let reading = gltf::Reading { asker: &gltf::OPTIONS, watts: options.watts, thin: options.thin };
+    let seconds = options.frame.as_ref().map(AnimationFrame::seconds);
+    let reading = gltf::Reading { asker: &gltf::OPTIONS, watts: options.watts, thin: options.thin, seconds };
     let file = assets.gltf.open(path, progress).map_err(broken)?;
     let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
     let (is_of_blender, has_lamps) = (file.blender().is_some(), contents.has_lights());
@@ -251,6 +257,7 @@ fn of_gltf(
         render: RenderDefaults::default(),
         bitmaps: Bitmaps::default(),
         meshes: BTreeMap::new(),
+        frame: options.frame,
         notes,
         source: Source::without_text(to),
     };

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::animation_frame::AnimationFrame;
 use super::types::*;
 use super::visit;
 use crate::error::{Error, Location};
@@ -23,6 +24,8 @@ pub struct Scene {
     pub bitmaps: Bitmaps,
     /// The meshes, by the paths that the scene file writes.
     pub meshes: BTreeMap<String, Arc<Mesh>>,
+    /// The frame of the animations of a glTF scene, if one was requested.
+    pub frame: Option<AnimationFrame>,
     /// Warnings about what glTF files have and the scene does not.
     pub(super) notes: Vec<String>,
     pub(super) source: Source,

@@ -221,6 +221,7 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
             self::object(known, &at.field("object"), inner, bound, findings);
         }
         Object::Group(objects) | Object::Gltf { objects, .. } => {
+            findings.record_all(object.check_fields(at));
             for (index, inner) in objects.iter().enumerate() {
                 self::object(known, &at.index(index), inner, bound, findings);
             }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use ron::ser::PrettyConfig;
 use serde::Serialize;
 
+use super::animation_frame::FPS;
 use super::model::Scene;
 use super::syntax::options;
 use super::types::{Object, Thin};
@@ -61,10 +62,12 @@ fn object(object: &Object) -> Result<String, ron::Error> {
             let objects: Result<Vec<_>, _> = objects.iter().map(self::object).collect();
             format!("Group([{}])", objects?.join(", "))
         }
-        Object::Gltf { path, watts, thin, .. } => {
+        Object::Gltf { path, watts, thin, frame, fps, .. } => {
             let watts = watts.map_or(String::new(), |watts| format!(", watts: {watts}"));
             let thin = if *thin == Thin::Pane { ", thin: Pane" } else { "" };
-            format!("Gltf(path: {}{watts}{thin})", value(path)?)
+            let frame = frame.map_or(String::new(), |frame| format!(", frame: {frame:?}"));
+            let fps = if *fps == FPS { String::new() } else { format!(", fps: {fps:?}") };
+            format!("Gltf(path: {}{watts}{thin}{frame}{fps})", value(path)?)
         }
         Object::Medium { boundary, density, albedo, anisotropy } => format!(
             "Medium(boundary: {}, density: {}, albedo: {}, anisotropy: {})",

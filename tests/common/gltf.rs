@@ -121,3 +121,135 @@ pub fn square(attributes: &[(&str, usize, &[f32])], material: &Value, images: &[
     });
     (json, binary)
 }
+
+/// A glTF file that is put together accessor by accessor.
+#[derive(Default)]
+pub struct Parts {
+    pub binary: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Parts {
+    /// An accessor of floats; the result is its number. `width` is that of an element: 1 to 4, or 16.
+    pub fn floats(&mut self, width: usize, numbers: &[f32]) -> usize {
+        let bytes = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        self.accessor(bytes, 5126, (width, numbers.len() / width))
+    }
+
+    /// An accessor of bytes.
+    pub fn bytes(&mut self, width: usize, numbers: &[u8]) -> usize {
+        self.accessor(numbers.to_vec(), 5121, (width, numbers.len() / width))
+    }
+
+    fn accessor(&mut self, bytes: Vec<u8>, component: usize, (width, count): (usize, usize)) -> usize {
+        let kind = match width {
+            1 => "SCALAR".to_owned(),
+            16 => "MAT4".to_owned(),
+            width => format!("VEC{width}"),
+        };
+        self.views.push(json!({"buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len()}));
+        let view = self.views.len() - 1;
+        self.accessors.push(json!({"bufferView": view, "componentType": component, "count": count, "type": kind}));
+        self.binary.extend(bytes);
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        self.accessors.len() - 1
+    }
+
+    /// Gives a file its accessors.
+    pub fn complete(&self, json: &mut Value) {
+        json["accessors"] = self.accessors.clone().into();
+        json["bufferViews"] = self.views.clone().into();
+        json["buffers"] = json!([{"byteLength": self.binary.len()}]);
+    }
+}
+
+/// A file in which things move from 0 s to 1 s: node 0 is a strip of two quads along y whose upper end follows node 2, which turns by a
+/// quarter about z; node 3 is a square that moves by 2 along x, turns by a quarter about z and doubles its size; node 4 is a square whose
+/// morph target lifts it by 1 along z, from the weight 0 to 1; node 5 is a camera that moves by 1 along y, and node 6 a lamp that moves
+/// by 4 along x.
+pub fn moving() -> (Value, Vec<u8>) {
+    let mut parts = Parts::default();
+    let strip = parts.floats(3, &[-0.5, 0., 0., 0.5, 0., 0., -0.5, 1., 0., 0.5, 1., 0., -0.5, 2., 0., 0.5, 2., 0.]);
+    let strip_normals = parts.floats(3, &[0., 0., 1.].repeat(6));
+    let joints = parts.bytes(4, &[0, 1, 0, 0].repeat(6));
+    let weights = [[1., 0., 0., 0.].repeat(2), [0.5, 0.5, 0., 0.].repeat(2), [0., 1., 0., 0.].repeat(2)].concat();
+    let weights = parts.floats(4, &weights);
+    let strip_faces = parts.bytes(1, &[0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4]);
+    let matrix = |y: f32| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., y, 0., 1.];
+    let inverse = parts.floats(16, &[matrix(0.), matrix(-1.)].concat());
+    let square = parts.floats(3, &[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.]);
+    let normals = parts.floats(3, &[0., 0., 1.].repeat(4));
+    let faces = parts.bytes(1, &[0, 1, 2, 0, 2, 3]);
+    let lifts = parts.floats(3, &[0., 0., 1.].repeat(4));
+    let tilts = parts.floats(3, &[0., 1., -1.].repeat(4));
+    let times = parts.floats(1, &[0., 1.]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let quarter = parts.floats(4, &[0., 0., 0., 1., 0., 0., half, half]);
+    let to_right = parts.floats(3, &[0., 0., 0., 2., 0., 0.]);
+    let doubled = parts.floats(3, &[1., 1., 1., 2., 2., 2.]);
+    let lifted = parts.floats(1, &[0., 1.]);
+    let raised = parts.floats(3, &[0., 1., 8., 0., 2., 8.]);
+    let shifted = parts.floats(3, &[-2., 4., 2., 2., 4., 2.]);
+    let outputs = [
+        (2, "rotation", quarter),
+        (3, "translation", to_right),
+        (3, "rotation", quarter),
+        (3, "scale", doubled),
+        (4, "weights", lifted),
+        (5, "translation", raised),
+        (6, "translation", shifted),
+    ];
+    let channel = |(sampler, (node, path, _)): (usize, &(usize, &str, usize))| json!({"sampler": sampler, "target": {"node": node, "path": path}});
+    let sampler = |(_, _, output): &(usize, &str, usize)| json!({"input": times, "output": output});
+    let mut json = json!({
+        "asset": {"version": "2.0", "generator": "a test"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 3, 4, 5, 6]}],
+        "nodes": [
+            {"mesh": 0, "skin": 0, "translation": [7.0, 0.0, 0.0]},
+            {"children": [2], "name": "lower"},
+            {"translation": [0.0, 1.0, 0.0], "name": "upper"},
+            {"mesh": 1},
+            {"mesh": 2, "translation": [0.0, -2.0, 0.0]},
+            {"camera": 0, "translation": [0.0, 1.0, 8.0]},
+            {"translation": [-2.0, 4.0, 2.0], "extensions": {"KHR_lights_punctual": {"light": 0}}}
+        ],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": FRAC_PI_4, "aspectRatio": 1.6, "znear": 0.1}}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": inverse}],
+        "meshes": [
+            {"primitives": [{
+                "attributes": {"POSITION": strip, "NORMAL": strip_normals, "JOINTS_0": joints, "WEIGHTS_0": weights}, "indices": strip_faces}]},
+            {"primitives": [{"attributes": {"POSITION": square, "NORMAL": normals}, "indices": faces}]},
+            {"primitives": [{
+                "attributes": {"POSITION": square, "NORMAL": normals}, "indices": faces,
+                "targets": [{"POSITION": lifts, "NORMAL": tilts}]}]}
+        ],
+        "animations": [{
+            "name": "all",
+            "channels": outputs.iter().enumerate().map(channel).collect::<Vec<_>>(),
+            "samplers": outputs.iter().map(sampler).collect::<Vec<_>>()
+        }],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 300}]}}
+    });
+    parts.complete(&mut json);
+    (json, parts.binary)
+}
+
+/// The file of [`moving`] at a share of its second, as somebody would write its pose by hand: without animations.
+pub fn posed(share: f64) -> (Value, Vec<u8>) {
+    let (mut json, binary) = moving();
+    json.as_object_mut().unwrap().remove("animations");
+    let f = |x: f64| x as f32;
+    let (sin, cos) = (share * FRAC_PI_4).sin_cos();
+    let turn = json!([0.0, 0.0, f(sin), f(cos)]);
+    json["nodes"][2]["rotation"] = turn.clone();
+    json["nodes"][3]["translation"] = json!([f(2.0 * share), 0.0, 0.0]);
+    json["nodes"][3]["rotation"] = turn;
+    json["nodes"][3]["scale"] = json!(vec![f(1.0 + share); 3]);
+    json["nodes"][4]["weights"] = json!([f(share)]);
+    json["nodes"][5]["translation"] = json!([0.0, f(1.0 + share), 8.0]);
+    json["nodes"][6]["translation"] = json!([f(-2.0 + 4.0 * share), 4.0, 2.0]);
+    (json, binary)
+}

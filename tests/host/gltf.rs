@@ -353,7 +353,7 @@ fn ignored_properties_are_named_once_with_their_material() {
             json!([0, 0, 0]),
             "room.glb#nodes/2/primitives/0: none of its faces has an area: it is left out",
         ),
-        ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read"),
+        ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read without a time: --frame N"),
         (
             "/extensionsUsed",
             json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_materials_ior"]),

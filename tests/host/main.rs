@@ -10,6 +10,7 @@ mod docs;
 mod drivers;
 mod film;
 mod gltf;
+mod gltf_animation;
 mod gltf_glass;
 mod image_files;
 mod mesh_files;

@@ -229,5 +229,7 @@ fn a_shared_render_has_the_gltf_options_that_were_given() {
     assert!(!words("", "default").contains("watts"));
     assert!(words("--watts=off", "off").contains("\"--watts=off\""));
     assert!(words("--watts", "on").contains("\"--watts=on\""));
+    let posed = words("--frame 7 --fps 30", "posed");
+    assert!(posed.contains("\"--frame=7\"") && posed.contains("\"--fps=30\""), "{posed}");
     assert!(words("--thin pane", "pane").contains("\"--thin=pane\"") && !words("--thin auto", "auto").contains("thin"));
 }

@@ -15,6 +15,7 @@ mod device;
 mod display;
 #[cfg(unix)]
 mod files;
+mod frames;
 mod gltf;
 #[cfg(unix)]
 mod names;

@@ -111,6 +111,11 @@ pub struct Held {
 }
 
 impl Held {
+    /// Whether both are the same image, whatever their headers say.
+    pub fn has_pixels_of(&self, other: &Held) -> bool {
+        self.rgb == other.rgb && self.variance == other.variance && self.film == other.film
+    }
+
     /// What differs in another one, in words.
     pub fn difference(&self, other: &Held) -> Vec<String> {
         let differs = [

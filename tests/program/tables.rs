@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::common::device::index as software;
+use crate::common::gltf::{glb, moving};
 use crate::common::oidn;
 use crate::common::tables::{compare, rows};
 use crate::sandbox::{SPHERE, Sandbox};
@@ -22,6 +23,13 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
         let more: Vec<&str> = more.split_whitespace().chain(["--json"]).collect();
         sandbox.render(&more).exits(0).json()
     };
+    let (moving, binary) = moving();
+    std::fs::write(sandbox.folder.path().join("scenes/moving.glb"), glb(&moving, &binary)).expect("it is written");
+    let frame = format!(
+        "render ../scenes/moving.glb --size 16x10 --spp 8 --frame 1 -o frame.exr --json --device {}",
+        software()
+    );
+    let frame = sandbox.says(&frame);
     // Every render takes longer than a millisecond.
     let renders = [
         json("--spp 16 -o a.exr"),
@@ -34,6 +42,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
         json("--samples 0..16 -o c.exr"),
         json("--time 1ms -o time.exr"),
         json("--noise 0.9 --spp 16 -o a.exr"),
+        frame.exits(0).json(),
         json(&format!("--png d.png -o d.exr --denoise --oidn {}", oidn::folder().display())),
     ];
     compare("### `render --json`", &renders);
@@ -41,7 +50,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
     let folder = oidn::folder();
     let denoised = sandbox.run(&[denoise.split(' ').collect(), vec![folder.to_str().expect("UTF-8")]].concat());
     compare("### `denoise --json`", &[denoised.exits(0).json()]);
-    let names = ["a.exr", "noise.exr", "denoised.exr"].map(|name| sandbox.exr(name).attributes);
+    let names = ["a.exr", "noise.exr", "denoised.exr", "frame.exr"].map(|name| sandbox.exr(name).attributes);
     let attributes: BTreeSet<_> = names.into_iter().flatten().map(|(name, _)| name).collect();
     let own: BTreeSet<_> = attributes.into_iter().filter(|name| name.starts_with("gpu-rt:")).collect();
     assert_eq!(own, rows("## Header"));

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::cli::{CHECKPOINT, OIDN, PathArgs, SceneArgs, ViewArgs, duration, relative_error, sample_range};
+use crate::cli::{
+    CHECKPOINT, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error, sample_range,
+};
 use crate::commands::scene::stem_of;
 use crate::job::Crop;
 use crate::options::{Class, DENOISE, DenoiseArg, RenderOptions, SizeArg, SppArg};
@@ -22,6 +24,10 @@ pub struct RenderArgs {
     /// Also write a tone-mapped picture, - for standard output.
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
+    /// Render the frames A to B - 1 of a .glb or .gltf, each as --frame does: the #### in the names of -o and --png are its number, with as many
+    /// digits or more [default of -o: the scene's name with .####.exr]. --resume leaves out what is complete.
+    #[arg(long, value_name = "A..B", value_parser = frame_range, conflicts_with_all = ["frame", "watch"])]
+    pub frames: Option<Range<u32>>,
     #[command(flatten)]
     pub spp: SppArg,
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.

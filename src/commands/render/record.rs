@@ -126,6 +126,8 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
         "scene": path_text(&args.scene.path),
         "scene_hash": request.identity().hash_of_scene(),
         "camera": scene.camera,
+        "frame": scene.frame.map(|frame| frame.number),
+        "fps": scene.frame.map(|frame| frame.fps),
         "numerics": numerics,
         "integrator": options.integrator.to_string(),
         "sampler": options.sampler.to_string(),
@@ -147,7 +149,9 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
 }
 
 /// The facts that are left out if they are unknown or not requested. Others are null then.
-const OPTIONAL: [&str; 10] = [
+const OPTIONAL: [&str; 12] = [
+    "frame",
+    "fps",
     "aov",
     "materials",
     "noise",

@@ -141,7 +141,16 @@ impl<'a> Request<'a> {
             }
             false => "",
         };
-        format!("{name} holds {count} samples per pixel. `{}` goes on{may_differ}", command_to_resume(file))
+        let command = command_to_resume(file);
+        match self.args.frames.is_some() && file != self.image {
+            true => {
+                let image = self.image.display();
+                format!(
+                    "{name} holds {count} samples per pixel. Move it to {image}, and `{command}` goes on{may_differ}"
+                )
+            }
+            false => format!("{name} holds {count} samples per pixel. `{command}` goes on{may_differ}"),
+        }
     }
 
     /// Whether the samples end within a run that the full render would have completed.

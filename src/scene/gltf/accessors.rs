@@ -9,6 +9,15 @@ use super::File;
 /// The elements of an accessor, one by one: a list of all of them would be larger than the file.
 pub type Elements<'a, T> = Box<dyn Iterator<Item = T> + 'a>;
 
+/// Which of an accessor's elements are read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extent {
+    /// The first one.
+    pub from: usize,
+    /// How many elements an accessor without a view may have, which are zero but for the sparse ones: the file could claim any number.
+    pub zeros: u64,
+}
+
 impl File {
     pub fn accessor(&self, index: Index<Accessor>) -> Option<&Accessor> {
         self.root().get(index)
@@ -24,36 +33,71 @@ impl File {
         [u32; N]: Item,
         [f32; N]: Item,
     {
+        self.elements_in(index, Extent::default())
+    }
+
+    /// Some elements of an accessor, each of N numbers.
+    pub fn elements_in<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+        extent: Extent,
+    ) -> Result<Elements<'_, [f64; N]>, String>
+    where
+        [i8; N]: Item,
+        [u8; N]: Item,
+        [i16; N]: Item,
+        [u16; N]: Item,
+        [u32; N]: Item,
+        [f32; N]: Item,
+    {
         let shape = match N {
             2 => Dimensions::Vec2,
             3 => Dimensions::Vec3,
             _ => Dimensions::Vec4,
         };
         match self.kind(index, shape)? {
-            DataType::I8 => self.numbers::<i8, N>(index),
-            DataType::U8 => self.numbers::<u8, N>(index),
-            DataType::I16 => self.numbers::<i16, N>(index),
-            DataType::U16 => self.numbers::<u16, N>(index),
-            DataType::U32 => self.numbers::<u32, N>(index),
-            DataType::F32 => self.numbers::<f32, N>(index),
+            DataType::I8 => self.numbers::<[i8; N], _>(index, extent),
+            DataType::U8 => self.numbers::<[u8; N], _>(index, extent),
+            DataType::I16 => self.numbers::<[i16; N], _>(index, extent),
+            DataType::U16 => self.numbers::<[u16; N], _>(index, extent),
+            DataType::U32 => self.numbers::<[u32; N], _>(index, extent),
+            DataType::F32 => self.numbers::<[f32; N], _>(index, extent),
         }
     }
 
-    fn numbers<T: Number, const N: usize>(&self, index: Index<Accessor>) -> Result<Elements<'_, [f64; N]>, String>
-    where
-        [T; N]: Item,
-    {
+    /// Numbers, from one of them on.
+    pub fn scalars(&self, index: Index<Accessor>, from: usize) -> Result<Elements<'_, f64>, String> {
+        let extent = Extent { from, zeros: 0 };
+        match self.kind(index, Dimensions::Scalar)? {
+            DataType::I8 => self.numbers::<i8, _>(index, extent),
+            DataType::U8 => self.numbers::<u8, _>(index, extent),
+            DataType::I16 => self.numbers::<i16, _>(index, extent),
+            DataType::U16 => self.numbers::<u16, _>(index, extent),
+            DataType::U32 => self.numbers::<u32, _>(index, extent),
+            DataType::F32 => self.numbers::<f32, _>(index, extent),
+        }
+    }
+
+    /// Matrices, by columns.
+    pub fn matrices(&self, index: Index<Accessor>) -> Result<Elements<'_, [[f64; 4]; 4]>, String> {
+        match self.kind(index, Dimensions::Mat4)? {
+            DataType::F32 => self.numbers::<[[f32; 4]; 4], _>(index, Extent::default()),
+            _ => Err(format!("accessor {}: expected matrices of componentType 5126", index.value())),
+        }
+    }
+
+    fn numbers<T: Number<V>, V>(&self, index: Index<Accessor>, extent: Extent) -> Result<Elements<'_, V>, String> {
         let is_normalized = self.accessor(index).is_some_and(|accessor| accessor.normalized);
-        let elements = self.read::<[T; N]>(index)?;
-        Ok(Box::new(elements.map(move |element| element.map(|number| number.value(is_normalized)))))
+        let elements = self.read::<T>(index, extent.zeros)?.skip(extent.from);
+        Ok(Box::new(elements.map(move |element| element.value(is_normalized))))
     }
 
     /// The indices of vertices.
     pub fn indices(&self, index: Index<Accessor>) -> Result<Elements<'_, u64>, String> {
         Ok(match self.kind(index, Dimensions::Scalar)? {
-            DataType::U8 => Box::new(self.read::<u8>(index)?.map(u64::from)),
-            DataType::U16 => Box::new(self.read::<u16>(index)?.map(u64::from)),
-            DataType::U32 => Box::new(self.read::<u32>(index)?.map(u64::from)),
+            DataType::U8 => Box::new(self.read::<u8>(index, 0)?.map(u64::from)),
+            DataType::U16 => Box::new(self.read::<u16>(index, 0)?.map(u64::from)),
+            DataType::U32 => Box::new(self.read::<u32>(index, 0)?.map(u64::from)),
             _ => return Err("expected indices of componentType 5121, 5123 or 5125".to_owned()),
         })
     }
@@ -78,13 +122,21 @@ impl File {
         }
     }
 
-    /// The elements of an accessor, after a check that its buffer contains all of them.
-    fn read<T: Item>(&self, index: Index<Accessor>) -> Result<impl Iterator<Item = T> + use<'_, T>, String> {
+    /// The elements of an accessor, after a check that its buffer contains all of them. One without a view may have so many `zeros`.
+    fn read<T: Item>(
+        &self,
+        index: Index<Accessor>,
+        zeros: u64,
+    ) -> Result<impl Iterator<Item = T> + use<'_, T>, String> {
         let accessor = self.accessor(index).ok_or("there is no such accessor")?;
         let size = size_of::<T>() as u64;
-        // Without a view all elements are zero, and the file could claim any number of them.
-        let view = accessor.buffer_view.ok_or("an accessor has no bufferView")?;
-        self.check_span(view, accessor.byte_offset.unwrap_or_default().0, accessor.count.0, size)?;
+        match accessor.buffer_view {
+            Some(view) => {
+                self.check_span(view, accessor.byte_offset.unwrap_or_default().0, accessor.count.0, size)?;
+            }
+            None if accessor.sparse.is_some() && (1..=zeros).contains(&accessor.count.0) => {}
+            None => return Err("an accessor has no bufferView".to_owned()),
+        }
         if let Some(sparse) = &accessor.sparse {
             let (indices, values) = (&sparse.indices, &sparse.values);
             let Checked::Valid(kind) = indices.component_type else {
@@ -119,14 +171,23 @@ impl File {
     }
 }
 
-/// A component of an element. Normalised integers represent 0 to 1, or -1 to 1.
-trait Number: Item + Copy + 'static {
-    fn value(self, is_normalized: bool) -> f64;
+/// An element, or a component of one. Normalised integers represent 0 to 1, or -1 to 1.
+trait Number<V>: Item + Copy + 'static {
+    fn value(self, is_normalized: bool) -> V;
+}
+
+impl<T: Number<V>, V, const N: usize> Number<[V; N]> for [T; N]
+where
+    [T; N]: Item,
+{
+    fn value(self, is_normalized: bool) -> [V; N] {
+        self.map(|number| number.value(is_normalized))
+    }
 }
 
 macro_rules! integers {
     ($($integer:ty)*) => {
-        $(impl Number for $integer {
+        $(impl Number<f64> for $integer {
             fn value(self, is_normalized: bool) -> f64 {
                 let value = f64::from(self);
                 if is_normalized { (value / f64::from(<$integer>::MAX)).max(-1.0) } else { value }
@@ -137,7 +198,7 @@ macro_rules! integers {
 
 integers! { i8 u8 i16 u16 u32 }
 
-impl Number for f32 {
+impl Number<f64> for f32 {
     fn value(self, _: bool) -> f64 {
         f64::from(self)
     }

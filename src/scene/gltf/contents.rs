@@ -7,6 +7,7 @@ use glam::DAffine3;
 use gltf::json::mesh::Primitive;
 
 use super::camera::View;
+use super::deformation::has_more_joints;
 use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
@@ -27,20 +28,24 @@ pub struct Asker {
     watts_off: &'static str,
     /// Glass without a thickness is thin.
     thin_pane: &'static str,
+    /// The time of its animations.
+    frame: &'static str,
 }
 
 /// By the options of the command line.
-pub const OPTIONS: Asker = Asker { watts_off: "--watts=off", thin_pane: "--thin pane" };
+pub const OPTIONS: Asker = Asker { watts_off: "--watts=off", thin_pane: "--thin pane", frame: "--frame N" };
 /// By the fields of a Gltf object in a scene file.
-pub const OBJECT: Asker = Asker { watts_off: "watts: false", thin_pane: "thin: Pane" };
+pub const OBJECT: Asker = Asker { watts_off: "watts: false", thin_pane: "thin: Pane", frame: "frame: N" };
 
 /// How a file is read where glTF and Blender differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     pub asker: &'static Asker,
     /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
     pub watts: Option<bool>,
     pub thin: Thin,
+    /// The time of its animations; its rest pose if it is not given.
+    pub seconds: Option<f64>,
 }
 
 /// What the default scene of a file has.
@@ -156,26 +161,37 @@ impl File {
         let (mut without_triangles, mut ranges) = (0, 0);
         let (units, note_of_units) = self.light_units(reading);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
-        for scene_node in self.nodes() {
+        let pose = self.pose(reading.seconds)?;
+        contents.notes.extend(pose.notes.iter().cloned());
+        for scene_node in pose.nodes(root) {
             contents.views.extend(self.view(&scene_node, &mut contents.notes)?);
             if let Some(light) = self.light(&scene_node, units)? {
                 contents.objects.push(light.object);
                 ranges += usize::from(light.has_range);
             }
             let Some(mesh) = scene_node.node.mesh.map(|mesh| mesh.value()) else { continue };
-            let transforms = similarity(&scene_node.to_scene);
+            let is_skinned = scene_node.node.skin.is_some();
+            // A skin moves vertices one by one, whatever the transform of the node is.
+            let transforms = similarity(&scene_node.to_scene).filter(|_| !is_skinned);
             let is_first = of_mesh.insert(mesh);
-            if transforms.is_none() && !is_first {
+            if transforms.is_none() && !is_skinned && !is_first {
                 baked.push(scene_node.index);
             }
+            // What stands still has one name at all times, so that it stays in memory from frame to frame.
+            let is_moved =
+                scene_node.is_moved || pose.seconds.is_some() && self.has_moved_joints(&pose, &scene_node)?;
+            let is_animated = pose.weights(scene_node.index).is_some();
             for (index, primitive) in self.primitives(mesh, scene_node.index)?.iter().enumerate() {
                 if !has_triangles(primitive) {
                     without_triangles += 1;
                     continue;
                 }
+                let is_morphed = self.is_morphed(&pose, &scene_node, primitive);
+                let (node, at) = (scene_node.index, |changes: bool| pose.seconds.filter(|_| changes));
                 let part = match transforms {
+                    Some(_) if is_morphed => Part::Morphed { node, primitive: index, seconds: at(is_animated) },
                     Some(_) => Part::OfMesh { mesh, primitive: index },
-                    None => Part::OfNode { node: scene_node.index, primitive: index },
+                    None => Part::OfNode { node, primitive: index, seconds: at(is_moved || is_animated) },
                 };
                 let part = format!("{path}#{part}");
                 let material = primitive.material.map(|material| material.value());
@@ -204,14 +220,15 @@ impl File {
                  with a mesh that others have too hold a copy of it"
             ));
         }
+        if !root.animations.is_empty() && reading.seconds.is_none() {
+            notes.push(format!("animations are not read without a time: {} poses them", reading.asker.frame));
+        }
         if without_triangles > 0 {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
         let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
         for (is_there, note) in [
-            (!root.skins.is_empty(), "skins are not read: meshes have the shape in which they were bound"),
-            (!root.animations.is_empty(), "animations are not read"),
-            (primitives().any(|it| it.targets.is_some()), "meshes: morph targets are not read"),
+            (primitives().any(has_more_joints), "meshes: JOINTS_2 and later are not read: a vertex has up to 8 joints"),
             (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: light has none"),
         ] {
             if is_there {

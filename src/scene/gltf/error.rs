@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// What is wrong with a file, and where in its JSON: `materials[2].pbrMetallicRoughness.baseColorTexture.index`.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GltfError {
     /// Empty if all of the file is wrong.
     pub at: String,

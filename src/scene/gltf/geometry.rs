@@ -1,6 +1,6 @@
 //! The triangles of a glTF file.
 
-use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use gltf::accessor::Dimensions;
 use gltf::json::Index;
 use gltf::json::accessor::Accessor;
@@ -8,6 +8,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessors::Elements;
+use super::deformation::{Deformation, NORMAL, POSITION, TANGENT};
 use super::material::{UvTransform, is_opaque};
 use super::{File, GltfError, Result};
 use crate::scene::gltf_path::Part;
@@ -30,12 +31,14 @@ fn colours_of(primitive: &Primitive) -> Option<Index<Accessor>> {
 }
 
 impl File {
-    /// Adds the meshes of the default scene, or of the first scene if there is no default.
+    /// Adds the meshes of the default scene, or of the first scene if there is no default, in the rest pose.
     pub fn add_scene(&self, draft: &mut Draft) -> Result<()> {
-        for scene_node in self.nodes() {
+        let pose = self.pose(None)?;
+        for scene_node in pose.nodes(self.root()) {
             let Some(mesh) = scene_node.node.mesh else { continue };
-            for primitive in 0..self.primitives(mesh.value(), scene_node.index)?.len() {
-                self.add(mesh.value(), primitive, &scene_node.to_scene, &UvTransform::default(), draft)?;
+            for (number, primitive) in self.primitives(mesh.value(), scene_node.index)?.iter().enumerate() {
+                let deformation = self.deformation(&pose, &scene_node, primitive)?;
+                self.add((mesh.value(), number), &deformation, &UvTransform::default(), draft)?;
             }
         }
         Ok(())
@@ -43,18 +46,17 @@ impl File {
 
     /// Adds the triangles of a part, with the texture coordinates that its material uses.
     pub fn add_part(&self, part: Part, draft: &mut Draft) -> Result<()> {
-        let (mesh, primitive, to_scene) = match part {
-            Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),
-            Part::OfNode { node, primitive } => {
-                let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
-                let scene_node = self.node(node).ok_or_else(|| wrong("expected a node of the default scene"))?;
-                let mesh = scene_node.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
-                (mesh.value(), primitive, scene_node.to_scene)
+        let (mesh, primitive, deformation) = match part {
+            Part::OfMesh { mesh, primitive } => (mesh, primitive, Deformation::rigid(DAffine3::IDENTITY)),
+            Part::OfNode { node, primitive, seconds } => self.of_node(node, primitive, seconds)?,
+            Part::Morphed { node, primitive, seconds } => {
+                let (mesh, primitive, deformation) = self.of_node(node, primitive, seconds)?;
+                (mesh, primitive, deformation.in_mesh())
             }
             Part::Image(_) => return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into()),
         };
         let placings = self.uv_placings(mesh, primitive)?;
-        self.add(mesh, primitive, &to_scene, placings.first().unwrap_or(&UvTransform::default()), draft)?;
+        self.add((mesh, primitive), &deformation, placings.first().unwrap_or(&UvTransform::default()), draft)?;
         let count = draft.positions.len();
         // An image on a primitive without texture coordinates has one colour, as where these are 0 in other programs.
         let constant = |placing: &UvTransform| std::iter::repeat_n(placing.in_mesh([0.0; 2]), count);
@@ -68,9 +70,19 @@ impl File {
             }
         }
         if self.has_normal_map(mesh, primitive)? && !draft.normals.is_empty() {
-            self.add_tangents(mesh, primitive, &to_scene, draft)?;
+            self.add_tangents((mesh, primitive), &deformation, draft)?;
         }
         Ok(())
+    }
+
+    /// The mesh of a node, and what happens to a primitive of it at a time.
+    fn of_node(&self, node: usize, primitive: usize, seconds: Option<f64>) -> Result<(usize, usize, Deformation)> {
+        let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
+        let pose = self.pose(seconds)?;
+        let scene_node = pose.node(self.root(), node).ok_or_else(|| wrong("expected a node of the default scene"))?;
+        let mesh = scene_node.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?.value();
+        let deformation = self.deformation(&pose, &scene_node, self.primitive(mesh, primitive)?)?;
+        Ok((mesh, primitive, deformation))
     }
 
     /// Whether all primitives of a mesh together are closed around a volume. Exporters split vertices at seams, creases and materials, so
@@ -78,9 +90,9 @@ impl File {
     pub fn is_closed(&self, mesh: usize) -> bool {
         let mut draft = Draft::new(MOST_BYTES);
         let count = self.root().meshes.get(mesh).map_or(0, |mesh| mesh.primitives.len());
+        let as_stored = Deformation::rigid(DAffine3::IDENTITY);
         // What is broken is reported where the mesh is read.
-        let read =
-            (0..count).try_for_each(|primitive| self.add_faces(mesh, primitive, &DAffine3::IDENTITY, &mut draft));
+        let read = (0..count).try_for_each(|primitive| self.add_faces((mesh, primitive), &as_stored, &mut draft));
         let mesh = read.ok().and_then(|()| draft.finish().ok());
         mesh.is_some_and(|mesh| mesh.open_edges().is_none() && mesh.has_volume())
     }
@@ -89,7 +101,7 @@ impl File {
     fn complete_attribute(&self, primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
         let count = |index| self.accessor(index).map(|accessor| accessor.count.0);
-        let vertices = attribute(Semantic::Positions).and_then(count).unwrap_or(0);
+        let vertices = self.vertex_count(primitive);
         attribute(semantic).filter(|&index| count(index).is_none_or(|found| found == vertices))
     }
 
@@ -105,7 +117,12 @@ impl File {
     }
 
     /// Adds the tangents of a primitive's vertices, if it has them.
-    fn add_tangents(&self, mesh: usize, primitive: usize, to_scene: &DAffine3, draft: &mut Draft) -> Result<()> {
+    fn add_tangents(
+        &self,
+        (mesh, primitive): (usize, usize),
+        deformation: &Deformation,
+        draft: &mut Draft,
+    ) -> Result<()> {
         let given = self.primitive(mesh, primitive)?;
         let Some(&index) = given.attributes.get(&Checked::Valid(Semantic::Tangents)) else { return Ok(()) };
         let at = format!("meshes[{mesh}].primitives[{primitive}].attributes.TANGENT");
@@ -117,9 +134,11 @@ impl File {
             ));
         }
         let tangents = self.elements::<4>(index).map_err(|reason| GltfError::new(&at, reason))?;
-        let sign = to_scene.matrix3.determinant().signum();
-        let transformed = tangents.map(|[x, y, z, w]| {
-            let along = (to_scene.matrix3 * DVec3::new(x, y, z)).normalize();
+        let mut morphed = self.morph((mesh, primitive), deformation, TANGENT)?;
+        let transforms = self.transforms((mesh, primitive), deformation)?;
+        let transformed = tangents.zip(transforms).map(|([x, y, z, w], to_scene)| {
+            let along = (to_scene.matrix3 * morphed(DVec3::new(x, y, z))).normalize();
+            let sign = to_scene.matrix3.determinant().signum();
             along.as_vec3().extend((sign * w) as f32)
         });
         Ok(draft.add_tangents(transformed)?)
@@ -180,9 +199,8 @@ impl File {
     /// Adds a primitive's triangles with what its vertices have; points and lines have none.
     fn add(
         &self,
-        mesh: usize,
-        number: usize,
-        to_scene: &DAffine3,
+        (mesh, number): (usize, usize),
+        deformation: &Deformation,
         placing: &UvTransform,
         draft: &mut Draft,
     ) -> Result<()> {
@@ -193,7 +211,7 @@ impl File {
             return Ok(());
         }
         let first = draft.positions.len();
-        self.add_faces(mesh, number, to_scene, draft)?;
+        self.add_faces((mesh, number), deformation, draft)?;
         let end = draft.positions.len();
         let attribute = |semantic| self.complete_attribute(primitive, semantic);
         let normals = attribute(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
@@ -206,15 +224,6 @@ impl File {
         let alphas = attribute(Semantic::Colors(0)).filter(|_| has_alpha).map(|index| self.alphas(index)).transpose();
         let alphas = alphas.map_err(|reason| wrong(".attributes.COLOR_0", reason))?.flatten();
 
-        // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
-        // matrices too.
-        let m = to_scene.matrix3;
-        let sign = m.determinant().signum();
-        let cofactors = DMat3::from_cols(
-            m.y_axis.cross(m.z_axis) * sign,
-            m.z_axis.cross(m.x_axis) * sign,
-            m.x_axis.cross(m.y_axis) * sign,
-        );
         if let Some(colours) = colours {
             draft.colour(first, colours)?;
         }
@@ -224,15 +233,16 @@ impl File {
         if normals.is_some() || !draft.normals.is_empty() {
             draft.normals.resize(first, Vec3::NAN);
             if let Some(normals) = normals {
-                let turned = |normal: DVec3| (cofactors * normal).normalize().as_vec3();
-                for (vertex, normal) in normals.map(DVec3::from_array).enumerate() {
+                let mut morphed = self.morph((mesh, number), deformation, NORMAL)?;
+                let transforms = self.transforms((mesh, number), deformation)?;
+                for (vertex, (normal, to_scene)) in normals.map(DVec3::from_array).zip(transforms).enumerate() {
                     if !normal.is_finite() {
                         draft.bad_normal.get_or_insert_with(|| {
                             let reason = format!("expected finite numbers, found {normal} at vertex {vertex}");
                             wrong(".attributes.NORMAL", reason).to_string()
                         });
                     }
-                    draft.normals.push(turned(normal));
+                    draft.normals.push(deformation.normal(&to_scene, morphed(normal)).as_vec3());
                 }
             }
             draft.normals.resize(end, Vec3::NAN);
@@ -254,7 +264,7 @@ impl File {
     }
 
     /// Adds a primitive's triangles with the positions of its vertices; points and lines have none.
-    fn add_faces(&self, mesh: usize, number: usize, to_scene: &DAffine3, draft: &mut Draft) -> Result<()> {
+    fn add_faces(&self, (mesh, number): (usize, usize), deformation: &Deformation, draft: &mut Draft) -> Result<()> {
         let wrong =
             |field: &str, reason: String| GltfError::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
         let primitive = self.primitive(mesh, number)?;
@@ -267,10 +277,14 @@ impl File {
         let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
         let positions = self.elements::<3>(positions).map_err(|reason| wrong(".attributes.POSITION", reason))?;
         let first = draft.positions.len();
-        for position in positions {
-            draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
+        let mut morphed = self.morph((mesh, number), deformation, POSITION)?;
+        let mut mirrored = 0;
+        for (position, to_scene) in positions.zip(self.transforms((mesh, number), deformation)?) {
+            draft.vertex(to_scene.transform_point3(morphed(DVec3::from_array(position))))?;
+            mirrored += u64::from(to_scene.matrix3.determinant() < 0.0);
         }
-        let sign = to_scene.matrix3.determinant().signum();
+        // Of a skin, most of the vertices decide.
+        let is_mirrored = deformation.mirrors().unwrap_or(mirrored > count / 2);
         let corners = match primitive.indices {
             Some(indices) => self.indices(indices).map_err(|reason| wrong(".indices", reason))?,
             None => Box::new(0..count),
@@ -298,7 +312,7 @@ impl File {
             let is_last = if mode == Mode::Triangles { at % 3 == 2 } else { at >= 2 };
             if is_last {
                 let [a, b, c] = corners;
-                draft.face(&if sign < 0.0 { [a, c, b] } else { [a, b, c] })?;
+                draft.face(&if is_mirrored { [a, c, b] } else { [a, b, c] })?;
             }
             held = next;
         }

@@ -1,6 +1,6 @@
-//! The nodes of the default scene, and their transforms in f64.
+//! The nodes of the default scene in a pose, and their transforms in f64.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json::Root;
@@ -15,10 +15,84 @@ pub struct SceneNode<'a> {
     pub index: usize,
     pub node: &'a Node,
     pub to_scene: DAffine3,
+    /// Whether animations move it, or a node above it.
+    pub is_moved: bool,
 }
 
-/// The numbers and transforms of the nodes of the default scene, or of the first scene if there is no default.
-pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
+/// What animations give a node, rounded to f32 as a file would have it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animated {
+    pub translation: Option<[f32; 3]>,
+    pub rotation: Option<[f32; 4]>,
+    pub scale: Option<[f32; 3]>,
+    /// The weights of its morph targets.
+    pub weights: Option<Vec<f32>>,
+}
+
+impl Animated {
+    fn is_moved(&self) -> bool {
+        self.translation.is_some() || self.rotation.is_some() || self.scale.is_some()
+    }
+}
+
+/// The nodes of the default scene at a time.
+#[derive(Debug, Default)]
+pub struct Pose {
+    /// `None` for the rest pose: what the nodes themselves say.
+    pub seconds: Option<f64>,
+    /// Each before its children.
+    nodes: Vec<PosedNode>,
+    /// Their positions in that list, by number.
+    positions: HashMap<usize, usize>,
+    /// What animations give nodes, by the nodes' numbers.
+    animated: HashMap<usize, Animated>,
+    /// Notes about animations that are not used.
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug)]
+struct PosedNode {
+    index: usize,
+    to_scene: DAffine3,
+    is_moved: bool,
+}
+
+impl Pose {
+    /// The rest pose.
+    pub fn rest(root: &Root) -> Result<Pose> {
+        Pose::at(root, None, HashMap::new())
+    }
+
+    /// The pose in which animations give nodes these values.
+    pub fn at(root: &Root, seconds: Option<f64>, animated: HashMap<usize, Animated>) -> Result<Pose> {
+        let nodes = nodes(root, &animated)?;
+        let positions = nodes.iter().enumerate().map(|(position, node)| (node.index, position)).collect();
+        Ok(Pose { seconds, nodes, positions, animated, notes: Vec::new() })
+    }
+
+    /// The nodes: each before its children.
+    pub fn nodes<'a>(&'a self, root: &'a Root) -> impl Iterator<Item = SceneNode<'a>> {
+        self.nodes.iter().filter_map(|node| scene_node(node, root))
+    }
+
+    /// The node of this number, if the default scene has it.
+    pub fn node<'a>(&'a self, root: &'a Root, index: usize) -> Option<SceneNode<'a>> {
+        scene_node(self.nodes.get(*self.positions.get(&index)?)?, root)
+    }
+
+    /// The weights that animations give a node's morph targets.
+    pub fn weights(&self, index: usize) -> Option<&[f32]> {
+        self.animated.get(&index)?.weights.as_deref()
+    }
+}
+
+fn scene_node<'a>(node: &PosedNode, root: &'a Root) -> Option<SceneNode<'a>> {
+    let &PosedNode { index, to_scene, is_moved } = node;
+    Some(SceneNode { index, node: root.nodes.get(index)?, to_scene, is_moved })
+}
+
+/// The nodes of the default scene, or of the first scene if there is no default.
+fn nodes(root: &Root, animated: &HashMap<usize, Animated>) -> Result<Vec<PosedNode>> {
     let scene = root.scene.map_or(0, |scene| scene.value());
     let at = if root.scene.is_some() { "scene" } else { "scenes" };
     let top = root.scenes.get(scene).ok_or_else(|| GltfError::new(at, format!("expected a scene {scene} in it")))?;
@@ -26,9 +100,9 @@ pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
     let mut seen = HashSet::new();
     let mut found = Vec::new();
     // A stack: the first node is on top.
-    let mut nodes: Vec<(usize, Option<usize>, DAffine3)> =
-        top.nodes.iter().rev().map(|node| (node.value(), None, DAffine3::IDENTITY)).collect();
-    while let Some((index, above, parent)) = nodes.pop() {
+    let mut nodes: Vec<(usize, Option<usize>, DAffine3, bool)> =
+        top.nodes.iter().rev().map(|node| (node.value(), None, DAffine3::IDENTITY, false)).collect();
+    while let Some((index, above, parent, is_parent_moved)) = nodes.pop() {
         let wrong = |reason: &str| GltfError::new(format!("nodes[{index}]"), reason);
         if !seen.insert(index) {
             return Err(wrong("it occurs twice: expected a tree of nodes"));
@@ -37,27 +111,35 @@ pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
             let at = above.map_or(format!("scenes[{scene}].nodes"), |above| format!("nodes[{above}].children"));
             return Err(GltfError::new(at, format!("there is no node {index}")));
         };
-        let to_scene = parent * to_parent(node);
+        let animated = animated.get(&index).filter(|animated| animated.is_moved());
+        if animated.is_some() && node.matrix.is_some() {
+            let reason =
+                "it has a matrix, and an animation moves it: expected a translation, a rotation and a scale instead";
+            return Err(GltfError::new(format!("nodes[{index}].matrix"), reason));
+        }
+        let is_moved = is_parent_moved || animated.is_some();
+        let to_scene = parent * to_parent(node, animated);
         if !to_scene.is_finite() {
             return Err(wrong("expected transforms of finite numbers, and a rotation that is not 0"));
         }
-        found.push((index, to_scene));
+        found.push(PosedNode { index, to_scene, is_moved });
         let children = node.children.iter().flatten().rev();
-        nodes.extend(children.map(|child| (child.value(), Some(index), to_scene)));
+        nodes.extend(children.map(|child| (child.value(), Some(index), to_scene, is_moved)));
     }
     Ok(found)
 }
 
-/// A node's own transform.
-fn to_parent(node: &Node) -> DAffine3 {
+/// A node's own transform, with what animations give it.
+fn to_parent(node: &Node, animated: Option<&Animated>) -> DAffine3 {
     if let Some(matrix) = &node.matrix {
         return DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)));
     }
     let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
+    let rotation = animated.and_then(|animated| animated.rotation).unwrap_or(node.rotation.unwrap_or_default().0);
     DAffine3::from_scale_rotation_translation(
-        vector(node.scale, DVec3::ONE),
-        DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from)).normalize(),
-        vector(node.translation, DVec3::ZERO),
+        vector(animated.and_then(|animated| animated.scale).or(node.scale), DVec3::ONE),
+        DQuat::from_array(rotation.map(f64::from)).normalize(),
+        vector(animated.and_then(|animated| animated.translation).or(node.translation), DVec3::ZERO),
     )
 }
 

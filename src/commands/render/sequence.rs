@@ -1,0 +1,180 @@
+//! `render --frames`: an image for each frame of a glTF file's animations. The device with its kernels, textures, and meshes that stand still
+//! stay from frame to frame.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::args::RenderArgs;
+use super::denoising::denoised_image;
+use super::request::frame_and_job;
+use super::session::{Sequence, Session};
+use crate::commands::console::{path_text, print_json, tell};
+use crate::commands::scene::stem_of;
+use crate::error::{Error, Result};
+use crate::flatten::Hierarchies;
+use crate::identity::Identity;
+use crate::job::Goal;
+use crate::output::exr::{Attribute, read_attributes, read_state};
+use crate::scene::{Assets, Scene};
+
+/// Renders a scene that has been loaded since an instant.
+type Render = fn(&RenderArgs, &Scene, &mut Session, Instant) -> Result<()>;
+
+/// Renders the frames one after the other, until one fails or a signal comes.
+pub fn render_frames(args: &RenderArgs, frames: Range<u32>, start: Instant, render: Render) -> Result<()> {
+    let names = Names::of(args)?;
+    let mut session = Session {
+        hierarchies: Some(Hierarchies::default()),
+        quiet: args.quiet,
+        assets: Assets::of_frames(),
+        sequence: Some(Sequence::default()),
+        ..Session::default()
+    };
+    // The time of a frame counts from its own begin.
+    let begins = std::iter::once(start).chain(std::iter::repeat_with(Instant::now));
+    let rendered = frames.zip(begins).try_for_each(|(number, begin)| {
+        let args = names.args_of(args, number);
+        if let Some(signals) = session.signals.as_ref().filter(|signals| signals.are_pending()) {
+            return Err(signals.interrupted(&format!("frame {number} and later ones are not rendered")));
+        }
+        render_frame(args, number, &mut session, begin, render)
+    });
+    let reports = session.sequence.map(|sequence| sequence.reports).unwrap_or_default();
+    let printed = if args.json { print_json(&json!({"frames": reports})) } else { Ok(()) };
+    rendered.and(printed)
+}
+
+/// Renders a frame, unless --resume finds it complete. One that is not there yet begins.
+fn render_frame(
+    mut args: RenderArgs,
+    number: u32,
+    session: &mut Session,
+    begin: Instant,
+    render: Render,
+) -> Result<()> {
+    let scene = session.load(&args)?;
+    let image = args.image();
+    if args.resume.is_some()
+        && let Some(samples) = samples_of_complete(&args, &scene, begin)?
+    {
+        if !args.quiet {
+            tell(&format!("{}: {samples} samples, complete", image.display()));
+        }
+        let report = json!({
+            "output": path_text(&image), "samples_per_pixel": samples, "frame": f64::from(number), "skipped": true,
+        });
+        session.sequence.iter_mut().for_each(|sequence| sequence.reports.push(report.clone()));
+        return Ok(());
+    }
+    if !image.exists() {
+        args.resume = None;
+    }
+    render(&args, &scene, session, begin)
+}
+
+/// How many samples the image of a frame has, if it is complete, and so are the files that are made of it.
+fn samples_of_complete(args: &RenderArgs, scene: &Scene, begin: Instant) -> Result<Option<u64>> {
+    let image = args.image();
+    let denoised = args.denoise().then(|| denoised_image(&image));
+    if !args.png.iter().chain(&denoised).chain([&image]).all(|path| path.is_file()) {
+        return Ok(None);
+    }
+    // What is wrong with it is said where it is resumed.
+    let Some(state) = read_state(&image).ok().flatten() else { return Ok(None) };
+    let (frame, job) = frame_and_job(args, scene, begin)?;
+    let is_complete = match job.goal {
+        Goal::Samples(end) => state.samples.missing(job.first_sample..end).is_empty(),
+        _ => {
+            let found = read_attributes(&image).unwrap_or_default();
+            found.iter().any(|(name, value)| name == "gpu-rt:complete" && *value == Attribute::Int(1))
+        }
+    };
+    let is_same = || Identity::new(scene, &frame, &job, &args.options).difference("", &state.identity, "").is_none();
+    Ok((is_complete && is_same()).then(|| state.samples.count()))
+}
+
+/// The names of a sequence's files, in which a run of # stands for the number of a frame.
+struct Names {
+    image: Name,
+    png: Option<Name>,
+}
+
+impl Names {
+    /// # Errors
+    /// `Error::Usage` for a name without such a run.
+    fn of(args: &RenderArgs) -> Result<Names> {
+        let default = || PathBuf::from(stem_of(&args.scene.path)).with_added_extension("####.exr");
+        Ok(Names {
+            image: Name::of("-o", &args.output.clone().unwrap_or_else(default))?,
+            png: args.png.as_deref().map(|path| Name::of("--png", path)).transpose()?,
+        })
+    }
+
+    /// The arguments of one frame.
+    fn args_of(&self, args: &RenderArgs, number: u32) -> RenderArgs {
+        let mut args = RenderArgs { output: Some(self.image.of_frame(number)), ..args.clone() };
+        args.png = self.png.as_ref().map(|name| name.of_frame(number));
+        args.scene.gltf.frame = Some(f64::from(number));
+        args
+    }
+}
+
+/// A name with a run of #.
+struct Name {
+    folder: PathBuf,
+    before: String,
+    /// The least digits of the number.
+    digits: usize,
+    after: String,
+}
+
+impl Name {
+    fn of(option: &str, path: &Path) -> Result<Name> {
+        let wrong = |reason: &str| {
+            Err(Error::Usage(format!(
+                "{}: {reason} with {option}, such as out.####.exr; nothing has been rendered",
+                path.display()
+            )))
+        };
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let Some((before, rest)) = name.split_once('#') else {
+            return wrong("--frames writes a file for each frame: expected #### for its number");
+        };
+        let after = rest.trim_start_matches('#');
+        if after.contains('#') {
+            return wrong("expected one run of # for the number of the frame");
+        }
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let digits = 1 + rest.len() - after.len();
+        Ok(Name { folder, before: before.to_owned(), digits, after: after.to_owned() })
+    }
+
+    fn of_frame(&self, number: u32) -> PathBuf {
+        let Name { folder, before, digits, after } = self;
+        folder.join(format!("{before}{number:0digits$}{after}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_have_the_numbers_of_frames() {
+        let name = |path: &str, number| Name::of("-o", Path::new(path)).map(|name| name.of_frame(number));
+        for (path, number, expected) in [
+            ("out.####.exr", 7, "out.0007.exr"),
+            ("a/out#.png", 12345, "a/out12345.png"),
+            ("a#b/##", 7, "a#b/07"),
+            ("####", 0, "0000"),
+        ] {
+            assert_eq!(name(path, number).unwrap(), Path::new(expected));
+        }
+        for path in ["out.exr", "-", "a#b/out.exr", "", "#a#.exr"] {
+            assert!(matches!(name(path, 0), Err(Error::Usage(_))), "{path}");
+        }
+    }
+}
