@@ -114,9 +114,9 @@ Scene(
 
 NEXT_WEEK_SEED = 2018
 NEXT_WEEK_HEAD = """\
-// The final scene of "Ray Tracing: The Next Week" (Shirley, Black, Hollasch, 2016-2024), without the motion of its orange
-// sphere: a floor of 400 boxes, a lamp, glass, fuzzy metal, a glass sphere filled with a blue medium, a thin fog over
-// everything, a made-up planet, marble, and a cube of 1000 small spheres.
+// The final scene of "Ray Tracing: The Next Week" (Shirley, Black, Hollasch, 2016-2024): an orange sphere that moves, a
+// floor of 400 boxes, a lamp, glass, fuzzy metal, a glass sphere filled with a blue medium, a thin fog over everything, a
+// made-up planet, marble, and a cube of 1000 small spheres.
 //
 // Written by scenes/generate.py: SplitMix64, seed {seed}, uniforms of 53 bits; first the height of every box within 1 .. 101,
 // by x and in it by z, then the centres of the small spheres within 0 .. 165.
@@ -143,7 +143,7 @@ def next_week():
         + f"""\
 Scene(
     image: (width: 800, height: 800),
-    camera: (look_from: (478, 278, -600), look_at: (278, 278, 0), vertical_fov: 40),
+    camera: (look_from: (478, 278, -600), look_at: (278, 278, 0), vertical_fov: 40, shutter: (0, 1)),
     background: Solid((0, 0, 0)),
     materials: {{
         "ground": Lambertian(albedo: Rgb(0.48, 0.83, 0.53)),
@@ -157,7 +157,10 @@ Scene(
     }},
     objects: [
         Quad(corner: (123, 554, 147), u: (300, 0, 0), v: (0, 0, 265), material: "lamp"),
-        Sphere(center: (400, 400, 200), radius: 50, material: "orange"),
+        Moving(
+            keys: [(0, [Translate((0, 0, 0))]), (1, [Translate((30, 0, 0))])],
+            object: Sphere(center: (400, 400, 200), radius: 50, material: "orange"),
+        ),
         Sphere(center: (260, 150, 45), radius: 50, material: "glass"),
         Sphere(center: (0, 150, 145), radius: 50, material: "metal"),
         // The medium ends where its glass does.

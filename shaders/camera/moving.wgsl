@@ -9,8 +9,10 @@ struct MovingCamera {
     forward: vec3<f32>,
     right: vec3<f32>,
     upward: vec3<f32>,
-    // The distance to the point at which it looks.
+    // The distance to the point at which it looks, if the plane that is sharp is there; else 0.
     distance: f32,
+    // Whether it rests, as with all features linked. Then it is as the settings say, to the last bit.
+    rests: bool,
 }
 var<private> camera_now: MovingCamera;
 
@@ -19,9 +21,8 @@ var<private> camera_now: MovingCamera;
 fn begin_camera() {
     let first = motions[0].x;
     let keys = motions[0].y;
-    if keys == 0u {
-        let right = normalize(settings.pixel_x);
-        camera_now = MovingCamera(vec3<f32>(0.0), settings.forward, right, normalize(-settings.pixel_y), 0.0);
+    camera_now.rests = keys == 0u;
+    if camera_now.rests {
         return;
     }
     let origin = vector_between(between_keys(first + 1u, keys, 1u));
@@ -29,36 +30,36 @@ fn begin_camera() {
     let distance = length(view);
     let forward = view / distance;
     let right = normalize(cross(forward, vector_of_row(motions[first])));
-    camera_now = MovingCamera(origin, forward, right, cross(right, forward), select(0.0, distance, motions[first].w == 1u));
+    camera_now = MovingCamera(origin, forward, right, cross(right, forward), select(0.0, distance, motions[first].w == 1u), false);
 }
 
 // A point given relative to the middle of the lens.
 fn from_lens(point: vec3<f32>) -> vec3<f32> {
-    return camera_now.origin + point;
+    return select(camera_now.origin + point, point, camera_now.rests);
 }
 
 fn camera_forward() -> vec3<f32> {
-    return camera_now.forward;
+    return select(camera_now.forward, settings.forward, camera_now.rests);
 }
 
 fn camera_pixel_x() -> vec3<f32> {
-    return length(settings.pixel_x) * camera_now.right;
+    return select(length(settings.pixel_x) * camera_now.right, settings.pixel_x, camera_now.rests);
 }
 
 fn camera_pixel_y() -> vec3<f32> {
-    return -length(settings.pixel_y) * camera_now.upward;
+    return select(-length(settings.pixel_y) * camera_now.upward, settings.pixel_y, camera_now.rests);
 }
 
 //@ if lens
 fn camera_lens_x() -> vec3<f32> {
-    return length(settings.lens_x) * camera_now.right;
+    return select(length(settings.lens_x) * camera_now.right, settings.lens_x, camera_now.rests);
 }
 
 fn camera_lens_y() -> vec3<f32> {
-    return length(settings.lens_y) * camera_now.upward;
+    return select(length(settings.lens_y) * camera_now.upward, settings.lens_y, camera_now.rests);
 }
 
 fn camera_inverse_focus() -> f32 {
-    return select(settings.inverse_focus, 1.0 / camera_now.distance, camera_now.distance > 0.0);
+    return select(settings.inverse_focus, 1.0 / camera_now.distance, !camera_now.rests && camera_now.distance > 0.0);
 }
 //@ end

@@ -1,13 +1,13 @@
 // Rotations as unit quaternions, the scalar last.
 
 // The difference of a turned vector and the vector. It keeps its digits however small the angle is.
-fn turned_by(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+fn change_by_turn(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     let across = cross(q.xyz, v);
     return 2.0 * (q.w * across + cross(q.xyz, across));
 }
 
-fn turned(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
-    return v + turned_by(q, v);
+fn apply_turn(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+    return v + change_by_turn(q, v);
 }
 
 fn inverse_turn(q: vec4<f32>) -> vec4<f32> {

@@ -13,8 +13,8 @@ fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {
     moved.center += pose.shift;
     moved.half_extent *= pose.scale;
     // Perpendicular again, as geometry/cuboid takes them to be.
-    moved.x_axis = normalize(turned(pose.turn, cuboid.x_axis));
-    let y_axis = turned(pose.turn, cuboid.y_axis);
+    moved.x_axis = normalize(apply_turn(pose.turn, cuboid.x_axis));
+    let y_axis = apply_turn(pose.turn, cuboid.y_axis);
     moved.y_axis = normalize(y_axis - dot(y_axis, moved.x_axis) * moved.x_axis);
     return moved;
 }

@@ -5,8 +5,8 @@
 fn moved_delta_light(light: DeltaLight, index: u32) -> DeltaLight {
     let pose = pose_of((motions[0].z + index) | MOVES);
     var moved = light;
-    let direction = turned(pose.turn, light.position);
+    let direction = apply_turn(pose.turn, light.position);
     moved.position = select(direction, light.position + pose.shift, light.has_position > 0.0);
-    moved.axis = turned(pose.turn, light.axis);
+    moved.axis = apply_turn(pose.turn, light.axis);
     return moved;
 }

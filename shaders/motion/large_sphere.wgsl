@@ -15,7 +15,7 @@ fn moved_large_sphere(large_sphere: LargeSphere, pose: Pose) -> LargeSphere {
     moved.curvature /= pose.scale;
     moved.nearest += pose.shift;
     if large_sphere.follows_nearest == 1u {
-        moved.inward = normalize(turned(pose.turn, large_sphere.inward));
+        moved.inward = normalize(apply_turn(pose.turn, large_sphere.inward));
     } else {
         moved.nearest += ((1.0 - pose.scale) / large_sphere.curvature) * large_sphere.inward;
     }
@@ -30,9 +30,9 @@ fn large_sphere_at_rest(surface: Surface, large_sphere: LargeSphere) -> Surface 
     }
     let back = inverse_turn(surface.pose.turn);
     var rest = surface;
-    rest.local = turned(back, surface.local);
+    rest.local = apply_turn(back, surface.local);
     if large_sphere.follows_nearest == 0u {
-        rest.local -= turned_by(back, large_sphere.inward);
+        rest.local -= change_by_turn(back, large_sphere.inward);
     }
     return rest;
 }

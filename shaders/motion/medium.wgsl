@@ -6,5 +6,5 @@
 fn offset_at_rest(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     let offset = point - medium.center;
     let pose = pose_of((order_of_boundary(medium.boundary) + 1u) | MOVES);
-    return turned(inverse_turn(pose.turn), offset - pose.shift) / pose.scale;
+    return apply_turn(inverse_turn(pose.turn), offset - pose.shift) / pose.scale;
 }

@@ -1,25 +1,25 @@
 //@ use data/hit
 //@ use data/primitive
 //@ use motion/pose
-//@ each primitive
+//@ each moving
 //@ use bind/${name}s
 //@ end
-//@ if mesh
+//@ if moving_mesh
 //@ use bind/instances
 //@ use scene/at_run_time
 //@ end
 // The poses of objects by their codes. Drivers inline each call, so that what needs a pose several times gets it once.
 
-// For a face, `instance` is that of its mesh; without one it is in the mesh's space, and rests.
+// The order of an object of a kind that moves; 0 of others. For a face, `instance` is that of its mesh; without one it is in the mesh's space, and rests.
 fn order_of_object(code: u32, instance: u32) -> u32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
-        //@ each primitive
+        //@ each moving
         case ${number}u: {
             return ${name}s[index].order;
         }
         //@ end
-        //@ if mesh
+        //@ if moving_mesh
         case KIND_TRIANGLE: {
             if instance == NO_INSTANCE {
                 return 0u;

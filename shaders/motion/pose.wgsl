@@ -75,7 +75,7 @@ fn pose_of(order: u32) -> Pose {
             pose.scale += value.x * pose.scale;
         } else {
             let turn = turn_of_step(kind, vector_of_row(tail), value, between);
-            pose.shift += turned_by(turn, arm);
+            pose.shift += change_by_turn(turn, arm);
             pose.turn = joined_turns(turn, pose.turn);
         }
     }

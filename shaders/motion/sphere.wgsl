@@ -21,7 +21,7 @@ fn sphere_at_rest(surface: Surface, sphere: Sphere) -> Surface {
         return surface;
     }
     var rest = surface;
-    rest.local = turned(inverse_turn(surface.pose.turn), surface.normal);
+    rest.local = apply_turn(inverse_turn(surface.pose.turn), surface.normal);
     return rest;
 }
 

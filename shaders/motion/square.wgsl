@@ -17,11 +17,11 @@ fn moved_square(square: Quad, pose: Pose) -> Quad {
     }
     var moved = square;
     moved.corner += pose.shift;
-    moved.normal = normalize(turned(pose.turn, square.normal));
-    moved.a_axis = turned(pose.turn, square.a_axis) / pose.scale;
-    moved.b_axis = turned(pose.turn, square.b_axis) / pose.scale;
-    moved.u = pose.scale * turned(pose.turn, square.u);
-    moved.v = pose.scale * turned(pose.turn, square.v);
+    moved.normal = normalize(apply_turn(pose.turn, square.normal));
+    moved.a_axis = apply_turn(pose.turn, square.a_axis) / pose.scale;
+    moved.b_axis = apply_turn(pose.turn, square.b_axis) / pose.scale;
+    moved.u = pose.scale * apply_turn(pose.turn, square.u);
+    moved.v = pose.scale * apply_turn(pose.turn, square.v);
     moved.error = 16.0 * UNIT_ROUNDOFF * (largest_of(moved.corner) + largest_of(moved.u) + largest_of(moved.v));
     let sum = 2.0 * abs(moved.corner) + 10.0 * (abs(moved.u) + abs(moved.v));
     moved.error_across = 2.0 * UNIT_ROUNDOFF * dot(abs(moved.normal), sum);

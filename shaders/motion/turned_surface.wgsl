@@ -10,7 +10,7 @@ fn unturned_surface(surface: Surface) -> Surface {
         return surface;
     }
     var rest = surface;
-    rest.normal = turned(inverse_turn(surface.pose.turn), surface.normal);
+    rest.normal = apply_turn(inverse_turn(surface.pose.turn), surface.normal);
     return rest;
 }
 
@@ -18,5 +18,5 @@ fn turned_tangents(tangents: Tangents, pose: Pose) -> Tangents {
     if !pose.moves {
         return tangents;
     }
-    return Tangents(turned(pose.turn, tangents.u), turned(pose.turn, tangents.v));
+    return Tangents(apply_turn(pose.turn, tangents.u), apply_turn(pose.turn, tangents.v));
 }

@@ -137,6 +137,7 @@ pub(super) fn decide(
         false => usual(spec.module(&RenderOptions::default())),
     };
     let (mesh, primitive) = split_meshes(entries(PRIMITIVES, &features.primitives));
+    let (moving_mesh, moving) = split_meshes(entries(PRIMITIVES, &features.motions));
     let (emitting_mesh, emitter) = split_meshes(entries(PRIMITIVES, &features.emitters));
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries);
     let boundaries = boundaries.filter_map(|((name, kind), used)| Some((*name, *kind, reason_of(used)?)));
@@ -305,6 +306,8 @@ pub(super) fn decide(
         // Light paths are traced.
         ("light_paths", light_paths.clone()),
         ("mesh", mesh),
+        // A mesh moves.
+        ("moving_mesh", moving_mesh),
         // Every ray tests all primitives.
         ("brute_force", brute_force),
         // Faces of meshes are sampled as lights.
@@ -437,6 +440,8 @@ pub(super) fn decide(
     let lists = [
         // The kinds of primitive but for faces of meshes, which have the condition `mesh`.
         ("primitive", primitive),
+        // The kinds of primitive that move, but for meshes.
+        ("moving", moving),
         // The kinds of primitive that are sampled as lights, but for faces of meshes.
         ("emitter", emitter),
         // The kinds of boundary of media, but for meshes.

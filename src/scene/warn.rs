@@ -38,6 +38,11 @@ impl Scene {
                 let about = self.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
             }
+            Object::Gltf { frame: Some(_), .. } if self.camera.shutter.0 < self.camera.shutter.1 => {
+                let message = "it has the pose of one time, so that nothing in it moves while the shutter is open: put it into \
+                               Moving(..) to move it as a whole";
+                warnings.push(at.field("frame").warning(message));
+            }
             Object::Transformed { by, .. } => warnings.extend(angles(&at.field("by"), by)),
             Object::Moving { keys, .. } => {
                 let keys_field = at.field("keys");

@@ -20,6 +20,17 @@ struct Point {
 
 const CAMERA: &str = "look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40";
 const LENS: &str = "look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40, aperture: 0.3";
+const MOVING: &str = "look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40, aperture: 0.1, shutter: (0, 1), \
+                      moving: [(0, (look_from: (0, 1, 4), look_at: (0, 0.5, 0))), (1, (look_from: (0.2, 1, 4), look_at: (0, 0.5, 0)))]";
+const MOVING_OBJECTS: &str = "Moving(keys: [(0, [RotateY(0), Translate((0, 0, 0))]), (1, [RotateY(20), Translate((0.1, 0.1, 0))])], object: Group([
+        Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+        Disk(center: (1, 1, 0), normal: (0, 0, 1), radius: 0.2, material: \"grey\"),
+        Box(min: (-1, 0, 0.2), max: (-0.5, 0.6, 0.5), material: \"grey\"),
+        Transformed(by: [Scale(0.3), Translate((0.2, 1.2, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"grey\")),
+        Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"grey\"),
+        PointLight(at: (1, 2, 1), intensity: (2, 2, 2)),
+        Medium(boundary: Box(min: (-2, 0, -1), max: (2, 1.5, 1)), density: 0.4, albedo: Checker(scale: 0.3, even: (0.9, 0.9, 0.9), odd: (0.2, 0.5, 0.2))),
+    ])),";
 const GRADIENT: &str = "Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))";
 const DARK: &str = "Solid((0.01, 0.02, 0.03))";
 const SKY: &str = "Image(path: \"sky.png\")";
@@ -62,6 +73,7 @@ const POINTS: &[Point] = &[
     point("noise", GRADIENT, NOISE, BALL),
     point("marble on a mesh", GRADIENT, MARBLE, FLAT),
     Point { camera: LENS, ..point("a lens", GRADIENT, GREY, BALL) },
+    Point { camera: MOVING, ..point("what moves", DARK, LAMP, MOVING_OBJECTS) },
     Point {
         camera: "look_from: (0, 0.5, 4), look_at: (0, 0.5, 0), vertical_fov: 0.001",
         ..point("a narrow view", SKY, GREY, BALL)

@@ -458,3 +458,20 @@ fn scene_files_have_frames_too() {
     let again = Scene::load(&to).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((again.objects, again.meshes), (converted.objects, converted.meshes));
 }
+
+/// A file has the pose of one time, also while the shutter is open.
+#[test]
+fn poses_are_said_to_be_still_while_the_shutter_is_open() {
+    let warnings = |shutter: &str, frame: &str| {
+        let text = format!(
+            "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40, {shutter}),
+            background: Solid((1, 1, 1)), objects: [Gltf(path: \"moving.glb\", {frame})])"
+        );
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/blender/blurred.ron");
+        let scene = Scene::parse(&text, &file).unwrap_or_else(|error| panic!("{error}"));
+        scene.warnings().iter().filter(|text| text.contains("nothing in it moves while the shutter is open")).count()
+    };
+    assert_eq!(warnings("shutter: (0, 0.02)", "frame: 3"), 1);
+    assert_eq!(warnings("", "frame: 3"), 0);
+    assert_eq!(warnings("shutter: (0, 0.02)", ""), 0);
+}

@@ -106,6 +106,24 @@ fn files_by_blender_look_as_cycles_renders_them() {
     }
 }
 
+/// Motion blur: a box that is moved, one that turns, and a camera that moves (tests/blender/blur.py). Both renderers differ by their noise, which is
+/// most of FLIP; a block of 64 pixels has less than a hundredth. A shutter that closes after three quarters of its time is found.
+#[test]
+fn what_moves_is_blurred_as_cycles_does() {
+    for name in ["blur-translation", "blur-rotation", "blur-camera"] {
+        let blurred = Scene::load(&file(name, "ron")).unwrap_or_else(|error| panic!("{error}"));
+        let is_near = |found: &Distance| found.mean.abs() <= 0.005 && found.flip <= 0.05 && found.block.abs() <= 0.03;
+        let found = Distance::measure(&blurred, 64, name);
+        println!("{name}: {found:?}");
+        assert!(is_near(&found), "{name}: {found:?}");
+        let mut planted = blurred;
+        let (open, close) = planted.camera.shutter;
+        planted.camera.shutter = (open, open + 0.75 * (close - open));
+        let found = Distance::measure(&planted, 64, name);
+        assert!(!is_near(&found), "{name}: a shorter shutter is not found: {found:?}");
+    }
+}
+
 /// `gpu-rt convert` writes the scene of a file as a scene file, which renders to the same bytes.
 #[test]
 fn converted_scenes_render_to_the_same_bytes() {

@@ -121,6 +121,8 @@ fn everything_is_on() {
         // What stands for the absence of another thing, or is chosen by the numbers of primitives and lights.
         let instead = [
             "camera/pinhole",
+            "camera/resting",
+            "slots/own_slot",
             "scene/plain_material",
             "scene/emitted",
             "material/pbr_plain_layer",

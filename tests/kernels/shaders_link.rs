@@ -801,7 +801,7 @@ fn modules_use_what_their_folders_may() {
     // The modules that a plan chooses are where the table says.
     let mut options = RenderOptions::default();
     options.aov.set(Aovs::parse("albedo").expect("a channel"));
-    let plan = kernels(&everything(), &options, Scatter::Queues);
+    let plan = kernels(&moving(everything(), true), &options, Scatter::Queues);
     let linked: BTreeSet<&String> = plan.all().iter().flat_map(|kernel| &kernel.linked.modules).collect();
     for (_, folder) in CHOICES {
         assert!(linked.iter().any(|module| module.starts_with(&format!("{folder}/"))), "{folder}");
