@@ -11,7 +11,7 @@ use super::types::{Object, Transform};
 use super::validate::boundaries;
 use crate::error::Error;
 use crate::material::a_material;
-use crate::source::form::{Form, NUMBER, Takes, any_of};
+use crate::source::form::{Form, NUMBER, POINT, Takes, any_of};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 use crate::texture::number::NEITHER;
 
@@ -374,7 +374,15 @@ fn expected(path: &[Step<'_>]) -> String {
             format!("an object: {}", any_of(Object::FORMS.iter()))
         }
         [.., Step::Field("boundary")] => boundaries("(..)", ", Transformed(..), Moving(..) or not"),
-        [.., Step::Field("by"), Step::Index(_)] => format!("a transform: {}", any_of(Transform::FORMS.iter())),
+        [.., Step::Field("by"), Step::Index(_)] | [.., Step::Field("keys"), _, Step::Index(1), Step::Index(_)] => {
+            format!("a transform: {}", any_of(Transform::FORMS.iter()))
+        }
+        [.., Step::Field("moving"), _, Step::Index(1), Step::Field(_)] => POINT.to_owned(),
+        [.., Step::Field("moving"), _, Step::Index(1)] => form("camera_key").map_or(BY_NAME.to_owned(), Form::in_full),
+        [.., Step::Field("keys" | "moving"), Step::Index(_)] => {
+            "a key in brackets: a time in seconds, then what is there then".to_owned()
+        }
+        [.., Step::Field("shutter"), _] => "two numbers of seconds: (open, close)".to_owned(),
         [.., Step::Field(name)] => field(name).map_or(NUMBER.to_owned(), Takes::words),
         [.., Step::Variant(name)] => form(name).map_or(BY_NAME.to_owned(), Form::content),
         [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))".to_owned(),

@@ -263,6 +263,23 @@ fn bad_objects() -> Vec<Bad> {
 }
 
 #[rustfmt::skip]
+fn bad_motions() -> Vec<Bad> {
+    let moving = |keys: &str| object(&format!("Moving(keys: {keys}, object: Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"))"));
+    let camera = |more: &str| scene(IMAGE, &format!("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40, {more})"), BACKGROUND, "");
+    vec![
+        bad(moving("§[]"), "objects[0].Moving.keys", &["there is no key", "[(0, [Translate((0, 0, 0))])"]),
+        bad(moving("[(1, [Scale(1)]), (§0, [Scale(2)])]"), "objects[0].Moving.keys[1][0]", &["in the order of their times", "found 0 behind 1"]),
+        bad(moving("[(0, [Scale(1)]), (1, §[RotateX(2)])]"), "objects[0].Moving.keys[1][1]", &["[Scale], found [RotateX]"]),
+        bad(moving("[(0, [Scale(1)]), (1, [Scale(§0)])]"), "objects[0].Moving.keys[1][1][0].Scale", &["greater than 0"]),
+        bad(moving("[(§1e10, [Scale(1)])]"), "objects[0].Moving.keys[0][0]", &["a time from -1e9 to 1e9"]),
+        bad(camera("shutter: §(1, 0)"), "camera.shutter", &["closes at 0, before it opens at 1"]),
+        bad(camera("shutter: (0, §1e10)"), "camera.shutter[1]", &["a time from -1e9 to 1e9"]),
+        bad(camera("moving: [(0, (look_from: (0, 0, 5), look_at: (0, 0, 0))), (1, §(look_from: (0, 0, -5), look_at: (0, 0, 0)))]"), "camera.moving[1][1]", &["parallel to up", "add a key"]),
+        bad(camera("moving: [(0, §(look_from: (0, 0, 5)))]"), "camera.moving[0][1].look_at", &["look_at is missing", "a point: (x, y, z)"]),
+    ]
+}
+
+#[rustfmt::skip]
 fn bad_media() -> Vec<Bad> {
     let boundary = |text: &str| object(&format!("Medium(boundary: {text}, density: 1, albedo: Rgb(1, 1, 1))"));
     let rest = |text: &str| object(&format!("Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), {text})"));
@@ -320,8 +337,16 @@ fn bad_files() -> Vec<Bad> {
 }
 
 fn all_bad() -> Vec<Bad> {
-    let tables =
-        [bad_images(), bad_cameras(), bad_backgrounds(), bad_materials(), bad_objects(), bad_media(), bad_files()];
+    let tables = [
+        bad_images(),
+        bad_cameras(),
+        bad_backgrounds(),
+        bad_materials(),
+        bad_objects(),
+        bad_motions(),
+        bad_media(),
+        bad_files(),
+    ];
     tables.into_iter().flatten().collect()
 }
 

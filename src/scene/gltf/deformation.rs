@@ -36,7 +36,7 @@ impl Deformation {
         Deformation { weights: Vec::new(), transform: Transform::Rigid(transform) }
     }
 
-    /// The same without a transform.
+    /// The deformation without its transform.
     pub fn in_mesh(self) -> Deformation {
         Deformation { transform: Transform::Rigid(DAffine3::IDENTITY), ..self }
     }
@@ -65,7 +65,7 @@ fn of_normals(m: &DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis) * sign, m.z_axis.cross(m.x_axis) * sign, m.x_axis.cross(m.y_axis) * sign)
 }
 
-/// What of a morph target is added to an attribute.
+/// The accessor of a morph target that is added to an attribute.
 type Delta = fn(&MorphTarget) -> Option<Index<Accessor>>;
 
 /// The attributes that morph targets change, by their names.
