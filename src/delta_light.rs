@@ -121,10 +121,9 @@ impl WorldLight {
 
     /// Its position in render space, or the direction to a directional light; and its intensity there per unit of the world's.
     fn in_space(&self, space: RenderSpace) -> (DVec3, f64) {
-        let Some(at) = self.position.map(|at| space.point(at)) else { return (-self.axis, 1.0) };
-        let distance = at.length();
-        let moved = if distance > FARTHEST { FARTHEST / distance } else { 1.0 };
-        (moved * at, (moved * space.scale).powi(2))
+        let own = self.own_space(space);
+        let Some(at) = self.position.map(|at| own.point(at)) else { return (-self.axis, 1.0) };
+        (at, own.scale.powi(2))
     }
 
     /// The struct that kernels read.

@@ -1,4 +1,3 @@
-//@ use bind/settings
 //@ use data/ray
 //@ use lib/sampling
 //@ use camera/film_plane

@@ -1,8 +1,8 @@
 //@ use data/motion
 //@ use data/primitive
 //@ use data/surface
-//@ use lib/quaternion
 //@ use lib/tangents
+//@ use motion/turned_axes
 // Boxes that move. Their own point is the middle. Their axes turn with them, and so do their local coordinates and tangents.
 
 fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {
@@ -12,10 +12,9 @@ fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {
     var moved = cuboid;
     moved.center += pose.shift;
     moved.half_extent *= pose.scale;
-    // Perpendicular again, as geometry/cuboid takes them to be.
-    moved.x_axis = normalize(apply_turn(pose.turn, cuboid.x_axis));
-    let y_axis = apply_turn(pose.turn, cuboid.y_axis);
-    moved.y_axis = normalize(y_axis - dot(y_axis, moved.x_axis) * moved.x_axis);
+    let axes = turned_axes(pose, cuboid.x_axis, cuboid.y_axis);
+    moved.x_axis = axes.x;
+    moved.y_axis = axes.y;
     return moved;
 }
 

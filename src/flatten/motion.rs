@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use crate::scene::{Camera, Transform, keys_around};
+use crate::scene::{Camera, Transform, keys_around, keys_up_to};
 use crate::shape::RenderSpace;
 use crate::shape::similarity::Similarity;
 
@@ -103,14 +103,7 @@ impl Shutter {
             let inside = keys.iter().filter(|(time, _)| self.open < *time && *time < self.close);
             track.extend(inside.map(|(time, key)| ((time - self.open) / length, between(key, key, 0.0))));
             // At the end, a key at that very time does not count yet: a jump there is behind the shutter's close.
-            let before_close = keys.partition_point(|(time, _)| *time < self.close);
-            let last = match (before_close.checked_sub(1).and_then(|last| keys.get(last)), keys.get(before_close)) {
-                (Some((start, before)), Some((end, after))) => {
-                    Some(between(before, after, (self.close - start) / (end - start)))
-                }
-                (Some((_, only)), None) | (None, Some((_, only))) => Some(between(only, only, 0.0)),
-                (None, None) => None,
-            };
+            let last = keys_up_to(keys, self.close).map(|(before, after, share)| between(before, after, share));
             track.extend(last.map(|last| (1.0, last)));
         }
         track

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::motion::{MotionStep, StepKind};
-use crate::scene::keys_around;
+use crate::scene::{keys_around, keys_up_to};
 use crate::shape::{Aabb, BoundingShape};
 
 /// The boxes are widened by at most this share of their size, unless that takes too many times.
@@ -15,8 +15,8 @@ const MOST_TIMES: usize = 256;
 
 /// A track's values where a part of the time begins and where it ends, without a jump at the end.
 fn ends<'a, T>(track: &'a [(f64, T)], part: (f64, f64), between: impl Fn(&'a T, &'a T, f64) -> T) -> Option<(T, T)> {
-    let at = |time| keys_around(track, time).map(|(before, after, share)| between(before, after, share));
-    Some((at(part.0)?, at(part.1.next_down())?))
+    let value = |(before, after, share): (&'a T, &'a T, f64)| between(before, after, share);
+    Some((keys_around(track, part.0).map(&value)?, keys_up_to(track, part.1).map(&value)?))
 }
 
 /// How much a step changes in a part of the time: the length of a shift, the angle of a turn in radians, the difference of factors.
@@ -129,11 +129,12 @@ pub fn largest_turn(steps: &[MotionStep]) -> f64 {
     steps.iter().map(MotionStep::largest_turn).sum()
 }
 
-/// The largest factor of size of a motion, and whether it changes sizes.
+/// The largest factor of size of a motion.
 pub fn largest_scale(steps: &[MotionStep]) -> f64 {
     steps.iter().map(MotionStep::largest_scale).product()
 }
 
+/// Whether a motion changes the size of what it moves.
 pub fn changes_size(steps: &[MotionStep]) -> bool {
     steps.iter().any(|step| matches!(step.kind, StepKind::Scale(_)))
 }

@@ -98,7 +98,16 @@ impl Camera {
 /// The keys before and after a time, and the share of the way from the first to the second. Before the first key and behind the last one,
 /// both are that key. Of keys at one time, the last one counts from then on.
 pub fn keys_around<T>(keys: &[(f64, T)], seconds: f64) -> Option<(&T, &T, f64)> {
-    let next = keys.partition_point(|(time, _)| *time <= seconds);
+    keys_beside(keys, keys.partition_point(|(time, _)| *time <= seconds), seconds)
+}
+
+/// As [`keys_around`], but of keys at this very time only the first one counts: where values jump, it is what they jump from.
+pub fn keys_up_to<T>(keys: &[(f64, T)], seconds: f64) -> Option<(&T, &T, f64)> {
+    keys_beside(keys, keys.partition_point(|(time, _)| *time < seconds), seconds)
+}
+
+/// The key of this index and the one before it, with the share of the way from the first to the second.
+fn keys_beside<T>(keys: &[(f64, T)], next: usize, seconds: f64) -> Option<(&T, &T, f64)> {
     match (next.checked_sub(1).and_then(|last| keys.get(last)), keys.get(next)) {
         (Some((start, before)), Some((end, after))) => Some((before, after, (seconds - start) / (end - start))),
         (Some((_, only)), None) | (None, Some((_, only))) => Some((only, only, 0.0)),

@@ -378,10 +378,9 @@ fn expected(path: &[Step<'_>]) -> String {
             format!("a transform: {}", any_of(Transform::FORMS.iter()))
         }
         [.., Step::Field("moving"), _, Step::Index(1), Step::Field(_)] => POINT.to_owned(),
-        [.., Step::Field("moving"), _, Step::Index(1)] => form("camera_key").map_or(BY_NAME.to_owned(), Form::in_full),
-        [.., Step::Field("keys" | "moving"), Step::Index(_)] => {
-            "a key in brackets: a time in seconds, then what is there then".to_owned()
-        }
+        [.., Step::Field("moving"), _, Step::Index(1)] => "(look_from: .., look_at: ..)".to_owned(),
+        [.., Step::Field("keys"), Step::Index(_)] => "a key: (seconds, [..])".to_owned(),
+        [.., Step::Field("moving"), Step::Index(_)] => "a key: (seconds, (look_from: .., look_at: ..))".to_owned(),
         [.., Step::Field("shutter"), _] => "two numbers of seconds: (open, close)".to_owned(),
         [.., Step::Field(name)] => field(name).map_or(NUMBER.to_owned(), Takes::words),
         [.., Step::Variant(name)] => form(name).map_or(BY_NAME.to_owned(), Form::content),

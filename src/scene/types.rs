@@ -1,7 +1,7 @@
 //! The types of what a scene consists of.
 
 pub use super::declared::{
-    Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, Thin, Transform, keys_around,
+    Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, Thin, Transform, keys_around, keys_up_to,
 };
 pub use crate::bitmap::{Bitmap, Bitmaps};
 pub use crate::material::Material;

@@ -2,11 +2,11 @@
 //! that emits outwards; a closed opaque object around either a light or the camera, with the other one outside; and a closed room around
 //! the camera that only the background and directional lights light.
 
-use crate::flatten::finder::MovingLight;
 use glam::DVec3;
 
 use super::search::{Diagnostic, OTHER, Role, Search, U, Worst};
 use super::within::{Within, is_outside_in_front};
+use crate::flatten::finder::MovingLight;
 use crate::scene::Object;
 use crate::shape::{BoundingShape, normal};
 
