@@ -65,8 +65,10 @@ fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     surface.error = cuboid_error(cuboid, surface.normal);
     surface.material = cuboid.material;
     surface.frame = cuboid.frame;
-    // From 0 at the low corner to 1 at the high one. Along the normal of the hit face it is exactly 0 or 1.
-    surface.local = select(0.5 + 0.5 * (local / cuboid.half_extent), 0.5 + 0.5 * outward, axis != vec3<f32>(0.0));
+    // From 0 at the low corner to 1 at the high one. Along the normal of the hit face it is exactly 0 or 1. (Where x / x may be more than 1, so may
+    // the quotient.)
+    let on_face = clamp(0.5 + 0.5 * (local / cuboid.half_extent), vec3<f32>(0.0), vec3<f32>(1.0));
+    surface.local = select(on_face, 0.5 + 0.5 * outward, axis != vec3<f32>(0.0));
     return surface;
 }
 

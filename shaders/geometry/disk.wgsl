@@ -22,7 +22,8 @@ fn disk_distance(ray: Ray, square: Quad) -> f32 {
 
 fn disk_surface(ray: Ray, t: f32, square: Quad) -> Surface {
     let offset = disk_offset(ray, t, square);
-    return quad_surface_at(0.5 + 0.5 * (offset / max(length(offset), 1.0)), square);
+    let at = 0.5 + 0.5 * (offset / max(length(offset), 1.0));
+    return quad_surface_at(clamp(at, vec2<f32>(0.0), vec2<f32>(1.0)), square);
 }
 
 fn disk_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {

@@ -4,7 +4,7 @@
 
 // The angle in [0, pi] of the point (x, y), y >= 0. It is halved three times by tan(t/2) = y / (x + r). The rest is the
 // series of the arc tangent. The first term that it leaves out, t^11/11 with t <= tan(pi/16), is 9e-9 of the sum. The result
-// is off by some 8 units of roundoff.
+// is off by some 8 units of roundoff where quotients and roots are rounded correctly, and by 28 where they are as WGSL allows.
 fn angle_of(y: f32, x: f32) -> f32 {
     let size = abs(x);
     let half = y / (size + length(vec2<f32>(x, y)));

@@ -14,7 +14,7 @@ fn sample_disk(u: vec2<f32>) -> vec2<f32> {
 }
 
 // Cosine-weighted around +z: pdf cos(theta) / pi. Malley's method (Pharr, Jakob, Humphreys, PBR 4th ed., A.5.3). z is never
-// below 2^-12, because 1 - u is never below 2^-24.
+// below 2^-12, but for the root's rounding, because 1 - u is never below 2^-24.
 fn sample_cosine_hemisphere(u: vec2<f32>) -> vec3<f32> {
     return vec3<f32>(sample_disk(u), sqrt(1.0 - u.x));
 }

@@ -33,7 +33,8 @@ fn pbr_is_near_mirror(material: Material) -> bool {
 
 // The reflectance of the microfacets of layer and metal at this cosine, by single scattering.
 fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
-    return mix(pbr_layer(material, hit, cos_facet), schlick(cos_facet, hit.colour), pbr_metallic(material));
+    let metallic = pbr_metallic(material);
+    return (1.0 - metallic) * pbr_layer(material, hit, cos_facet) + metallic * schlick(cos_facet, hit.colour);
 }
 
 // The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. At a
@@ -72,8 +73,9 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     let alpha = pbr_roughness(material) * pbr_roughness(material);
     let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let full_layer = compensated(layer, pbr_f0(material, hit), hit);
-    let glossy = mix(full_layer, compensated(schlick(cos_facet, hit.colour), hit.colour, hit), metallic);
+    // Sums, since a GPU may compute mix(x, y, a) as x + a (y - x), which loses a small y.
+    let glossy = (1.0 - metallic) * full_layer + metallic * compensated(schlick(cos_facet, hit.colour), hit.colour, hit);
     let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
-    let pdf = mix(cos_light / PI, facets, share);
+    let pdf = (1.0 - share) * (cos_light / PI) + share * facets;
     return Response(value, pdf, select(0.0, share * facets / pdf, is_narrow(width_of_reflection(alpha))));
 }

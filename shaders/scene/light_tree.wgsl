@@ -25,8 +25,9 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let less_cosine = select(1.0, cosine * node.cos_half_angle + sine * half_angle_sine, beyond);
     let less_sine = select(0.0, sine * node.cos_half_angle - cosine * half_angle_sine, beyond);
     // From this, subtract half the angle that the node fills as seen from the point. Inside the node, every direction is possible.
-    let seen_sine2 = radius2 / max(distance2, radius2);
-    let seen_cosine = sqrt(1.0 - seen_sine2);
+    // A quotient and a root may round to more than 1.
+    let seen_sine2 = min(radius2 / max(distance2, radius2), 1.0);
+    let seen_cosine = min(sqrt(1.0 - seen_sine2), 1.0);
     let largest_cosine = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
     let open = distance2 <= radius2 || less_cosine >= seen_cosine;
     //@ if delta_light

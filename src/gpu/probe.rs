@@ -45,8 +45,9 @@ pub fn numerics(device: &Device) -> Result<&Numerics> {
         None => {
             let trials = trials();
             let mut found = judge(&trials, &run(device, &trials)?);
-            // Most GPUs fuse products with sums, in one kernel and not in another.
-            if found.contraction && device.forbid_contraction() {
+            // A GPU that rounds an fma once may fuse any product with a sum, in one kernel and not in another: that the kernel of the
+            // probe has none says nothing of the others.
+            if (found.fma_fused || found.contraction) && device.forbid_contraction() {
                 found = judge(&trials, &run(device, &trials)?);
             }
             Ok(device.numerics.get_or_init(|| found))

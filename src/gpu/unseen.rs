@@ -5,12 +5,28 @@ use std::path::{Path, PathBuf};
 /// What is missing, and what to do, if the system has a GPU. Only for where no adapter is a GPU.
 pub fn unseen_gpu() -> Option<String> {
     let capabilities = std::env::var("NVIDIA_DRIVER_CAPABILITIES").ok();
-    missing(Path::new("/dev"), capabilities.as_deref())
+    missing(Path::new("/"), capabilities.as_deref())
 }
 
-fn missing(devices: &Path, capabilities: Option<&str>) -> Option<String> {
-    if let Some(gpu) = first_numbered(devices, "nvidia") {
+/// Where systems and containers keep the file that names NVIDIA's Vulkan driver.
+const MANIFESTS: [&str; 4] = [
+    "etc/vulkan/icd.d/nvidia_icd.json",
+    "usr/share/vulkan/icd.d/nvidia_icd.json",
+    "usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json",
+    "usr/local/nvidia/vulkan/icd.d/nvidia_icd.json",
+];
+
+fn missing(root: &Path, capabilities: Option<&str>) -> Option<String> {
+    let devices = root.join("dev");
+    if let Some(gpu) = first_numbered(&devices, "nvidia") {
         let gpu = gpu.display();
+        if let Some(manifest) = MANIFESTS.into_iter().map(|path| root.join(path)).find(|path| path.exists()) {
+            let manifest = manifest.display();
+            return Some(format!(
+                "{gpu} is a GPU whose Vulkan driver does not open: {manifest} names it. It needs GLVND (on Debian or Ubuntu `apt-get install \
+                 libgl1 libegl1`), and the Vulkan loader may have to be told where it is: VK_DRIVER_FILES={manifest}"
+            ));
+        }
         let has_graphics = |list: &str| list.split(',').any(|word| matches!(word.trim(), "graphics" | "all"));
         return Some(match capabilities.filter(|list| !has_graphics(list)) {
             Some(list) => format!(
@@ -54,15 +70,20 @@ mod tests {
             }
             folder
         };
-        let none = system(&["nvidiactl", "nvidia-uvm", "dri/card0", "null"]);
+        let none = system(&["dev/nvidiactl", "dev/nvidia-uvm", "dev/dri/card0", "dev/null"]);
         assert_eq!(missing(none.path(), Some("compute")), None);
-        let nvidia = system(&["nvidia1", "nvidia0", "dri/renderD128"]);
+        let nvidia = system(&["dev/nvidia1", "dev/nvidia0", "dev/dri/renderD128"]);
         let told = |capabilities| missing(nvidia.path(), capabilities).expect("there is a GPU");
         assert!(told(Some("compute,utility")).ends_with("NVIDIA_DRIVER_CAPABILITIES=compute,utility,graphics"));
         for capabilities in [Some("all"), Some("compute, graphics"), None] {
             assert!(told(capabilities).contains("nvidia0 is a GPU without a Vulkan driver"), "{capabilities:?}");
         }
-        let other = system(&["dri/renderD128"]);
+        for manifest in MANIFESTS {
+            let closed = system(&["dev/nvidia0", manifest]);
+            let told = missing(closed.path(), Some("compute")).expect("there is a GPU");
+            assert!(told.contains("libgl1") && told.ends_with(manifest), "{told}");
+        }
+        let other = system(&["dev/dri/renderD128"]);
         assert!(missing(other.path(), None).expect("there is a GPU").contains("renderD128 is a GPU"));
     }
 }

@@ -5,7 +5,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-drivers=(mesa-22.3.6 mesa-25.0.7 swiftshader)
+# `rough-up` and `rough-down` are Mesa 25.0.7 with quotients and roots as inexact as GPUs make them (src/gpu/spirv.rs).
+drivers=(mesa-22.3.6 mesa-25.0.7 rough-up rough-down swiftshader)
 kept=$PWD/target/drivers
 known=${KNOWN_FAILURES:-tests/drivers/known.txt}
 
@@ -13,12 +14,14 @@ known=${KNOWN_FAILURES:-tests/drivers/known.txt}
 tests_on() {
     case $1 in
         swiftshader) echo extremes images kernels program ;;
+        rough-*) echo kernels ;;
         *) echo extremes host images kernels program timed ;;
     esac
 }
 skipped_on() {
     case $1 in
         swiftshader) echo estimators features narrow_lobes references sobol trade_offs warnings ;;
+        rough-*) ;;
         *) echo tradeoff ;;
     esac
 }
@@ -64,6 +67,7 @@ unpack() {
 manifest_of() {
     # RADV is in the package of Mesa.
     local driver=${1/radv/mesa} library manifest missing
+    driver=${driver/#rough-*/mesa-25.0.7}
     local into=$kept/$driver
     case $driver in
         mesa-22.3.6) unpack "$driver" mesa-vulkan-drivers/bookworm libdrm2/bookworm libllvm15/bookworm ;;
@@ -130,6 +134,7 @@ run_on() {
     for name in $(skipped_on "$driver"); do skipped+=(--skip "$name::"); done
     local run=(env VK_DRIVER_FILES="$manifest" VK_ICD_FILENAMES="$manifest" NODEVICE_SELECT=1 LVP_POISON_MEMORY=true
         LD_LIBRARY_PATH="${library%/*}")
+    case $driver in rough-*) run+=(GPU_RT_NO_CONTRACTION=1 GPU_RT_ROUGH="${driver#rough-}") ;; esac
     echo "== $driver"
     "${run[@]}" cargo run --release --quiet -- devices | sed 's/^/   /'
     local begin=$SECONDS

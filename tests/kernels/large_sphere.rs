@@ -86,8 +86,8 @@ impl Exact {
         // The side of the surface on which the ray starts is not known there.
         let first = if line.power.abs() < 2.0 * blur { 0.0 } else { f64::INFINITY };
         let low = corners.iter().flatten().copied().fold(first, f64::min);
-        // Where the ray may miss, it may touch, too.
-        let touch = if corners.iter().any(Option::is_none) { -line.slope / line.a } else { 0.0 };
+        // Where the ray may miss, it may touch, too: at -slope / a, by the slope as f32 has it.
+        let touch = if corners.iter().any(Option::is_none) { (tilt - line.slope) / line.a } else { 0.0 };
         let high = corners.iter().flatten().copied().fold(touch, f64::max);
         let slack = 8.0 * U * t;
         (t < low - slack || t > high + slack).then(|| format!("t {t} is not in {low}..{high}"))

@@ -208,8 +208,11 @@ fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize) {
             continue;
         }
         wrong += usize::from(off(row, &out));
-        let is_ratio =
-            |c: usize| (f64::from(out.weight[c]) - f64::from(out.value[c]) / f64::from(out.pdf)).abs() < 1e-6;
+        // A quotient of 2.5 ULP, as WGSL allows it, and the roundings of what it is made of.
+        let is_ratio = |c: usize| {
+            let ratio = f64::from(out.value[c]) / f64::from(out.pdf);
+            (f64::from(out.weight[c]) - ratio).abs() < 16.0 * U * ratio.max(1.0)
+        };
         unweighted += usize::from(own && !(0..3).all(is_ratio));
     }
     (wrong, unweighted)
@@ -270,8 +273,11 @@ fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
     let (mut metals, mut layers, mut matt, mut planted) = (0, 0, 0, 0);
     for ((row, out), mirror) in rows.iter().zip(&found).zip(&mirrors) {
         if row.material.contrast_inside == 1.0 {
-            let bytes = |out: &Out| (out.event, out.direction, out.weight, out.non_specular, out.lobe);
+            let bytes = |out: &Out| (out.event, out.direction, out.non_specular, out.lobe);
             assert_eq!(bytes(out), bytes(mirror), "{row:?}");
+            // The weight is divided by a share of 1, which WGSL lets change it by 2.5 ULP.
+            let same = |c: usize| (out.weight[c] - mirror.weight[c]).abs() <= 5.0 * U as f32 * mirror.weight[c];
+            assert!((0..3).all(same), "{row:?} {out:?} {mirror:?}");
             metals += 1;
             continue;
         }

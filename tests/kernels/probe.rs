@@ -144,7 +144,7 @@ fn the_software_drivers_are_as_known() {
     if device.name.name.contains("llvmpipe") {
         let limited = device.name.driver.contains("Mesa 22.3");
         let expected = Numerics {
-            two_sum: false,
+            two_sum: device.forbids_contraction(),
             two_sum_barrier: true,
             two_product_barrier: true,
             fma_fused: false,

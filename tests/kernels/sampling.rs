@@ -107,8 +107,9 @@ fn the_ends_of_the_unit_interval_give_what_is_promised() {
         assert!((length2(&out.disk) - f64::from(u[0])).abs() < near, "{u:?}: {out:?}");
         assert!((length2(&out.hemisphere) - 1.0).abs() < near, "{u:?}: {out:?}");
         assert!((length2(&out.sphere) - 1.0).abs() < near, "{u:?}: {out:?}");
-        // The light that a surface is lit by comes from above it.
-        assert!(out.hemisphere[2] >= 2f32.powi(-12), "{u:?}: {out:?}");
+        // The light that a surface is lit by comes from above it. A root is off by 9 u where it is 1 / inverseSqrt(x), as WGSL allows.
+        let above = 2f64.powi(-12) * (1.0 - 9.0 * U);
+        assert!(f64::from(out.hemisphere[2]) >= above, "{u:?}: {out:?}");
         // exp2(log2(x)/3) is good to about 3e-6 over 24 binary orders.
         assert!((f64::from(out.root) - f64::from(u[0]).cbrt()).abs() < 4e-6, "{u:?}: {out:?}");
         assert!((exact(out.ball).length() - f64::from(u[2]).cbrt()).abs() < 4e-6, "{u:?}: {out:?}");
@@ -116,5 +117,5 @@ fn the_ends_of_the_unit_interval_give_what_is_promised() {
     }
     // Uniforms that reach 1 would lay it in the surface.
     let flat = kernel(false).run::<_, Out>(&[[1.0f32; 4]])[0].hemisphere[2];
-    assert!(flat < 2f32.powi(-12), "{flat:e}");
+    assert!(flat < 2f32.powi(-13), "{flat:e}");
 }
