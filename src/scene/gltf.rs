@@ -12,6 +12,7 @@ mod deformation;
 mod error;
 mod generator;
 mod geometry;
+mod instances;
 mod interpolate;
 mod light;
 mod material;
@@ -249,9 +250,15 @@ fn check_version(version: &str) -> Result<()> {
 }
 
 fn check(root: &Root) -> Result<()> {
-    /// Extensions that can be ignored, and one (quantization) that `accessors` supports.
-    const HARMLESS: [&str; 5] =
-        ["KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "KHR_mesh_quantization"];
+    /// Extensions that can be ignored, and two that are read: quantization and instances.
+    const HARMLESS: [&str; 6] = [
+        "KHR_materials_",
+        "KHR_lights_",
+        "KHR_texture_",
+        "EXT_texture_",
+        "KHR_mesh_quantization",
+        "EXT_mesh_gpu_instancing",
+    ];
     check_version(&root.asset.version)?;
     let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
     match root.extensions_required.iter().enumerate().find(|(_, name)| !is_harmless(name)) {

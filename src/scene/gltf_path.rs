@@ -18,9 +18,10 @@ pub enum Part {
         primitive: usize,
     },
     /// A primitive of the mesh of a node in the scene: morphed, and moved by its joints, or by the node and those around it. At a time of the
-    /// file's animations, or in its rest pose.
+    /// file's animations, or in its rest pose. With the number of an instance where the node has instances of its mesh.
     OfNode {
         node: usize,
+        instance: Option<usize>,
         primitive: usize,
         seconds: Option<f64>,
     },
@@ -37,8 +38,9 @@ impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Part::OfMesh { mesh, primitive } => write!(f, "meshes/{mesh}/primitives/{primitive}"),
-            Part::OfNode { node, primitive, seconds } => {
-                write!(f, "nodes/{node}/primitives/{primitive}{}", at_time(*seconds))
+            Part::OfNode { node, instance, primitive, seconds } => {
+                let instance = instance.map_or(String::new(), |instance| format!("/instances/{instance}"));
+                write!(f, "nodes/{node}{instance}/primitives/{primitive}{}", at_time(*seconds))
             }
             Part::Morphed { node, primitive, seconds } => {
                 write!(f, "nodes/{node}/mesh/primitives/{primitive}{}", at_time(*seconds))
@@ -79,8 +81,11 @@ pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
     let of_node = |node: &str, primitive: &str| Some((node.parse::<usize>().ok()?, primitive.parse::<usize>().ok()?));
     let part = match *words {
         ["nodes", node, "primitives", primitive] => {
-            of_node(node, primitive).map(|(node, primitive)| Part::OfNode { node, primitive, seconds })
+            of_node(node, primitive).map(|(node, primitive)| Part::OfNode { node, instance: None, primitive, seconds })
         }
+        ["nodes", node, "instances", instance, "primitives", primitive] => of_node(node, primitive)
+            .zip(instance.parse().ok())
+            .map(|((node, primitive), instance)| Part::OfNode { node, instance: Some(instance), primitive, seconds }),
         ["nodes", node, "mesh", "primitives", primitive] => {
             of_node(node, primitive).map(|(node, primitive)| Part::Morphed { node, primitive, seconds })
         }
@@ -120,10 +125,11 @@ mod tests {
     #[test]
     fn a_path_may_name_a_part_of_a_gltf_file() {
         let times = [None, Some(0.0), Some(1.0 / 24.0), Some(-1e-9), Some(1e300)];
-        let of_node = times.map(|seconds| Part::OfNode { node: 0, primitive: 1, seconds });
+        let of_node = times.map(|seconds| Part::OfNode { node: 0, instance: None, primitive: 1, seconds });
+        let of_instance = times.map(|seconds| Part::OfNode { node: 4, instance: Some(9), primitive: 0, seconds });
         let morphed = times.map(|seconds| Part::Morphed { node: 2, primitive: 0, seconds });
         let others = [Part::OfMesh { mesh: 3, primitive: 12 }, Part::Image(7)];
-        for part in others.into_iter().chain(of_node).chain(morphed) {
+        for part in others.into_iter().chain(of_node).chain(of_instance).chain(morphed) {
             let path = format!("a #1/room.GLB#{part}");
             assert_eq!(split(Path::new(&path)), (Path::new("a #1/room.GLB").into(), Some(part)));
         }
@@ -137,6 +143,7 @@ mod tests {
             "a.glb#images/0/seconds/1",
             "a.glb#nodes/0/primitives/0/seconds/NaN",
             "a.glb#nodes/0/primitives/0/seconds/",
+            "a.glb#nodes/0/instances/x/primitives/0",
         ] {
             assert_eq!(split(Path::new(path)), (Path::new(path).into(), None));
         }

@@ -356,8 +356,8 @@ fn ignored_properties_are_named_once_with_their_material() {
         ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read without a time: --frame N"),
         (
             "/extensionsUsed",
-            json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_materials_ior"]),
-            "extensionsUsed: not read: \"EXT_mesh_gpu_instancing\"",
+            json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_materials_ior"]),
+            "extensionsUsed: not read: \"KHR_xmp_json_ld\"",
         ),
     ] {
         let notes = notes(&changed(pointer, value)).join("\n");

@@ -10,6 +10,7 @@ use super::camera::View;
 use super::deformation::has_more_joints;
 use super::generator::LightUnits;
 use super::geometry::has_triangles;
+use super::instances::{self, MOST_INSTANCES, has_instances, has_unread_instances};
 use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
 use super::nodes::similarity;
 use super::{File, GltfError, Result};
@@ -100,7 +101,7 @@ fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 /// Whether an extension is read, or named with the materials that have it.
 fn is_read(extension: &str) -> bool {
-    const READ: [&str; 2] = ["KHR_lights_punctual", "KHR_mesh_quantization"];
+    const READ: [&str; 3] = ["KHR_lights_punctual", "KHR_mesh_quantization", instances::EXTENSION];
     const BY_MATERIAL: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
     let is_of_material = BY_MATERIAL.iter().any(|start| extension.starts_with(start));
     READ.contains(&extension) || is_of_material && extension != "KHR_materials_variants"
@@ -159,6 +160,8 @@ impl File {
             materials.primitives.entry(primitive.material.map(|it| it.value())).or_default().push(primitive);
         }
         let (mut without_triangles, mut ranges) = (0, 0);
+        // The instances of primitives, and the first node whose instances are not read.
+        let (mut of_instances, mut unread_instances) = (0, None);
         let (units, note_of_units) = self.light_units(reading);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
         let pose = self.pose(reading.seconds)?;
@@ -171,38 +174,55 @@ impl File {
             }
             let Some(mesh) = scene_node.node.mesh.map(|mesh| mesh.value()) else { continue };
             let is_skinned = scene_node.node.skin.is_some();
-            // A skin moves vertices one by one, whatever the transform of the node is.
-            let transforms = similarity(&scene_node.to_scene).filter(|_| !is_skinned);
-            let is_first = of_mesh.insert(mesh);
-            if transforms.is_none() && !is_skinned && !is_first {
-                baked.push(scene_node.index);
-            }
             // What stands still has one name at all times, so that it stays in memory from frame to frame.
             let is_moved =
                 scene_node.is_moved || pose.seconds.is_some() && self.has_moved_joints(&pose, &scene_node)?;
             let is_animated = pose.weights(scene_node.index).is_some();
-            for (index, primitive) in self.primitives(mesh, scene_node.index)?.iter().enumerate() {
+            let (node, at) = (scene_node.index, |changes: bool| pose.seconds.filter(|_| changes));
+            let is_first = of_mesh.insert(mesh);
+            let has_instances = has_instances(scene_node.node);
+            unread_instances = unread_instances.or(has_unread_instances(scene_node.node).then_some(node));
+            // By primitive: whether it is morphed, and its material. None for points and lines.
+            let mut primitives = Vec::new();
+            for (index, primitive) in self.primitives(mesh, node)?.iter().enumerate() {
                 if !has_triangles(primitive) {
                     without_triangles += 1;
                     continue;
                 }
                 let is_morphed = self.is_morphed(&pose, &scene_node, primitive);
-                let (node, at) = (scene_node.index, |changes: bool| pose.seconds.filter(|_| changes));
-                let part = match transforms {
-                    Some(_) if is_morphed => Part::Morphed { node, primitive: index, seconds: at(is_animated) },
-                    Some(_) => Part::OfMesh { mesh, primitive: index },
-                    None => Part::OfNode { node, primitive: index, seconds: at(is_moved || is_animated) },
-                };
-                let part = format!("{path}#{part}");
                 let material = primitive.material.map(|material| material.value());
-                let material = materials.name(material, (mesh, index), &mut contents)?;
-                let object = Object::Mesh { path: part.clone(), material: Some(material) };
-                contents.objects.push(match &transforms {
-                    Some(by) if !by.is_empty() => Object::Transformed { by: by.clone(), object: Box::new(object) },
-                    _ => object,
-                });
-                let to_scene = if transforms.is_some() { scene_node.to_scene } else { DAffine3::IDENTITY };
-                contents.meshes.push((part, to_scene));
+                primitives.push((index, is_morphed, materials.name(material, (mesh, index), &mut contents)?));
+            }
+            if primitives.is_empty() {
+                continue;
+            }
+            for (number, to_scene) in self.instances(&scene_node, 0)?.enumerate() {
+                let (to_scene, instance) = (to_scene?, has_instances.then_some(number));
+                of_instances += if has_instances { primitives.len() as u64 } else { 0 };
+                if of_instances > MOST_INSTANCES {
+                    let reason = format!("expected at most {MOST_INSTANCES} instances of primitives, found more");
+                    return Err(GltfError::new(format!("nodes[{node}].extensions.{}", instances::EXTENSION), reason));
+                }
+                // A skin moves vertices one by one, whatever the transform of the node is.
+                let transforms = similarity(&to_scene).filter(|_| !is_skinned);
+                if transforms.is_none() && !is_skinned && !(is_first && number == 0) && baked.last() != Some(&node) {
+                    baked.push(node);
+                }
+                for &(primitive, is_morphed, ref material) in &primitives {
+                    let part = match transforms {
+                        Some(_) if is_morphed => Part::Morphed { node, primitive, seconds: at(is_animated) },
+                        Some(_) => Part::OfMesh { mesh, primitive },
+                        None => Part::OfNode { node, instance, primitive, seconds: at(is_moved || is_animated) },
+                    };
+                    let part = format!("{path}#{part}");
+                    let object = Object::Mesh { path: part.clone(), material: Some(material.clone()) };
+                    contents.objects.push(match &transforms {
+                        Some(by) if !by.is_empty() => Object::Transformed { by: by.clone(), object: Box::new(object) },
+                        _ => object,
+                    });
+                    let to_scene = if transforms.is_some() { to_scene } else { DAffine3::IDENTITY };
+                    contents.meshes.push((part, to_scene));
+                }
             }
         }
         let has_lights = contents.has_lights();
@@ -222,6 +242,9 @@ impl File {
         }
         if !root.animations.is_empty() && reading.seconds.is_none() {
             notes.push(format!("animations are not read without a time: {} poses them", reading.asker.frame));
+        }
+        if let Some(node) = unread_instances {
+            notes.push(format!("nodes[{node}]: {} is not read beside a skin", instances::EXTENSION));
         }
         if without_triangles > 0 {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));

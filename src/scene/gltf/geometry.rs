@@ -10,6 +10,7 @@ use gltf::json::validation::Checked;
 use super::accessors::Elements;
 use super::deformation::{Deformation, NORMAL, POSITION, TANGENT};
 use super::material::{UvTransform, is_opaque};
+use super::nodes::SceneNode;
 use super::{File, GltfError, Result};
 use crate::scene::gltf_path::Part;
 use crate::scene::mesh_files::{Draft, MOST_BYTES};
@@ -36,9 +37,16 @@ impl File {
         let pose = self.pose(None)?;
         for scene_node in pose.nodes(self.root()) {
             let Some(mesh) = scene_node.node.mesh else { continue };
-            for (number, primitive) in self.primitives(mesh.value(), scene_node.index)?.iter().enumerate() {
-                let deformation = self.deformation(&pose, &scene_node, primitive)?;
-                self.add((mesh.value(), number), &deformation, &UvTransform::default(), draft)?;
+            let primitives = self.primitives(mesh.value(), scene_node.index)?;
+            if !primitives.iter().any(has_triangles) {
+                continue;
+            }
+            for to_scene in self.instances(&scene_node, 0)? {
+                let placed = SceneNode { to_scene: to_scene?, ..scene_node };
+                for (number, primitive) in primitives.iter().enumerate() {
+                    let deformation = self.deformation(&pose, &placed, primitive)?;
+                    self.add((mesh.value(), number), &deformation, &UvTransform::default(), draft)?;
+                }
             }
         }
         Ok(())
@@ -48,9 +56,11 @@ impl File {
     pub fn add_part(&self, part: Part, draft: &mut Draft) -> Result<()> {
         let (mesh, primitive, deformation) = match part {
             Part::OfMesh { mesh, primitive } => (mesh, primitive, Deformation::rigid(DAffine3::IDENTITY)),
-            Part::OfNode { node, primitive, seconds } => self.of_node(node, primitive, seconds)?,
+            Part::OfNode { node, instance, primitive, seconds } => {
+                self.of_node((node, instance), primitive, seconds)?
+            }
             Part::Morphed { node, primitive, seconds } => {
-                let (mesh, primitive, deformation) = self.of_node(node, primitive, seconds)?;
+                let (mesh, primitive, deformation) = self.of_node((node, None), primitive, seconds)?;
                 (mesh, primitive, deformation.in_mesh())
             }
             Part::Image(_) => return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into()),
@@ -75,13 +85,19 @@ impl File {
         Ok(())
     }
 
-    /// The mesh of a node, and what happens to a primitive of it at a time.
-    fn of_node(&self, node: usize, primitive: usize, seconds: Option<f64>) -> Result<(usize, usize, Deformation)> {
+    /// The mesh of a node, or of one of its instances, and what happens to a primitive of it at a time.
+    fn of_node(
+        &self,
+        (node, instance): (usize, Option<usize>),
+        primitive: usize,
+        seconds: Option<f64>,
+    ) -> Result<(usize, usize, Deformation)> {
         let wrong = |reason: &str| GltfError::new(format!("nodes[{node}]"), reason);
         let pose = self.pose(seconds)?;
         let scene_node = pose.node(self.root(), node).ok_or_else(|| wrong("expected a node of the default scene"))?;
         let mesh = scene_node.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?.value();
-        let deformation = self.deformation(&pose, &scene_node, self.primitive(mesh, primitive)?)?;
+        let placed = SceneNode { to_scene: self.instance(&scene_node, instance)?, ..scene_node };
+        let deformation = self.deformation(&pose, &placed, self.primitive(mesh, primitive)?)?;
         Ok((mesh, primitive, deformation))
     }
 

@@ -11,6 +11,7 @@ use crate::scene::types::Transform;
 use crate::source::{LARGEST, SMALLEST};
 
 /// A node of the default scene.
+#[derive(Clone, Copy)]
 pub struct SceneNode<'a> {
     pub index: usize,
     pub node: &'a Node,
