@@ -436,20 +436,25 @@ impl File {
             GltfError::new(format!("{material}.{field}.index"), format!("there is no texture {index}"))
         })?;
         let at = format!("textures[{index}]");
-        let webp = texture.extensions.as_ref().and_then(|found| found.others.get("EXT_texture_webp"));
-        let webp = webp.and_then(|webp| webp.get("source")?.as_u64());
-        let source = match webp {
-            Some(source) => usize::try_from(source).unwrap_or(usize::MAX),
-            // The crate's word for a source that is not given.
-            None if texture.source.value() == u32::MAX as usize => {
-                notes.push(format!("without {field}, whose {at} has no source that is read"));
-                return Ok(None);
-            }
-            None => texture.source.value(),
-        };
-        match source < self.root().images.len() {
+        let there = |at: String, source: usize| match source < self.root().images.len() {
             true => Ok(Some(source)),
-            false => Err(GltfError::new(format!("{at}.source"), format!("there is no image {source}"))),
+            false => Err(GltfError::new(at, format!("there is no image {source}"))),
+        };
+        // Its image is the one to use. The texture's own is for programs that do not read WebP.
+        let webp = texture.extensions.as_ref().and_then(|found| found.others.get("EXT_texture_webp"));
+        if let Some(source) = webp.and_then(|webp| webp.get("source")) {
+            let at = format!("{at}.extensions.EXT_texture_webp.source");
+            let number = source.as_u64().and_then(|source| usize::try_from(source).ok());
+            let number = number.ok_or_else(|| GltfError::new(&at, "expected the number of an image"))?;
+            return there(at, number);
+        }
+        match texture.source.value() {
+            // The crate's word for a source that is not given.
+            source if source == u32::MAX as usize => {
+                notes.push(format!("without {field}, whose {at} has no source that is read"));
+                Ok(None)
+            }
+            source => there(format!("{at}.source"), source),
         }
     }
 }
