@@ -392,6 +392,10 @@ device_struct!(
         multiscatter: u32,
         specular: u32,
         vertex_alpha: u32,
+        vertex_emission: u32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
     }
 );
 
@@ -407,6 +411,10 @@ impl Extension {
         multiscatter: NO_EXTENSION,
         specular: NO_EXTENSION,
         vertex_alpha: NO_EXTENSION,
+        vertex_emission: NO_EXTENSION,
+        padding0: 0,
+        padding1: 0,
+        padding2: 0,
     };
 }
 

@@ -47,11 +47,13 @@ impl Material {
                 alpha_cutoff,
                 vertex_colors,
                 vertex_alpha,
+                vertex_emission,
                 normal,
                 normal_scale,
             } => {
                 let model = lambertian::model(albedo).emissive(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
-                model.coloured_by_vertices(*vertex_colors).bumped(normal, *normal_scale)
+                let model = model.coloured_by_vertices(*vertex_colors).emissive_by_vertices(*vertex_emission);
+                model.bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
             Material::Dielectric { ior, transmittance, absorption } => {

@@ -36,6 +36,11 @@ struct Extension {
     specular: u32,
     // A row if the alpha of a mesh's vertices multiplies the material's. The row is not read.
     vertex_alpha: u32,
+    // A row if the colours of a mesh's vertices multiply the emitted radiance. The row is not read.
+    vertex_emission: u32,
+    padding0: u32,
+    padding1: u32,
+    padding2: u32,
 }
 
 const NO_EXTENSION: u32 = 0xffffffffu;

@@ -5,6 +5,7 @@
 //@ use bind/extensions
 //@ use bind/materials
 //@ use choice/light_colour
+//@ use choice/vertex_emission
 //@ use scene/lights
 // The radiance that a surface emits to a shadow ray, where materials emit and scatter.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
@@ -15,5 +16,5 @@ fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     let row = materials[emission];
     var framed = surface;
     framed.frame += row.kind;
-    return colour_of_light(row, hit, framed);
+    return times_vertex_emission(colour_of_light(row, hit, framed), hit, surface);
 }

@@ -5,6 +5,7 @@
 //@ use bind/materials
 //@ use choice/colour
 //@ use choice/vertex_colours
+//@ use choice/vertex_emission
 //@ each extension
 //@ use extension/${name}
 //@ end
@@ -45,5 +46,6 @@ fn evaluate_material(hit: Hit, surface: Surface, front: bool) -> EvaluatedMateri
         //@ end
     }
     evaluated.colour = times_vertex_colour(evaluated.colour, hit, surface);
+    evaluated.emission = times_vertex_emission(evaluated.emission, hit, surface);
     return evaluated;
 }

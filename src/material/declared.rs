@@ -44,6 +44,9 @@ declare! {
             /// material has the alphaMode MASK or BLEND.
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             vertex_alpha: bool = flag().or("false");
+            /// Whether the colours of a mesh's vertices multiply its `emission`.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            vertex_emission: bool = flag().or("false");
             /// A normal map: an image whose red, green and blue are the x, y and z of the normal, each from -1 at 0 to 1 at its largest
             /// code. x is along u, y along v, and z is the normal of the surface. Its codes are linear.
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]

@@ -16,6 +16,7 @@ pub const KIND: MaterialKind = MaterialKind {
         ExtensionKind::Alpha,
         ExtensionKind::VertexColours,
         ExtensionKind::VertexAlpha,
+        ExtensionKind::VertexEmission,
         ExtensionKind::Normal,
     ],
     has_second_part: false,

@@ -104,6 +104,8 @@ pub enum ExtensionKind {
     Specular,
     /// The alpha of a mesh's vertices, which multiplies its own.
     VertexAlpha,
+    /// The colours of a mesh's vertices, which multiply what it emits.
+    VertexEmission,
 }
 
 impl ExtensionKind {
@@ -119,12 +121,13 @@ impl ExtensionKind {
             ExtensionKind::Multiscatter => &mut extensions.multiscatter,
             ExtensionKind::Specular => &mut extensions.specular,
             ExtensionKind::VertexAlpha => &mut extensions.vertex_alpha,
+            ExtensionKind::VertexEmission => &mut extensions.vertex_emission,
         }
     }
 }
 
 /// The number of kinds of extension.
-pub const EXTENSIONS: usize = ExtensionKind::VertexAlpha as usize + 1;
+pub const EXTENSIONS: usize = ExtensionKind::VertexEmission as usize + 1;
 
 /// An extension of a material, with its texture.
 #[derive(Clone, Copy, Debug)]
@@ -199,6 +202,11 @@ impl<'a> Model<'a> {
     /// Multiplies the colour by those of a mesh's vertices.
     pub fn coloured_by_vertices(self, has_them: bool) -> Model<'a> {
         self.flagged(&lambertian::FIELDS.vertex_colors, ExtensionKind::VertexColours, has_them)
+    }
+
+    /// Multiplies the emitted radiance by the colours of a mesh's vertices.
+    pub fn emissive_by_vertices(self, does: bool) -> Model<'a> {
+        self.flagged(&lambertian::FIELDS.vertex_emission, ExtensionKind::VertexEmission, does)
     }
 
     /// Makes up for light that the microfacets scatter more than once.

@@ -227,6 +227,7 @@ pub(super) fn decide(
     let body = convex_pane.first().map(|kind| kind.why.clone());
     let panes: Vec<Entry> =
         materials.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_pane)).cloned().collect();
+    let vertex_emission = mesh.clone().and(scene_has(ExtensionKind::VertexEmission));
     let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(ExtensionKind::VertexAlpha));
     let uv_tables = mesh.clone().and(reason_of(&features.uv_tables));
     let both_sides = { both_sided.first().zip(light.as_ref()) }
@@ -377,6 +378,7 @@ pub(super) fn decide(
         ("absorption", either(&absorbing, "scene/absorption", "null/absorption")),
         ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
         ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
+        ("vertex_emission", either(&vertex_emission, "scene/vertex_emission", "null/vertex_emission")),
         ("panes", either(&pane, "step/panes", "step/no_panes")),
         ("passed_panes", either(&pane, "scene/passed_panes", "null/passed_panes")),
         ("pane_evaluation", either(&textured_pane, "scene/textured_pane", "scene/plain_pane")),

@@ -93,9 +93,9 @@ fn with_extension(features: Features, kind: ExtensionKind) -> Features {
     Features { extensions, ..features }
 }
 
-/// Adds an alpha to materials, and colours and alphas of vertices.
+/// Adds an alpha to materials, and colours and alphas of vertices, also for what they emit.
 fn covered(features: Features) -> Features {
-    let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha];
+    let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission];
     of_vertices.into_iter().fold(with_extension(features, ExtensionKind::Alpha), with_extension)
 }
 
@@ -708,6 +708,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("absorption", "scene"),
     ("coverage", "scene"),
     ("vertex_alpha", "scene"),
+    ("vertex_emission", "scene"),
     ("panes", "step"),
     ("passed_panes", "scene"),
     ("pane_evaluation", "scene"),

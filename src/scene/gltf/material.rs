@@ -64,6 +64,8 @@ impl UvTransform {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Model {
     Light,
+    /// It shows its base colour in any light (KHR_materials_unlit).
+    Unlit,
     Glass,
     Surface,
 }
@@ -142,7 +144,9 @@ fn model(given: &Given) -> Model {
     let pbr = &given.pbr_metallic_roughness;
     let [r, g, b, _] = pbr.base_color_factor.0;
     let transmission = given.extensions.as_ref().and_then(|found| found.transmission.as_ref());
-    if emission(given).max_element() > 0.0 && [r, g, b] == [0.0; 3] {
+    if given.extensions.as_ref().is_some_and(|found| found.unlit.is_some()) {
+        Model::Unlit
+    } else if emission(given).max_element() > 0.0 && [r, g, b] == [0.0; 3] {
         Model::Light
     } else if transmission.is_some_and(|transmission| transmission.transmission_factor.0 >= 0.5) {
         Model::Glass
@@ -162,14 +166,14 @@ fn base_texture(given: &Given) -> Option<Named<'_>> {
 }
 
 fn emissive_texture(given: &Given) -> Option<Named<'_>> {
-    let is_read = model(given) != Model::Glass && emission(given) != Colour::ZERO;
+    let is_read = !matches!(model(given), Model::Glass | Model::Unlit) && emission(given) != Colour::ZERO;
     given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture", Cow::Borrowed(info)))
 }
 
 /// The texture of its numbers: the roughness in green, and how metallic it is in blue.
 fn number_texture(given: &Given) -> Option<Named<'_>> {
     let info = given.pbr_metallic_roughness.metallic_roughness_texture.as_ref();
-    let is_read = numbers(given) != [0.0; 2] && model(given) != Model::Light;
+    let is_read = numbers(given) != [0.0; 2] && !matches!(model(given), Model::Light | Model::Unlit);
     info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.metallicRoughnessTexture", Cow::Borrowed(info)))
 }
 
@@ -182,7 +186,8 @@ fn numbers(given: &Given) -> [f64; 2] {
 
 /// The normal map, which the crate reads as a type of its own.
 fn normal_texture(given: &Given) -> Option<Named<'_>> {
-    let map = given.normal_texture.as_ref().filter(|_| model(given) != Model::Light)?;
+    let is_read = !matches!(model(given), Model::Light | Model::Unlit);
+    let map = given.normal_texture.as_ref().filter(|_| is_read)?;
     let others = map.extensions.as_ref().map(|extensions| extensions.others.clone()).unwrap_or_default();
     let transform = others.get("KHR_texture_transform").cloned();
     let transform = transform.and_then(|transform| serde_json::from_value(transform).ok());
@@ -283,7 +288,10 @@ impl File {
         };
         let of_base = image(base_texture(given))?;
         let color = texture(of_base.clone(), base, None);
-        let light = texture(image(emissive_texture(given))?, radiance(emission(given)), None);
+        let light = match model(given) {
+            Model::Unlit => texture(of_base.clone(), radiance(base), None),
+            _ => texture(image(emissive_texture(given))?, radiance(emission(given)), None),
+        };
         let of_numbers = image(number_texture(given))?;
         let normal = image(normal_texture(given))?.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
         let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
@@ -306,7 +314,8 @@ impl File {
         // A cutoff that all of it reaches changes nothing.
         let is_opaque = alpha == Texture::grey(1.0) && !vertex_alpha && alpha_cutoff.is_none_or(|cutoff| cutoff <= 1.0);
         let alpha_cutoff = alpha_cutoff.filter(|_| !is_opaque);
-        let extensions = given.extensions.as_ref();
+        // What is unlit has its base colour and nothing else.
+        let extensions = given.extensions.as_ref().filter(|_| model != Model::Unlit);
         let specular = extensions.and_then(|found| found.specular.as_ref());
         let transmission = extensions.and_then(|found| found.transmission.as_ref());
         let share = transmission.map_or(0.0, |transmission| decimal(transmission.transmission_factor.0));
@@ -318,9 +327,13 @@ impl File {
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
         found.extend((!has_ior).then(|| format!("its ior of {ior} is taken for 1.5")));
         let ior = if has_ior { ior } else { 1.5 };
-        let is_light = model == Model::Light;
+        let (is_light, is_unlit) = (model == Model::Light, model == Model::Unlit);
         let material = match model {
             Model::Light if is_opaque => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
+            // Other surfaces have two sides, whatever doubleSided says.
+            Model::Unlit if is_opaque && !vertex_colors && emission.is_some() => {
+                Material::DiffuseLight { emit: light, two_sided: true }
+            }
             Model::Glass => {
                 found.extend((!is_opaque).then(|| "without its alpha".to_owned()));
                 found.extend(vertex_colors.then(|| "without vertex colours".to_owned()));
@@ -341,16 +354,17 @@ impl File {
                 Material::Conductor { albedo, eta: None, k: None, roughness, multiscatter, normal, normal_scale }
             }
             // A DiffuseLight has no alpha.
-            _ if is_light || is_matt && is_no_metal => {
+            _ if is_light || is_unlit || is_matt && is_no_metal => {
                 let of_one_side = is_light && !given.double_sided;
                 found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
                 Material::Lambertian {
-                    albedo: color,
+                    albedo: if is_unlit { Texture::grey(0.0) } else { color },
                     emission: if is_light { Some(light) } else { emission },
                     alpha,
                     alpha_cutoff,
-                    vertex_colors,
+                    vertex_colors: vertex_colors && !is_unlit,
                     vertex_alpha,
+                    vertex_emission: vertex_colors && is_unlit,
                     normal,
                     normal_scale,
                 }
@@ -380,11 +394,10 @@ impl File {
         let unread = [
             has(model == Model::Glass && emits, "emissiveFactor"),
             has(model == Model::Glass && specular.is_some_and(changes_the_layer), "KHR_materials_specular"),
-            has(!is_light && given.occlusion_texture.is_some(), "occlusionTexture"),
+            has(!is_light && !is_unlit && given.occlusion_texture.is_some(), "occlusionTexture"),
             has(specular.is_some_and(|it| it.specular_texture.is_some()), "specularTexture"),
             has(specular.is_some_and(|it| it.specular_color_texture.is_some()), "specularColorTexture"),
             has(transmission.is_some_and(|it| it.transmission_texture.is_some()), "transmissionTexture"),
-            has(extensions.is_some_and(|found| found.unlit.is_some()), "KHR_materials_unlit"),
         ];
         let others = extensions.into_iter().flat_map(|found| found.others.keys().map(|name| quote(name.as_bytes())));
         let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
