@@ -14,6 +14,14 @@ pub fn png() -> Vec<u8> {
     bytes
 }
 
+/// A lossless WebP of these colours.
+pub fn webp(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let pixels = image::RgbImage::from_fn(width, height, |x, y| image::Rgb(pixel(x, y)));
+    pixels.write_to(&mut std::io::Cursor::new(&mut bytes), image::ImageFormat::WebP).unwrap();
+    bytes
+}
+
 /// A square from (-1, -1, 0) to (1, 1, 0), four times: with an image, mirrored, as a lamp above, and turned and scaled. Two cameras.
 /// The binary chunk holds positions, normals, two sets of texture coordinates, indices and the image.
 pub fn room() -> (Value, Vec<u8>) {

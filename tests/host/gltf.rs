@@ -862,7 +862,10 @@ fn no_mutated_scene_panics() {
         b"7",
         b"0.5",
     ];
-    let (json, binary) = room();
+    let (mut json, binary) = room();
+    json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0, "SCALE": 1}}});
+    json["materials"][0]["extensions"] = json!({"KHR_materials_unlit": {}});
+    json["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": 0}});
     let (mut accepted, mut refused) = (0, 0);
     for (name, good) in [("bad.glb", glb(&json, &binary)), ("bad.gltf", gltf(&json, &binary).into_bytes())] {
         let path = folder.path().join(name);

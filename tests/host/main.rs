@@ -11,6 +11,7 @@ mod drivers;
 mod film;
 mod gltf;
 mod gltf_animation;
+mod gltf_extensions;
 mod gltf_glass;
 mod image_files;
 mod mesh_files;

@@ -16,6 +16,7 @@ mod estimators;
 mod features;
 mod filters;
 mod followed_back;
+mod gltf_extensions;
 mod in_memory;
 mod instances;
 mod large_spheres;
