@@ -227,6 +227,8 @@ fn instances_are_placed_by_the_node_and_their_own_transforms() {
     assert_eq!(mirrored, [[9., 0., 0.], [10., 0., 0.], [10., 1., 0.]]);
     let own = |instance: usize| format!("a.glb#nodes/0/instances/{instance}/primitives/0");
     assert_eq!(names, [own(0), "a.glb#meshes/0/primitives/0".to_owned(), own(2)]);
+    let notes = scene.warnings().join("\n");
+    assert!(notes.contains("1 node or instance with a mesh that others have too hold a copy of it"), "{notes}");
     // What `convert` writes names them.
     assert!(scene.text().contains("a.glb#nodes/0/instances/2/primitives/0"), "{}", scene.text());
 

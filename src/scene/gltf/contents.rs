@@ -205,7 +205,7 @@ impl File {
                 }
                 // A skin moves vertices one by one, whatever the transform of the node is.
                 let transforms = similarity(&to_scene).filter(|_| !is_skinned);
-                if transforms.is_none() && !is_skinned && !(is_first && number == 0) && baked.last() != Some(&node) {
+                if transforms.is_none() && !is_skinned && !(is_first && number == 0) {
                     baked.push(node);
                 }
                 for &(primitive, is_morphed, ref material) in &primitives {
@@ -234,7 +234,13 @@ impl File {
             notes.push(format!("extensionsUsed: not read: {}", unread.join(", ")));
         }
         if let Some(first) = baked.first() {
-            let (count, them) = (baked.len(), if baked.len() == 1 { "node" } else { "nodes" });
+            let count = baked.len();
+            let them = match (of_instances > 0, count == 1) {
+                (false, true) => "node",
+                (false, false) => "nodes",
+                (true, true) => "node or instance",
+                (true, false) => "nodes or instances",
+            };
             notes.push(format!(
                 "nodes[{first}]: transforms that mirror or scale unevenly are written into the vertices: {count} {them} \
                  with a mesh that others have too hold a copy of it"
