@@ -34,7 +34,7 @@ use crate::aov::SceneSpace;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{ExtensionKind, Lobe, microfacets};
+use crate::material::{ExtensionKind, Lobe, microfacets, sheen};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
 use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
@@ -167,7 +167,7 @@ pub fn flatten_with(
         around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],
-        textures: scene.materials.iter().map(|(_, material)| material.textures()).collect(),
+        textures: scene.materials.iter().map(|(_, material)| material.framed()).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         motions: None,
@@ -181,6 +181,13 @@ pub fn flatten_with(
     }
     if builder.flat.features.has_extension(ExtensionKind::Multiscatter) || options.features == FeatureSet::All {
         builder.flat.directional_albedos = microfacets::directional_albedos();
+    }
+    if builder.flat.features.has_extension(ExtensionKind::Sheen) || options.features == FeatureSet::All {
+        let table = &mut builder.flat.directional_albedos;
+        if table.is_empty() {
+            *table = microfacets::directional_albedos();
+        }
+        table.extend(sheen::sheen_albedos());
     }
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;

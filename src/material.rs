@@ -11,6 +11,7 @@ pub mod microfacets;
 mod model;
 mod pbr;
 mod rough_dielectric;
+pub mod sheen;
 mod thin_dielectric;
 
 use crate::bitmap::Bitmaps;
@@ -19,7 +20,9 @@ use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
 use crate::texture::{Texture, Use};
 
+use declared::is_zero;
 pub use declared::{MOST_ABSORPTION, MOST_IOR, Material};
+use model::{Along, Anisotropy, Coat, lobes_of_roughness};
 pub use model::{
     EXTENSIONS, Emission, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
 };
@@ -60,13 +63,38 @@ impl Material {
                 dielectric::model(*ior).tinted(transmittance).absorbing(*absorption)
             }
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
-            Material::Conductor { albedo, eta, k, roughness, multiscatter, normal, normal_scale } => {
+            Material::Conductor {
+                albedo,
+                eta,
+                k,
+                roughness,
+                multiscatter,
+                anisotropy,
+                anisotropy_rotation,
+                anisotropy_texture,
+                normal,
+                normal_scale,
+            } => {
                 let model = conductor::model(albedo.as_ref(), *eta, *k, roughness);
-                model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale)
+                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
+                let (strength, rotation, texture) = (*anisotropy, *anisotropy_rotation, anisotropy_texture);
+                model.anisotropic(Anisotropy { strength, rotation, texture })
             }
-            Material::RoughDielectric { ior, roughness, transmittance, absorption, normal, normal_scale } => {
+            Material::RoughDielectric {
+                ior,
+                roughness,
+                transmittance,
+                absorption,
+                anisotropy,
+                anisotropy_rotation,
+                anisotropy_texture,
+                normal,
+                normal_scale,
+            } => {
                 let model = rough_dielectric::model(*ior, roughness);
-                model.tinted(transmittance).absorbing(*absorption).bumped(normal, *normal_scale)
+                let model = model.tinted(transmittance).absorbing(*absorption).bumped(normal, *normal_scale);
+                let (strength, rotation, texture) = (*anisotropy, *anisotropy_rotation, anisotropy_texture);
+                model.anisotropic(Anisotropy { strength, rotation, texture })
             }
             Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale } => {
                 thin_dielectric::model(*ior, roughness).tinted(transmittance).bumped(normal, *normal_scale)
@@ -78,19 +106,50 @@ impl Material {
                 ior,
                 specular,
                 specular_color,
+                transmission,
+                solid,
+                absorption,
+                coat,
+                coat_roughness,
+                coat_ior,
+                coat_normal,
+                coat_normal_scale,
+                sheen,
+                sheen_roughness,
                 multiscatter,
                 emission,
                 alpha,
                 alpha_cutoff,
                 vertex_colors,
                 vertex_alpha,
+                anisotropy,
+                anisotropy_rotation,
+                anisotropy_texture,
                 normal,
                 normal_scale,
             } => {
                 let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
                 let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
                 let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
-                model.layered(*specular, specular_color)
+                let model = model.layered(specular, specular_color).transmitting(
+                    transmission,
+                    &dielectric::model(*ior).on_device,
+                    *solid,
+                );
+                let coat = Coat {
+                    share: coat,
+                    roughness: coat_roughness,
+                    ior: *coat_ior,
+                    normal: coat_normal,
+                    normal_scale: *coat_normal_scale,
+                };
+                let model = model.coated(coat).sheened(sheen, sheen_roughness);
+                let (strength, rotation, texture) = (*anisotropy, *anisotropy_rotation, anisotropy_texture);
+                let model = model.anisotropic(Anisotropy { strength, rotation, texture });
+                let has_inside = *solid && !is_zero(transmission);
+                let lacks = (absorption.is_some() && !has_inside)
+                    .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
+                Model { lacks, ..model.absorbing(*absorption) }
             }
         }
     }
@@ -100,25 +159,62 @@ impl Material {
         self.model().extensions.iter().any(|extension| extension.kind == ExtensionKind::Alpha)
     }
 
+    /// Whether light passes it.
+    pub fn is_transmissive(&self) -> bool {
+        let of_lobe = || self.model().extensions.iter().any(|extension| extension.kind == ExtensionKind::Transmission);
+        self.kind().is_transmissive || of_lobe()
+    }
+
     /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
     pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
-        let model = self.model();
-        let of_roughness = model.extensions.iter().find(|extension| extension.kind == ExtensionKind::Roughness);
-        let Some(extension) = of_roughness else { return model.lobes };
-        let least = extension.slot.texture.least(bitmaps);
-        let narrowest = match self {
-            Material::RoughDielectric { ior, .. } => rough_dielectric::lobes(*ior, least),
-            _ => vec![conductor::lobe(least)],
-        };
-        [Lobe::Specular, Lobe::Narrow, Lobe::Wide]
-            .into_iter()
-            .filter(|lobe| narrowest.iter().any(|least| least <= lobe))
-            .collect()
+        match self {
+            Material::Conductor { roughness, anisotropy, anisotropy_texture, .. } => {
+                let along = Along { strength: *anisotropy, varies: anisotropy_texture.is_some() };
+                lobes_of_roughness(roughness, along, bitmaps, |roughness, along| {
+                    vec![conductor::lobe(roughness, along)]
+                })
+            }
+            Material::RoughDielectric { ior, roughness, anisotropy, anisotropy_texture, .. } => {
+                let along = Along { strength: *anisotropy, varies: anisotropy_texture.is_some() };
+                lobes_of_roughness(roughness, along, bitmaps, |roughness, along| {
+                    rough_dielectric::lobes(*ior, roughness, along)
+                })
+            }
+            Material::ThinDielectric { roughness, .. } => {
+                let along = Along { strength: 0.0, varies: false };
+                lobes_of_roughness(roughness, along, bitmaps, |roughness, _| vec![conductor::lobe(roughness, 0.0)])
+            }
+            Material::Pbr {
+                metallic,
+                roughness,
+                ior,
+                transmission,
+                solid,
+                coat,
+                coat_roughness,
+                sheen,
+                anisotropy,
+                anisotropy_texture,
+                ..
+            } => {
+                let along = Along { strength: *anisotropy, varies: anisotropy_texture.is_some() };
+                let (ior, is_solid) = (*ior, *solid);
+                let parts =
+                    pbr::Parts { metallic, roughness, along, ior, transmission, is_solid, coat, coat_roughness, sheen };
+                pbr::lobes(&parts, bitmaps)
+            }
+            _ => self.model().lobes,
+        }
     }
 
     /// Its textures that are no plain colour: its own, and those of its extensions.
     pub fn textures(&self) -> Vec<&Texture> {
         self.model().slots().filter(Slot::is_textured).map(|slot| slot.texture).collect()
+    }
+
+    /// What of it has a frame on objects, in the order of the frames.
+    pub fn framed(&self) -> Vec<Slot<'_>> {
+        self.model().slots().filter(Slot::has_frame).collect()
     }
 
     /// Refuses invalid values; `at` is the path of the material.

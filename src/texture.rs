@@ -165,6 +165,8 @@ pub enum Use {
     Share,
     /// A normal map: an image alone, each channel 0 to 1.
     Normal,
+    /// A direction in red and green, and a share in blue: an image, or the same everywhere.
+    Direction,
 }
 
 /// The largest radiance, and the smallest other than zero. Both are normal numbers in f32.
@@ -175,7 +177,7 @@ impl Use {
     /// The range of a channel.
     pub const fn range(self) -> Range {
         match self {
-            Use::Albedo | Use::Share | Use::Normal => Range::SHARE,
+            Use::Albedo | Use::Share | Use::Normal | Use::Direction => Range::SHARE,
             Use::Radiance => Range::from_to(SMALLEST_RADIANCE, LARGEST_RADIANCE).or_zero(),
         }
     }
@@ -187,6 +189,7 @@ impl Use {
             Use::Radiance => "radiance",
             Use::Share => "share",
             Use::Normal => "normal",
+            Use::Direction => "direction",
         };
         self.range().check_each(at, name, colour)
     }
@@ -196,7 +199,7 @@ impl Use {
         let (expected, range): (_, RangeInclusive<f32>) = match self {
             Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
             Use::Share => ("numbers from 0 to 1", 0.0..=1.0),
-            Use::Normal => ("codes from 0 to 1", 0.0..=1.0),
+            Use::Normal | Use::Direction => ("codes from 0 to 1", 0.0..=1.0),
             Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
         };
         let fits = |texel: &[f32; 3]| texel.iter().all(|c| range.contains(c));
@@ -236,7 +239,15 @@ impl Texture {
         let at = at.variant(self.name());
         image::FIELDS.uv_set.check_integer(&at, self.uv_set())?;
         match self {
-            Texture::Image { tint: Colour::ONE, channel: Some(Channel::Rgb), .. } if usage == Use::Normal => Ok(()),
+            Texture::Image { tint: Colour::ONE, channel: Some(Channel::Rgb), .. }
+                if matches!(usage, Use::Normal | Use::Direction) =>
+            {
+                Ok(())
+            }
+            Texture::Rgb(..) if usage == Use::Direction => Ok(()),
+            _ if usage == Use::Direction => {
+                Err(at.unexpected("an image of directions: Image(path: ..), without a tint"))
+            }
             _ if usage == Use::Normal => Err(at.unexpected("a normal map: Image(path: ..), without a tint")),
             Texture::Image { channel: Some(Channel::Rgb), .. } if usage == Use::Share => {
                 Err(at.field(image::FIELDS.channel.name).error("a number has one channel: R, G, B or A"))
@@ -395,14 +406,19 @@ impl Texture {
 
     /// The frame of the texture: it maps local coordinates to the point base + columns · local in the object's own
     /// space, in the texture's units. The base is reduced by the texture's period, in f64. For an image it maps them to
-    /// the normal of a sphere, as pole + the rotation undone · local. A plain colour needs no frame.
-    pub fn frame(&self, (base, columns): (DVec3, DMat3), (pole, rotation): (DVec3, &DMat3)) -> Option<data::Frame> {
+    /// the normal of a sphere, as pole + the rotation undone · local, and so for directions without one. Any other plain colour needs no frame.
+    pub fn frame(
+        &self,
+        usage: Use,
+        (base, columns): (DVec3, DMat3),
+        (pole, rotation): (DVec3, &DMat3),
+    ) -> Option<data::Frame> {
         let (base, columns, phase) = match *self {
-            Texture::Rgb(..) => return None,
+            Texture::Rgb(..) if usage != Use::Direction => return None,
             Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
             Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),
             Texture::Marble { scale } => (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z),
-            Texture::Image { .. } => (pole, rotation.transpose(), 0.0),
+            Texture::Image { .. } | Texture::Rgb(..) => (pole, rotation.transpose(), 0.0),
         };
         Some(data::Frame {
             x: f32s(columns.x_axis),

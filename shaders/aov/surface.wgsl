@@ -7,8 +7,8 @@
 
 // Records a BSDF sample at a surface with this shading normal. The albedo is the path's throughput times the share of light that the event
 // scatters; of a light the share is 1.
-fn record_surface(path: ptr<function, Path>, material: Material, bsdf: Scatter, normal: vec3<f32>) {
-    let passes = bsdf.event == SCATTERED && !is_non_specular(material);
+fn record_surface(path: ptr<function, Path>, evaluated: EvaluatedMaterial, bsdf: Scatter, normal: vec3<f32>) {
+    let passes = bsdf.event == SCATTERED && !is_non_specular(evaluated);
     let share = select(bsdf.weight, vec3<f32>(1.0), bsdf.event == EMITTED);
     record_event_seen(path, passes, (*path).throughput * share, normal);
 }

@@ -38,12 +38,45 @@ struct Extension {
     vertex_alpha: u32,
     // A row if the colours of a mesh's vertices multiply the emitted radiance. The row is not read.
     vertex_emission: u32,
+    // Of glTF's material: the share of the layer, where it varies over the surface.
+    specular_share: u32,
+    // Of glTF's material: the share of glass. The row has the numbers of a dielectric: the index of refraction as its parameter, 0 of a
+    // pane, and the contrasts.
+    transmission: u32,
+    // Of glTF's material: the share of a coat, with its roughness as the parameter and its reflectance at normal incidence as contrast_outside;
+    // the roughness where it varies; the normal of the coat.
+    coat: u32,
+    coat_roughness: u32,
+    coat_normal: u32,
+    // Of glTF's material: the colour of its sheen, with the roughness as the parameter; the roughness where it varies.
+    sheen: u32,
+    sheen_roughness: u32,
+    // The anisotropy of microfacets: the direction and the strength, with the factor of the strength as the parameter and the cosine and the sine of
+    // its rotation as the contrasts.
+    anisotropy: u32,
     padding0: u32,
     padding1: u32,
     padding2: u32,
 }
 
 const NO_EXTENSION: u32 = 0xffffffffu;
+
+// What glTF's material has beside its base, as its extensions have it. All is 0 of a material without it.
+struct Lobes {
+    // The colour of the sheen and its roughness.
+    sheen: vec3<f32>,
+    sheen_roughness: f32,
+    // The share of the coat, its roughness, and its reflectance at normal incidence.
+    coat: f32,
+    coat_roughness: f32,
+    coat_f0: f32,
+    // The share of glass, its index of refraction, 0 of a pane, and its contrasts outside and inside.
+    transmission: f32,
+    contrasts: vec2<f32>,
+    ior: f32,
+    // The square of the anisotropy's strength, which any material of microfacets may have.
+    anisotropy: f32,
+}
 
 // The interaction of a ray with a surface, as materials take it.
 struct Interaction {
@@ -62,6 +95,13 @@ struct Interaction {
     // Of glTF's material, the reflectance of its layer at normal and at grazing incidence (extension/specular).
     f0: vec3<f32>,
     f90: f32,
+    lobes: Lobes,
+    // Unit normal of the coat, on the side from which the ray comes.
+    coat_normal: vec3<f32>,
+    // The radiance that it emits to the ray, under its coat.
+    emission: vec3<f32>,
+    // Unit direction along which microfacets are rougher, perpendicular to the normal.
+    tangent: vec3<f32>,
 }
 
 // A surface's material at a hit, with its textures evaluated. Each extension sets its own members; the others are not read.
@@ -76,6 +116,11 @@ struct EvaluatedMaterial {
     // As in Interaction.
     f0: vec3<f32>,
     f90: f32,
+    lobes: Lobes,
+    // The texel of the coat's normal map.
+    coat_normal: vec3<f32>,
+    // The direction of the anisotropy in the axes of the texture coordinates.
+    turn: vec2<f32>,
 }
 
 const SCATTERED: u32 = 0u;
@@ -133,6 +178,54 @@ fn absorbed() -> Scatter {
 
 fn no_response() -> Response {
     return Response(vec3<f32>(0.0), 0.0, 0.0);
+}
+
+// The response of a lobe, or of several, with the weight of what lies around: (1 - weight) of `inner` and `weight` of `outer`, whose
+// directions are drawn with the probability `share`.
+fn mixed_response(inner: Response, outer: Response, weight: f32, share: f32) -> Response {
+    let value = (1.0 - weight) * inner.value + weight * outer.value;
+    let pdfs = vec2<f32>((1.0 - share) * inner.pdf, share * outer.pdf);
+    let pdf = pdfs.x + pdfs.y;
+    let narrow = pdfs.x * inner.narrow + pdfs.y * outer.narrow;
+    return Response(value, pdf, select(0.0, min(narrow / pdf, 1.0), pdf > 0.0));
+}
+
+// Draws one lobe of several, the outermost first.
+struct LobeDraw {
+    // The rest of the uniform that chooses.
+    u: f32,
+    // What lies around leaves this of the weight of the lobes that are left, over the probability that one of them is drawn.
+    rest: f32,
+    is_drawn: bool,
+    // The drawn direction. Only that of a specular lobe has its weight.
+    scatter: Scatter,
+}
+
+fn begin_draw(u: f32) -> LobeDraw {
+    return LobeDraw(u, 1.0, false, absorbed());
+}
+
+// A uniform again, of one that is below `share` or not.
+fn uniform_below(u: f32, share: f32) -> f32 {
+    return min(u / share, 0x0.ffffffp0f);
+}
+
+fn uniform_above(u: f32, share: f32) -> f32 {
+    return min((u - share) / (1.0 - share), 0x0.ffffffp0f);
+}
+
+// Whether the material has more than its base of isotropic microfacets.
+fn has_lobes(lobes: Lobes) -> bool {
+    return lobes.anisotropy > 0.0 || lobes.transmission > 0.0 || lobes.coat > 0.0 || any(lobes.sheen > vec3<f32>(0.0));
+}
+
+// The draw from what is left, which is not drawn with the probability `share`.
+fn draw_from_rest(draw: LobeDraw, share: f32, factor: f32) -> LobeDraw {
+    return LobeDraw(uniform_above(draw.u, share), draw.rest * (factor / (1.0 - share)), false, draw.scatter);
+}
+
+fn take_lobe(draw: LobeDraw, scatter: Scatter) -> LobeDraw {
+    return LobeDraw(draw.u, draw.rest, true, scatter);
 }
 
 // The side of a surface from which a light is sampled.

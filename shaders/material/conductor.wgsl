@@ -1,7 +1,7 @@
 //@ use data/material
-//@ use lib/basis
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet
+//@ use choice/facets
 //@ use choice/multiscatter
 // A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta - 1. Its second part has k, and as `parameter`
 // whether the colour is an eta. A microfacet is drawn from those that are visible, so the weight is its reflectance times the share of
@@ -20,9 +20,7 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
         return scatter_towards(mirrored, share, LOBE_SPECULAR);
     }
     let alpha = material.parameter * material.parameter;
-    let basis = basis_around(normal);
-    let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
-    let facet = from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u.xy));
+    let facet = sample_facet(hit, cos_view, alpha, u.xy);
     let cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
     let direction = normalize(hit.incoming + 2.0 * cos_facet * facet);
     let cos_light = dot(direction, normal);
@@ -32,6 +30,6 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
     let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
     let f0 = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
     let share = compensated(single, f0, hit);
-    let weight = share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
-    return scatter_towards(direction, weight, lobe_of(width_of_reflection(alpha)));
+    let weight = share * facet_shadowing(hit, cos_view, direction, min(cos_light, 1.0), alpha);
+    return scatter_towards(direction, weight, lobe_of(width_of_reflection(widest_alpha(hit, alpha))));
 }

@@ -1,24 +1,10 @@
 //@ use data/material
-//@ use lib/fresnel_conductor
 //@ use lib/microfacet
-//@ use lib/sampling
-//@ use choice/multiscatter
-//@ use choice/layer
-// glTF 2.0, appendix B. `colour` is the base colour. A roughness below LEAST_ROUGHNESS makes its microfacets a mirror: a specular
-// lobe, which has no part in the response.
-
-// The numbers of the material, where the table of all materials has them.
-fn pbr_roughness(material: Material) -> f32 {
-    return material.parameter;
-}
-
-fn pbr_metallic(material: Material) -> f32 {
-    return material.contrast_inside;
-}
-
-fn pbr_is_smooth(material: Material) -> bool {
-    return pbr_roughness(material) < LEAST_ROUGHNESS;
-}
+//@ use material/pbr_base
+//@ use choice/transmission
+//@ use choice/sheen
+//@ use choice/coat
+// The material of glTF 2.0 with its lobes: its base, and what its extensions add, from inside.
 
 // A smooth metal is a mirror and nothing else.
 fn pbr_is_non_specular(material: Material) -> bool {
@@ -31,51 +17,24 @@ fn pbr_is_near_mirror(material: Material) -> bool {
     return pbr_metallic(material) == 1.0 && is_narrow(width_of_reflection(alpha));
 }
 
-// The reflectance of the microfacets of layer and metal at this cosine, by single scattering.
-fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
-    let metallic = pbr_metallic(material);
-    return (1.0 - metallic) * pbr_layer(material, hit, cos_facet) + metallic * schlick(cos_facet, hit.colour);
+// About what comes back of the light from the view, the mean of the channels: of the base, with glass beside it, and with sheen over that.
+struct PbrAlbedos {
+    base: f32,
+    mixed: f32,
+    sheened: f32,
 }
 
-// The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. At a
-// grazing view the matt share is 0 only for light at normal incidence, so it does not decide whether there is a matt part.
-fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f32 {
-    let base = hit.colour;
-    let metallic = pbr_metallic(material);
-    let facets = pbr_reflectance(material, hit, cos_view);
-    let matt = (1.0 - metallic) * (1.0 - pbr_layer(material, hit, cos_view)) * base;
-    // Dot products, because Mesa adds a plain sum of such terms in another order in another kernel.
-    let bright = vec2<f32>(dot(facets, vec3<f32>(1.0)), dot(matt, vec3<f32>(1.0)));
-    if metallic == 1.0 || all(base == vec3<f32>(0.0)) {
-        return 1.0;
-    }
-    return clamp(bright.x / (bright.x + bright.y), 0.1, 0.9);
+fn pbr_albedos(material: Material, hit: Interaction) -> PbrAlbedos {
+    let bright = pbr_brightness(material, hit, clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0));
+    let base = (bright.x + bright.y) / 3.0;
+    let mixed = transmission_albedo(material, hit, base);
+    return PbrAlbedos(base, mixed, sheened_albedo(hit, mixed));
 }
 
-// The BRDF times cosine. A dielectric reflects the share F from microfacets, and 1 - F of the base colour in all directions, with F at the
-// half vector. If the layer has a share or a colour of its own (KHR_materials_specular), the largest channel of F counts in 1 - F. A metal
-// reflects from microfacets by its base colour. They are mixed by the metallic share.
 fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
-    let metallic = pbr_metallic(material);
-    let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
-    let cos_light = min(dot(direction, hit.normal), 1.0);
-    if !(cos_light > 0.0) {
-        return no_response();
-    }
-    let half_way = direction - hit.incoming;
-    let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
-    let layer = pbr_layer(material, hit, cos_facet);
-    let matt = (1.0 - metallic) * pbr_passed(layer) * hit.colour;
-    let share = pbr_share_of_facets(material, hit, cos_view);
-    if pbr_is_smooth(material) {
-        return Response(matt * (cos_light / PI), (1.0 - share) * (cos_light / PI), 0.0);
-    }
-    let alpha = pbr_roughness(material) * pbr_roughness(material);
-    let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
-    let full_layer = compensated(layer, pbr_f0(material, hit), hit);
-    // Sums, since a GPU may compute mix(x, y, a) as x + a (y - x), which loses a small y.
-    let glossy = (1.0 - metallic) * full_layer + metallic * compensated(schlick(cos_facet, hit.colour), hit.colour, hit);
-    let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
-    let pdf = (1.0 - share) * (cos_light / PI) + share * facets;
-    return Response(value, pdf, select(0.0, share * facets / pdf, is_narrow(width_of_reflection(alpha))));
+    let albedos = pbr_albedos(material, hit);
+    let base = base_response(material, hit, direction);
+    let mixed = with_transmission(base, material, hit, direction, albedos.base);
+    let sheened = with_sheen(mixed, hit, direction, albedos.mixed);
+    return with_coat(sheened, hit, direction, albedos.sheened);
 }

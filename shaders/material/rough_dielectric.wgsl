@@ -1,6 +1,6 @@
 //@ use data/material
 //@ use choice/fresnel
-//@ use lib/basis
+//@ use choice/facets
 //@ use lib/microfacet
 // A boundary of a transmissive solid with microfacets. `parameter` is its roughness, and that of its second part the index of refraction. A
 // microfacet is drawn from those that are visible. It reflects with the probability of its reflectance and refracts otherwise, so the
@@ -21,9 +21,7 @@ fn rough_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) 
     var facet = normal;
     var cos_facet = cos_view;
     if is_rough {
-        let basis = basis_around(normal);
-        let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
-        facet = from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u.zw));
+        facet = sample_facet(hit, cos_view, alpha, u.zw);
         cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
     }
     let boundary = fresnel(cos_facet, eta, contrast);
@@ -41,7 +39,8 @@ fn rough_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) 
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    let weight = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
-    let width = select(width_of_refraction(alpha, eta), width_of_reflection(alpha), reflects);
+    let weight = facet_shadowing(hit, cos_view, direction, min(cos_light, 1.0), alpha);
+    let widest = widest_alpha(hit, alpha);
+    let width = select(width_of_refraction(widest, eta), width_of_reflection(widest), reflects);
     return scatter_towards(direction, vec3<f32>(weight), lobe_of(width));
 }

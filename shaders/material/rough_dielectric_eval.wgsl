@@ -1,4 +1,5 @@
 //@ use data/material
+//@ use choice/facets
 //@ use choice/fresnel
 //@ use lib/microfacet
 // A rough dielectric that is smooth is clear glass.
@@ -35,12 +36,13 @@ fn rough_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f
         return no_response();
     }
     let reflectance = fresnel(min(cos_facet, 1.0), eta, contrast).reflectance;
-    let seen = visible_density(microfacet_density(sum, hit.normal, alpha), cos_view, alpha);
+    let seen = visible_facets(sum, hit, cos_view, alpha);
     var pdf = 0.25 * seen * reflectance;
     if !reflects {
         pdf = seen * cos_facet * (1.0 - reflectance) * (eta * eta * -cos_out / length2);
     }
-    let value = vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha));
-    let width = select(width_of_refraction(alpha, eta), width_of_reflection(alpha), reflects);
+    let value = vec3<f32>(pdf * facet_shadowing(hit, cos_view, direction, min(abs(height), 1.0), alpha));
+    let widest = widest_alpha(hit, alpha);
+    let width = select(width_of_refraction(widest, eta), width_of_reflection(widest), reflects);
     return Response(value, pdf, select(0.0, 1.0, is_narrow(width)));
 }

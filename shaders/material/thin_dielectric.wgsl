@@ -1,6 +1,6 @@
 //@ use data/material
+//@ use choice/facets
 //@ use choice/fresnel
-//@ use lib/basis
 //@ use lib/microfacet
 // A thin pane of a transmissive solid: light that it refracts leaves it in the direction in which it came. `parameter` is its roughness. A
 // smooth pane scatters only the light that it reflects: rays pass it before they are scattered (step/panes). In a rough one, a microfacet
@@ -25,9 +25,7 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
         return scatter_towards(mirrored, vec3<f32>(1.0), LOBE_SPECULAR);
     }
     let alpha = material.parameter * material.parameter;
-    let basis = basis_around(normal);
-    let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
-    let facet = from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u.zw));
+    let facet = sample_facet(hit, cos_view, alpha, u.zw);
     let cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
     let mirrored = normalize(hit.incoming + 2.0 * cos_facet * facet);
     let cos_light = dot(mirrored, normal);
@@ -36,6 +34,6 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     }
     let reflects = u.x < thin_dielectric_reflectance(material, cos_facet);
     let passing = normalize(mirrored - 2.0 * cos_light * normal);
-    let share = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
-    return scatter_towards(select(passing, mirrored, reflects), vec3<f32>(share), lobe_of(width_of_reflection(alpha)));
+    let share = facet_shadowing(hit, cos_view, mirrored, min(cos_light, 1.0), alpha);
+    return scatter_towards(select(passing, mirrored, reflects), vec3<f32>(share), lobe_of(width_of_reflection(widest_alpha(hit, alpha))));
 }

@@ -1,4 +1,5 @@
 //@ use data/material
+//@ use choice/facets
 //@ use lib/microfacet
 //@ use material/thin_dielectric
 // A thin pane that is smooth is clear glass.
@@ -24,7 +25,7 @@ fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f3
     let cos_facet = clamp(dot(mirrored, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
     let reflectance = thin_dielectric_reflectance(material, cos_facet);
     let share = select(1.0 - reflectance, reflectance, height > 0.0);
-    let pdf = 0.25 * share * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
-    let value = vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha));
-    return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(alpha))));
+    let pdf = 0.25 * share * visible_facets(half_way, hit, cos_view, alpha);
+    let value = vec3<f32>(pdf * facet_shadowing(hit, cos_view, mirrored, min(abs(height), 1.0), alpha));
+    return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(widest_alpha(hit, alpha)))));
 }

@@ -4,7 +4,7 @@
 // The sides of no surface have points of their own.
 fn choose_side(
     samples_lights: bool,
-    material: Material,
+    evaluated: EvaluatedMaterial,
     point: vec3<f32>,
     hit: Hit,
     surface: Surface,

@@ -20,7 +20,7 @@ fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
     return false;
 }
 
-fn light_paths_replace_samples(path: ptr<function, Path>, material: Material) -> bool {
+fn light_paths_replace_samples(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> bool {
     return false;
 }
 

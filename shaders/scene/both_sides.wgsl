@@ -10,14 +10,14 @@
 
 fn choose_side(
     samples_lights: bool,
-    material: Material,
+    evaluated: EvaluatedMaterial,
     point: vec3<f32>,
     hit: Hit,
     surface: Surface,
     facing: vec3<f32>,
     u: f32,
 ) -> LightSide {
-    let chooses = samples_lights && responds_on_both_sides(material) && is_smooth(hit.code);
+    let chooses = samples_lights && responds_on_both_sides(evaluated) && is_smooth(hit.code);
     let below = chooses && u < 0.5;
     let facet_point = leave_surface(surface.point, surface.error, -facing, -facing);
     return LightSide(select(point, facet_point, below), chooses, below);

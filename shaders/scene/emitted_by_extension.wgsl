@@ -6,6 +6,7 @@
 //@ use bind/materials
 //@ use choice/light_colour
 //@ use choice/vertex_emission
+//@ use choice/light_coat
 //@ use scene/lights
 // The radiance that a surface emits to a shadow ray, where materials emit and scatter.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
@@ -16,5 +17,6 @@ fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     let row = materials[emission];
     var framed = surface;
     framed.frame += row.kind;
-    return times_vertex_emission(colour_of_light(row, hit, framed), hit, surface);
+    let emitted = times_vertex_emission(colour_of_light(row, hit, framed), hit, surface);
+    return radiance_through_coat(emitted, hit, surface, ray);
 }

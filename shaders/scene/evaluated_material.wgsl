@@ -11,8 +11,8 @@
 //@ end
 // A material with extensions: further rows of the table of materials, each with a colour or a texture.
 
-// The most loop iterations that shading takes: seven octaves of noise over eight corners, for five textures of a material and one of a light.
-const ITERATIONS_OF_SHADING: u32 = 384u;
+// The most loop iterations that shading takes: seven octaves of noise over eight corners, for each texture of a material and one of a light.
+const ITERATIONS_OF_SHADING: u32 = ${iterations_of_shading}u;
 
 const OWN_COLOUR: u32 = 1u;
 //@ each extension

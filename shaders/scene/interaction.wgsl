@@ -5,6 +5,9 @@
 //@ use choice/normal_map
 //@ use choice/second_parts
 //@ use choice/multiscatter
+//@ use choice/coat
+//@ use choice/facet_tangent
+//@ use choice/coat_normal
 // The interaction of a ray with a surface, which materials take.
 
 fn shading_frame(hit: Hit, surface: Surface, incoming: vec3<f32>) -> ShadingFrame {
@@ -29,6 +32,10 @@ fn interaction_at(
     interaction.second = second_part_of(evaluated.material, surface.material);
     interaction.f0 = evaluated.f0;
     interaction.f90 = evaluated.f90;
+    interaction.lobes = evaluated.lobes;
+    interaction.tangent = facet_tangent(hit, surface, interaction.normal, frame.front, evaluated.turn);
+    interaction.coat_normal = coat_normal_at(hit, surface, incoming, frame.shading, frame.front, evaluated.coat_normal);
+    interaction.emission = emission_under_coat(evaluated.emission, interaction);
     interaction.compensation = energy_compensation(evaluated.material, surface, interaction);
     return interaction;
 }

@@ -9,14 +9,14 @@
 const FIND_ALL: bool = ${light_paths_find_all}u == 1u;
 
 // Whether light paths find the light of this material in place of light sampling.
-fn counts_as_specular(material: Material) -> bool {
-    if !FIND_ALL {
+fn counts_as_specular(evaluated: EvaluatedMaterial) -> bool {
+    if !FIND_ALL || has_lobes(evaluated.lobes) {
         return false;
     }
-    switch material.kind {
+    switch evaluated.material.kind {
         //@ each non_specular
         case ${number}u: {
-            return ${name}_is_near_mirror(material);
+            return ${name}_is_near_mirror(evaluated.material);
         }
         //@ end
         default: {

@@ -1,11 +1,19 @@
 //@ use data/material
+//@ use choice/transmission
+//@ use choice/sheen
+//@ use choice/coat
 //@ each non_specular
 //@ use material/${name}_eval
 //@ end
 // The response of materials to light from a given direction. Specular materials have none.
 
 // Whether the material scatters to more than one direction.
-fn is_non_specular(material: Material) -> bool {
+fn is_non_specular(evaluated: EvaluatedMaterial) -> bool {
+    let mixed = transmission_spreads(evaluated.material, evaluated.lobes, kind_is_non_specular(evaluated.material));
+    return coat_spreads(evaluated.lobes, sheen_spreads(evaluated.lobes, mixed));
+}
+
+fn kind_is_non_specular(material: Material) -> bool {
     switch material.kind {
         //@ each non_specular
         case ${number}u: {
@@ -19,15 +27,15 @@ fn is_non_specular(material: Material) -> bool {
 }
 
 // Whether the material responds to light from the far side of the surface too.
-fn responds_on_both_sides(material: Material) -> bool {
-    switch material.kind {
+fn responds_on_both_sides(evaluated: EvaluatedMaterial) -> bool {
+    switch evaluated.material.kind {
         //@ each both_sided
         case ${number}u: {
             return true;
         }
         //@ end
         default: {
-            return false;
+            return evaluated.lobes.transmission > 0.0;
         }
     }
 }

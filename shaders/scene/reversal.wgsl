@@ -1,5 +1,6 @@
 //@ use data/material
 //@ use data/surface
+//@ use choice/coat
 //@ each transmissive
 //@ use material/${name}
 //@ end
@@ -14,7 +15,8 @@ fn index_of_side(material: Material, hit: Interaction, is_front: bool) -> f32 {
         }
         //@ end
         default: {
-            return 1.0;
+            // The glass of glTF's material; no other has an index here.
+            return select(1.0, hit.lobes.ior, hit.lobes.ior > 0.0 && !is_front);
         }
     }
 }
@@ -24,7 +26,7 @@ fn index_of_side(material: Material, hit: Interaction, is_front: bool) -> f32 {
 fn is_reversible(hit: Interaction, direction: vec3<f32>, reverse: Interaction) -> bool {
     let crosses = dot(direction, hit.normal) < 0.0;
     let normal = select(reverse.normal, -reverse.normal, crosses);
-    return all(normal == hit.normal) && reverse.front == (hit.front != crosses);
+    return coat_is_reversible(hit, reverse) && all(normal == hit.normal) && reverse.front == (hit.front != crosses);
 }
 
 // At a specular event: the density of directions to the light, of camera paths, over that of directions to the camera, of light paths,

@@ -53,7 +53,7 @@ fn follow_ratio(
     let frame = shading_frame(hit, surface, -bsdf.direction);
     let reverse = interaction_at(hit, surface, frame, evaluated, -bsdf.direction);
     let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), bsdf.lobe), reverse.normal, frame.shading).event == SCATTERED;
-    let is_reached = select(is_kept, !is_specular && !counts_as_specular(evaluated.material), is_first);
+    let is_reached = select(is_kept, !is_specular && !counts_as_specular(evaluated), is_first);
     if bsdf.event != SCATTERED || !is_reached || (is_specular && !is_reversible(interaction, bsdf.direction, reverse)) {
         (*path).log_ratio = NO_RATIO;
         return;
@@ -92,8 +92,8 @@ fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
 }
 
 // Whether light paths find the light that a ray of this path finds by a near mirror, so that light sampling does not.
-fn light_paths_replace_samples(path: ptr<function, Path>, material: Material) -> bool {
-    return counts_as_specular(material) && light_paths_follow(path, LOBE_SPECULAR);
+fn light_paths_replace_samples(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> bool {
+    return counts_as_specular(evaluated) && light_paths_follow(path, LOBE_SPECULAR);
 }
 
 // The weight of emission that the path's ray has hit, beside light paths. `weight` is that beside light sampling, which is 1 after a

@@ -42,8 +42,8 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let evaluated = evaluate_material(hit, surface, frame.front);
     absorb_ray(path, hit.t);
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
-    let is_rough = is_non_specular(evaluated.material);
-    let is_near_mirror = counts_as_specular(evaluated.material);
+    let is_rough = is_non_specular(evaluated);
+    let is_near_mirror = counts_as_specular(evaluated);
     let to_light = -ray.direction;
     let view = view_from_lens(path, surface.point);
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);

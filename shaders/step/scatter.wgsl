@@ -34,11 +34,11 @@ fn scatter_path(path: ptr<function, Path>) {
     let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
     let drawn = scatter_by_material(evaluated.material, interaction, u);
     let bsdf = keep_side(drawn, interaction.normal, frame.shading);
-    record_surface(path, evaluated.material, bsdf, interaction.normal);
+    record_surface(path, evaluated, bsdf, interaction.normal);
 
     // Emission, whose MIS weight needs the density of the event before. Then light sampling, which stores the density of this event.
-    let emission_weight = weight_of_emission(path, hit, surface, radiance_of_surface(evaluated, bsdf), bsdf.event);
-    add_surface_emission(path, evaluated, bsdf, emission_weight);
+    let emission_weight = weight_of_emission(path, hit, surface, radiance_of_surface(interaction, bsdf), bsdf.event);
+    add_surface_emission(path, interaction, bsdf, emission_weight);
     (*path).throughput *= select(1.0, emission_weight, bsdf.event == EMITTED);
     sample_light_at_surface(path, hit, surface, frame, interaction, evaluated, bsdf, u.y);
 

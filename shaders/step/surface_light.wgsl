@@ -23,13 +23,13 @@ fn sample_light_at_surface(
     u: f32,
 ) {
     // Non-specular materials sample lights, on the side from which the ray comes.
-    let is_replaced = light_paths_replace_samples(path, evaluated.material);
-    let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated.material) && !is_replaced;
+    let is_replaced = light_paths_replace_samples(path, evaluated);
+    let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated) && !is_replaced;
     let probes = bsdf.event == SCATTERED && !is_replaced && sends_probe(path, bsdf.lobe);
     var sampled = LightResponse(Response(), 0.0, 1.0);
     // One call serves both, because compilers inline the functions of all kinds of lights at each call.
     if samples_lights || probes {
-        let side = choose_side(samples_lights, evaluated.material, frame.point, hit, surface, frame.facing, u);
+        let side = choose_side(samples_lights, evaluated, frame.point, hit, surface, frame.facing, u);
         let light_sample = sample_light(path, side.point);
         var leaving = bsdf.direction;
         if samples_lights {

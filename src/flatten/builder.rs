@@ -41,7 +41,7 @@ pub struct Builder<'a> {
     /// The index in the table of each of the scene's materials that an object uses.
     pub materials: Vec<u32>,
     /// The textures of each of the scene's materials, without plain colours. On every object, each has its own frame, in this order.
-    pub textures: Vec<Vec<&'a Texture>>,
+    pub textures: Vec<Vec<Slot<'a>>>,
     /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
@@ -153,10 +153,10 @@ impl Builder<'_> {
         let index = self.flat.frames.len() as u32;
         // Texture coordinates of a large sphere are relative to its nearest point, and those of a sphere to its centre.
         let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
-        let frames = textures.iter().filter_map(|texture| {
-            let frame = texture.frame(space, (pole, &to_world.rotation))?;
-            let mesh = shape.mesh().filter(|_| texture.image().is_some());
-            Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(texture, mesh) as f32, ..frame }))
+        let frames = textures.iter().filter_map(|slot| {
+            let frame = slot.texture.frame(slot.usage, space, (pole, &to_world.rotation))?;
+            let mesh = shape.mesh().filter(|_| slot.texture.image().is_some() || slot.usage == Use::Direction);
+            Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(slot, mesh) as f32, ..frame }))
         });
         let frames: Vec<_> = frames.collect();
         self.flat.frames.extend(frames);
@@ -213,7 +213,7 @@ impl Builder<'_> {
         if let Some(slot) = slot {
             let brightness = match slot.usage {
                 Use::Radiance => radiance_scale,
-                Use::Albedo | Use::Share | Use::Normal => 1.0,
+                Use::Albedo | Use::Share | Use::Normal | Use::Direction => 1.0,
             };
             row.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
             row.texture = self.add_texture(slot.texture, brightness);
@@ -233,13 +233,18 @@ impl Builder<'_> {
             let mut own = data::Extension::NONE;
             own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
-            let mut frame =
-                if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.is_textured())) };
+            let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.has_frame())) };
             for extension in model.extensions.iter().copied().chain(light) {
                 *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
-                let row = data::Material { kind: frame, parameter: extension.parameter, ..data::Material::default() };
+                let row = data::Material {
+                    kind: frame,
+                    parameter: extension.parameter,
+                    contrast_outside: extension.contrasts[0],
+                    contrast_inside: extension.contrasts[1],
+                    ..data::Material::default()
+                };
                 let is_textured = extension.slot.is_textured();
-                frame += u32::from(is_textured);
+                frame += u32::from(extension.slot.has_frame());
                 self.flat.features.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
                 self.add_row(name, row, Some(extension.slot), radiance_scale);
             }

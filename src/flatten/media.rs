@@ -6,6 +6,7 @@ use super::builder::Builder;
 use super::finder::WorldMedium;
 use crate::data::{self, f32s};
 use crate::shape::{Element, ObjectTransform, RenderSpace};
+use crate::texture::Use;
 
 impl Builder<'_> {
     /// `order` is the place of its boundary behind the primitives.
@@ -24,8 +25,9 @@ impl Builder<'_> {
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;
         let texture = self.add_texture(albedo, 1.0);
-        let frame =
-            albedo.frame((base, to_own), (DVec3::ZERO, &own.rotation)).map_or(0, |frame| self.flat.add_frame(frame));
+        let frame = albedo
+            .frame(Use::Albedo, (base, to_own), (DVec3::ZERO, &own.rotation))
+            .map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
             // Kernels divide by the density, so it is at least the smallest normal number.

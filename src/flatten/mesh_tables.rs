@@ -1,6 +1,8 @@
 //! The tables of a mesh for its vertices: texture coordinates and tangents.
 
-use crate::scene::{Mesh, Texture};
+use crate::material::Slot;
+use crate::scene::Mesh;
+use crate::texture::Use;
 
 /// A table of a mesh. The first one has the first set of texture coordinates, and the colours and alphas of the vertices.
 #[derive(Clone, Copy, PartialEq)]
@@ -12,9 +14,10 @@ pub struct Table {
 impl Table {
     pub const FIRST: Table = Table { uv_set: 0, has_tangents: false };
 
-    /// The table that a texture has on a mesh. A normal map on a smooth mesh needs tangents.
-    pub fn for_texture(texture: &Texture, mesh: &Mesh) -> Table {
-        let has_tangents = texture.is_normal_map() && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
-        Table { uv_set: texture.uv_set(), has_tangents }
+    /// The table that a texture has on a mesh. A normal map or a direction on a smooth mesh needs tangents.
+    pub fn for_texture(slot: &Slot<'_>, mesh: &Mesh) -> Table {
+        let is_turned = slot.texture.is_normal_map() || slot.usage == Use::Direction;
+        let has_tangents = is_turned && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
+        Table { uv_set: slot.texture.uv_set(), has_tangents }
     }
 }

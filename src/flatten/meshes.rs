@@ -17,7 +17,8 @@ use super::pairs::Pair;
 use super::tangents::Split;
 use crate::bvh::Quality;
 use crate::data::{NO_NORMAL, NO_UVS};
-use crate::scene::{Mesh, Texture};
+use crate::material::Slot;
+use crate::scene::Mesh;
 use crate::shape::MeshLayout;
 use crate::shape::mesh::MeshShape;
 
@@ -30,8 +31,8 @@ impl Builder<'_> {
             if !known.insert((shape.number, primitive.material)) {
                 continue;
             }
-            for texture in &self.textures[primitive.material as usize] {
-                let table = Table::for_texture(texture, shape.mesh);
+            for slot in &self.textures[primitive.material as usize] {
+                let table = Table::for_texture(slot, shape.mesh);
                 let tables = &mut self.tables[shape.number];
                 if tables.contains(&table) {
                     continue;
@@ -48,8 +49,8 @@ impl Builder<'_> {
     }
 
     /// The number of the table that a texture has on a mesh.
-    pub fn table_of(&self, texture: &Texture, mesh: &MeshShape) -> usize {
-        let table = Table::for_texture(texture, mesh.mesh);
+    pub fn table_of(&self, slot: &Slot<'_>, mesh: &MeshShape) -> usize {
+        let table = Table::for_texture(slot, mesh.mesh);
         self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0)
     }
 

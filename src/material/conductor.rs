@@ -11,14 +11,27 @@ pub const KIND: MaterialKind = MaterialKind {
     is_transmissive: false,
     is_pane: false,
     emits: false,
-    extensions: &[ExtensionKind::Roughness, ExtensionKind::Multiscatter, ExtensionKind::Normal],
+    extensions: &[
+        ExtensionKind::Roughness,
+        ExtensionKind::Multiscatter,
+        ExtensionKind::Normal,
+        ExtensionKind::Anisotropy,
+    ],
     has_second_part: true,
 };
 
-/// The lobe that its microfacets reflect where it has this roughness, as width_of_reflection (shaders/lib/microfacet).
-pub fn lobe(roughness: f64) -> Lobe {
-    let roughness = roughness as f32;
-    if roughness < LEAST_ROUGHNESS { Lobe::Specular } else { Lobe::of_width(2.0 * roughness * roughness) }
+/// The largest alpha of microfacets of this roughness and anisotropy, as widest_alpha (shaders/material/anisotropic_facets).
+pub fn widest_alpha(roughness: f32, anisotropy: f64) -> f32 {
+    let alpha = roughness * roughness;
+    let along = (anisotropy as f32).powi(2);
+    alpha + along * (1.0 - alpha)
+}
+
+/// The lobe that its microfacets reflect where it has this roughness and anisotropy, as width_of_reflection (shaders/lib/microfacet).
+pub fn lobe(roughness: f64, anisotropy: f64) -> Lobe {
+    let roughness = if anisotropy > 0.0 { (roughness as f32).max(LEAST_ROUGHNESS) } else { roughness as f32 };
+    let width = 2.0 * widest_alpha(roughness, anisotropy);
+    if roughness < LEAST_ROUGHNESS { Lobe::Specular } else { Lobe::of_width(width) }
 }
 
 pub fn model<'a>(
@@ -39,7 +52,7 @@ pub fn model<'a>(
     let is_measured = f32::from(u8::from(eta.is_some()));
     Model {
         slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
-        lobes: vec![lobe(roughness)],
+        lobes: vec![lobe(roughness, 0.0)],
         two_sided: None,
         warning: None,
         lacks: (!is_complete).then_some("either an albedo, or both eta and k"),

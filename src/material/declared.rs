@@ -103,6 +103,17 @@ declare! {
             /// light is lost.
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             multiscatter: bool = flag().or("false");
+            /// How much rougher microfacets are along a direction than across it: α there is mix(α, 1, anisotropy²). With it, they are
+            /// never smooth.
+            #[serde(default, skip_serializing_if = "is_none")]
+            anisotropy: f64 = number(Range::SHARE, NO_UNIT).or("0");
+            /// The angle of that direction with u, towards v. Objects need texture coordinates for it.
+            #[serde(default, skip_serializing_if = "is_none")]
+            anisotropy_rotation: f64 = number(Range::ANY, "degrees").or("0");
+            /// An image whose red and green are the direction in the axes of u and v, each from -1 at 0 to 1 at its largest code, and
+            /// whose blue multiplies the strength. Its codes are linear.
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
+            anisotropy_texture: Option<Texture> = other("an image: Image(path: ..)").or("none: along u");
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -120,6 +131,12 @@ declare! {
             transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             #[serde(default, skip_serializing_if = "Option::is_none")]
             absorption: Option<Colour> = dielectric::FIELDS.absorption;
+            #[serde(default, skip_serializing_if = "is_none")]
+            anisotropy: f64 = conductor::FIELDS.anisotropy;
+            #[serde(default, skip_serializing_if = "is_none")]
+            anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
+            anisotropy_texture: Option<Texture> = conductor::FIELDS.anisotropy_texture;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -142,11 +159,43 @@ declare! {
             #[serde(default = "index_of_glass")]
             ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
             /// All that the layer reflects is multiplied by this.
-            #[serde(default = "one", skip_serializing_if = "is_one")]
-            specular: f64 = number(Range::SHARE, NO_UNIT).or("1");
+            #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+            specular: Texture = SHARE.or("1");
             /// What the layer reflects of light straight on it is multiplied by this colour; grazing light keeps its own.
             #[serde(default = "white", skip_serializing_if = "is_white")]
             specular_color: Texture = ALBEDO.or("Rgb(1, 1, 1)");
+            /// The share of glass in what is no metal: it reflects and refracts as a `ThinDielectric`, or as a `RoughDielectric` if it is
+            /// `solid`, of this roughness and index. What passes has the base colour.
+            #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
+            transmission: Texture = SHARE.or("0");
+            /// Whether the glass is a body, which bends light. Otherwise it is a thin pane. Unlike a smooth `ThinDielectric`, it scatters the
+            /// light that passes straight on, so that lights behind it are not sampled where it is smooth.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            solid: bool = flag().or("false");
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            absorption: Option<Colour> = dielectric::FIELDS.absorption;
+            /// The share of a clear coat around all else, such as varnish. What lies below it, emission too, loses what the coat
+            /// reflects to the viewer.
+            #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
+            coat: Texture = SHARE.or("0");
+            /// The perceptual roughness of the coat.
+            #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
+            coat_roughness: Texture = SHARE.or("0");
+            /// The index of refraction of the coat.
+            #[serde(default = "index_of_glass", skip_serializing_if = "is_index_of_glass")]
+            coat_ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
+            /// The normal map of the coat, which does not have that of the base.
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
+            coat_normal: Option<Texture> = other("an image: Image(path: ..)").or("none: the normal is that of the surface");
+            /// What x and y of that map are multiplied by.
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            coat_normal_scale: f64 = number(Range::from_to(-1e3, 1e3), NO_UNIT).or("1");
+            /// The colour of a sheen, which fibres such as those of velvet reflect at grazing angles. It lies under the coat.
+            #[serde(default = "zero", skip_serializing_if = "is_zero")]
+            sheen: Texture = ALBEDO.or("Rgb(0, 0, 0)");
+            /// The perceptual roughness of the sheen. Below 0.07 it counts as 0.07.
+            #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
+            sheen_roughness: Texture = SHARE.or("0");
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             multiscatter: bool = conductor::FIELDS.multiscatter;
             #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -159,6 +208,12 @@ declare! {
             vertex_colors: bool = lambertian::FIELDS.vertex_colors;
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             vertex_alpha: bool = lambertian::FIELDS.vertex_alpha;
+            #[serde(default, skip_serializing_if = "is_none")]
+            anisotropy: f64 = conductor::FIELDS.anisotropy;
+            #[serde(default, skip_serializing_if = "is_none")]
+            anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
+            #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
+            anisotropy_texture: Option<Texture> = conductor::FIELDS.anisotropy_texture;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -204,8 +259,20 @@ fn is_one(number: &f64) -> bool {
     *number == 1.0
 }
 
+fn is_none(number: &f64) -> bool {
+    *number == 0.0
+}
+
 fn zero() -> Texture {
     Texture::grey(0.0)
+}
+
+fn is_index_of_glass(ior: &f64) -> bool {
+    *ior == index_of_glass()
+}
+
+pub fn is_zero(texture: &Texture) -> bool {
+    *texture == zero()
 }
 
 fn index_of_glass() -> f64 {

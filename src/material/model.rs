@@ -1,6 +1,6 @@
 //! The properties of materials, as the rest of the host sees them.
 
-use super::declared::{conductor, dielectric, is_white, lambertian, pbr};
+use super::declared::{conductor, dielectric, is_white, is_zero, lambertian, pbr};
 use crate::bitmap::Bitmaps;
 use crate::data;
 use crate::source::ValuePath;
@@ -106,6 +106,19 @@ pub enum ExtensionKind {
     VertexAlpha,
     /// The colours of a mesh's vertices, which multiply what it emits.
     VertexEmission,
+    /// How much the layer of glTF's material reflects, where that varies.
+    SpecularShare,
+    /// The share of glass in glTF's material.
+    Transmission,
+    /// The share of a coat around glTF's material; its roughness where that varies; its normal.
+    Coat,
+    CoatRoughness,
+    CoatNormal,
+    /// The colour of the sheen on glTF's material; its roughness where that varies.
+    Sheen,
+    SheenRoughness,
+    /// The direction along which microfacets are rougher, and by how much.
+    Anisotropy,
 }
 
 impl ExtensionKind {
@@ -122,33 +135,89 @@ impl ExtensionKind {
             ExtensionKind::Specular => &mut extensions.specular,
             ExtensionKind::VertexAlpha => &mut extensions.vertex_alpha,
             ExtensionKind::VertexEmission => &mut extensions.vertex_emission,
+            ExtensionKind::SpecularShare => &mut extensions.specular_share,
+            ExtensionKind::Transmission => &mut extensions.transmission,
+            ExtensionKind::Coat => &mut extensions.coat,
+            ExtensionKind::CoatRoughness => &mut extensions.coat_roughness,
+            ExtensionKind::CoatNormal => &mut extensions.coat_normal,
+            ExtensionKind::Sheen => &mut extensions.sheen,
+            ExtensionKind::SheenRoughness => &mut extensions.sheen_roughness,
+            ExtensionKind::Anisotropy => &mut extensions.anisotropy,
         }
     }
 }
 
 /// The number of kinds of extension.
-pub const EXTENSIONS: usize = ExtensionKind::VertexEmission as usize + 1;
+pub const EXTENSIONS: usize = ExtensionKind::Anisotropy as usize + 1;
 
 /// An extension of a material, with its texture.
 #[derive(Clone, Copy, Debug)]
 pub struct Extension<'a> {
     pub kind: ExtensionKind,
     pub slot: Slot<'a>,
-    /// The parameter of its row. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1.
+    /// The parameter of its row. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1. Transmission: the index of
+    /// refraction, or 0 of a pane. Coat and sheen: the roughness.
     pub parameter: f32,
+    /// Two more numbers of its row.
+    pub contrasts: [f32; 2],
 }
 
 impl<'a> Extension<'a> {
-    pub fn emission(slot: Slot<'a>, two_sided: bool) -> Extension<'a> {
-        Extension { kind: ExtensionKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
+    pub fn new(kind: ExtensionKind, slot: Slot<'a>, parameter: f32) -> Extension<'a> {
+        Extension { kind, slot, parameter, contrasts: [0.0; 2] }
     }
+
+    pub fn emission(slot: Slot<'a>, two_sided: bool) -> Extension<'a> {
+        Extension::new(ExtensionKind::Emission, slot, f32::from(u8::from(two_sided)))
+    }
+}
+
+/// The anisotropy of microfacets, and whether it may be less somewhere.
+#[derive(Clone, Copy)]
+pub struct Along {
+    pub strength: f64,
+    pub varies: bool,
+}
+
+/// The lobes of microfacets, by those of a roughness and an anisotropy, for a roughness that may vary: as narrow as its least number makes them,
+/// and wider.
+pub fn lobes_of_roughness(
+    roughness: &Texture,
+    along: Along,
+    bitmaps: &Bitmaps,
+    lobes: impl Fn(f64, f64) -> Vec<Lobe>,
+) -> Vec<Lobe> {
+    let least = roughness.least(bitmaps);
+    let narrowest = lobes(least, if along.varies { 0.0 } else { along.strength });
+    let varies = roughness.plain().is_none() || along.varies;
+    let may_have = |lobe: &Lobe| narrowest.iter().any(|own| own == lobe || varies && own < lobe);
+    [Lobe::Specular, Lobe::Narrow, Lobe::Wide].into_iter().filter(may_have).collect()
 }
 
 /// A material's number that may vary: the number, or 0 and the extension that stands for it.
 pub fn varying<'a>(field: &'static Field, kind: ExtensionKind, texture: &'a Texture) -> (f64, Option<Extension<'a>>) {
     let slot = Slot { field, usage: Use::Share, texture };
     let number = texture.plain().map(|grey| grey.x);
-    (number.unwrap_or(0.0), number.is_none().then_some(Extension { kind, slot, parameter: 0.0 }))
+    (number.unwrap_or(0.0), number.is_none().then_some(Extension::new(kind, slot, 0.0)))
+}
+
+/// The anisotropy of microfacets.
+#[derive(Clone, Copy)]
+pub struct Anisotropy<'a> {
+    /// 0 to 1.
+    pub strength: f64,
+    /// Degrees, from u towards v.
+    pub rotation: f64,
+    pub texture: &'a Option<Texture>,
+}
+
+/// A coat around glTF's material.
+pub struct Coat<'a> {
+    pub share: &'a Texture,
+    pub roughness: &'a Texture,
+    pub ior: f64,
+    pub normal: &'a Option<Texture>,
+    pub normal_scale: f64,
 }
 
 /// The emission of a material.
@@ -173,7 +242,7 @@ impl<'a> Model<'a> {
         let stops_all = !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least);
         let slot = Slot { field: &lambertian::FIELDS.alpha, usage: Use::Share, texture: alpha };
         let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
-        self.extensions.extend((!stops_all).then_some(Extension { kind: ExtensionKind::Alpha, slot, parameter }));
+        self.extensions.extend((!stops_all).then_some(Extension::new(ExtensionKind::Alpha, slot, parameter)));
         self.flagged(&lambertian::FIELDS.vertex_alpha, ExtensionKind::VertexAlpha, of_vertices)
     }
 
@@ -195,7 +264,7 @@ impl<'a> Model<'a> {
     fn flagged(mut self, field: &'static Field, kind: ExtensionKind, is_there: bool) -> Model<'a> {
         static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
         let slot = Slot { field, usage: Use::Share, texture: &WHITE };
-        self.extensions.extend(is_there.then_some(Extension { kind, slot, parameter: 0.0 }));
+        self.extensions.extend(is_there.then_some(Extension::new(kind, slot, 0.0)));
         self
     }
 
@@ -217,16 +286,79 @@ impl<'a> Model<'a> {
     /// Adds a normal map.
     pub fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.normal, usage: Use::Normal, texture };
-        let map = |texture| Extension { kind: ExtensionKind::Normal, slot: slot(texture), parameter: scale as f32 };
+        let map = |texture| Extension::new(ExtensionKind::Normal, slot(texture), scale as f32);
         self.extensions.extend(normal.as_ref().map(map));
         self
     }
 
     /// Adds a layer that reflects this share, and in this colour at normal incidence (KHR_materials_specular).
-    pub fn layered(mut self, share: f64, colour: &'a Texture) -> Model<'a> {
+    pub fn layered(mut self, share: &'a Texture, colour: &'a Texture) -> Model<'a> {
         let slot = Slot { field: &pbr::FIELDS.specular_color, usage: Use::Albedo, texture: colour };
-        let extension = Extension { kind: ExtensionKind::Specular, slot, parameter: share as f32 };
-        self.extensions.extend((share != 1.0 || !is_white(colour)).then_some(extension));
+        let of_share = Slot { field: &pbr::FIELDS.specular, usage: Use::Share, texture: share };
+        let number = share.plain().map_or(1.0, |share| share.x);
+        let varying = Extension::new(ExtensionKind::SpecularShare, of_share, 0.0);
+        let is_own = !is_white(share) || !is_white(colour);
+        self.extensions.extend(is_own.then_some(Extension::new(ExtensionKind::Specular, slot, number as f32)));
+        self.extensions.extend(of_share.is_textured().then_some(varying));
+        self
+    }
+
+    /// Adds a share of glass: a solid, or a pane. `glass` is a dielectric as kernels read it.
+    pub fn transmitting(mut self, share: &'a Texture, glass: &data::Material, is_solid: bool) -> Model<'a> {
+        let slot = Slot { field: &pbr::FIELDS.transmission, usage: Use::Share, texture: share };
+        let extension = Extension {
+            contrasts: [glass.contrast_outside, glass.contrast_inside],
+            ..Extension::new(ExtensionKind::Transmission, slot, if is_solid { glass.parameter } else { 0.0 })
+        };
+        self.extensions.extend((!is_zero(share)).then_some(extension));
+        self
+    }
+
+    /// Adds a coat of this index of refraction, with a normal map of its own.
+    pub fn coated(mut self, coat: Coat<'a>) -> Model<'a> {
+        if is_zero(coat.share) {
+            return self;
+        }
+        let slot = Slot { field: &pbr::FIELDS.coat, usage: Use::Share, texture: coat.share };
+        let (roughness, varying) = varying(&pbr::FIELDS.coat_roughness, ExtensionKind::CoatRoughness, coat.roughness);
+        let reflectance = ((coat.ior - 1.0) / (coat.ior + 1.0)).powi(2);
+        self.extensions.push(Extension {
+            contrasts: [reflectance as f32, 0.0],
+            ..Extension::new(ExtensionKind::Coat, slot, roughness as f32)
+        });
+        self.extensions.extend(varying);
+        let slot = |texture| Slot { field: &pbr::FIELDS.coat_normal, usage: Use::Normal, texture };
+        let map = |texture| Extension::new(ExtensionKind::CoatNormal, slot(texture), coat.normal_scale as f32);
+        self.extensions.extend(coat.normal.as_ref().map(map));
+        self
+    }
+
+    /// Adds a sheen.
+    pub fn sheened(mut self, colour: &'a Texture, roughness: &'a Texture) -> Model<'a> {
+        if is_zero(colour) {
+            return self;
+        }
+        let slot = Slot { field: &pbr::FIELDS.sheen, usage: Use::Albedo, texture: colour };
+        let (number, varying) = varying(&pbr::FIELDS.sheen_roughness, ExtensionKind::SheenRoughness, roughness);
+        self.extensions.push(Extension::new(ExtensionKind::Sheen, slot, number as f32));
+        self.extensions.extend(varying);
+        self
+    }
+
+    /// Makes microfacets rougher along a direction.
+    pub fn anisotropic(mut self, anisotropy: Anisotropy<'a>) -> Model<'a> {
+        // The direction of u, and all of the strength.
+        static ALONG_U: Texture = Texture::Rgb(1.0, 0.5, 1.0);
+        if anisotropy.strength == 0.0 {
+            return self;
+        }
+        let texture = anisotropy.texture.as_ref().unwrap_or(&ALONG_U);
+        let slot = Slot { field: &conductor::FIELDS.anisotropy_texture, usage: Use::Direction, texture };
+        let (sine, cosine) = anisotropy.rotation.to_radians().sin_cos();
+        self.extensions.push(Extension {
+            contrasts: [cosine as f32, sine as f32],
+            ..Extension::new(ExtensionKind::Anisotropy, slot, anisotropy.strength as f32)
+        });
         self
     }
 
@@ -256,13 +388,19 @@ impl Slot<'_> {
         self.texture.plain().is_none()
     }
 
+    /// Whether objects have a frame for it: for a texture, or for the direction of its coordinates.
+    pub fn has_frame(&self) -> bool {
+        self.is_textured() || self.usage == Use::Direction
+    }
+
     pub fn warning(&self, at: &ValuePath, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
-            Use::Share | Use::Normal => return None,
+            Use::Share | Use::Normal | Use::Direction => return None,
             // Light leaves a clear body, so that a transmittance of 1 traps no path.
             Use::Albedo if self.field.name == dielectric::FIELDS.transmittance.name => return None,
             // What a layer does not reflect reaches the matt body.
             Use::Albedo if self.field.name == pbr::FIELDS.specular_color.name => return None,
+            Use::Albedo if self.field.name == pbr::FIELDS.sheen.name => return None,
             Use::Albedo => (
                 self.texture.is_white(bitmaps),
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \

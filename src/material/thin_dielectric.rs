@@ -21,7 +21,7 @@ pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let smooth = dielectric::model(ior);
     let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
     Model {
-        lobes: vec![conductor::lobe(roughness)],
+        lobes: vec![conductor::lobe(roughness, 0.0)],
         warning: None,
         extensions: extension.into_iter().collect(),
         on_device: data::Material { parameter: roughness as f32, ..smooth.on_device },

@@ -204,18 +204,40 @@ pub(super) fn decide(
         ("metallic", ExtensionKind::Metallic),
         ("normal", ExtensionKind::Normal),
         ("specular", ExtensionKind::Specular),
+        ("specular_share", ExtensionKind::SpecularShare),
+        ("transmission", ExtensionKind::Transmission),
+        ("coat", ExtensionKind::Coat),
+        ("coat_roughness", ExtensionKind::CoatRoughness),
+        ("coat_normal", ExtensionKind::CoatNormal),
+        ("sheen", ExtensionKind::Sheen),
+        ("sheen_roughness", ExtensionKind::SheenRoughness),
+        ("anisotropy", ExtensionKind::Anisotropy),
     ];
     let extension =
         closed((0..).zip(extensions).filter_map(|(number, (name, extension))| Some((name, number, own(extension)?))));
+    let extension_count = extension.len() as u32;
+    let anisotropy = own(ExtensionKind::Anisotropy);
     let (own_emission, normal_map) = (own(ExtensionKind::Emission), own(ExtensionKind::Normal));
     let (multiscatter, own_layer) = (own(ExtensionKind::Multiscatter), own(ExtensionKind::Specular));
+    let [transmission, coat, coat_normal, sheen] =
+        [ExtensionKind::Transmission, ExtensionKind::Coat, ExtensionKind::CoatNormal, ExtensionKind::Sheen].map(own);
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
     let vertex_colours = mesh.clone().and(own(ExtensionKind::VertexColours));
     let evaluated = extension.first().map(|entry| entry.why.clone()).or(vertex_colours.clone());
 
     let emission = scene_has(ExtensionKind::Emission);
-    let number_images =
-        [ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Alpha].into_iter().find_map(scene_has);
+    // Extensions whose texture is a number.
+    let numbers = [
+        ExtensionKind::Roughness,
+        ExtensionKind::Metallic,
+        ExtensionKind::Alpha,
+        ExtensionKind::SpecularShare,
+        ExtensionKind::Transmission,
+        ExtensionKind::Coat,
+        ExtensionKind::CoatRoughness,
+        ExtensionKind::SheenRoughness,
+    ];
+    let number_images = numbers.into_iter().find_map(scene_has);
     let alpha = surface.clone().and(scene_has(ExtensionKind::Alpha));
     // Smooth panes. Of a body, a ray passes both sides.
     let pane = surface.clone().and(first_reason(&features.panes));
@@ -230,8 +252,8 @@ pub(super) fn decide(
     let vertex_emission = mesh.clone().and(scene_has(ExtensionKind::VertexEmission));
     let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(ExtensionKind::VertexAlpha));
     let uv_tables = mesh.clone().and(reason_of(&features.uv_tables));
-    let both_sides = { both_sided.first().zip(light.as_ref()) }
-        .and_then(|(kind, _)| reason_of(&features.smooth).and(Some(kind.why.clone())));
+    let both_sides = both_sided.first().map(|kind| kind.why.clone()).or(transmission.clone());
+    let both_sides = both_sides.filter(|_| light.is_some() && features.smooth.is_some());
     let emits = shines.then_some(Reason::EveryRender).or(own_emission.clone());
     let found_light = light.clone().and(emits).and(emitting_surface.clone());
     let light_coverage = alpha.clone().and(emission.clone()).and(emitting_surface.clone());
@@ -317,7 +339,8 @@ pub(super) fn decide(
         ("aov", any_aov.clone()),
     ];
     let transmissive: Vec<Entry> = served.iter().filter(is_transmissive).cloned().collect();
-    let has_glass = materials.iter().any(|kind| is_transmissive(&kind));
+    let has_glass =
+        materials.iter().any(|kind| is_transmissive(&kind)) || scene_has(ExtensionKind::Transmission).is_some();
     let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
     let layout = path_layout(&path_fields);
     let numbered = |all: Vec<(String, u32)>| {
@@ -374,6 +397,15 @@ pub(super) fn decide(
         ("multiscatter", either(&multiscatter, "scene/multiscatter", "null/multiscatter")),
         // The layer of glTF's material.
         ("layer", either(&own_layer, "material/pbr_own_layer", "material/pbr_plain_layer")),
+        // What glTF's material has around its base.
+        ("transmission", either(&transmission, "material/pbr_transmission", "null/pbr_transmission")),
+        ("sheen", either(&sheen, "material/pbr_sheen", "null/pbr_sheen")),
+        ("coat", either(&coat, "material/pbr_coat", "null/pbr_coat")),
+        ("coat_normal", either(&coat_normal, "scene/coat_normal", "null/coat_normal")),
+        ("light_coat", either(&coat.clone().and(emission.clone()), "scene/light_coat", "null/light_coat")),
+        // The microfacets of metals, of rough glass and of glTF's material.
+        ("facets", either(&anisotropy, "material/anisotropic_facets", "material/isotropic_facets")),
+        ("facet_tangent", either(&anisotropy, "scene/facet_tangent", "null/facet_tangent")),
         ("tint", either(&tinted, "scene/tint", "null/tint")),
         ("absorption", either(&absorbing, "scene/absorption", "null/absorption")),
         ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
@@ -497,6 +529,8 @@ pub(super) fn decide(
         ),
         // The iterations that count for passing a pane: those of the longest texture, or some for its material.
         ("pane_steps", if features.pane_textures { 384 } else { 8 }),
+        // Seven octaves of noise over eight corners, for each texture of a material, five at least, and one of a light.
+        ("iterations_of_shading", 64 * (extension_count.max(5) + 1)),
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count() + splat_sums) as u32),

@@ -10,6 +10,7 @@ use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::Reason;
 use crate::gpu::spirv::{self, KernelSize};
+use crate::material::ExtensionKind;
 use crate::options::{Integrator, Scatter, default_of};
 
 /// A plan in words and numbers.
@@ -266,6 +267,13 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("delta light motion", &features.moving_lights, "motion/delta_light"));
     all.push(one("medium motion", &features.moving_media, "motion/medium"));
     all.push(one("camera motion", &features.moving_camera, "camera/moving"));
+    let pbr = MATERIALS.iter().position(|name| *name == "pbr").unwrap_or_default();
+    let lobe = |kind: ExtensionKind| &features.extensions[kind as usize][pbr];
+    all.push(one("pbr transmission", lobe(ExtensionKind::Transmission), "material/pbr_transmission"));
+    all.push(one("pbr coat", lobe(ExtensionKind::Coat), "material/pbr_coat"));
+    all.push(one("pbr sheen", lobe(ExtensionKind::Sheen), "material/pbr_sheen"));
+    let anisotropy = features.extensions[ExtensionKind::Anisotropy as usize].iter().find(|used| used.is_some());
+    all.push(one("anisotropy", anisotropy.unwrap_or(&None), "material/anisotropic_facets"));
     all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));
     all
 }
@@ -380,6 +388,7 @@ fn about_constant(name: &str) -> String {
         "sky_columns" => "columns of the grid that directions to the sky are drawn from",
         "sky_rows" => "rows of that grid",
         "run_length" => "samples of a run at most",
+        "iterations_of_shading" => "loop iterations that the textures of a material take at most",
         "pane_steps" => "steps that passing a pane takes of those of a walk",
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",

@@ -15,6 +15,7 @@ mod geometry;
 mod instances;
 mod interpolate;
 mod light;
+mod lobes;
 mod material;
 mod nodes;
 

@@ -142,6 +142,33 @@ const POINTS: &[Point] = &[
         "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
          Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"plastic\"),",
     ),
+    point(
+        "coats under a lamp",
+        DARK,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"varnish\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, coat: Image(path: \"image.png\", channel: R),
+            coat_roughness: Image(path: \"image.png\", channel: G), coat_normal: Image(path: \"image.png\")),
+         \"glow\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, coat: 0.5, emission: Rgb(0.5, 1, 2)),",
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"varnish\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"glow\"),",
+    ),
+    point(
+        "velvet under a lamp",
+        DARK,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"velvet\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, sheen: Rgb(0.9, 0.5, 0.3), sheen_roughness: 0.4),",
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"velvet\"),",
+    ),
+    point(
+        "brushed metal, a ball that is half glass and a smooth mesh that is a pane, under a lamp",
+        DARK,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"brushed\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.3, anisotropy: 0.8),
+         \"half\": Pbr(base_color: Rgb(0.7, 0.8, 0.9), metallic: 0, roughness: 0.3, transmission: 0.5, solid: true, absorption: (0.1, 0.2, 0.3)),
+         \"pane\": Pbr(base_color: Rgb(0.7, 0.8, 0.9), metallic: 0, roughness: 0.3, transmission: Image(path: \"image.png\", channel: R),
+            specular: Image(path: \"image.png\", channel: G)),",
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"half\"), Sphere(center: (-0.9, 1.5, 0.4), radius: 0.3, material: \"brushed\"),
+         Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"pane\")),",
+    ),
     Point {
         camera: LENS,
         ..point(

@@ -36,6 +36,29 @@ pub struct In {
     /// Of glTF's material with a layer of its own.
     pub f0: [f32; 3],
     pub f90: f32,
+    /// Of glTF's material with more than its base.
+    pub lobes: Lobes,
+    pub coat_normal: [f32; 3],
+    pub padding2: u32,
+    /// Of anisotropic microfacets.
+    pub tangent: [f32; 3],
+    pub padding3: u32,
+}
+
+/// As shaders/data/material.wgsl has it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Lobes {
+    pub sheen: [f32; 3],
+    pub sheen_roughness: f32,
+    pub coat: f32,
+    pub coat_roughness: f32,
+    pub coat_f0: f32,
+    pub transmission: f32,
+    pub contrasts: [f32; 2],
+    pub ior: f32,
+    /// The square of the strength.
+    pub anisotropy: f32,
 }
 
 /// What it gives.
@@ -60,13 +83,30 @@ pub fn kernel(material: &str, times: usize, replaced: &[(&str, &str)]) -> Kernel
     kernel_of(material, times, replaced, &[])
 }
 
-/// Such a kernel of a material with some of the modules `scene/multiscatter` and `material/pbr_own_layer`.
+/// Such a kernel of a material with some of the modules that a scene may choose.
 pub fn kernel_of(material: &str, times: usize, replaced: &[(&str, &str)], with: &[&str]) -> Kernel {
+    kernel_with(material, times, with, &Setup { replaced, ..Setup::default() })
+}
+
+/// The same, with a part of a module's text replaced.
+pub fn planted_kernel(material: &str, times: usize, with: &[&str], planted: (&str, &str, &str)) -> Kernel {
+    kernel_with(material, times, with, &Setup { rewritten: Some(planted), ..Setup::default() })
+}
+
+fn kernel_with(material: &str, times: usize, with: &[&str], setup: &Setup<'_>) -> Kernel {
     let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
     let values = [("material", material), ("times", &*times), ("keyed", keyed)];
-    let own = [("multiscatter", "scene/multiscatter"), ("layer", "material/pbr_own_layer")];
+    let own = [
+        ("multiscatter", "scene/multiscatter"),
+        ("layer", "material/pbr_own_layer"),
+        ("transmission", "material/pbr_transmission"),
+        ("sheen", "material/pbr_sheen"),
+        ("coat", "material/pbr_coat"),
+        ("facets", "material/anisotropic_facets"),
+    ];
     let choices: Vec<_> = own.into_iter().filter(|(_, module)| with.contains(module)).collect();
-    Kernel::with("test/rough", &Setup { replaced, values: &values, choices: &choices, ..Setup::default() })
+    let Setup { replaced, rewritten, .. } = *setup;
+    Kernel::with("test/rough", &Setup { replaced, rewritten, values: &values, choices: &choices, ..Setup::default() })
 }
 
 /// A ray that meets a surface from its front, at an angle with its normal.

@@ -130,7 +130,7 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     let Material::Pbr { ior, specular, specular_color, .. } = bright else { panic!("{bright:?}") };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
     assert!((reflectance(ior) - 2.0 * reflectance(1.4)).abs() < 1e-12);
-    assert_eq!((specular, specular_color), (1.0, Texture::Rgb(1.0, 0.5, 0.0)));
+    assert_eq!((specular, specular_color), (Texture::grey(1.0), Texture::Rgb(1.0, 0.5, 0.0)));
     let glass = |roughness: f64| {
         let extensions =
             json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.4}});
@@ -318,6 +318,104 @@ fn a_file_without_camera_and_light_gets_both_and_a_note() {
     assert!(load_as(&json, &sky).unwrap_err().to_string().contains("gone.exr: cannot read the image"));
 }
 
+/// Each with its factors, its textures, and sets of texture coordinates of their own.
+#[test]
+fn the_lobes_of_the_extensions_are_read() {
+    let image = |channel: &str, factor: f64| {
+        format!("Image(path: \"room.glb#images/0\", tint: ({factor}, {factor}, {factor}), channel: {channel})")
+    };
+    let lobes =
+        |extensions: Value| steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions}));
+    let pbr = |more: &str| {
+        let material = written(&format!("Pbr(metallic: 0, {more})"));
+        // `convert` writes what is read.
+        let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        let text = options.to_string(&material).unwrap();
+        assert_eq!(written(&text), material, "{text}");
+        material
+    };
+    let texture = json!({"index": 0});
+    assert_eq!(lobes(json!({"KHR_materials_transmission": {"transmissionFactor": 0.25}})), pbr("transmission: 0.25"));
+    // A share that varies is no plain glass, not even with the factor 1.
+    assert_eq!(
+        lobes(json!({"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": texture}})),
+        pbr(&format!("transmission: {}", image("R", 1.0)))
+    );
+    let volume = json!({"thicknessFactor": 1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 1});
+    let Material::Pbr { solid: true, absorption: Some(absorption), transmission, .. } =
+        lobes(json!({"KHR_materials_transmission": {"transmissionFactor": 0.5}, "KHR_materials_volume": volume}))
+    else {
+        panic!("it is no body");
+    };
+    assert_eq!(transmission, Texture::grey(0.5));
+    assert!((absorption - DVec3::new(2f64.ln(), 0.0, 0.0)).length() < 1e-7, "{absorption}");
+    assert_eq!(
+        lobes(json!({"KHR_materials_specular": {
+            "specularFactor": 0.5, "specularTexture": texture, "specularColorTexture": texture}})),
+        pbr(&format!("specular: {}, specular_color: Image(path: \"room.glb#images/0\")", image("A", 0.5)))
+    );
+    let coat = json!({"clearcoatFactor": 0.75, "clearcoatTexture": texture, "clearcoatRoughnessFactor": 0.5,
+        "clearcoatRoughnessTexture": texture, "clearcoatNormalTexture": {"index": 0, "scale": 0.5}});
+    let expected = format!(
+        "coat: {}, coat_roughness: {}, coat_normal: Image(path: \"room.glb#images/0\", channel: Rgb), coat_normal_scale: 0.5",
+        image("R", 0.75),
+        image("G", 0.5)
+    );
+    assert_eq!(lobes(json!({"KHR_materials_clearcoat": coat})), pbr(&expected));
+    let sheen =
+        json!({"sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": texture});
+    let expected = format!("sheen: Rgb(0.5, 0.25, 1), sheen_roughness: {}", image("A", 0.5));
+    assert_eq!(lobes(json!({"KHR_materials_sheen": sheen})), pbr(&expected));
+    // A quarter turn, of a metal that stays one.
+    let brushed = json!({"anisotropyStrength": 0.5, "anisotropyRotation": 1.5, "anisotropyTexture": texture});
+    let Material::Conductor { anisotropy, anisotropy_rotation, anisotropy_texture, .. } =
+        steel(json!({"extensions": {"KHR_materials_anisotropy": brushed}}))
+    else {
+        panic!("it is no metal");
+    };
+    assert_eq!((anisotropy, anisotropy_rotation), (0.5, 1.5f64.to_degrees()));
+    assert_eq!(anisotropy_texture.as_ref().and_then(Texture::image).map(String::as_str), Some("room.glb#images/0"));
+    // A factor of 0 leaves nothing of any.
+    let none = json!({"KHR_materials_clearcoat": {"clearcoatTexture": texture}, "KHR_materials_sheen": {"sheenColorTexture": texture},
+        "KHR_materials_anisotropy": {"anisotropyTexture": texture}, "KHR_materials_transmission": {"transmissionTexture": texture}});
+    assert_eq!(lobes(none), pbr(""));
+    // Metals and matt surfaces with a lobe are no plain ones.
+    let coated = steel(json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}}));
+    assert!(matches!(coated, Material::Pbr { .. }), "{coated:?}");
+    // Each placing of a texture is a set of texture coordinates.
+    let moved = json!({"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0]}}});
+    let set_of = |texture: &Texture| match texture {
+        Texture::Image { uv_set, .. } => Some(*uv_set),
+        _ => None,
+    };
+    let Material::Pbr { coat, sheen, .. } = lobes(json!({
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": texture},
+        "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenColorTexture": moved}}))
+    else {
+        panic!("it has lobes");
+    };
+    assert_eq!((set_of(&coat), set_of(&sheen)), (Some(0), Some(1)));
+}
+
+/// What is of a wrong type is an error with its place.
+#[test]
+fn broken_lobes_are_refused_with_their_path() {
+    for (extension, field, value, expected) in [
+        ("KHR_materials_clearcoat", "clearcoatFactor", json!("x"), "clearcoatFactor: expected a number"),
+        ("KHR_materials_clearcoat", "clearcoatTexture", json!({"texCoord": 0}), "clearcoatTexture: expected a texture"),
+        ("KHR_materials_sheen", "sheenColorFactor", json!([1, 2]), "sheenColorFactor: expected three numbers"),
+        ("KHR_materials_anisotropy", "anisotropyRotation", json!([]), "anisotropyRotation: expected a number"),
+    ] {
+        let json = changed("/materials/0/extensions", json!({extension: {field: value}}));
+        let error = load(&json).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(&format!("materials[0].extensions.{extension}.{expected}")), "{error}");
+    }
+    let gone = json!({"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": {"index": 7}}});
+    let error =
+        load(&changed("/materials/0/extensions", gone)).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.contains("clearcoatTexture.index: there is no texture 7"), "{error}");
+}
+
 #[test]
 fn ignored_properties_are_named_once_with_their_material() {
     assert_eq!(
@@ -336,10 +434,11 @@ fn ignored_properties_are_named_once_with_their_material() {
     };
     for (more, expected) in [
         (json!({"occlusionTexture": {"index": 0}}), "not read: occlusionTexture"),
-        (json!({"extensions": {"KHR_materials_clearcoat": {}}}), "not read: \"KHR_materials_clearcoat\""),
+        (json!({"extensions": {"KHR_materials_iridescence": {}}}), "not read: \"KHR_materials_iridescence\""),
         (
-            json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}}}),
-            "its transmissionFactor of 0.75 is taken for 1",
+            json!({"extensions": {
+                "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}}}),
+            "not read: KHR_materials_anisotropy on a pane",
         ),
         (json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, 0.5, 1]}}), "baseColorFactor is cut to 0 .. 1"),
     ] {

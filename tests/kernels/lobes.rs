@@ -4,12 +4,18 @@ use std::path::Path;
 
 use gpu_rt::bitmap::Bitmaps;
 use gpu_rt::data;
+use gpu_rt::material::microfacets::directional_albedos;
+use gpu_rt::material::sheen::sheen_albedos;
 use gpu_rt::material::{Lobe, NARROW_LOBE};
 use gpu_rt::scene::{Material, Scene};
 
-use crate::common::microfacets::{ABSORBED, In, Out, arriving, conductor, frosted, kernel, pane, uniforms};
+use crate::common::kernel::array;
+use crate::common::microfacets::{
+    ABSORBED, In, Lobes, Out, arriving, conductor, frosted, kernel, kernel_of, pane, uniforms,
+};
 use crate::common::stats::Random;
-use crate::common::vectors::{U, decades, exact};
+use crate::common::vectors::{U, decades, exact, rounded};
+use crate::pbr_lobes::ALL;
 
 const LOBES: [Lobe; 3] = [Lobe::Wide, Lobe::Narrow, Lobe::Specular];
 
@@ -26,7 +32,7 @@ fn material(text: &str) -> Material {
 /// A kind of material: its shader, what the scene file says of one with a roughness, and its row on the device.
 type Kind = (&'static str, fn(f64) -> String, fn(In, f64) -> In);
 
-const KINDS: [Kind; 6] = [
+const KINDS: [Kind; 11] = [
     (
         "conductor",
         |roughness| format!("Conductor(albedo: Rgb(0.9, 0.9, 0.9), roughness: {roughness})"),
@@ -49,6 +55,49 @@ const KINDS: [Kind; 6] = [
     ),
     ("pbr", |roughness| format!("Pbr(metallic: 0, roughness: {roughness})"), |row, roughness| pbr(row, 0.0, roughness)),
     ("pbr", |roughness| format!("Pbr(metallic: 1, roughness: {roughness})"), |row, roughness| pbr(row, 1.0, roughness)),
+    // A coat of index 3 around a mirror, whose roughness is that of the coat.
+    (
+        "pbr",
+        |roughness| format!("Pbr(metallic: 1, roughness: 0, coat: 1, coat_ior: 3, coat_roughness: {roughness})"),
+        |row, roughness| {
+            let lobes = Lobes { coat: 1.0, coat_roughness: roughness as f32, coat_f0: 0.25, ..Lobes::default() };
+            In { lobes, coat_normal: row.normal, ..pbr(row, 1.0, 0.0) }
+        },
+    ),
+    (
+        "pbr",
+        |roughness| format!("Pbr(metallic: 1, roughness: {roughness}, sheen: Rgb(1, 1, 1), sheen_roughness: 1)"),
+        |row, roughness| {
+            let lobes = Lobes { sheen: [1.0; 3], sheen_roughness: 1.0, ..Lobes::default() };
+            In { lobes, ..pbr(row, 1.0, roughness) }
+        },
+    ),
+    (
+        "pbr",
+        |roughness| format!("Pbr(metallic: 0, roughness: {roughness}, transmission: 1)"),
+        |row, roughness| {
+            let contrasts = [1.25, 1.0 / 2.25 - 1.0];
+            In { lobes: Lobes { transmission: 1.0, contrasts, ..Lobes::default() }, ..pbr(row, 0.0, roughness) }
+        },
+    ),
+    (
+        "pbr",
+        |roughness| format!("Pbr(metallic: 0, roughness: {roughness}, transmission: 0.5)"),
+        |row, roughness| {
+            let contrasts = [1.25, 1.0 / 2.25 - 1.0];
+            In { lobes: Lobes { transmission: 0.5, contrasts, ..Lobes::default() }, ..pbr(row, 0.0, roughness) }
+        },
+    ),
+    // Rougher along a direction by so little that lobes may still be narrow. The device makes none of them smooth.
+    (
+        "conductor",
+        |roughness| format!("Conductor(albedo: Rgb(0.9, 0.9, 0.9), roughness: {roughness}, anisotropy: 0.1)"),
+        |row, roughness| {
+            let tangent = rounded(exact(row.normal).any_orthonormal_vector());
+            let lobes = Lobes { anisotropy: 0.01, ..Lobes::default() };
+            In { lobes, tangent, ..conductor(row, roughness.max(1.0 / 1024.0), None) }
+        },
+    ),
 ];
 
 fn pbr(row: In, metallic: f32, roughness: f64) -> In {
@@ -80,7 +129,9 @@ fn the_host_knows_the_lobes_that_kernels_draw_from() {
                 In { front, u: uniforms(&mut random, usize::MAX), ..row(arriving(&mut random, cos), roughness) }
             })
             .collect();
-        let found = kernel(shader, 1, &[]).run::<_, Out>(&rows);
+        let table: Vec<[f32; 4]> = directional_albedos().into_iter().chain(sheen_albedos()).collect();
+        let kernel = kernel_of(shader, 1, &[], &ALL);
+        let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[array("directional_albedos", &table)]);
         for (roughness, answers) in roughnesses.iter().zip(found.chunks(DRAWS)) {
             let material = material(&text(*roughness));
             let known = material.lobes(&Bitmaps::default());

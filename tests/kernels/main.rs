@@ -8,6 +8,7 @@
 mod common;
 
 mod angle;
+mod anisotropy;
 mod backends;
 mod bounds;
 mod camera;
@@ -27,6 +28,7 @@ mod materials;
 mod medium;
 mod meshes;
 mod pbr;
+mod pbr_lobes;
 mod perlin;
 mod probe;
 mod quad;

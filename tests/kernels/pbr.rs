@@ -17,13 +17,13 @@ use crate::common::vectors::{U, decades, exact, rounded, unit};
 const ALPHA: f64 = 1e-6;
 const DRAWS: usize = 1 << 18;
 /// Cells of directions, all of the same solid angle.
-const RINGS: usize = 23;
-const SECTORS: usize = 17;
+pub const RINGS: usize = 23;
+pub const SECTORS: usize = 17;
 
 /// The F90 of a row without a layer of its own.
-const NO_LAYER: f32 = -1.0;
+pub const NO_LAYER: f32 = -1.0;
 
-fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
+pub fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
     let material = data::Material {
         parameter: roughness as f32,
         contrast_outside: ((ior - 1.0) / (ior + 1.0)).powi(2) as f32,
@@ -34,7 +34,7 @@ fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
 }
 
 /// What the layer reflects: by KHR_materials_specular if the row has a layer of its own, else by appendix B.
-fn layer(row: &In, cosine: f64) -> [f64; 3] {
+pub fn layer(row: &In, cosine: f64) -> [f64; 3] {
     let [f0, f90] = match row.f90 == NO_LAYER {
         true => [[f64::from(row.material.contrast_outside); 3], [1.0; 3]],
         false => [row.f0.map(f64::from), [f64::from(row.f90); 3]],
@@ -43,13 +43,13 @@ fn layer(row: &In, cosine: f64) -> [f64; 3] {
 }
 
 /// The formula of appendix B: value per channel with the cosine, and the densities of microfacets and of the cosine.
-struct Formula {
-    value: [f64; 3],
-    facets: f64,
-    cosine: f64,
+pub struct Formula {
+    pub value: [f64; 3],
+    pub facets: f64,
+    pub cosine: f64,
 }
 
-fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
+pub fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
     let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
     let metallic = f64::from(row.material.contrast_inside);
     let (cos_view, cos_light) = (view.dot(normal), direction.dot(normal));
@@ -71,8 +71,8 @@ fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
     Formula { value, facets: visible(facet, view, normal, alpha) / (4.0 * cos_facet), cosine: cos_light / PI }
 }
 
-/// The probability of a microfacet, as the shader has it.
-fn share_of_facets(row: &In, cos_view: f64) -> f64 {
+/// About what comes back by microfacets and by the matt body, the sum of the channels.
+pub fn brightness(row: &In, cos_view: f64) -> (f64, f64) {
     let metallic = f64::from(row.material.contrast_inside);
     let layer = layer(row, cos_view);
     let (mut facets, mut matt) = (0.0, 0.0);
@@ -80,11 +80,18 @@ fn share_of_facets(row: &In, cos_view: f64) -> f64 {
         facets += (1.0 - metallic) * layer + metallic * schlick(cos_view, base);
         matt += (1.0 - metallic) * (1.0 - layer) * base;
     }
+    (facets, matt)
+}
+
+/// The probability of a microfacet, as the shader has it.
+pub fn share_of_facets(row: &In, cos_view: f64) -> f64 {
+    let metallic = f64::from(row.material.contrast_inside);
+    let (facets, matt) = brightness(row, cos_view);
     if metallic == 1.0 || row.colour == [0.0; 3] { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
 }
 
 /// Calls with the cell, the direction and the solid angle of many directions over the hemisphere around z.
-fn hemisphere(mut add: impl FnMut(usize, DVec3, f64)) {
+pub fn hemisphere(mut add: impl FnMut(usize, DVec3, f64)) {
     const STEPS: usize = 24;
     let (rings, sectors) = (RINGS * STEPS, SECTORS * STEPS);
     for ring in 0..rings {
@@ -99,7 +106,7 @@ fn hemisphere(mut add: impl FnMut(usize, DVec3, f64)) {
     }
 }
 
-fn cell(direction: DVec3) -> usize {
+pub fn cell(direction: DVec3) -> usize {
     let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
     bin(direction.z, RINGS) * SECTORS + bin((direction.y.atan2(direction.x) + PI) / TAU, SECTORS)
 }

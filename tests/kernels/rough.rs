@@ -568,7 +568,7 @@ fn boundary_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<
 }
 
 /// The value and the density in f64, how much of either f32 may be off, and the share that the light reaches too.
-fn boundary_response(row: &In, direction: DVec3) -> (f64, f64, f64, f64) {
+pub fn boundary_response(row: &In, direction: DVec3) -> (f64, f64, f64, f64) {
     let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
     let eta = eta_of(row);
     let cos_light = direction.dot(normal);
@@ -807,9 +807,9 @@ fn pane_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> 
 }
 
 /// The share that a smooth boundary reflects at a cosine, for an index.
-type Reflectance = fn(f64, f64) -> f64;
+pub type Reflectance = fn(f64, f64) -> f64;
 
-fn fresnel_of_a_pane(cos: f64, eta: f64) -> f64 {
+pub fn fresnel_of_a_pane(cos: f64, eta: f64) -> f64 {
     if eta == 1.0 { 0.0 } else { fresnel(cos, eta).0 }
 }
 
@@ -818,7 +818,7 @@ fn schlick_of_a_pane(cos: f64, eta: f64) -> f64 {
 }
 
 /// As of a rough boundary.
-fn pane_response(row: &In, direction: DVec3, reflectance: Reflectance) -> (f64, f64, f64, f64) {
+pub fn pane_response(row: &In, direction: DVec3, reflectance: Reflectance) -> (f64, f64, f64, f64) {
     let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
     let eta = index_of(row);
     let (height, mirrored) = (direction.dot(normal), before_the_pane(direction, normal));

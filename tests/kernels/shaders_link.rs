@@ -14,6 +14,17 @@ use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, Render
 use gpu_rt::plan::choices::ALTERNATIVES;
 use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
 
+/// The extensions of glTF's material that are lobes, or change those that it has.
+const LOBES_OF_PBR: [&[ExtensionKind]; 7] = [
+    &[ExtensionKind::SpecularShare],
+    &[ExtensionKind::Transmission],
+    &[ExtensionKind::Coat],
+    &[ExtensionKind::Coat, ExtensionKind::CoatRoughness, ExtensionKind::CoatNormal],
+    &[ExtensionKind::Coat, ExtensionKind::CoatNormal, ExtensionKind::Emission],
+    &[ExtensionKind::Sheen],
+    &[ExtensionKind::Sheen, ExtensionKind::SheenRoughness, ExtensionKind::Coat, ExtensionKind::Transmission],
+];
+
 /// Numbers of backgrounds.
 const SOLID: usize = 0;
 const IMAGE: usize = 2;
@@ -167,7 +178,20 @@ fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
     let surfaces = varying(
         surfaces,
-        &[ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Multiscatter, ExtensionKind::Specular],
+        &[
+            ExtensionKind::Roughness,
+            ExtensionKind::Metallic,
+            ExtensionKind::Multiscatter,
+            ExtensionKind::Specular,
+            ExtensionKind::SpecularShare,
+            ExtensionKind::Transmission,
+            ExtensionKind::Coat,
+            ExtensionKind::CoatRoughness,
+            ExtensionKind::CoatNormal,
+            ExtensionKind::Sheen,
+            ExtensionKind::SheenRoughness,
+            ExtensionKind::Anisotropy,
+        ],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
     with_extension(covered(emissive(coloured(lit, true, true))), ExtensionKind::Normal)
@@ -343,6 +367,25 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let both = varying(layered.clone(), &[ExtensionKind::Multiscatter]);
         found.extend([layered.clone(), lit(layered, 1, false), lit(both, 0, true)]);
     }
+    // What glTF's material has around its base: each alone, and with all materials.
+    for kinds in LOBES_OF_PBR {
+        for set in [bits_of(|own| own.extensions.contains(&ExtensionKind::Coat)), materials] {
+            let own = varying(features(1 << KIND_TRIANGLE, set, 0, SOLID, false), kinds);
+            found.extend([own.clone(), lit(smooth(own.clone()), 1 << KIND_TRIANGLE, false), lit(own, 0, true)]);
+            let ball = varying(features(1, set, textures, SOLID, false), kinds);
+            found.extend([lit(ball.clone(), 1, false), lit(ball, 0, true)]);
+        }
+    }
+    // Anisotropic microfacets on each shape, flat and smooth meshes: of each material that may have them, and of all.
+    for shapes in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]) {
+        for set in [bits_of(|own| own.shader == "conductor"), materials] {
+            let own = varying(features(shapes, set, textures, SOLID, false), &[ExtensionKind::Anisotropy]);
+            found.extend([own.clone(), lit(own.clone(), shapes, false)]);
+            if shapes >> KIND_TRIANGLE & 1 == 1 {
+                found.push(lit(smooth(with_tables(own, true)), 0, true));
+            }
+        }
+    }
     // Coloured glass, smooth and rough, alone and beside the other materials.
     for set in [bits_of(|kind| kind.is_transmissive), materials] {
         for (tinted, absorbing) in [(true, false), (false, true), (true, true)] {
@@ -517,15 +560,22 @@ fn check_combination(
                     .into_iter()
                     .any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
             };
+            // The glass of glTF's material is that of others.
+            let has_share = features.extensions[ExtensionKind::Transmission as usize].iter().any(Option::is_some);
+            let mut materials = features.materials.clone();
+            for (used, kind) in materials.iter_mut().zip(Material::KINDS) {
+                let is_glass = ["rough_dielectric", "thin_dielectric"].contains(&kind.shader);
+                *used = used.clone().or((has_share && is_glass).then(String::new));
+            }
             let lacking = [
                 unused(PRIMITIVES, &features.primitives, "geometry"),
-                unused(MATERIALS, &features.materials, "material"),
+                unused(MATERIALS, &materials, "material"),
                 unused(TEXTURES, &features.textures, "texture"),
                 unused(FORMATS, &features.texel_formats, "texel"),
             ];
             // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
-            let glass =
-                (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
+            let glass = has_share
+                || (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
             for (module, is_requested) in [
                 ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
                 ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
@@ -604,7 +654,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("tangent", &["data", "lib"]),
     ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
-    ("material", &["choice/multiscatter", "data", "geometry", "lib", "material"]),
+    ("material", &["choice/multiscatter", "scene/sheen_albedo", "data", "geometry", "lib", "material"]),
     ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib", "motion"]),
@@ -634,7 +684,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
     ("slots", &["aov", "bind", "data", "generated", "lib", "scene", "slots"]),
     ("aov", &["aov", "bind", "camera", "data", "scene", "step"]),
-    ("extension", &["bind", "data"]),
+    ("extension", &["bind", "data", "lib"]),
     ("null", &["data", "lib", "light"]),
     (
         "step",
@@ -704,6 +754,13 @@ const CHOICES: &[(&str, &str)] = &[
     ("second_parts", "scene"),
     ("multiscatter", "scene"),
     ("layer", "material"),
+    ("transmission", "material"),
+    ("sheen", "material"),
+    ("facets", "material"),
+    ("facet_tangent", "scene"),
+    ("coat", "material"),
+    ("coat_normal", "scene"),
+    ("light_coat", "scene"),
     ("tint", "scene"),
     ("absorption", "scene"),
     ("coverage", "scene"),

@@ -2,6 +2,9 @@
 //@ use sampler/independent
 //@ use material/${material}
 //@ use material/${material}_eval
+//@ use choice/transmission
+//@ use choice/sheen
+//@ use choice/coat
 // The answer to a ray of a material with two parts, and its response to a direction: the one given, or its own answer. For the
 // uniforms given, or many times for the rows' own.
 struct In {
@@ -19,6 +22,11 @@ struct In {
     second: Material,
     f0: vec3<f32>,
     f90: f32,
+    lobes: Lobes,
+    coat_normal: vec3<f32>,
+    padding2: u32,
+    tangent: vec3<f32>,
+    padding3: u32,
 }
 
 struct Out {
@@ -43,14 +51,23 @@ const KEYED: bool = ${keyed};
 fn run(row: u32) {
     let given = input[row / TIMES];
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
-    let hit = Interaction(
-        given.incoming, given.normal, given.front != 0u, given.colour, given.second,
-        given.compensation, given.f0, given.f90,
-    );
+    var hit: Interaction;
+    hit.incoming = given.incoming;
+    hit.normal = given.normal;
+    hit.front = given.front != 0u;
+    hit.colour = given.colour;
+    hit.second = given.second;
+    hit.compensation = given.compensation;
+    hit.f0 = given.f0;
+    hit.f90 = given.f90;
+    hit.lobes = given.lobes;
+    hit.coat_normal = given.coat_normal;
+    hit.tangent = given.tangent;
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
     let response = ${material}_eval(given.material, hit, light);
-    let spreads = ${material}_is_non_specular(given.material);
+    let mixed = transmission_spreads(given.material, given.lobes, ${material}_is_non_specular(given.material));
+    let spreads = coat_spreads(given.lobes, sheen_spreads(given.lobes, mixed));
     output[row] = Out(
         scattered.direction, scattered.event, scattered.weight, response.pdf, response.value, select(0u, 1u, spreads),
         scattered.lobe, response.narrow, vec2<u32>());

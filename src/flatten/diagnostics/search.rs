@@ -29,7 +29,7 @@ impl<'a> Search<'a> {
         let role = |(_, material): &(String, Material)| {
             let emission = material.model().emission();
             Role {
-                transmissive: material.kind().is_transmissive,
+                transmissive: material.is_transmissive(),
                 light: emission.is_some_and(|emission| emission.slot.texture.brightest(&scene.bitmaps) > 0.0),
                 one_sided: emission.is_some_and(|emission| !emission.two_sided),
             }

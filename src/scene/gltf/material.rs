@@ -10,7 +10,7 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::{File, GltfError, Result, decimal, path_of_uri};
+use super::{File, GltfError, Result, decimal, lobes, path_of_uri};
 use crate::bitmap::Channel;
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
@@ -90,9 +90,19 @@ pub struct Glass {
     pub colour_of_body: bool,
 }
 
-/// Whether a material becomes glass.
+/// Whether a material is glass, or has a share of it.
 pub fn is_glass(given: &Given) -> bool {
-    model(given) == Model::Glass
+    model(given) == Model::Glass || has_a_share_of_glass(given)
+}
+
+fn has_a_share_of_glass(given: &Given) -> bool {
+    model(given) == Model::Surface && transmission(given) > 0.0
+}
+
+/// The factor of its transmission, cut to 0..1.
+fn transmission(given: &Given) -> f64 {
+    let transmission = given.extensions.as_ref().and_then(|found| found.transmission.as_ref());
+    transmission.map_or(0.0, |transmission| decimal(transmission.transmission_factor.0).clamp(0.0, 1.0))
 }
 
 /// The thickness that KHR_materials_volume gives, if it is there. 0 stands for a pane.
@@ -111,8 +121,18 @@ pub fn default_material(of_blender: bool, vertex_colors: bool) -> Material {
         metallic,
         roughness,
         ior: 1.5,
-        specular: 1.0,
+        specular: Texture::grey(1.0),
         specular_color: Texture::grey(1.0),
+        transmission: Texture::grey(0.0),
+        solid: false,
+        absorption: None,
+        coat: Texture::grey(0.0),
+        coat_roughness: Texture::grey(0.0),
+        coat_ior: 1.5,
+        coat_normal: None,
+        coat_normal_scale: 1.0,
+        sheen: Texture::grey(0.0),
+        sheen_roughness: Texture::grey(0.0),
         multiscatter: false,
         emission,
         alpha,
@@ -120,6 +140,9 @@ pub fn default_material(of_blender: bool, vertex_colors: bool) -> Material {
         vertex_colors,
         // It is opaque, so that vertices have none.
         vertex_alpha: false,
+        anisotropy: 0.0,
+        anisotropy_rotation: 0.0,
+        anisotropy_texture: None,
         normal,
         normal_scale,
     }
@@ -143,12 +166,15 @@ fn emission(given: &Given) -> Colour {
 fn model(given: &Given) -> Model {
     let pbr = &given.pbr_metallic_roughness;
     let [r, g, b, _] = pbr.base_color_factor.0;
-    let transmission = given.extensions.as_ref().and_then(|found| found.transmission.as_ref());
+    let of_glass = given.extensions.as_ref().and_then(|found| found.transmission.as_ref());
+    let varies = of_glass.is_some_and(|transmission| transmission.transmission_texture.is_some());
     if given.extensions.as_ref().is_some_and(|found| found.unlit.is_some()) {
         Model::Unlit
+    } else if lobes::has_lobes(given) {
+        Model::Surface
     } else if emission(given).max_element() > 0.0 && [r, g, b] == [0.0; 3] {
         Model::Light
-    } else if transmission.is_some_and(|transmission| transmission.transmission_factor.0 >= 0.5) {
+    } else if transmission(given) == 1.0 && !varies {
         Model::Glass
     } else {
         Model::Surface
@@ -197,10 +223,47 @@ fn normal_texture(given: &Given) -> Option<Named<'_>> {
     Some(("normalTexture", Cow::Owned(info)))
 }
 
+/// A texture of an extension that `Pbr` alone reads.
+fn lobe_texture<'a>(given: &Given, field: &'static str, info: Option<&'a Info>) -> Option<Named<'a>> {
+    info.filter(|_| model(given) == Model::Surface).map(|info| (field, Cow::Borrowed(info)))
+}
+
+fn specular_texture(given: &Given) -> Option<Named<'_>> {
+    let specular = given.extensions.as_ref()?.specular.as_ref().filter(|it| it.specular_factor.0 > 0.0)?;
+    lobe_texture(given, "extensions.KHR_materials_specular.specularTexture", specular.specular_texture.as_ref())
+}
+
+fn specular_color_texture(given: &Given) -> Option<Named<'_>> {
+    let specular = given.extensions.as_ref()?.specular.as_ref().filter(|it| it.specular_factor.0 > 0.0)?;
+    let field = "extensions.KHR_materials_specular.specularColorTexture";
+    lobe_texture(given, field, specular.specular_color_texture.as_ref())
+}
+
+fn transmission_texture(given: &Given) -> Option<Named<'_>> {
+    let transmission = given.extensions.as_ref()?.transmission.as_ref();
+    let transmission = transmission.filter(|it| it.transmission_factor.0 > 0.0)?;
+    let field = "extensions.KHR_materials_transmission.transmissionTexture";
+    lobe_texture(given, field, transmission.transmission_texture.as_ref())
+}
+
+/// The textures of the lobes that the crate does not read, in their order.
+const OF_LOBES: [&str; 6] = [
+    "clearcoatTexture",
+    "clearcoatRoughnessTexture",
+    "clearcoatNormalTexture",
+    "sheenColorTexture",
+    "sheenRoughnessTexture",
+    "anisotropyTexture",
+];
+
 /// The textures that a material of ours has.
 fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
     let of_colour = base_texture(given).into_iter().chain(emissive_texture(given));
-    of_colour.chain(number_texture(given)).chain(normal_texture(given))
+    let of_base = of_colour.chain(number_texture(given)).chain(normal_texture(given));
+    let of_layer = specular_texture(given).into_iter().chain(specular_color_texture(given));
+    let of_lobe = |name: &&'static str| Some((lobes::field_of(name), Cow::Owned(lobes::texture(given, name)?)));
+    let of_lobes = OF_LOBES.iter().filter(|_| model(given) == Model::Surface).filter_map(of_lobe);
+    of_base.chain(of_layer).chain(transmission_texture(given)).chain(of_lobes)
 }
 
 /// The sets of texture coordinates that the meshes of a material have: each placing of its textures once, in their order.
@@ -254,7 +317,12 @@ impl File {
 
     /// Whether a primitive's material has a normal map.
     pub fn has_normal_map(&self, mesh: usize, primitive: usize) -> Result<bool> {
-        Ok(self.material_of(mesh, primitive)?.is_some_and(|given| normal_texture(given).is_some()))
+        let has_map = |given: &Given| {
+            normal_texture(given).is_some()
+                || lobes::texture(given, "clearcoatNormalTexture").is_some()
+                || lobes::anisotropy(given) > 0.0
+        };
+        Ok(self.material_of(mesh, primitive)?.is_some_and(has_map))
     }
 
     /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
@@ -269,6 +337,7 @@ impl File {
         let given = self.root().materials.get(index);
         let given = given.ok_or_else(|| GltfError::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
+        lobes::check(given, &at)?;
         let pbr = &given.pbr_metallic_roughness;
         // What is not as the file says.
         let mut found: Vec<String> = Vec::new();
@@ -293,7 +362,26 @@ impl File {
             _ => texture(image(emissive_texture(given))?, radiance(emission(given)), None),
         };
         let of_numbers = image(number_texture(given))?;
+        let [of_specular, of_specular_color, of_transmission] = [
+            image(specular_texture(given))?,
+            image(specular_color_texture(given))?,
+            image(transmission_texture(given))?,
+        ];
+        let mut of_lobe = |name: &str| -> Result<Option<(String, u32)>> {
+            let Some(info) = lobes::texture(given, name) else { return Ok(None) };
+            image(Some((lobes::field_of(name), Cow::Owned(info))))
+        };
+        let has_anisotropy = lobes::anisotropy(given) > 0.0;
+        let (anisotropy, anisotropy_rotation) = match has_anisotropy {
+            true => (lobes::anisotropy(given), lobes::anisotropy_rotation(given)),
+            false => (0.0, 0.0),
+        };
+        let of_anisotropy = of_lobe("anisotropyTexture")?;
+        let coat_map = of_lobe("clearcoatNormalTexture")?;
+        let [of_coat, of_coat_roughness] = [of_lobe("clearcoatTexture")?, of_lobe("clearcoatRoughnessTexture")?];
+        let [of_sheen, of_sheen_roughness] = [of_lobe("sheenColorTexture")?, of_lobe("sheenRoughnessTexture")?];
         let normal = image(normal_texture(given))?.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
+        let anisotropy_texture = of_anisotropy.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
         let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
         let normal_scale = if normal.is_some() { scale } else { 1.0 };
         let number = |factor: f64, channel| {
@@ -317,12 +405,15 @@ impl File {
         // What is unlit has its base colour and nothing else.
         let extensions = given.extensions.as_ref().filter(|_| model != Model::Unlit);
         let specular = extensions.and_then(|found| found.specular.as_ref());
-        let transmission = extensions.and_then(|found| found.transmission.as_ref());
-        let share = transmission.map_or(0.0, |transmission| decimal(transmission.transmission_factor.0));
-        if share > 0.0 && share < 1.0 {
-            found.push(format!("its transmissionFactor of {share} is taken for {}", share.round()));
-        }
-        let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0);
+        // A factor of 0 leaves nothing of a texture.
+        let share_of = |image: Option<(String, u32)>, factor: f64, channel| {
+            texture(image.filter(|_| factor != 0.0), Colour::splat(factor), Some(channel))
+        };
+        let transmission = share_of(of_transmission, transmission(given), Channel::R);
+        let is_glassy = transmission != Texture::grey(0.0);
+        let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0)
+            && !is_glassy
+            && !lobes::has_lobes(given);
         let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
         found.extend((!has_ior).then(|| format!("its ior of {ior} is taken for 1.5")));
@@ -343,15 +434,39 @@ impl File {
                 let absorption = volume.and_then(absorption);
                 match glass.is_solid {
                     false => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
-                    true if is_smooth && normal.is_none() => Material::Dielectric { ior, transmittance, absorption },
-                    true => {
-                        Material::RoughDielectric { ior, roughness, transmittance, absorption, normal, normal_scale }
+                    true if is_smooth && normal.is_none() && !has_anisotropy => {
+                        Material::Dielectric { ior, transmittance, absorption }
                     }
+                    true => Material::RoughDielectric {
+                        ior,
+                        roughness,
+                        transmittance,
+                        absorption,
+                        anisotropy,
+                        anisotropy_rotation,
+                        anisotropy_texture,
+                        normal,
+                        normal_scale,
+                    },
                 }
             }
-            Model::Surface if is_metal && emission.is_none() && is_opaque && !vertex_colors => {
+            // Of a metal nothing is glass.
+            Model::Surface
+                if is_metal && emission.is_none() && is_opaque && !vertex_colors && !lobes::has_lobes(given) =>
+            {
                 let (albedo, multiscatter) = (Some(color), false);
-                Material::Conductor { albedo, eta: None, k: None, roughness, multiscatter, normal, normal_scale }
+                Material::Conductor {
+                    albedo,
+                    eta: None,
+                    k: None,
+                    roughness,
+                    multiscatter,
+                    anisotropy,
+                    anisotropy_rotation,
+                    anisotropy_texture,
+                    normal,
+                    normal_scale,
+                }
             }
             // A DiffuseLight has no alpha.
             _ if is_light || is_unlit || is_matt && is_no_metal => {
@@ -370,20 +485,40 @@ impl File {
                 }
             }
             _ => {
-                let (specular, ior, Colour { x, y, z }) = specular.map_or((1.0, ior, Colour::ONE), |it| layer(it, ior));
+                let (specular, ior, layer_color) = specular.map_or((1.0, ior, Colour::ONE), |it| layer(it, ior));
+                let volume = extensions.and_then(|found| found.volume.as_ref());
+                let solid = glass.is_solid && is_glassy;
+                let is_tinted = color.plain() != Some(Colour::ONE);
+                found
+                    .extend((is_glassy && glass.colour_of_body && is_tinted).then(|| {
+                        "both surfaces of its glass have the base colour, so that it counts twice".to_owned()
+                    }));
                 Material::Pbr {
                     base_color: color,
                     metallic,
                     roughness,
                     ior,
-                    specular,
-                    specular_color: Texture::Rgb(x, y, z),
+                    specular: share_of(of_specular, specular, Channel::A),
+                    specular_color: texture(of_specular_color, layer_color, None),
+                    transmission,
+                    solid,
+                    absorption: volume.filter(|_| solid).and_then(absorption),
+                    coat: share_of(of_coat, lobes::coat(given), Channel::R),
+                    coat_roughness: share_of(of_coat_roughness, lobes::coat_roughness(given), Channel::G),
+                    coat_ior: 1.5,
+                    coat_normal_scale: if coat_map.is_some() { lobes::coat_normal_scale(given) } else { 1.0 },
+                    coat_normal: coat_map.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb))),
+                    sheen: texture(of_sheen, lobes::sheen(given), None),
+                    sheen_roughness: share_of(of_sheen_roughness, lobes::sheen_roughness(given), Channel::A),
                     multiscatter: false,
                     emission,
                     alpha,
                     alpha_cutoff,
                     vertex_colors,
                     vertex_alpha,
+                    anisotropy,
+                    anisotropy_rotation,
+                    anisotropy_texture,
                     normal,
                     normal_scale,
                 }
@@ -393,13 +528,12 @@ impl File {
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let unread = [
             has(model == Model::Glass && emits, "emissiveFactor"),
+            has(model == Model::Glass && !glass.is_solid && has_anisotropy, "KHR_materials_anisotropy on a pane"),
             has(model == Model::Glass && specular.is_some_and(changes_the_layer), "KHR_materials_specular"),
             has(!is_light && !is_unlit && given.occlusion_texture.is_some(), "occlusionTexture"),
-            has(specular.is_some_and(|it| it.specular_texture.is_some()), "specularTexture"),
-            has(specular.is_some_and(|it| it.specular_color_texture.is_some()), "specularColorTexture"),
-            has(transmission.is_some_and(|it| it.transmission_texture.is_some()), "transmissionTexture"),
         ];
-        let others = extensions.into_iter().flat_map(|found| found.others.keys().map(|name| quote(name.as_bytes())));
+        let others = extensions.into_iter().flat_map(|found| found.others.keys());
+        let others = others.filter(|name| !lobes::is_read(name)).map(|name| quote(name.as_bytes()));
         let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
         found.extend((!unread.is_empty()).then(|| format!("not read: {}", unread.join(", "))));
         if !found.is_empty() {

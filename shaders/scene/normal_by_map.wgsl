@@ -1,0 +1,67 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/primitive
+//@ use data/surface
+//@ use bind/frames
+//@ use bind/materials
+//@ use lib/bent_back
+//@ use lib/tangents
+//@ each primitive
+//@ use bind/${name}s
+//@ use choice/moved_${name}
+//@ use tangent/${name}
+//@ end
+//@ if mesh
+//@ use bind/instances
+//@ use choice/moved_instance
+//@ use scene/at_run_time
+//@ use scene/mesh_tangents
+//@ end
+//@ if uv_tables
+//@ use scene/mesh_normal_map
+//@ end
+// The normal that an image has for a finer surface.
+
+fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
+        //@ each primitive
+        ${case}: {
+            let moved = moved_${name}(${name}s[index], surface.pose);
+            return ${name}_tangents_with(${name}_tangents(${name}_unturned(surface), moved, frame), surface.pose);
+        }
+        //@ end
+        //@ if mesh
+        default: {
+            return mesh_tangents(moved_instance(instances[at_run_time(hit.instance)], surface.pose), index);
+        }
+        //@ end
+    }
+}
+
+// The unit vector that this row of the table of materials has in the axes of its texture coordinates and the normal `outward`.
+fn vector_by_row(row: u32, mapped: vec3<f32>, outward: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
+    //@ if uv_tables
+    if primitive_kind(hit.code) == KIND_TRIANGLE {
+        return normal_on_mesh(mapped, outward, hit, surface, frames[surface.frame + materials[row].kind].phase);
+    }
+    //@ end
+    return normal_of_map(mapped, outward, tangents_at(hit, surface, frames[surface.frame + materials[row].kind]));
+}
+
+// Returns the normal by the map of this row. `shading` is the normal without the map, on the side from which the ray comes, and `code` is the
+// map's texel.
+fn normal_by_map(
+    row: u32,
+    hit: Hit,
+    surface: Surface,
+    incoming: vec3<f32>,
+    shading: vec3<f32>,
+    front: bool,
+    code: vec3<f32>,
+) -> vec3<f32> {
+    let scale = materials[row].parameter;
+    let mapped = (2.0 * code - 1.0) * vec3<f32>(scale, scale, 1.0);
+    let bumped = vector_by_row(row, mapped, select(-shading, shading, front), hit, surface);
+    return bent_back(select(-bumped, bumped, front), incoming, shading);
+}

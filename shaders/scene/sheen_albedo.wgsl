@@ -1,0 +1,26 @@
+//@ use bind/directional_albedos
+//@ use lib/charlie
+// The directional albedo of white sheen, interpolated in a table behind that of rough metals. It is nowhere less than the true one.
+
+// The size of the table, and where it begins (src/material/sheen.rs).
+const SHEEN_ROWS: u32 = 32u;
+const SHEEN_COLUMNS: u32 = 32u;
+const SHEEN_BEGIN: u32 = 1024u;
+
+fn sheen_albedo(cosine: f32, roughness: f32) -> f32 {
+    let rough = (max(roughness, LEAST_SHEEN_ROUGHNESS) - LEAST_SHEEN_ROUGHNESS) / (1.0 - LEAST_SHEEN_ROUGHNESS);
+    let x = sqrt(sqrt(cosine)) * f32(SHEEN_COLUMNS - 1u);
+    let y = sqrt(rough) * f32(SHEEN_ROWS - 1u);
+    let column = min(u32(x), SHEEN_COLUMNS - 2u);
+    let row = min(u32(y), SHEEN_ROWS - 2u);
+    let at = SHEEN_BEGIN + row * SHEEN_COLUMNS + column;
+    let below = at + SHEEN_COLUMNS;
+    let right = x - f32(column);
+    let upper = mix(sheen_albedo_at(at), sheen_albedo_at(at + 1u), right);
+    let lower = mix(sheen_albedo_at(below), sheen_albedo_at(below + 1u), right);
+    return mix(upper, lower, y - f32(row));
+}
+
+fn sheen_albedo_at(index: u32) -> f32 {
+    return directional_albedos[index / 4u][index % 4u];
+}

@@ -1,0 +1,820 @@
+//! What glTF's material has around its base: its lobes against their formulas in f64, their directions against their densities, and the light
+//! that they keep.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
+
+use glam::DVec3;
+
+use gpu_rt::material::microfacets::directional_albedos;
+use gpu_rt::material::sheen::sheen_albedos;
+
+use crate::common::kernel::{Kernel, array};
+use crate::common::microfacets::{
+    ABSORBED, In, Lobes, Out, SCATTERED, SPECULAR, arriving, axes, density, kernel_of, masking, planted_kernel,
+    schlick, shadowing, uniforms, visible, within,
+};
+use crate::common::oracles::fresnel;
+use crate::common::rows::glass;
+use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::vectors::{U, decades, exact, rounded, unit};
+use crate::pbr::{
+    Formula, NO_LAYER, RINGS, SECTORS, brightness, cell, formula, hemisphere, layer, pbr, share_of_facets,
+};
+use crate::rough::{boundary_response, fresnel_of_a_pane, pane_response};
+
+/// False-alarm rate of each test here.
+const ALPHA: f64 = 1e-6;
+const DRAWS: usize = 1 << 18;
+/// The modules of all lobes.
+pub const ALL: [&str; 4] =
+    ["material/pbr_transmission", "material/pbr_sheen", "material/pbr_coat", "material/anisotropic_facets"];
+
+/// The table of the kernels: that of rough metals, and that of sheen behind it.
+fn table() -> &'static [[f32; 4]] {
+    static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
+    TABLE.get_or_init(|| directional_albedos().into_iter().chain(sheen_albedos()).collect())
+}
+
+fn run(kernel: &Kernel, rows: &[In]) -> Vec<Out> {
+    kernel.run_with(rows, rows.len(), &[array("directional_albedos", table())])
+}
+
+/// A row with a share of glass: a solid, or a pane.
+fn glassy(row: In, share: f64, ior: f64, is_solid: bool) -> In {
+    let glass = glass(ior);
+    let contrasts = [glass.contrast_outside, glass.contrast_inside];
+    let ior = if is_solid { ior as f32 } else { 0.0 };
+    In { lobes: Lobes { transmission: share as f32, ior, contrasts, ..row.lobes }, ..row }
+}
+
+/// The BSDF times cosine, the density of directions, and how much f32 may be off: of the value by channel, and of the density.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bsdf {
+    value: [f64; 3],
+    pdf: f64,
+    off: [f64; 3],
+    pdf_off: f64,
+    /// f32 has no digits here.
+    is_unknown: bool,
+}
+
+/// `1 - weight` of one, and `weight` of another, drawn with the probability `share`; each of the two with what it is off by.
+fn mixed(inner: Bsdf, outer: Bsdf, (weight, weight_off): (f64, f64), (share, share_off): (f64, f64)) -> Bsdf {
+    let by = |a: f64, b: f64, share: f64| (1.0 - share) * a + share * b;
+    let rounded = 8.0 * U;
+    let value = [0, 1, 2].map(|c| by(inner.value[c], outer.value[c], weight));
+    let pdf = by(inner.pdf, outer.pdf, share);
+    Bsdf {
+        value,
+        pdf,
+        off: [0, 1, 2].map(|c| {
+            by(inner.off[c], outer.off[c], weight) + rounded * value[c] + weight_off * (inner.value[c] + outer.value[c])
+        }),
+        pdf_off: by(inner.pdf_off, outer.pdf_off, share) + rounded * pdf + share_off * (inner.pdf + outer.pdf),
+        is_unknown: inner.is_unknown || outer.is_unknown,
+    }
+}
+
+/// The base, with the limits of pbr.rs.
+fn base(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
+    let cos_view = view.dot(normal);
+    if direction.dot(normal) < 4.0 * U {
+        return Bsdf { is_unknown: direction.dot(normal) > -4.0 * U, ..Bsdf::default() };
+    }
+    let is_smooth = row.material.parameter < 1.0 / 1024.0;
+    let Formula { value, facets, cosine } = match is_smooth {
+        // Without its microfacets.
+        true => {
+            let cosine = direction.dot(normal).max(0.0) / PI;
+            let passed = 1.0 - layer(row, view.dot((view + direction).normalize())).into_iter().fold(0.0, f64::max);
+            let matt = (1.0 - f64::from(row.material.contrast_inside)) * passed * cosine;
+            Formula { value: row.colour.map(|base| f64::from(base) * matt), facets: 0.0, cosine }
+        }
+        false => formula(row, view, normal, direction),
+    };
+    let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
+    let share = share_of_facets(row, cos_view);
+    let pdf = share * facets + (1.0 - share) * cosine;
+    let turned = 4.0 * U / (view + direction).length();
+    let light = direction.dot(normal).abs().max(1e-9);
+    let of_alpha = if is_smooth { 0.0 } else { 4.0 * turned / alpha };
+    let limit = 96.0 * U + of_alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
+    let white = facets * shadowing(cos_view, light, alpha) / masking(cos_view, alpha) + cosine;
+    Bsdf {
+        value,
+        pdf,
+        off: value.map(|value| limit * value + 5.0 * turned * white),
+        pdf_off: limit * pdf + 5.0 * turned * pdf,
+        is_unknown: light < 4.0 * U,
+    }
+}
+
+fn is_rough_glass(row: &In) -> bool {
+    let (roughness, least) = (row.material.parameter, 1.0 / 1024.0f32);
+    match row.lobes.ior > 0.0 {
+        true => roughness.powi(2) * row.lobes.contrasts[0].abs().min(1.0) >= least.powi(2),
+        false => roughness >= least,
+    }
+}
+
+/// The row of the glass by itself.
+fn of_glass(row: &In) -> In {
+    let [contrast_outside, contrast_inside] = row.lobes.contrasts;
+    let mut own = *row;
+    (own.material.contrast_outside, own.material.contrast_inside) = (contrast_outside, contrast_inside);
+    own.second.parameter = row.lobes.ior;
+    own
+}
+
+fn tint(row: &In, normal: DVec3, direction: DVec3) -> [f64; 3] {
+    if direction.dot(normal) < 0.0 { row.colour.map(f64::from) } else { [1.0; 3] }
+}
+
+fn with_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
+    let under = base(row, view, normal, direction);
+    let weight = f64::from(row.lobes.transmission);
+    if weight == 0.0 {
+        return under;
+    }
+    let mut glass = Bsdf::default();
+    if is_rough_glass(row) {
+        let (value, pdf, limit, _) = match row.lobes.ior > 0.0 {
+            true => boundary_response(&of_glass(row), direction),
+            false => pane_response(&of_glass(row), direction, fresnel_of_a_pane),
+        };
+        let value = tint(row, normal, direction).map(|tint| tint * value);
+        glass = Bsdf {
+            value,
+            pdf,
+            off: value.map(|value| limit * value),
+            pdf_off: limit * pdf,
+            // A response that is 0 here may be one on the edge of what microfacets see there.
+            is_unknown: !(limit <= 0.1) || pdf == 0.0 || direction.dot(normal).abs() < 4.0 * U,
+        };
+    }
+    mixed(under, glass, (weight, 0.0), share_of_glass(row, view.dot(normal)))
+}
+
+fn albedo_of_glass(row: &In, cos_view: f64) -> f64 {
+    let ior = (1.0 + f64::from(row.lobes.contrasts[0])).sqrt();
+    let eta = if row.front == 1 || row.lobes.ior == 0.0 { ior } else { 1.0 / ior };
+    let reflected = fresnel_of_a_pane(cos_view, eta);
+    reflected + (1.0 - reflected) * row.colour.iter().map(|c| f64::from(*c)).sum::<f64>() / 3.0
+}
+
+/// The probability of the glass, and by how much the rounding of the cosine moves it.
+fn share_of_glass(row: &In, cos_view: f64) -> (f64, f64) {
+    let weight = f64::from(row.lobes.transmission);
+    let by = |cos: f64| {
+        let (facets, matt) = brightness(row, cos_view);
+        let glass = weight * albedo_of_glass(row, cos.clamp(0.0, 1.0));
+        let all = glass + (1.0 - weight) * (facets + matt) / 3.0;
+        if all > 0.0 { glass / all } else { weight }
+    };
+    (by(cos_view), (by(cos_view - 4.0 * U) - by(cos_view + 4.0 * U)).abs() + 64.0 * U)
+}
+
+/// The albedo of white sheen by the table of the kernels, and by how much the rounding of the cosine moves it.
+fn sheen_albedo(cosine: f64, roughness: f64) -> (f64, f64) {
+    let all = &table()[256..];
+    let at = |row: usize, column: usize| f64::from(all[(row * 32 + column) / 4][column % 4]);
+    let by = |cosine: f64| {
+        let x = cosine.clamp(0.0, 1.0).sqrt().sqrt() * 31.0;
+        let y = ((roughness.max(0.07) - 0.07) / 0.93).sqrt() * 31.0;
+        let (column, row) = ((x as usize).min(30), (y as usize).min(30));
+        let mix = |a: f64, b: f64, by: f64| a + by * (b - a);
+        let along = |row: usize| mix(at(row, column), at(row, column + 1), x - column as f64);
+        mix(along(row), along(row + 1), y - row as f64)
+    };
+    // The row is off by 31 roundings of its place, and so is the column; neighbours differ by at most 1.
+    (by(cosine), (by(cosine - 4.0 * U) - by(cosine + 4.0 * U)).abs() + 512.0 * U)
+}
+
+fn charlie_fit(x: f64, alpha: f64) -> f64 {
+    let m = (1.0 - alpha).powi(2);
+    let mix = |a: f64, b: f64| (1.0 - m) * a + m * b;
+    let (a, b, c) = (mix(21.5473, 25.3245), mix(3.82987, 3.32435), mix(0.19823, 0.16801));
+    let (d, e) = (mix(-1.97760, -1.27393), mix(-4.32054, -4.85967));
+    a / (1.0 + b * x.powf(c)) + d * x + e
+}
+
+fn charlie_lambda(cosine: f64, alpha: f64) -> f64 {
+    match cosine < 0.5 {
+        true => charlie_fit(cosine, alpha).exp(),
+        false => (2.0 * charlie_fit(0.5, alpha) - charlie_fit(1.0 - cosine, alpha)).exp(),
+    }
+}
+
+/// The BRDF of white sheen times the cosine of the light, by its words in KHR_materials_sheen.
+fn white_sheen(view: DVec3, normal: DVec3, direction: DVec3, roughness: f64) -> f64 {
+    let alpha = roughness.max(0.07).powi(2);
+    let (cos_view, cos_light) = (view.dot(normal).min(1.0), direction.dot(normal).min(1.0));
+    let sine2 = (view + direction).normalize().cross(normal).length_squared().min(1.0);
+    let density = (2.0 + 1.0 / alpha) * sine2.powf(0.5 / alpha) / TAU;
+    let hidden = charlie_lambda(cos_view, alpha) + charlie_lambda(cos_light, alpha);
+    density / ((1.0 + hidden) * 4.0 * cos_view)
+}
+
+fn has_sheen(row: &In) -> bool {
+    row.lobes.sheen != [0.0; 3]
+}
+
+/// About what comes back of base and glass, and with the sheen over them, as the shader has it.
+fn albedos(row: &In, cos_view: f64) -> (f64, f64) {
+    let (facets, matt) = brightness(row, cos_view);
+    let weight = f64::from(row.lobes.transmission);
+    let mixed = (1.0 - weight) * (facets + matt) / 3.0 + weight * albedo_of_glass(row, cos_view);
+    if !has_sheen(row) {
+        return (mixed, mixed);
+    }
+    let (own, most) = sheen_of(row, cos_view);
+    (mixed, own + (1.0 - most) * mixed)
+}
+
+/// The mean over the channels of the sheen's albedo, and its largest channel.
+fn sheen_of(row: &In, cos_view: f64) -> (f64, f64) {
+    let (albedo, _) = sheen_albedo(cos_view, f64::from(row.lobes.sheen_roughness));
+    let colour = row.lobes.sheen.map(f64::from);
+    (albedo.min(1.0) * colour.iter().sum::<f64>() / 3.0, albedo.min(1.0) * colour.into_iter().fold(0.0, f64::max))
+}
+
+fn share_of_sheen(row: &In, cos_view: f64) -> f64 {
+    let (mixed, sheened) = albedos(row, cos_view);
+    if mixed == 0.0 { 1.0 } else { (sheen_of(row, cos_view).0 / sheened).clamp(0.05, 0.95) }
+}
+
+/// What lies below the sheen has this factor; and how much f32 may be off.
+fn scaling(row: &In, cos_view: f64, cos_light: f64) -> (f64, f64) {
+    let roughness = f64::from(row.lobes.sheen_roughness);
+    let most = row.lobes.sheen.into_iter().map(f64::from).fold(0.0, f64::max);
+    let both = [cos_view, cos_light].map(|cosine| sheen_albedo(cosine, roughness));
+    (1.0 - most * both[0].0.max(both[1].0).min(1.0), both[0].1 + both[1].1)
+}
+
+fn with_sheen(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
+    let under = with_glass(row, view, normal, direction);
+    if !has_sheen(row) {
+        return under;
+    }
+    let (cos_view, cos_light) = (view.dot(normal), direction.dot(normal));
+    let (factor, factor_off) = scaling(row, cos_view, cos_light.abs());
+    let roughness = f64::from(row.lobes.sheen_roughness);
+    let share = share_of_sheen(row, cos_view);
+    let share_off = 4.0 * sheen_albedo(cos_view, roughness).1 + 64.0 * U;
+    let (mut sheen, mut sheen_off, mut cosine) = (0.0, 0.0, 0.0);
+    if cos_light > 0.0 {
+        let most = [cos_view, cos_light].map(|cosine| sheen_albedo(cosine, roughness));
+        let most_off = most[0].1 + most[1].1;
+        let most = most[0].0.max(most[1].0).max(1.0);
+        sheen = white_sheen(view, normal, direction, roughness) / most;
+        // The exponent multiplies what the squared sine and the logarithm of WGSL are off by, which is 2^-21 absolute; the fit, of up to 21, has
+        // another such power, and is moved by the cosines.
+        let power = 0.5 / roughness.max(0.07).powi(2);
+        let half_way = view + direction;
+        let sine = half_way.normalize().cross(normal).length().max(1e-9);
+        let turned = 4.0 * U / half_way.length();
+        let alpha = roughness.max(0.07).powi(2);
+        let moved = |cosine: f64| {
+            let by = |x: f64| charlie_lambda(x.clamp(1e-9, 1.0), alpha);
+            (by(cosine - 4.0 * U) / by(cosine + 4.0 * U) - 1.0).abs()
+        };
+        let limit = power * (2.0 * turned / sine + 16.0 * U + 0.5f64.powi(20))
+            + moved(cos_view)
+            + moved(cos_light)
+            + 64.0 * 0.5f64.powi(20)
+            + 4.0 * U / cos_view
+            + most_off;
+        sheen_off = sheen * limit;
+        cosine = cos_light / PI;
+    }
+    let colour = row.lobes.sheen.map(f64::from);
+    let pdf = (1.0 - share) * under.pdf + share * cosine;
+    let all = 8.0 * U;
+    let value = [0, 1, 2].map(|c| factor * under.value[c] + colour[c] * sheen);
+    Bsdf {
+        value,
+        pdf,
+        off: [0, 1, 2].map(|c| under.off[c] + factor_off * under.value[c] + colour[c] * sheen_off + all * value[c]),
+        pdf_off: under.pdf_off + share_off * (under.pdf + cosine) + all * pdf + 4.0 * U,
+        is_unknown: under.is_unknown,
+    }
+}
+
+fn coat_reflectance(row: &In, view: DVec3) -> f64 {
+    let cosine = view.dot(exact(row.coat_normal).normalize());
+    f64::from(row.lobes.coat) * schlick(cosine, f64::from(row.lobes.coat_f0))
+}
+
+fn share_of_coat(row: &In, view: DVec3, normal: DVec3) -> f64 {
+    let coat = coat_reflectance(row, view);
+    coat / (coat + (1.0 - coat) * albedos(row, view.dot(normal)).1)
+}
+
+/// All of the material.
+fn bsdf(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
+    let under = with_sheen(row, view, normal, direction);
+    if row.lobes.coat == 0.0 {
+        return under;
+    }
+    let own = exact(row.coat_normal).normalize();
+    let (cos_view, cos_light) = (view.dot(own), direction.dot(own));
+    let mut coat = Bsdf { is_unknown: cos_light.abs() < 4.0 * U || cos_view < 1e-5, ..Bsdf::default() };
+    if row.lobes.coat_roughness >= 1.0 / 1024.0 && cos_light > 0.0 && direction.dot(normal) > 0.0 {
+        let alpha = f64::from(row.lobes.coat_roughness).powi(2);
+        let facet = (view + direction).normalize();
+        let turned = 4.0 * U / (view + direction).length();
+        let limit =
+            96.0 * U + 4.0 * turned / alpha + 4.0 * U / cos_light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
+        let seen = density(facet.cross(own).length(), facet.dot(own), alpha) / (4.0 * cos_view);
+        let value = seen * shadowing(cos_view, cos_light, alpha);
+        coat.pdf = visible(facet, view, own, alpha) / (4.0 * view.dot(facet));
+        (coat.value, coat.off) = ([value; 3], [limit * value; 3]);
+        coat.pdf_off = limit * coat.pdf;
+    }
+    let coat_off = {
+        let by =
+            |cosine: f64| f64::from(row.lobes.coat) * schlick(cosine.clamp(0.0, 1.0), f64::from(row.lobes.coat_f0));
+        (by(cos_view - 4.0 * U) - by(cos_view + 4.0 * U)).abs() + 8.0 * U
+    };
+    // A share s of r and (1 - r) a moves with r by s (1 - s) / (r (1 - r)).
+    let (reflectance, share) = (coat_reflectance(row, view), share_of_coat(row, view, normal));
+    let moved = coat_off * share * (1.0 - share) / (reflectance * (1.0 - reflectance)).max(1e-9);
+    let share_off = moved
+        + 64.0 * U
+        + if has_sheen(row) {
+            4.0 * sheen_albedo(view.dot(normal), f64::from(row.lobes.sheen_roughness)).1
+        } else {
+            0.0
+        };
+    let share_off =
+        share_off + if row.lobes.transmission > 0.0 { share_of_glass(row, view.dot(normal)).1 } else { 0.0 };
+    mixed(under, coat, (reflectance, coat_off), (share, share_off))
+}
+
+fn view_and_normal(row: &In) -> (DVec3, DVec3) {
+    (-exact(row.incoming).normalize(), exact(row.normal).normalize())
+}
+
+/// Rows of random base and angle.
+fn base_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    (0..count)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
+            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
+            let metallic = [0.0, 1.0, 0.3][i % 3];
+            let base = [[0.8, 0.5, 0.2], [1.0, 0.0, 0.5], [0.0; 3]][i / 2 % 3];
+            let row = pbr(arriving(random, cos), base, metallic, roughness, [1.5, 1.0, 2.4][i / 3 % 3]);
+            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
+            In { u: uniforms(random, i), light, f90: NO_LAYER, ..row }
+        })
+        .collect()
+}
+
+fn glassy_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    let rows = base_rows(random, count, towards_light);
+    let with_glass = |(i, row): (usize, In)| {
+        let share = [0.0, 0.3, 1.0, 0.7, 1e-3][i / 5 % 5];
+        In { front: i as u32 / 7 % 2, ..glassy(row, share, [1.5, 1.33, 2.4][i % 3], i / 2 % 2 == 0) }
+    };
+    rows.into_iter().enumerate().map(with_glass).collect()
+}
+
+fn coated_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    let rows = base_rows(random, count, towards_light).into_iter().enumerate();
+    rows.map(|(i, row)| coated(random, i, row)).collect()
+}
+
+/// With a coat, whose normal is that of the surface or another one that the view sees.
+fn coated(random: &mut Random, i: usize, row: In) -> In {
+    let (view, normal) = view_and_normal(&row);
+    let other = (normal + 0.4 * unit(random)).normalize();
+    let own = if i % 2 == 0 && view.dot(other) > 0.01 { rounded(other) } else { row.normal };
+    let coat = [1.0, 0.5, 0.0, 0.01][i / 2 % 4];
+    let coat_roughness = [0.5, 0.0, 1.0, 0.1, 0.2][i / 3 % 5];
+    let coat_f0 = [0.04, 0.0, 0.2, 1.0][i / 5 % 4];
+    In { coat_normal: own, lobes: Lobes { coat, coat_roughness, coat_f0, ..row.lobes }, ..row }
+}
+
+fn sheened_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    let rows = base_rows(random, count, towards_light).into_iter().enumerate();
+    rows.map(|(i, row)| sheened(i, row)).collect()
+}
+
+fn sheened(i: usize, row: In) -> In {
+    let sheen = [[0.9, 0.3, 0.0], [1.0; 3], [0.0; 3], [0.01, 0.0, 0.02]][i / 2 % 4];
+    let sheen_roughness = [0.5, 0.0, 1.0, 0.1, 0.3][i / 3 % 5];
+    In { coat_normal: row.normal, lobes: Lobes { sheen, sheen_roughness, ..row.lobes }, ..row }
+}
+
+/// With all lobes.
+fn full_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    let rows = glassy_rows(random, count, towards_light).into_iter().enumerate();
+    rows.map(|(i, row)| coated(random, i / 3, sheened(i / 7, row))).collect()
+}
+
+/// Rows whose value or density is off, those whose weight is not the ratio of both, and those compared.
+fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize, usize) {
+    let (mut off, mut unweighted, mut compared) = (0, 0, 0);
+    for (row, out) in rows.iter().zip(run(kernel, rows)) {
+        let own = row.light == [0.0; 3];
+        if own && (out.event == ABSORBED || out.lobe == SPECULAR) {
+            continue;
+        }
+        let (view, normal) = view_and_normal(row);
+        let direction = exact(if own { out.direction } else { row.light }).normalize();
+        let expected = bsdf(row, view, normal, direction);
+        if expected.is_unknown || expected.pdf_off > 0.2 * expected.pdf {
+            continue;
+        }
+        compared += 1;
+        let near = |found: f32, expected: f64, off: f64| (f64::from(found) - expected).abs() <= off + 1e-30;
+        let is_value = |c: usize| near(out.value[c], expected.value[c], expected.off[c]);
+        let is_off = !(near(out.pdf, expected.pdf, expected.pdf_off) && (0..3).all(is_value));
+        if is_off && off < 3 && std::env::var_os("GPU_RT_SHOW").is_some() {
+            eprintln!("{row:?}\n{out:?}\n{expected:?}\ncos view {} light {}", view.dot(normal), direction.dot(normal));
+        }
+        off += usize::from(is_off);
+        let is_ratio = |c: usize| {
+            let ratio = f64::from(out.value[c]) / f64::from(out.pdf);
+            (f64::from(out.weight[c]) - ratio).abs() <= 4.0 * U * ratio.max(1.0)
+        };
+        unweighted += usize::from(own && !(0..3).all(is_ratio));
+    }
+    (off, unweighted, compared)
+}
+
+/// A module, a part of its text, and the error planted in its place.
+type Planted = (&'static str, &'static str, &'static str);
+
+/// Compares rows of both kinds, and finds each planted error in at least 100 of them.
+fn compare(rows: fn(&mut Random, usize, bool) -> Vec<In>, seed: u64, planted: &[Planted]) {
+    let mut random = Random(seed);
+    let own = kernel_of("pbr", 1, &[], &ALL);
+    let mut all = Vec::new();
+    for towards_light in [false, true] {
+        let rows = rows(&mut random, 20_000, towards_light);
+        let (off, unweighted, compared) = faults(&own, &rows);
+        assert_eq!((off, unweighted), (0, 0), "of {compared}, towards lights: {towards_light}");
+        assert!(compared > 5000, "{compared}");
+        all.extend(rows);
+    }
+    for error in planted {
+        let (off, unweighted, _) = faults(&planted_kernel("pbr", 1, &ALL, *error), &all);
+        assert!(off + unweighted > 100, "{error:?} is found in {off} and {unweighted} rows");
+    }
+}
+
+#[test]
+fn a_share_of_glass_is_mixed_with_the_base() {
+    compare(
+        glassy_rows,
+        601,
+        &[
+            ("data/material", "(1.0 - weight) * inner.value", "(1.0 - 0.97 * weight) * inner.value"),
+            ("data/material", "share * outer.pdf", "1.02 * share * outer.pdf"),
+            ("material/pbr_transmission", "select(vec3<f32>(1.0), hit.colour,", "select(hit.colour, hit.colour,"),
+            (
+                "material/pbr_transmission",
+                "own.second.parameter = hit.lobes.ior",
+                "own.second.parameter = 1.01 * hit.lobes.ior",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn a_coat_reflects_what_lies_below_does_not_get() {
+    compare(
+        coated_rows,
+        611,
+        &[
+            ("material/pbr_coat", "cos_view, vec3<f32>(hit.lobes.coat_f0)", "1.0, vec3<f32>(hit.lobes.coat_f0)"),
+            (
+                "material/pbr_coat",
+                "microfacet_density(half_way, hit.coat_normal, alpha)",
+                "microfacet_density(half_way, hit.normal, alpha)",
+            ),
+            (
+                "material/pbr_coat",
+                "dot(direction, hit.coat_normal) > 0.0 && dot(direction, hit.normal) > 0.0",
+                "dot(direction, hit.coat_normal) > 0.0",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn a_sheen_takes_from_what_lies_below_what_it_reflects() {
+    compare(
+        sheened_rows,
+        613,
+        &[
+            ("material/pbr_sheen", "max(albedos.x, albedos.y), 1.0);\n}", "albedos.x, 1.0);\n}"),
+            ("lib/charlie", "2.0 * charlie_fit(0.5, alpha) - fit", "1.99 * charlie_fit(0.5, alpha) - fit"),
+            ("lib/charlie", "0.5 / alpha", "0.51 / alpha"),
+            ("scene/sheen_albedo", "sqrt(sqrt(cosine))", "sqrt(cosine)"),
+        ],
+    );
+}
+
+#[test]
+fn all_lobes_together_lie_in_their_order() {
+    let sheen_of_coat = ("material/pbr_eval", "with_coat(sheened, hit", "with_coat(mixed, hit");
+    compare(full_rows, 615, &[sheen_of_coat]);
+}
+
+/// The same for light and view exchanged, of panes: solids change by the index squared, which rough.rs looks at.
+#[test]
+fn a_base_with_panes_and_sheen_scatters_the_same_both_ways() {
+    let mut random = Random(603);
+    let upright = |v: [f32; 3], row: &In| exact(v).dot(exact(row.normal)).abs();
+    let rows: Vec<In> = glassy_rows(&mut random, 40_000, true)
+        .into_iter()
+        .enumerate()
+        .map(|(i, row)| sheened(i / 7, row))
+        .filter(|row| row.lobes.ior == 0.0 && upright(row.light, row) > 0.01 && upright(row.incoming, row) > 0.01)
+        .collect();
+    let turned: Vec<In> = rows
+        .iter()
+        .map(|row| {
+            let through = exact(row.light).dot(exact(row.normal)) < 0.0;
+            let normal = if through { row.normal.map(|c| -c) } else { row.normal };
+            In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), normal, ..*row }
+        })
+        .collect();
+    let kernel = kernel_of("pbr", 1, &[], &ALL);
+    let (there, back) = (run(&kernel, &rows), run(&kernel, &turned));
+    let wrong = |power: i32| {
+        let pairs = rows.iter().zip(there.iter().zip(&back));
+        let off = pairs.filter(|(row, (there, back))| {
+            let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
+            let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
+            let alpha = f64::from(row.material.parameter).powi(2);
+            (a - b).abs() > (1e-3 + 64.0 * U / alpha) * a + 1e-9
+        });
+        off.count()
+    };
+    assert!(rows.len() > 8000, "{}", rows.len());
+    assert_eq!(wrong(1), 0);
+    assert!(wrong(0) > 2000);
+}
+
+/// Counts directions of many draws in cells over the sphere, and compares them and the mean weight with the integral of the density and of the
+/// value. `same` are the rows of the base without the lobes: white light from all sides gives no more than that, or than 1.
+fn chi_square_of(what: &str, row: &In, many: &Kernel, threshold: f64) {
+    let cells = RINGS * SECTORS;
+    let (view, normal) = view_and_normal(row);
+    let axes = axes(normal, view);
+    let mut counts = vec![0u64; 2 * cells + 1];
+    let (mut sum, mut squares) = (0.0, 0.0);
+    let side = |z: f64| if z < 0.0 { cells } else { 0 };
+    let upper = |v: DVec3| DVec3::new(v.x, v.y, v.z.abs());
+    for out in many.run_with::<_, Out>(&[*row], DRAWS, &[array("directional_albedos", table())]) {
+        let weight = f64::from(out.weight[0]);
+        sum += weight;
+        squares += weight * weight;
+        if out.event == ABSORBED {
+            counts[2 * cells] += 1;
+            continue;
+        }
+        let direction = exact(out.direction);
+        assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
+        let own = within(&axes, direction);
+        counts[side(own.z) + cell(upper(own))] += 1;
+    }
+    // In the space of the axes, the normal is z.
+    let turned = |v: [f32; 3]| rounded(within(&axes, exact(v)));
+    let own =
+        In { incoming: turned(row.incoming), normal: [0.0, 0.0, 1.0], coat_normal: turned(row.coat_normal), ..*row };
+    let inner = within(&axes, view);
+    let (mut shares, mut wrong, mut kept) = (vec![0.0; 2 * cells + 1], vec![0.0; 2 * cells + 1], 0.0);
+    for sign in [1.0, -1.0] {
+        hemisphere(|cell, direction, solid_angle| {
+            let direction = DVec3::new(direction.x, direction.y, sign * direction.z);
+            let found = bsdf(&own, inner, DVec3::Z, direction);
+            let at = side(direction.z) + cell;
+            shares[at] += solid_angle * found.pdf * DRAWS as f64;
+            // The planted error: 8 % more on one side of a plane, and less on the other.
+            wrong[at] += solid_angle * found.pdf * if direction.y > 0.0 { 1.08 } else { 0.92 } * DRAWS as f64;
+            kept += solid_angle * found.value[0];
+        });
+    }
+    let all: f64 = shares.iter().sum();
+    assert!(all < 1.001 * DRAWS as f64, "{what}: the density's integral is {}", all / DRAWS as f64);
+    let planted: f64 = wrong.iter().sum();
+    wrong.iter_mut().for_each(|share| *share *= all / planted);
+    for shares in [&mut shares, &mut wrong] {
+        // A cell that no midpoint is in may have a corner that is.
+        shares.iter_mut().for_each(|share| *share = share.max(1e-9));
+        shares[2 * cells] = (DRAWS as f64 - all).max(1e-9);
+    }
+    let right = chi_square(&counts, &shares, 1);
+    if right < threshold {
+        let mut worst: Vec<_> = counts.iter().zip(&shares).enumerate().collect();
+        worst.sort_by(|(_, (a, b)), (_, (c, d))| {
+            let off = |n: &u64, e: &f64| (*n as f64 - e).powi(2) / e;
+            off(c, d).total_cmp(&off(a, b))
+        });
+        eprintln!("{what}: {:?}", &worst[..8]);
+    }
+    assert!(right > threshold, "{what}: p = {right:e}");
+    let other = chi_square(&counts, &wrong, 1);
+    assert!(other < threshold, "{what}, another density: p = {other:e}");
+    let mean = sum / DRAWS as f64;
+    let error = 4.9 * ((squares / DRAWS as f64 - mean * mean) / DRAWS as f64).sqrt() + 1e-3 * kept;
+    assert!((mean - kept).abs() < error, "{what}: {mean} of {kept}, known to {error}");
+    assert!(error < 0.01 * kept, "{what}: {kept} is known to {error}");
+}
+
+#[test]
+fn a_share_of_glass_scatters_by_its_density() {
+    let mut random = Random(605);
+    let many = kernel_of("pbr", DRAWS, &[], &ALL);
+    let cosines = [1.0, 0.6, 0.2];
+    let cases = [
+        ([0.8, 0.5, 0.2], 0.0, 0.5, 0.3, 1.5, false, 1),
+        // Lobes of refraction are narrower.
+        ([0.8, 0.5, 0.2], 0.0, 0.9, 0.7, 1.5, true, 1),
+        ([0.9, 0.6, 0.3], 0.3, 0.9, 0.5, 1.33, true, 0),
+        ([0.3; 3], 0.0, 0.9, 1.0, 1.5, true, 1),
+    ];
+    let threshold = sidak(ALPHA, cases.len() * cosines.len());
+    for (base, metallic, roughness, share, ior, is_solid, front) in cases {
+        for cos in cosines {
+            let what = format!("{base:?}, metallic {metallic}, roughness {roughness}, {share} of glass, cosine {cos}");
+            let row = glassy(pbr(arriving(&mut random, cos), base, metallic, roughness, ior), share, ior, is_solid);
+            chi_square_of(&what, &In { front, ..row }, &many, threshold);
+        }
+    }
+}
+
+#[test]
+fn coats_and_sheens_scatter_by_their_densities() {
+    let mut random = Random(617);
+    let many = kernel_of("pbr", DRAWS, &[], &ALL);
+    let coat = |roughness: f32| Lobes { coat: 1.0, coat_roughness: roughness, coat_f0: 0.2, ..Lobes::default() };
+    let sheen = |roughness: f32| Lobes { sheen: [0.9, 0.5, 0.2], sheen_roughness: roughness, ..Lobes::default() };
+    let all = Lobes { sheen: [0.5, 0.8, 0.1], sheen_roughness: 0.4, ..coat(0.5) };
+    let cases =
+        [(coat(0.5), 0.0, 0.3), (coat(0.7), 0.0, 0.0), (sheen(0.3), 0.0, 0.0), (sheen(1.0), 1.0, 0.0), (all, 0.3, 0.2)];
+    let cosines = [1.0, 0.6, 0.2];
+    let threshold = sidak(ALPHA, cases.len() * cosines.len());
+    for (lobes, metallic, tilt) in cases {
+        for cos in cosines {
+            let what = format!("{lobes:?}, metallic {metallic}, cosine {cos}");
+            let roughness = if metallic == 0.3 { 0.9 } else { 0.6 };
+            let row = pbr(arriving(&mut random, cos), [0.8, 0.5, 0.2], metallic, roughness, 1.5);
+            let (_, normal) = view_and_normal(&row);
+            let own = (normal + tilt * normal.any_orthonormal_vector()).normalize();
+            let row = In { lobes, coat_normal: rounded(own), ..row };
+            let row = if metallic == 0.3 { glassy(row, 0.4, 1.5, true) } else { row };
+            chi_square_of(&what, &row, &many, threshold);
+        }
+    }
+}
+
+/// The table is nowhere less than the light that sheen returns, so that no light is added, and at most 3 % of all light more.
+#[test]
+fn the_table_of_sheen_is_no_less_than_what_comes_back() {
+    let mut random = Random(619);
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for _ in 0..400 {
+        let (cosine, roughness) = (random.uniform().powi(2).max(1e-5), 0.07 + 0.93 * random.uniform().powi(2));
+        let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        let (rings, sectors) = (400, 100);
+        let mut sum = 0.0;
+        for ring in 0..rings {
+            let root = (f64::from(ring) + 0.5) / f64::from(rings);
+            let light = root * root;
+            for sector in 0..sectors {
+                let azimuth = PI * (f64::from(sector) + 0.5) / f64::from(sectors);
+                let sine = (1.0 - light * light).sqrt();
+                let direction = DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), light);
+                sum += root * white_sheen(view, DVec3::Z, direction, roughness);
+            }
+        }
+        let kept = sum * 2.0 * TAU / f64::from(rings * sectors);
+        let table = sheen_albedo(cosine, roughness).0;
+        least = least.min(table - kept);
+        // Where it is more than 1 it is not more light, but only a smaller sheen.
+        most = most.max(table.min(1.0) - kept.min(1.0));
+    }
+    assert!(least > -1e-4, "{least}");
+    assert!(most < 0.03, "{most}");
+}
+
+/// Smooth glass and a smooth base are lobes of one direction each, drawn by their shares, with the weight of a share over its probability.
+#[test]
+fn smooth_glass_over_a_base_is_drawn_by_its_share() {
+    let mut random = Random(607);
+    let rows: Vec<In> = glassy_rows(&mut random, 20_000, false)
+        .into_iter()
+        .map(|mut row| {
+            row.material.parameter = 0.0;
+            row.coat_normal = row.normal;
+            row
+        })
+        .filter(|row| row.lobes.transmission > 0.0)
+        .collect();
+    let (mut reflected, mut passed, mut others, mut planted) = (0, 0, 0, 0);
+    for (row, out) in rows.iter().zip(run(&kernel_of("pbr", 1, &[], &ALL), &rows)) {
+        let (view, normal) = view_and_normal(row);
+        let cos_view = view.dot(normal);
+        let ((share, off), weight) = (share_of_glass(row, cos_view), f64::from(row.lobes.transmission));
+        let u = f64::from(row.u[0]);
+        if (u - share).abs() < 1e-5 + off || out.event == ABSORBED {
+            continue;
+        }
+        let near = |found: f32, expected: f64| {
+            (f64::from(found) - expected).abs()
+                <= (1e-4 + 4.0 * off / share.min(1.0 - share).max(1e-6)) * expected.max(0.1)
+        };
+        if u < share {
+            let direction = exact(out.direction);
+            let expected = tint(row, normal, direction).map(|tint| tint * weight / share);
+            assert!(out.lobe == SPECULAR && (0..3).all(|c| near(out.weight[c], expected[c])), "{row:?} {out:?}");
+            planted += usize::from((0..3).any(|c| !near(out.weight[c], 1.02 * expected[c])));
+            let eta = match row.lobes.ior > 0.0 {
+                true if row.front == 1 => f64::from(row.lobes.ior),
+                true => 1.0 / f64::from(row.lobes.ior),
+                false => (1.0 + f64::from(row.lobes.contrasts[0])).sqrt(),
+            };
+            let is_reflected = u / share < fresnel(cos_view, eta).0;
+            let blur = (u / share - fresnel(cos_view, eta).0).abs() < 1e-4 + 2.0 * off / share;
+            assert!(blur || (direction.dot(normal) > 0.0) == is_reflected, "{row:?} {out:?}");
+            reflected += usize::from(is_reflected);
+            passed += usize::from(!is_reflected);
+        } else {
+            others += 1;
+        }
+    }
+    assert!(
+        reflected > 500 && passed > 2000 && others > 2000 && planted > 2000,
+        "{reflected} {passed} {others} {planted}"
+    );
+}
+
+/// Directions over a sphere stand for all of its solid angle.
+#[test]
+fn the_cells_cover_the_hemisphere() {
+    let mut sum = 0.0;
+    hemisphere(|_, _, solid_angle| sum += solid_angle);
+    assert!((sum - TAU).abs() < 1e-9);
+}
+
+/// A smooth coat is a lobe of one direction, drawn by its share, and what lies below has the rest of the weight: of a smooth base, that
+/// of its mirror under coat and sheen.
+#[test]
+fn a_smooth_coat_leaves_the_rest_to_what_lies_below() {
+    let mut random = Random(621);
+    let rows: Vec<In> = base_rows(&mut random, 20_000, false)
+        .into_iter()
+        .enumerate()
+        .map(|(i, row)| {
+            let mut row = coated(&mut random, i, sheened(i / 7, row));
+            (row.material.parameter, row.lobes.coat_roughness) = (0.0, 0.0);
+            row
+        })
+        .filter(|row| row.lobes.coat > 0.0)
+        .collect();
+    let (mut coats, mut bases, mut planted) = (0, 0, 0);
+    for (row, out) in rows.iter().zip(run(&kernel_of("pbr", 1, &[], &ALL), &rows)) {
+        let (view, normal) = view_and_normal(row);
+        let (cos_view, u) = (view.dot(normal), f64::from(row.u[0]));
+        let (coat, share) = (coat_reflectance(row, view), share_of_coat(row, view, normal));
+        if coat == 0.0 || out.event == ABSORBED || cos_view < 1e-3 {
+            continue;
+        }
+        let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= 1e-3 * expected.max(0.01);
+        let below = (u - share) / (1.0 - share);
+        let of_sheen = if has_sheen(row) { share_of_sheen(row, cos_view) } else { 0.0 };
+        let of_base = (below - of_sheen) / (1.0 - of_sheen);
+        let of_facets = share_of_facets(row, cos_view);
+        let edges = [u - share, below - of_sheen, of_base - of_facets];
+        if edges.iter().any(|edge| edge.abs() < 1e-3) {
+            continue;
+        }
+        let is_mirror = u < share || below > of_sheen && of_base < of_facets;
+        assert_eq!(out.lobe == SPECULAR, is_mirror, "{row:?} {out:?}");
+        if u < share {
+            assert!(out.weight.iter().all(|weight| near(*weight, coat / share)), "{row:?} {out:?}");
+            planted += usize::from(!near(out.weight[0], 1.02 * coat / share));
+            let own = exact(row.coat_normal).normalize();
+            let mirrored = 2.0 * view.dot(own) * own - view;
+            assert!((exact(out.direction) - mirrored).length() < 16.0 * U, "{row:?} {out:?}");
+            coats += 1;
+        } else if is_mirror {
+            let metallic = f64::from(row.material.contrast_inside);
+            let factor = if has_sheen(row) { scaling(row, cos_view, cos_view).0 / (1.0 - of_sheen) } else { 1.0 };
+            let around = (1.0 - coat) / (1.0 - share) * factor / of_facets;
+            let expected = |c: usize| {
+                let base = f64::from(row.colour[c]);
+                around * ((1.0 - metallic) * layer(row, cos_view)[c] + metallic * schlick(cos_view, base))
+            };
+            assert!((0..3).all(|c| near(out.weight[c], expected(c))), "{row:?} {out:?} {:?}", [0, 1, 2].map(expected));
+            bases += 1;
+        }
+    }
+    assert!(coats > 1000 && bases > 1000 && planted > 1000, "{coats} {bases} {planted}");
+}
