@@ -126,6 +126,7 @@ fn everything_is_on() {
             "scene/plain_material",
             "scene/emitted",
             "material/pbr_plain_layer",
+            "material/isotropic_facets",
             "step/specular_event",
             "scene/plain_colour",
             "scene/plain_light",

@@ -22,6 +22,7 @@ mod instances;
 mod large_spheres;
 mod layers;
 mod light_paths;
+mod lobes;
 mod motion;
 mod multiscatter;
 mod narrow_lobes;

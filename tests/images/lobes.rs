@@ -1,0 +1,164 @@
+//! What glTF's material has around its base, and brushed metal: the light that comes back, both integrators and samplers, and where the
+//! directions of an anisotropy lie.
+
+use crate::common::kernel::Overlay;
+use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene};
+
+const ALPHA: f64 = 1e-6;
+
+/// What comes back per channel of light of 1 from all sides at this cosine, and its standard errors.
+fn in_a_furnace(material: &str, cos: f64) -> ([f64; 3], [f64; 3]) {
+    let scene = scene(&format!(
+        "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: 0.1),
+    background: Solid((1, 1, 1)),
+    materials: {{\"it\": {material}}},
+    objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"it\")],
+)",
+        -(1.0 - cos * cos).sqrt()
+    ));
+    let mean = render(&scene, &Request::spp(1024)).mean_of_all();
+    (mean.value, mean.variance.map(f64::sqrt))
+}
+
+/// White light from all sides: with a lobe no more comes back than of the same base without it, or than all light.
+#[test]
+fn lobes_add_no_light() {
+    let lobes = [
+        "coat: 1",
+        "coat: 1, coat_roughness: 0.3",
+        "coat: 0.5, coat_roughness: 1, coat_ior: 2.5",
+        "sheen: Rgb(1, 1, 1), sheen_roughness: 0.1",
+        "sheen: Rgb(1, 1, 1), sheen_roughness: 0.3",
+        "sheen: Rgb(1, 0.5, 0.1), sheen_roughness: 1",
+        "transmission: 0.5",
+        "transmission: 1",
+        "transmission: 0.5, solid: true",
+        "anisotropy: 0.7",
+        "coat: 1, sheen: Rgb(1, 1, 1), sheen_roughness: 0.5, transmission: 0.3, anisotropy: 0.5",
+    ];
+    let bases = [
+        ("Rgb(0, 0, 0)", 0.0, 0.5),
+        ("Rgb(1, 1, 1)", 0.0, 0.5),
+        ("Rgb(1, 1, 1)", 0.0, 1.0),
+        ("Rgb(1, 1, 1)", 1.0, 0.3),
+    ];
+    let mut most = 0.0f64;
+    for (colour, metallic, roughness) in bases {
+        for cos in [1.0, 0.5, 0.1] {
+            let base = format!("base_color: {colour}, metallic: {metallic}, roughness: {roughness}");
+            let (alone, alone_errors) = in_a_furnace(&format!("Pbr({base})"), cos);
+            for lobe in lobes {
+                let (with, errors) = in_a_furnace(&format!("Pbr({base}, {lobe})"), cos);
+                if std::env::var_os("GPU_RT_SHOW").is_some() {
+                    eprintln!("{base}, cosine {cos}: {:.4} alone, {:.4} with {lobe}", alone[0], with[0]);
+                }
+                for c in 0..3 {
+                    let limit = alone[c].max(1.0) + 1e-4 + 4.9 * errors[c].hypot(alone_errors[c]);
+                    assert!(with[c] <= limit, "{base}, {lobe}, cosine {cos}: {with:?} of {alone:?}");
+                    assert!(errors[c] < 0.01, "{base}, {lobe}: {errors:?}");
+                    most = most.max(with[c] / alone[c].max(1.0));
+                }
+            }
+        }
+    }
+    // The bound can be reached, so that more light would be found.
+    assert!(most > 0.98, "{most}");
+}
+
+/// A coat over a surface that emits and reflects nothing: e (1 - F) of it, beside what the coat reflects of black.
+#[test]
+fn emission_has_the_coat_around_it() {
+    for (cos, coat, ior) in [(1.0f64, 1.0, 1.5), (0.3, 1.0, 1.5), (0.1, 0.6, 2.0)] {
+        let scene = scene(&format!(
+            "Scene(image: (width: 8, height: 8),
+            camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: 0.1), background: Solid((0, 0, 0)),
+            materials: {{\"it\": Pbr(base_color: Rgb(0, 0, 0), metallic: 0, roughness: 0.5, emission: Rgb(3, 2, 1),
+                coat: {coat}, coat_roughness: 0.2, coat_ior: {ior})}},
+            objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"it\")])",
+            -(1.0 - cos * cos).sqrt()
+        ));
+        let f0 = ((ior - 1.0) / (ior + 1.0f64)).powi(2);
+        let passed = 1.0 - coat * (f0 + (1.0 - f0) * (1.0 - cos).powi(5));
+        for request in [Request::spp(16), Request::spp(16).mis()] {
+            let mean = render(&scene, &request).mean_of_all();
+            for (c, emission) in [3.0, 2.0, 1.0].into_iter().enumerate() {
+                // The view of 0.1 degrees moves the cosine by 1e-3, and F by 5 times that.
+                let (found, expected) = (mean.value[c], emission * passed);
+                assert!((found - expected).abs() < 0.01 * expected, "cosine {cos}: {found}, expected {expected}");
+                assert!((found - emission).abs() > 0.01 * emission, "the coat is not found");
+            }
+        }
+    }
+}
+
+/// A room with each of the lobes, under a lamp, a lamp with a coat, and a sky.
+const ROOM: &str =
+    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+    background: Solid((0.1, 0.1, 0.1)),
+    materials: {
+        \"varnish\": Pbr(base_color: Rgb(0.7, 0.6, 0.5), metallic: 0, roughness: 0.7, coat: 1, coat_roughness: 0.4, coat_ior: 3),
+        \"velvet\": Pbr(base_color: Rgb(0.3, 0.2, 0.6), metallic: 0.2, roughness: 0.6, sheen: Rgb(0.9, 0.6, 0.3), sheen_roughness: 0.3),
+        \"brushed\": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.4, anisotropy: 0.8, anisotropy_rotation: 30),
+        \"half\": Pbr(base_color: Rgb(0.5, 0.8, 0.9), metallic: 0, roughness: 0.5, transmission: 0.6, solid: true, absorption: (0.1, 0.2, 0.3)),
+        \"pane\": Pbr(base_color: Rgb(0.9, 0.8, 0.5), metallic: 0, roughness: 0.6, transmission: 0.5, anisotropy: 0.5),
+        \"glow\": Pbr(base_color: Rgb(0.2, 0.2, 0.2), metallic: 0, roughness: 0.5, coat: 1, coat_roughness: 0.3, coat_ior: 2, emission: Rgb(3, 2, 1)),
+        \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.4, anisotropy: 0.7),
+        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
+    },
+    objects: [
+        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"varnish\"),
+        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"velvet\"),
+        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
+        Quad(corner: (0.9, 0.5, -0.5), u: (0, 0, 0.5), v: (0, 0.5, 0), material: \"glow\"),
+        Quad(corner: (-0.9, 0.1, 0.5), u: (0.8, 0, 0.2), v: (0, 0.7, 0), material: \"pane\"),
+        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: \"brushed\"),
+        Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: \"half\"),
+        Sphere(center: (0.45, 0.8, 0.1), radius: 0.25, material: \"frosted\"),
+    ], render: (samples: 512, max_depth: 6))";
+
+fn planted(room: &gpu_rt::scene::Scene, request: &Request, (module, part, other): (&str, &str, &str)) -> Shot {
+    render_planted(room, request, &Overlay::new(&[]).rewritten(module, |own| own.replace(part, other)))
+}
+
+#[test]
+fn light_sampling_changes_no_expectation_beside_lobes() {
+    let room = scene(ROOM);
+    let bsdf = render(&room, &Request::default().seed(1));
+    let mis = Request::default().seed(2).mis();
+    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
+    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    for error in [
+        ("material/pbr_coat", "let value = vec3<f32>(pdf * smith", "let value = vec3<f32>(0.0 * pdf * smith"),
+        ("scene/light_coat", "return emission_under_coat(radiance, seen);", "return radiance;"),
+        ("material/pbr_sheen", "let of_sheen = share *", "let of_sheen = 0.2 * share *"),
+        ("material/pbr_transmission", "glass.value *= tint_of_glass(hit, direction);", ""),
+    ] {
+        let wrong = planted(&room, &mis, error);
+        assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "{error:?} is not found");
+    }
+}
+
+/// A quarter turn of the direction is a quarter turn of the surface.
+#[test]
+fn an_anisotropy_lies_along_the_texture_coordinates() {
+    let of = |u: &str, v: &str, more: &str| {
+        scene(&format!(
+            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 2, 2), look_at: (0, 0, 0), vertical_fov: 40),
+            background: Gradient(bottom: (0, 0, 0), top: (1, 1, 1)),
+            materials: {{\"it\": Conductor(albedo: Rgb(0.9, 0.9, 0.9), roughness: 0.2, anisotropy: 0.9, {more}),
+                \"lamp\": DiffuseLight(emit: Rgb(9, 9, 9))}},
+            objects: [Quad(corner: (-1, 0, 1), u: {u}, v: {v}, material: \"it\"),
+                Sphere(center: (0, 0.8, -0.8), radius: 0.2, material: \"lamp\")], render: (samples: 256, max_depth: 3))"
+        ))
+    };
+    let request = |seed| Request::default().seed(seed).mis();
+    let along = render(&of("(2, 0, 0)", "(0, 0, -2)", "anisotropy_rotation: 90"), &request(1));
+    // The same square from another corner, with u where v was.
+    let turned = of("(0, 0, -2)", "(2, 0, 0)", "");
+    same_expectation(&along, &render(&turned, &request(2)), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let across = render(&of("(2, 0, 0)", "(0, 0, -2)", ""), &request(3));
+    assert!(same_expectation(&along, &across, 1e-5, ALPHA).is_err(), "the direction does not matter");
+}
