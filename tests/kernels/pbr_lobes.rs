@@ -150,7 +150,7 @@ fn with_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
             off: value.map(|value| limit * value),
             pdf_off: limit * pdf,
             // A response that is 0 here may be one on the edge of what microfacets see there.
-            is_unknown: !(limit <= 0.1) || pdf == 0.0 || direction.dot(normal).abs() < 4.0 * U,
+            is_unknown: limit.is_nan() || limit > 0.1 || pdf == 0.0 || direction.dot(normal).abs() < 4.0 * U,
         };
     }
     mixed(under, glass, (weight, 0.0), share_of_glass(row, view.dot(normal)))
@@ -389,7 +389,7 @@ fn coated_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In
 fn coated(random: &mut Random, i: usize, row: In) -> In {
     let (view, normal) = view_and_normal(&row);
     let other = (normal + 0.4 * unit(random)).normalize();
-    let own = if i % 2 == 0 && view.dot(other) > 0.01 { rounded(other) } else { row.normal };
+    let own = if i.is_multiple_of(2) && view.dot(other) > 0.01 { rounded(other) } else { row.normal };
     let coat = [1.0, 0.5, 0.0, 0.01][i / 2 % 4];
     let coat_roughness = [0.5, 0.0, 1.0, 0.1, 0.2][i / 3 % 5];
     let coat_f0 = [0.04, 0.0, 0.2, 1.0][i / 5 % 4];

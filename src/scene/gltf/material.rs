@@ -262,7 +262,7 @@ fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
     let of_base = of_colour.chain(number_texture(given)).chain(normal_texture(given));
     let of_layer = specular_texture(given).into_iter().chain(specular_color_texture(given));
     let of_lobe = |name: &&'static str| Some((lobes::field_of(name), Cow::Owned(lobes::texture(given, name)?)));
-    let of_lobes = OF_LOBES.iter().filter(|_| model(given) == Model::Surface).filter_map(of_lobe);
+    let of_lobes = OF_LOBES.iter().filter(|_| model(given) != Model::Unlit).filter_map(of_lobe);
     of_base.chain(of_layer).chain(transmission_texture(given)).chain(of_lobes)
 }
 
