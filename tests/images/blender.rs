@@ -392,7 +392,11 @@ impl Lobes {
 /// Coats, sheen, anisotropy and partial transmission by Blender's exporter, against Cycles (tests/blender/lobes.py) and the formula of sheen.
 #[test]
 fn lobes_by_blender_look_as_cycles_renders_them() {
-    let all = LOBES.map(|lobes| (lobes, Distance::measure(&scene(lobes.name), 128, lobes.reference)));
+    let all = LOBES.map(|lobes| {
+        let found = Distance::measure(&scene(lobes.name), 128, lobes.reference);
+        println!("{}: {found:?}", lobes.name);
+        (lobes, found)
+    });
     let far: Vec<_> = all.into_iter().filter(|(lobes, found)| !(lobes.is_near)(found)).collect();
     assert!(far.is_empty(), "{far:#?}");
 }
