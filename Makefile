@@ -1,5 +1,5 @@
 # The commands of the README. They need Rust (rustup.rs) and make; on Debian and Ubuntu they install what else is missing:
-# a C linker, a Vulkan driver where none answers, and for the tests pip, which fetches Open Image Denoise.
+# a C linker, a Vulkan driver where none answers, and for the tests Python with pip, which fetches Open Image Denoise.
 
 CARGO ?= cargo
 GPU_RT = $(CARGO) run --release --quiet --
@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test driver oidn wheel test-python pip quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -34,6 +34,26 @@ test: toolchain oidn
 	@$(MAKE) --no-print-directory driver
 	tests/slowest.sh $(CARGO) test --release --lib --bins --tests
 	$(CARGO) test --release --doc
+	@$(MAKE) --no-print-directory test-python
+
+# The package for Python, of the program that `cargo build --release` builds: target/wheels/gpu_rt-VERSION-….whl. Its name has the oldest
+# glibc that it runs with, so that pip refuses it elsewhere.
+wheel: toolchain pip
+	rm -rf target/wheels
+	MATURIN_PEP517_ARGS="--compatibility pypi" python3 -m pip wheel --quiet --no-deps --wheel-dir target/wheels .
+
+# What users of the wheel get: it is installed into an empty environment, and tested there with nothing else on PATH, Rust neither.
+PYTHON_TESTS ?= discover --start-directory tests/python
+test-python: export NODEVICE_SELECT = 1
+test-python: wheel driver
+	rm -rf target/python
+	python3 -m venv target/python
+	target/python/bin/pip install --quiet target/wheels/*.whl -r tests/python/requirements.txt
+	PATH="$(CURDIR)/target/python/bin" target/python/bin/python -B -m unittest $(PYTHON_TESTS)
+
+# Python with pip and venv, which Debian has in packages of their own.
+pip:
+	@python3 -c 'import ensurepip, pip' 2>/dev/null || $(call install, python3 python3-pip python3-venv, Python lacks pip or venv)
 
 # A driver for the tests.
 driver: toolchain
@@ -41,9 +61,8 @@ driver: toolchain
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 
 # Open Image Denoise, which the tests denoise with, unless OIDN_DIR names its folder. Python only fetches it and checks its hash.
-oidn:
+oidn: pip
 	@[ -n "$(OIDN_DIR)" ] || cmp -s tests/oidn/requirements.txt target/oidn/requirements.txt || { \
-		python3 -m pip --version >/dev/null 2>&1 || $(call install, python3 python3-pip, no Python fetches Open Image Denoise); \
 		rm -rf target/oidn && \
 		PIP_ROOT_USER_ACTION=ignore python3 -m pip install --quiet --no-deps --require-hashes --target target/oidn -r tests/oidn/requirements.txt && \
 		cp tests/oidn/requirements.txt target/oidn/; \

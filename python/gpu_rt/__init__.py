@@ -1,0 +1,404 @@
+"""Renders scenes by the program gpu-rt, and returns their images as NumPy arrays.
+
+Each function runs the program and reads the files that it writes. Options have the names of the program's options
+(`gpu-rt render --help`), with _ for -. docs/python.md has examples.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import threading
+import weakref
+from functools import cached_property
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+import OpenEXR
+
+from . import ron
+
+__all__ = ["Error", "Fault", "Image", "Interrupted", "SceneError", "check", "compare", "program", "render", "ron"]
+try:
+    __version__ = version("gpu-rt")
+except PackageNotFoundError:  # the folder python/ of a clone is on the path, and nothing is installed
+    __version__ = "unknown"
+
+PathLike = Union[str, "os.PathLike[str]"]
+Scene = Union[PathLike, Mapping[str, Any]]
+"""A path, the text of a scene file, or a dict that becomes one (see gpu_rt.ron)."""
+
+
+class Error(Exception):
+    """The program has failed. The text is the program's own."""
+
+    report: Dict[str, Any]
+    """The object that the program had printed by --json; empty if none."""
+
+    def __init__(self, message: str, report: Optional[Mapping[str, Any]] = None) -> None:
+        super().__init__(message)
+        self.report = dict(report or {})
+
+
+class Fault(NamedTuple):
+    """An error of a scene, and where it is."""
+
+    file: str
+    """<stdin> for a text or a dict."""
+    line: int
+    """From 1. Of a dict: in the text of gpu_rt.ron.dumps."""
+    column: int
+    """From 1, in characters."""
+    field: str
+    """Such as objects[2].radius; may be empty."""
+    message: str
+
+
+class SceneError(Error):
+    """A scene is not valid: `faults` has its errors, 20 at most, in the order of the file."""
+
+    faults: List[Fault]
+
+    def __init__(self, message: str, faults: Sequence[Fault]) -> None:
+        super().__init__(message)
+        self.faults = list(faults)
+
+    file = property(lambda self: self.faults[0].file, doc="The file of the first error.")
+    line = property(lambda self: self.faults[0].line, doc="Its line, from 1.")
+    column = property(lambda self: self.faults[0].column, doc="Its column, from 1.")
+    field = property(lambda self: self.faults[0].field, doc="Its field.")
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C has stopped the program. `image` holds the samples of a render so far, or is None if there were none yet."""
+
+    image: Optional[Image] = None
+
+    def __init__(self, message: str, report: Mapping[str, Any]) -> None:
+        super().__init__(message)
+        self.report = dict(report)
+
+
+class Image:
+    """An EXR: `numpy.asarray(image)` is its picture, height x width x 3, f32, linear Rec. 709, row 0 on top.
+
+    `image["variance"]` is a layer: height x width x channels, or height x width if it has one channel. The file is read
+    when a layer is first asked for.
+    """
+
+    path: Path
+    report: Dict[str, Any]
+    """The object of `render --json` (docs/files.md); empty for a file that this process has not rendered."""
+
+    def __init__(self, path: PathLike, report: Optional[Mapping[str, Any]] = None, folder: Optional[str] = None) -> None:
+        """Opens a file. `folder` is a temporary folder that is removed when the image is."""
+        self.path = Path(path)
+        self.report = dict(report or {})
+        if folder is not None:
+            weakref.finalize(self, shutil.rmtree, folder, True)
+        if not self.path.is_file():
+            raise Error(f"{self.path}: there is no such file")
+
+    @cached_property
+    def layers(self) -> Dict[str, np.ndarray]:
+        """All layers by name: RGB is the picture, then variance, samples, and what --aov has added (docs/files.md)."""
+        try:
+            channels = OpenEXR.File(str(self.path), separate_channels=True).parts[0].channels
+        except Exception as error:  # the package raises many types
+            raise Error(f"{self.path}: cannot be read as an EXR: {error}") from None
+        groups: Dict[str, List[str]] = {}
+        for channel in channels:
+            layer, dot, suffix = channel.rpartition(".")
+            groups.setdefault(layer if dot else "RGB" if suffix in "RGB" else suffix, []).append(channel)
+        layers = {}
+        for layer, names in groups.items():
+            # R, G, B, A and X, Y, Z: files have them in alphabetic order.
+            names.sort(key=lambda name: "RGBAXYZ".find(name[-1]))
+            pixels = [channels[name].pixels for name in names]
+            layers[layer] = np.stack(pixels, axis=-1) if len(pixels) > 1 else pixels[0]
+        return layers
+
+    def __getitem__(self, layer: str) -> np.ndarray:
+        """A layer, by its name in the file or as `aov` has it: image["depth"] is image["Z"]. KeyError names those that are there."""
+        layer = layer if layer in self.layers else {"normal": "N", "depth": "Z", "position": "P"}.get(layer, layer)
+        if layer not in self.layers:
+            raise KeyError(f"{self.path.name} has no layer {layer}, but {', '.join(sorted(self.layers))}")
+        return self.layers[layer]
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
+        picture = self["RGB"]
+        return np.array(picture, dtype=dtype) if copy else np.asarray(picture, dtype=dtype)
+
+    @property
+    def shape(self) -> Tuple[int, ...]:
+        """(height, width, 3), in pixels."""
+        return self["RGB"].shape
+
+    def save(self, path: PathLike) -> Path:
+        """Writes the image: an .exr with all that it holds, also what `resume` needs; or a .png as `develop` makes it."""
+        path = Path(path)
+        if path.suffix.lower() == ".exr":
+            shutil.copyfile(self.path, path)
+        else:
+            self.develop(path)
+        return path
+
+    def develop(self, path: Optional[PathLike] = None, **options: Any) -> bytes:
+        """The bytes of a PNG, which is also written if a path is given. Options: `exposure` in stops, `tonemap`."""
+        with tempfile.TemporaryDirectory() as folder:
+            picture = Path(path) if path is not None else Path(folder, "picture.png")
+            _run("develop", [str(self.path.absolute()), "-o", str(picture.absolute())], options)
+            return picture.read_bytes()
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows."""
+        return self.develop()
+
+    def __repr__(self) -> str:
+        samples = self.report.get("samples_per_pixel")
+        return f"<gpu_rt.Image {self.path}{'' if samples is None else f', {samples} samples per pixel'}>"
+
+
+def program() -> str:
+    """The path of the program: beside this interpreter, where pip has put it, or else on PATH. Error if it is nowhere."""
+    schemes = [sysconfig.get_path("scripts"), sysconfig.get_path("scripts", f"{os.name}_user")]
+    for folder in [*schemes, None]:
+        found = shutil.which("gpu-rt", path=folder)
+        if found:
+            return found
+    raise Error(f"the program gpu-rt is neither in {schemes[0]} nor on PATH: `pip install gpu-rt` installs it")
+
+
+def render(
+    scene: Scene,
+    *,
+    output: Optional[PathLike] = None,
+    size: Union[str, Sequence[int], None] = None,
+    spp: Optional[int] = None,
+    time: Union[str, float, None] = None,
+    noise: Optional[float] = None,
+    aov: Union[str, Sequence[str], None] = None,
+    crop: Optional[Tuple[int, int, int, int]] = None,
+    samples: Union[str, range, None] = None,
+    seed: Optional[int] = None,
+    device: Union[str, int, Sequence[int], None] = None,
+    resume: Union[bool, str] = False,
+    quiet: bool = False,
+    **options: Any,
+) -> Image:
+    """Renders a scene by `gpu-rt render`, and returns its image.
+
+    `output` is the EXR to write; by default it is in a temporary folder that lives as long as the image. `size` is
+    (width, height) in pixels or "50%". `time` is seconds, or "5m". `noise` is a relative error, such as 0.01. `crop` is
+    (x, y, width, height) in pixels. `samples` is the range of sample indices. `resume` goes on with the render in `output`.
+    Other options are those of the program: max_depth=8, integrator="bsdf", sun="30,0", force=True, …
+
+    The program's progress and warnings go to stderr, or in a notebook to a bar of tqdm; `quiet` hides them.
+
+    SceneError names the places in the scene that are wrong; Error says what else has failed, such as a driver that is missing.
+    Ctrl-C stops the render: Interrupted has the image so far, and the output can be resumed.
+    """
+    for name in ("frames", "watch", "preview"):
+        if options.get(name):
+            raise TypeError(f"render makes one image; {name} needs the program: gpu-rt render --{name}")
+    if output is not None and Path(output).suffix.lower() != ".exr":
+        raise Error(f"output: {output} does not end in .exr; Image.save and png= write a PNG")
+    scene_argument, text = _scene(scene)
+    if size is not None and not isinstance(size, str):
+        size = "x".join(map(str, size))
+    if isinstance(time, (int, float)):
+        time = f"{time}s"
+    if isinstance(samples, range):
+        samples = f"{samples.start}..{samples.stop}"
+    options.update(size=size, spp=spp, time=time, noise=noise, aov=aov, crop=crop, samples=samples)
+    options.update(seed=seed, device=device, resume=resume, quiet=quiet)
+    folder = tempfile.mkdtemp(prefix="gpu-rt-") if output is None else None
+    path = os.path.join(folder, "image.exr") if folder else os.fspath(output or "")
+    try:
+        report = _run("render", [scene_argument, f"--output={path}", "--json"], options, text, None if quiet else _Progress())
+    except BaseException as error:
+        if isinstance(error, Interrupted) and error.report:
+            error.image = Image(error.report["output"], error.report, folder)
+        elif folder:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return Image(report["output"], report, folder)
+
+
+def check(scene: Scene, **options: Any) -> Dict[str, Any]:
+    """Validates a scene without a GPU: the object of `gpu-rt check --json`, with `primitives` and `warnings`. SceneError if it is not valid."""
+    scene_argument, text = _scene(scene)
+    return _run("check", [scene_argument, "--json"], options, text)
+
+
+def compare(
+    image: Union[Image, PathLike, np.ndarray],
+    reference: Union[Image, PathLike, np.ndarray],
+    *,
+    layer: Optional[str] = None,
+    heatmap: Optional[PathLike] = None,
+    fail_above: Optional[Mapping[str, float]] = None,
+) -> Dict[str, Any]:
+    """The error of an image against a reference: the object of `gpu-rt compare --json` (docs/files.md).
+
+    They differ by more than noise if `p` is below `level`; `verdict` says so in words. An array is height x width x 3, linear.
+    `heatmap` is a PNG to write. `fail_above` is a mapping such as {"relmse": 0.01}: Error, with its `report`, if a metric is
+    above its limit.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for name, pixels in (("image.exr", image), ("reference.exr", reference)):
+            if isinstance(pixels, np.ndarray):
+                files.append(str(Path(folder, name)))
+                if pixels.ndim != 3 or pixels.shape[2] != 3:
+                    raise Error(f"compare: an array has the shape (height, width, 3), not {pixels.shape}")
+                channels = {"RGB": np.ascontiguousarray(pixels, dtype=np.float32)}
+                OpenEXR.File({"type": OpenEXR.scanlineimage}, channels).write(files[-1])
+            else:
+                files.append(str((pixels.path if isinstance(pixels, Image) else Path(pixels)).absolute()))
+        limits = [f"--fail-above={metric}={value}" for metric, value in (fail_above or {}).items()]
+        return _run("compare", [*files, "--json", *limits], {"layer": layer, "heatmap": heatmap})
+
+
+def _scene(scene: Scene) -> Tuple[str, Optional[str]]:
+    """The argument that names the scene, and the text for standard input if it is no file."""
+    if isinstance(scene, Mapping):
+        return "-", ron.dumps(scene)
+    name = os.fspath(scene)
+    if isinstance(scene, str) and "(" in scene and not scene.lower().endswith((".ron", ".glb", ".gltf")):
+        return "-", scene
+    # A name that begins with - is no option.
+    return (os.path.join(os.curdir, name) if name.startswith("-") else name), None
+
+
+def _flags(options: Mapping[str, Any]) -> List[str]:
+    """The options as the command line has them. True is a flag, None and False leave it out."""
+    flags = []
+    for name, value in options.items():
+        # These have values on and off: False must not be their default.
+        if isinstance(value, bool) and name in ("roulette", "watts", "light_paths", "clamp"):
+            value = "on" if value else "off"
+        if value is None or value is False:
+            continue
+        flag = "--" + name.replace("_", "-")
+        if isinstance(value, (list, tuple)):
+            value = ",".join(map(str, value))
+        flags.append(flag if value is True else f"{flag}={os.fspath(value) if isinstance(value, os.PathLike) else value}")
+    return flags
+
+
+class _Progress:
+    """Shows the lines of the program's progress: on stderr, or in a notebook as a bar if tqdm is there."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+        self._tqdm: Any = None
+        shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+        if type(shell).__name__ == "ZMQInteractiveShell":
+            try:
+                from tqdm.auto import tqdm
+
+                self._tqdm = tqdm
+            except ImportError:
+                pass
+
+    def line(self, line: str) -> None:
+        # 125/500 spp  1.42 Mpaths/s  error 3.2 %  …; until an error: 125 of about 500 spp
+        samples = re.match(r"(\d+)(?:/| of about )?(\d*) spp(.*)", line)
+        if not samples or not self._tqdm:
+            print(line, file=sys.stderr, flush=True)
+            return
+        if self._bar is None:
+            self._bar = self._tqdm(unit="spp")
+        self._bar.total = int(samples[2]) if samples[2] else None
+        self._bar.set_postfix_str(samples[3].strip(), refresh=False)
+        self._bar.update(int(samples[1]) - self._bar.n)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+
+# A file, its line and column, a field that may be missing, and the message.
+_FAULT = re.compile(r"(.+?):(\d+):(\d+): (?:([\w.\[\]\"]+): )?(.*)")
+
+
+def _run(
+    command: str,
+    arguments: Sequence[str],
+    options: Mapping[str, Any],
+    text: Optional[str] = None,
+    progress: Optional[_Progress] = None,
+) -> Dict[str, Any]:
+    """Runs the program, and returns the object that it prints by --json. Its failure becomes an exception."""
+    line = [program(), command, *arguments, *_flags(options)]
+    errors: List[str] = []
+    with tempfile.TemporaryFile() as stdin, tempfile.TemporaryFile() as stdout:
+        stdin.write((text or "").encode())
+        stdin.seek(0)
+        # In a session of its own it gets no Ctrl-C but by us: a second one would end it without its image.
+        process = subprocess.Popen(
+            line, stdin=stdin, stdout=stdout, stderr=subprocess.PIPE, start_new_session=True,
+            preexec_fn=_end_with_parent if _LIBC else None,
+        )
+        reader = threading.Thread(target=_read, args=(process.stderr, errors, progress), daemon=True)
+        reader.start()
+        interrupted = False
+        try:
+            try:
+                process.wait()
+            except BaseException as reason:
+                process.send_signal(signal.SIGINT)
+                process.wait()
+                if not isinstance(reason, KeyboardInterrupt):
+                    raise
+                interrupted = True
+        finally:
+            if process.poll() is None:
+                process.kill()
+            reader.join()
+            if progress:
+                progress.close()
+        stdout.seek(0)
+        printed = stdout.read().decode()
+    report = json.loads(printed) if printed else {}
+    if process.returncode == 0 and not interrupted:
+        return report
+    # Each line that begins an error has the prefix; lines of more words, as usage, belong to the one before.
+    messages = [message.strip() for message in "\n".join(errors).split("error: ") if message.strip()]
+    faults = [Fault(f[1], int(f[2]), int(f[3]), f[4] or "", f[5]) for f in map(_FAULT.match, messages) if f]
+    words = "\n".join(messages) or f"gpu-rt {command} ended with status {process.returncode}"
+    if interrupted:
+        raise Interrupted(words, report)
+    raise SceneError(words, faults) if faults else Error(words, report)
+
+
+_LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
+
+
+def _end_with_parent() -> None:
+    """Has the system stop the program, which then writes its image, if Python is killed: no terminal would. Linux only."""
+    _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)  # type: ignore[union-attr]
+
+
+def _read(stream: Any, errors: List[str], progress: Optional[_Progress]) -> None:
+    """Reads stderr to its end: the lines from the first error on are kept, those before are shown."""
+    show: Callable[[str], None] = progress.line if progress else lambda line: None
+    for raw in stream:
+        line = raw.decode(errors="replace").rstrip("\n")
+        if errors or line.startswith("error: "):
+            errors.append(line)
+        else:
+            show(line)
+    stream.close()
