@@ -167,7 +167,7 @@ pub fn flatten_with(
         around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],
-        textures: scene.materials.iter().map(|(_, material)| material.framed()).collect(),
+        framed: scene.materials.iter().map(|(_, material)| material.framed()).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         motions: None,
@@ -179,15 +179,14 @@ pub fn flatten_with(
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
         builder.add_extensions(&used, radiance_scale);
     }
-    if builder.flat.features.has_extension(ExtensionKind::Multiscatter) || options.features == FeatureSet::All {
+    let has = |kind| builder.flat.features.has_extension(kind) || options.features == FeatureSet::All;
+    let (is_compensated, has_sheen) = (has(ExtensionKind::Multiscatter), has(ExtensionKind::Sheen));
+    if is_compensated || has_sheen {
         builder.flat.directional_albedos = microfacets::directional_albedos();
     }
-    if builder.flat.features.has_extension(ExtensionKind::Sheen) || options.features == FeatureSet::All {
-        let table = &mut builder.flat.directional_albedos;
-        if table.is_empty() {
-            *table = microfacets::directional_albedos();
-        }
-        table.extend(sheen::sheen_albedos());
+    // The table of sheen stands behind the other one.
+    if has_sheen {
+        builder.flat.directional_albedos.extend(sheen::sheen_albedos());
     }
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;

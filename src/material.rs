@@ -22,7 +22,7 @@ use crate::texture::{Texture, Use};
 
 use declared::is_zero;
 pub use declared::{MOST_ABSORPTION, MOST_IOR, Material};
-use model::{Along, Anisotropy, Coat, lobes_of_roughness};
+use model::{Along, Coat, lobes_of_roughness};
 pub use model::{
     EXTENSIONS, Emission, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
 };
@@ -77,8 +77,7 @@ impl Material {
             } => {
                 let model = conductor::model(albedo.as_ref(), *eta, *k, roughness);
                 let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
-                let (strength, rotation, texture) = (*anisotropy, *anisotropy_rotation, anisotropy_texture);
-                model.anisotropic(Anisotropy { strength, rotation, texture })
+                model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
             }
             Material::RoughDielectric {
                 ior,
@@ -93,8 +92,7 @@ impl Material {
             } => {
                 let model = rough_dielectric::model(*ior, roughness);
                 let model = model.tinted(transmittance).absorbing(*absorption).bumped(normal, *normal_scale);
-                let (strength, rotation, texture) = (*anisotropy, *anisotropy_rotation, anisotropy_texture);
-                model.anisotropic(Anisotropy { strength, rotation, texture })
+                model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
             }
             Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale } => {
                 thin_dielectric::model(*ior, roughness).tinted(transmittance).bumped(normal, *normal_scale)
@@ -144,8 +142,7 @@ impl Material {
                     normal_scale: *coat_normal_scale,
                 };
                 let model = model.coated(coat).sheened(sheen, sheen_roughness);
-                let (strength, rotation, texture) = (*anisotropy, *anisotropy_rotation, anisotropy_texture);
-                let model = model.anisotropic(Anisotropy { strength, rotation, texture });
+                let model = model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture);
                 let has_inside = *solid && !is_zero(transmission);
                 let lacks = (absorption.is_some() && !has_inside)
                     .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
@@ -156,33 +153,37 @@ impl Material {
 
     /// Whether it lets light pass straight on somewhere.
     pub fn has_alpha(&self) -> bool {
-        self.model().extensions.iter().any(|extension| extension.kind == ExtensionKind::Alpha)
+        self.has_extension(ExtensionKind::Alpha)
     }
 
     /// Whether light passes it.
     pub fn is_transmissive(&self) -> bool {
-        let of_lobe = || self.model().extensions.iter().any(|extension| extension.kind == ExtensionKind::Transmission);
-        self.kind().is_transmissive || of_lobe()
+        self.kind().is_transmissive || self.has_extension(ExtensionKind::Transmission)
+    }
+
+    pub fn has_extension(&self, kind: ExtensionKind) -> bool {
+        self.model().extensions.iter().any(|extension| extension.kind == kind)
     }
 
     /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
     pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
         match self {
             Material::Conductor { roughness, anisotropy, anisotropy_texture, .. } => {
-                let along = Along { strength: *anisotropy, varies: anisotropy_texture.is_some() };
+                let along = Along::new(*anisotropy, anisotropy_texture);
                 lobes_of_roughness(roughness, along, bitmaps, |roughness, along| {
                     vec![conductor::lobe(roughness, along)]
                 })
             }
             Material::RoughDielectric { ior, roughness, anisotropy, anisotropy_texture, .. } => {
-                let along = Along { strength: *anisotropy, varies: anisotropy_texture.is_some() };
+                let along = Along::new(*anisotropy, anisotropy_texture);
                 lobes_of_roughness(roughness, along, bitmaps, |roughness, along| {
                     rough_dielectric::lobes(*ior, roughness, along)
                 })
             }
             Material::ThinDielectric { roughness, .. } => {
-                let along = Along { strength: 0.0, varies: false };
-                lobes_of_roughness(roughness, along, bitmaps, |roughness, _| vec![conductor::lobe(roughness, 0.0)])
+                lobes_of_roughness(roughness, Along::NONE, bitmaps, |roughness, _| {
+                    vec![conductor::lobe(roughness, 0.0)]
+                })
             }
             Material::Pbr {
                 metallic,
@@ -197,7 +198,7 @@ impl Material {
                 anisotropy_texture,
                 ..
             } => {
-                let along = Along { strength: *anisotropy, varies: anisotropy_texture.is_some() };
+                let along = Along::new(*anisotropy, anisotropy_texture);
                 let (ior, is_solid) = (*ior, *solid);
                 let parts =
                     pbr::Parts { metallic, roughness, along, ior, transmission, is_solid, coat, coat_roughness, sheen };
@@ -212,7 +213,7 @@ impl Material {
         self.model().slots().filter(Slot::is_textured).map(|slot| slot.texture).collect()
     }
 
-    /// What of it has a frame on objects, in the order of the frames.
+    /// The slots that have a frame on objects, in the order of the frames.
     pub fn framed(&self) -> Vec<Slot<'_>> {
         self.model().slots().filter(Slot::has_frame).collect()
     }

@@ -1,12 +1,6 @@
-//@ use lib/basis
 //@ use lib/sampling
 // The functions of lib/microfacet for microfacets with one alpha along the tangent and another along the bitangent (Heitz, "Understanding the
 // Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2), 2014, equations 85 to 87).
-
-// A direction in the axes of the basis.
-fn in_basis(basis: Basis, v: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(dot(v, basis.tangent), dot(v, basis.bitangent), dot(v, basis.normal));
-}
 
 // |v|^4 / (pi a b (x^2/a^2 + y^2/b^2 + z^2)^2), with the alphas a and b.
 fn anisotropic_density(along: vec3<f32>, alphas: vec2<f32>) -> f32 {

@@ -20,3 +20,8 @@ fn basis_around(n: vec3<f32>) -> Basis {
 fn from_basis(basis: Basis, local: vec3<f32>) -> vec3<f32> {
     return local.x * basis.tangent + local.y * basis.bitangent + local.z * basis.normal;
 }
+
+// A direction in the axes of the basis.
+fn in_basis(basis: Basis, v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(v, basis.tangent), dot(v, basis.bitangent), dot(v, basis.normal));
+}

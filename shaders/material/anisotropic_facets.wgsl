@@ -20,8 +20,8 @@ fn facet_basis(hit: Interaction) -> Basis {
 fn sample_facet(hit: Interaction, cos_view: f32, alpha: f32, u: vec2<f32>) -> vec3<f32> {
     if is_isotropic(hit) {
         let basis = basis_around(hit.normal);
-        let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
-        return from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u));
+        let view = vec3<f32>(-in_basis(basis, hit.incoming).xy, cos_view);
+        return from_basis(basis, sample_visible_normal(view, alpha, u));
     }
     let basis = facet_basis(hit);
     let view = vec3<f32>(-in_basis(basis, hit.incoming).xy, cos_view);

@@ -6,8 +6,8 @@
 // A microfacet normal, from those that are visible.
 fn sample_facet(hit: Interaction, cos_view: f32, alpha: f32, u: vec2<f32>) -> vec3<f32> {
     let basis = basis_around(hit.normal);
-    let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
-    return from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u));
+    let view = vec3<f32>(-in_basis(basis, hit.incoming).xy, cos_view);
+    return from_basis(basis, sample_visible_normal(view, alpha, u));
 }
 
 // The density of the visible microfacet normals at the direction of `along` over their cosine with the view.

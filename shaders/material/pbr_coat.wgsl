@@ -55,8 +55,7 @@ fn draw_coat(draw: LobeDraw, hit: Interaction, u: vec2<f32>, under: f32) -> Lobe
     }
     let alpha = hit.lobes.coat_roughness * hit.lobes.coat_roughness;
     let basis = basis_around(normal);
-    let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
-    let view = vec3<f32>(-across, clamp(-dot(hit.incoming, normal), 0.0, 1.0));
+    let view = vec3<f32>(-in_basis(basis, hit.incoming).xy, clamp(-dot(hit.incoming, normal), 0.0, 1.0));
     let facet = from_basis(basis, sample_visible_normal(view, alpha, u));
     let direction = normalize(hit.incoming + 2.0 * clamp(-dot(hit.incoming, facet), 0.0, 1.0) * facet);
     if is_above_coat(hit, direction) {

@@ -40,8 +40,8 @@ pub struct Builder<'a> {
     pub tables: Vec<Vec<Table>>,
     /// The index in the table of each of the scene's materials that an object uses.
     pub materials: Vec<u32>,
-    /// The textures of each of the scene's materials, without plain colours. On every object, each has its own frame, in this order.
-    pub textures: Vec<Vec<Slot<'a>>>,
+    /// The slots of each of the scene's materials that have frames. On every object, each has its own frame, in this order.
+    pub framed: Vec<Vec<Slot<'a>>>,
     /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
@@ -140,8 +140,8 @@ impl Builder<'_> {
     /// The index of a primitive's first frame; 0 if its material has no texture.
     pub fn frame_of(&mut self, primitive: &Primitive) -> u32 {
         let Primitive { shape, to_world, material, .. } = primitive;
-        let textures = &self.textures[*material as usize];
-        if textures.is_empty() {
+        let slots = &self.framed[*material as usize];
+        if slots.is_empty() {
             return 0;
         }
         // All instances of a mesh share frames, because textures are evaluated in the mesh's own space.
@@ -153,7 +153,7 @@ impl Builder<'_> {
         let index = self.flat.frames.len() as u32;
         // Texture coordinates of a large sphere are relative to its nearest point, and those of a sphere to its centre.
         let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
-        let frames = textures.iter().filter_map(|slot| {
+        let frames = slots.iter().filter_map(|slot| {
             let frame = slot.texture.frame(slot.usage, space, (pole, &to_world.rotation))?;
             let mesh = shape.mesh().filter(|_| slot.texture.image().is_some() || slot.usage == Use::Direction);
             Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(slot, mesh) as f32, ..frame }))

@@ -93,7 +93,7 @@ impl Builder<'_> {
 /// Whether a surface can be the first event of a light path: a specular one, or a near mirror (shaders/scene/near_mirrors).
 fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
     let lobes = material.lobes(bitmaps);
-    let varies = material.model().extensions.iter().any(|extension| extension.kind == ExtensionKind::Roughness);
+    let varies = material.has_extension(ExtensionKind::Roughness);
     let is_near_mirror = lobes.contains(&Lobe::Narrow) && (varies || !lobes.contains(&Lobe::Wide));
     lobes.contains(&Lobe::Specular) || is_near_mirror
 }

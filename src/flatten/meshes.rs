@@ -31,7 +31,7 @@ impl Builder<'_> {
             if !known.insert((shape.number, primitive.material)) {
                 continue;
             }
-            for slot in &self.textures[primitive.material as usize] {
+            for slot in &self.framed[primitive.material as usize] {
                 let table = Table::for_texture(slot, shape.mesh);
                 let tables = &mut self.tables[shape.number];
                 if tables.contains(&table) {

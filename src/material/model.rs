@@ -179,6 +179,14 @@ pub struct Along {
     pub varies: bool,
 }
 
+impl Along {
+    pub const NONE: Along = Along { strength: 0.0, varies: false };
+
+    pub fn new(strength: f64, texture: &Option<Texture>) -> Along {
+        Along { strength, varies: texture.is_some() }
+    }
+}
+
 /// The lobes of microfacets, by those of a roughness and an anisotropy, for a roughness that may vary: as narrow as its least number makes them,
 /// and wider.
 pub fn lobes_of_roughness(
@@ -199,16 +207,6 @@ pub fn varying<'a>(field: &'static Field, kind: ExtensionKind, texture: &'a Text
     let slot = Slot { field, usage: Use::Share, texture };
     let number = texture.plain().map(|grey| grey.x);
     (number.unwrap_or(0.0), number.is_none().then_some(Extension::new(kind, slot, 0.0)))
-}
-
-/// The anisotropy of microfacets.
-#[derive(Clone, Copy)]
-pub struct Anisotropy<'a> {
-    /// 0 to 1.
-    pub strength: f64,
-    /// Degrees, from u towards v.
-    pub rotation: f64,
-    pub texture: &'a Option<Texture>,
 }
 
 /// A coat around glTF's material.
@@ -345,19 +343,19 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// Makes microfacets rougher along a direction.
-    pub fn anisotropic(mut self, anisotropy: Anisotropy<'a>) -> Model<'a> {
+    /// Makes microfacets rougher along a direction: by a strength from 0 to 1, and turned by degrees from u towards v.
+    pub fn anisotropic(mut self, strength: f64, rotation: f64, texture: &'a Option<Texture>) -> Model<'a> {
         // The direction of u, and all of the strength.
         static ALONG_U: Texture = Texture::Rgb(1.0, 0.5, 1.0);
-        if anisotropy.strength == 0.0 {
+        if strength == 0.0 {
             return self;
         }
-        let texture = anisotropy.texture.as_ref().unwrap_or(&ALONG_U);
+        let texture = texture.as_ref().unwrap_or(&ALONG_U);
         let slot = Slot { field: &conductor::FIELDS.anisotropy_texture, usage: Use::Direction, texture };
-        let (sine, cosine) = anisotropy.rotation.to_radians().sin_cos();
+        let (sine, cosine) = rotation.to_radians().sin_cos();
         self.extensions.push(Extension {
             contrasts: [cosine as f32, sine as f32],
-            ..Extension::new(ExtensionKind::Anisotropy, slot, anisotropy.strength as f32)
+            ..Extension::new(ExtensionKind::Anisotropy, slot, strength as f32)
         });
         self
     }

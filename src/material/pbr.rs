@@ -36,7 +36,7 @@ pub const KIND: MaterialKind = MaterialKind {
     has_second_part: false,
 };
 
-/// What of the material decides its lobes.
+/// The parts of the material that decide its lobes.
 pub struct Parts<'a> {
     pub metallic: &'a Texture,
     pub roughness: &'a Texture,
@@ -68,9 +68,8 @@ pub fn lobes(parts: &Parts<'_>, bitmaps: &Bitmaps) -> Vec<Lobe> {
         found.extend(lobes_of_roughness(parts.roughness, parts.along, bitmaps, of_glass));
     }
     if !is(parts.coat, 0.0) {
-        let isotropic = Along { strength: 0.0, varies: false };
         let of_coat = |roughness: f64, _| vec![conductor::lobe(roughness, 0.0)];
-        found.extend(lobes_of_roughness(parts.coat_roughness, isotropic, bitmaps, of_coat));
+        found.extend(lobes_of_roughness(parts.coat_roughness, Along::NONE, bitmaps, of_coat));
     }
     found.extend((!is_zero(parts.sheen)).then_some(Lobe::Wide));
     [Lobe::Specular, Lobe::Narrow, Lobe::Wide].into_iter().filter(|lobe| found.contains(lobe)).collect()

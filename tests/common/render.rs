@@ -476,6 +476,22 @@ impl Shot {
     }
 }
 
+/// What a material returns per channel of light of 1 from all sides at this cosine, and its standard errors.
+pub fn in_a_furnace(material: &str, cos: f64, samples: u32) -> ([f64; 3], [f64; 3]) {
+    let scene = scene(&format!(
+        "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: 0.1),
+    background: Solid((1, 1, 1)),
+    materials: {{\"it\": {material}}},
+    objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"it\")],
+)",
+        -(1.0 - cos * cos).sqrt()
+    ));
+    let mean = render(&scene, &Request::spp(samples)).mean_of_all();
+    (mean.value, mean.variance.map(f64::sqrt))
+}
+
 /// Tests that two independent renders (two seeds) have one expectation, with this share of false alarms: see [`worst_difference`].
 pub fn same_expectation(a: &Shot, b: &Shot, rounding: f64, alpha: f64) -> Result<(), String> {
     let worst = worst_difference(a, b, rounding);

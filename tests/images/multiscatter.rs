@@ -2,27 +2,11 @@
 
 use crate::common::kernel::Overlay;
 use crate::common::microfacets::{Facets, directional_albedo, masking, schlick, shadowing};
-use crate::common::render::{Request, render, render_planted, same_expectation, scene};
+use crate::common::render::{Request, in_a_furnace, render, render_planted, same_expectation, scene};
 
 const ALPHA: f64 = 1e-6;
 /// The most by which the table is off (tests/kernels/rough.rs).
 const TABLE: f64 = 0.008;
-
-/// What comes back per channel of light of 1 from all sides, and its standard errors.
-fn in_a_furnace(material: &str, cos: f64) -> ([f64; 3], [f64; 3]) {
-    let scene = scene(&format!(
-        "Scene(
-    image: (width: 16, height: 16),
-    camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: 0.1),
-    background: Solid((1, 1, 1)),
-    materials: {{\"metal\": {material}}},
-    objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"metal\")],
-)",
-        -(1.0 - cos * cos).sqrt()
-    ));
-    let mean = render(&scene, &Request::spp(256)).mean_of_all();
-    (mean.value, mean.variance.map(f64::sqrt))
-}
 
 /// What a metal of this albedo returns by Turquin's formula, or by single scattering.
 fn returned(albedo: f64, facets: &Facets, multiscatter: bool) -> f64 {
@@ -49,7 +33,7 @@ fn metals_return_the_light_that_single_scattering_loses() {
                 format!("Conductor(albedo: {colour}, roughness: {roughness}, multiscatter: {multiscatter})"),
                 format!("Pbr(base_color: {colour}, roughness: {roughness}, multiscatter: {multiscatter})"),
             ] {
-                let (found, errors) = in_a_furnace(&material, cos);
+                let (found, errors) = in_a_furnace(&material, cos, 256);
                 for c in 0..3 {
                     let expected = returned(albedo[c], &facets, multiscatter);
                     let off = (found[c] - expected).abs();

@@ -173,11 +173,6 @@ fn faults(kernel: &Kernel, rows: &[In], formula: Formula) -> (usize, usize, usiz
             (f64::from(found) - expected).abs() <= limit * expected + cosine * all + 1e-30
         };
         let is_off = !(near(out.pdf, pdf, 0.0) && (0..3).all(|c| near(out.value[c], value[c], pdf)));
-        if is_off && off < 4 && std::env::var_os("GPU_RT_SHOW").is_some() {
-            let space = Space::of(row);
-            eprintln!("{:?} {:?} {out:?} {value:?} {pdf} {limit}", space.view, within(&space.axes, direction));
-            eprintln!("{:?} {:?} {:?} {:?}", space.alphas, row.front, row.second.parameter, row.u);
-        }
         off += usize::from(is_off);
         let is_ratio = |c: usize| {
             let ratio = value[c] / pdf;

@@ -170,7 +170,8 @@ fn pbr_scatters_by_its_density_and_keeps_the_light_of_its_formula() {
     }
 }
 
-fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+/// Rows of random base and angle.
+pub fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
     (0..count)
         .map(|i| {
             let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };

@@ -12,15 +12,13 @@ use gpu_rt::material::sheen::sheen_albedos;
 use crate::common::kernel::{Kernel, array};
 use crate::common::microfacets::{
     ABSORBED, In, Lobes, Out, SCATTERED, SPECULAR, arriving, axes, density, kernel_of, masking, planted_kernel,
-    schlick, shadowing, uniforms, visible, within,
+    schlick, shadowing, visible, within,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::glass;
 use crate::common::stats::{Random, chi_square, sidak};
-use crate::common::vectors::{U, decades, exact, rounded, unit};
-use crate::pbr::{
-    Formula, NO_LAYER, RINGS, SECTORS, brightness, cell, formula, hemisphere, layer, pbr, share_of_facets,
-};
+use crate::common::vectors::{U, exact, rounded, unit};
+use crate::pbr::{Formula, RINGS, SECTORS, brightness, cell, formula, hemisphere, layer, pbr, rows, share_of_facets};
 use crate::rough::{boundary_response, fresnel_of_a_pane, pane_response};
 
 /// False-alarm rate of each test here.
@@ -356,23 +354,8 @@ fn view_and_normal(row: &In) -> (DVec3, DVec3) {
     (-exact(row.incoming).normalize(), exact(row.normal).normalize())
 }
 
-/// Rows of random base and angle.
-fn base_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    (0..count)
-        .map(|i| {
-            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
-            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
-            let metallic = [0.0, 1.0, 0.3][i % 3];
-            let base = [[0.8, 0.5, 0.2], [1.0, 0.0, 0.5], [0.0; 3]][i / 2 % 3];
-            let row = pbr(arriving(random, cos), base, metallic, roughness, [1.5, 1.0, 2.4][i / 3 % 3]);
-            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
-            In { u: uniforms(random, i), light, f90: NO_LAYER, ..row }
-        })
-        .collect()
-}
-
 fn glassy_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    let rows = base_rows(random, count, towards_light);
+    let rows = rows(random, count, towards_light);
     let with_glass = |(i, row): (usize, In)| {
         let share = [0.0, 0.3, 1.0, 0.7, 1e-3][i / 5 % 5];
         In { front: i as u32 / 7 % 2, ..glassy(row, share, [1.5, 1.33, 2.4][i % 3], i / 2 % 2 == 0) }
@@ -381,7 +364,7 @@ fn glassy_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In
 }
 
 fn coated_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    let rows = base_rows(random, count, towards_light).into_iter().enumerate();
+    let rows = rows(random, count, towards_light).into_iter().enumerate();
     rows.map(|(i, row)| coated(random, i, row)).collect()
 }
 
@@ -397,7 +380,7 @@ fn coated(random: &mut Random, i: usize, row: In) -> In {
 }
 
 fn sheened_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    let rows = base_rows(random, count, towards_light).into_iter().enumerate();
+    let rows = rows(random, count, towards_light).into_iter().enumerate();
     rows.map(|(i, row)| sheened(i, row)).collect()
 }
 
@@ -431,9 +414,6 @@ fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize, usize) {
         let near = |found: f32, expected: f64, off: f64| (f64::from(found) - expected).abs() <= off + 1e-30;
         let is_value = |c: usize| near(out.value[c], expected.value[c], expected.off[c]);
         let is_off = !(near(out.pdf, expected.pdf, expected.pdf_off) && (0..3).all(is_value));
-        if is_off && off < 3 && std::env::var_os("GPU_RT_SHOW").is_some() {
-            eprintln!("{row:?}\n{out:?}\n{expected:?}\ncos view {} light {}", view.dot(normal), direction.dot(normal));
-        }
         off += usize::from(is_off);
         let is_ratio = |c: usize| {
             let ratio = f64::from(out.value[c]) / f64::from(out.pdf);
@@ -768,7 +748,7 @@ fn the_cells_cover_the_hemisphere() {
 #[test]
 fn a_smooth_coat_leaves_the_rest_to_what_lies_below() {
     let mut random = Random(621);
-    let rows: Vec<In> = base_rows(&mut random, 20_000, false)
+    let rows: Vec<In> = rows(&mut random, 20_000, false)
         .into_iter()
         .enumerate()
         .map(|(i, row)| {
