@@ -401,9 +401,13 @@ device_struct!(
         sheen: u32,
         sheen_roughness: u32,
         anisotropy: u32,
+        iridescence: u32,
+        iridescence_thickness: u32,
+        diffuse_transmission: u32,
+        diffuse_transmission_share: u32,
+        dispersion: u32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
     }
 );
 
@@ -428,9 +432,13 @@ impl Extension {
         sheen: NO_EXTENSION,
         sheen_roughness: NO_EXTENSION,
         anisotropy: NO_EXTENSION,
+        iridescence: NO_EXTENSION,
+        iridescence_thickness: NO_EXTENSION,
+        diffuse_transmission: NO_EXTENSION,
+        diffuse_transmission_share: NO_EXTENSION,
+        dispersion: NO_EXTENSION,
         padding0: 0,
         padding1: 0,
-        padding2: 0,
     };
 }
 

@@ -37,7 +37,7 @@ use crate::error::{Error, Result};
 use crate::material::{ExtensionKind, Lobe, microfacets, sheen};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
-use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
+use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
 use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
@@ -103,6 +103,9 @@ pub fn flatten_with(
         if let Some(is_textured) = panes[primitive.material as usize] {
             features.pane_textures |= is_textured;
             features.panes[primitive.shape.number()].get_or_insert_with(at_object);
+        }
+        if KINDS[primitive.shape.number()].encloses() && scene.materials[primitive.material as usize].1.has_alpha() {
+            features.alpha_bodies[primitive.shape.number()].get_or_insert_with(at_object);
         }
     }
     // Whether an object uses each material.

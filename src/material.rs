@@ -21,8 +21,8 @@ use crate::source::form::{any_of, kinds};
 use crate::texture::{Texture, Use};
 
 use declared::is_zero;
-pub use declared::{MOST_ABSORPTION, MOST_IOR, Material};
-use model::{Along, Coat, lobes_of_roughness};
+pub use declared::{MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS, Material};
+use model::{Along, Coat, Film, lobes_of_roughness};
 pub use model::{
     EXTENSIONS, Emission, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
 };
@@ -59,8 +59,8 @@ impl Material {
                 model.bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
-            Material::Dielectric { ior, transmittance, absorption } => {
-                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption)
+            Material::Dielectric { ior, transmittance, absorption, dispersion } => {
+                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
             }
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
             Material::Conductor {
@@ -84,13 +84,14 @@ impl Material {
                 roughness,
                 transmittance,
                 absorption,
+                dispersion,
                 anisotropy,
                 anisotropy_rotation,
                 anisotropy_texture,
                 normal,
                 normal_scale,
             } => {
-                let model = rough_dielectric::model(*ior, roughness);
+                let model = rough_dielectric::model(*ior, roughness).dispersing(*ior, *dispersion);
                 let model = model.tinted(transmittance).absorbing(*absorption).bumped(normal, *normal_scale);
                 model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
             }
@@ -107,6 +108,14 @@ impl Material {
                 transmission,
                 solid,
                 absorption,
+                dispersion,
+                diffuse_transmission,
+                diffuse_transmission_color,
+                iridescence,
+                iridescence_ior,
+                iridescence_thickness,
+                iridescence_thickness_min,
+                iridescence_thickness_texture,
                 coat,
                 coat_roughness,
                 coat_ior,
@@ -129,7 +138,7 @@ impl Material {
                 let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
                 let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
                 let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
-                let model = model.layered(specular, specular_color).transmitting(
+                let model = model.layered(specular, specular_color, !is_zero(iridescence)).transmitting(
                     transmission,
                     &dielectric::model(*ior).on_device,
                     *solid,
@@ -142,11 +151,22 @@ impl Material {
                     normal_scale: *coat_normal_scale,
                 };
                 let model = model.coated(coat).sheened(sheen, sheen_roughness);
+                let film = Film {
+                    share: iridescence,
+                    ior: *iridescence_ior,
+                    thickness: iridescence_thickness_texture,
+                    least: *iridescence_thickness_min,
+                    most: *iridescence_thickness,
+                };
+                let model = model.filmed(film).translucent(diffuse_transmission, diffuse_transmission_color);
                 let model = model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture);
                 let has_inside = *solid && !is_zero(transmission);
+                let model = model.dispersing(*ior, if has_inside { *dispersion } else { 0.0 });
                 let lacks = (absorption.is_some() && !has_inside)
                     .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
-                Model { lacks, ..model.absorbing(*absorption) }
+                let disperses_nothing = (*dispersion != 0.0 && !has_inside)
+                    .then_some("no dispersion without `solid: true` and a transmission: it is of light that a body bends");
+                Model { lacks: lacks.or(disperses_nothing), ..model.absorbing(*absorption) }
             }
         }
     }
@@ -158,7 +178,8 @@ impl Material {
 
     /// Whether light passes it.
     pub fn is_transmissive(&self) -> bool {
-        self.kind().is_transmissive || self.has_extension(ExtensionKind::Transmission)
+        let passes = [ExtensionKind::Transmission, ExtensionKind::DiffuseTransmission];
+        self.kind().is_transmissive || passes.into_iter().any(|kind| self.has_extension(kind))
     }
 
     pub fn has_extension(&self, kind: ExtensionKind) -> bool {

@@ -2,7 +2,7 @@
 // changes the numbers of another. Each bounce has DIMENSION_BLOCKS_PER_BOUNCE consecutive blocks, from DIMENSION_FIRST_BOUNCE on.
 
 const DIMENSION_CAMERA: u32 = 0u; // two for the point in the pixel, two for the point on the lens
-const DIMENSION_TIME: u32 = 0x7fffffffu; // one for the time, behind all bounces
+const DIMENSION_TIME: u32 = 0x7fffffffu; // one for the time, and one for the channel that dispersion follows, behind all bounces
 const DIMENSION_FIRST_BOUNCE: u32 = 1u;
 const DIMENSION_BLOCKS_PER_BOUNCE: u32 = 4u;
 

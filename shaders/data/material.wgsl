@@ -54,9 +54,17 @@ struct Extension {
     // The anisotropy of microfacets: the direction and the strength, with the factor of the strength as the parameter and the cosine and the sine of
     // its rotation as the contrasts.
     anisotropy: u32,
+    // Of glTF's material: the share of a thin film, with its index of refraction as the parameter and its thickness in nm as contrast_outside;
+    // the thickness where it varies, from contrast_outside to contrast_inside.
+    iridescence: u32,
+    iridescence_thickness: u32,
+    // Of glTF's material: the colour of scattered light that passes its matt body, with its share as the parameter; the share where it varies.
+    diffuse_transmission: u32,
+    diffuse_transmission_share: u32,
+    // Of glass: the index of refraction of blue less that of green, as the parameter.
+    dispersion: u32,
     padding0: u32,
     padding1: u32,
-    padding2: u32,
 }
 
 const NO_EXTENSION: u32 = 0xffffffffu;
@@ -76,6 +84,15 @@ struct Lobes {
     ior: f32,
     // The square of the anisotropy's strength, which any material of microfacets may have.
     anisotropy: f32,
+    // The colour of scattered light that passes the matt body, and the share that passes.
+    colour_through: vec3<f32>,
+    through: f32,
+    // The share of the thin film, its index of refraction, and its thickness in nm.
+    film: f32,
+    film_ior: f32,
+    film_thickness: f32,
+    // The index of refraction of blue less that of green, and of green less that of red, which any glass may have.
+    dispersion: f32,
 }
 
 // The interaction of a ray with a surface, as materials take it.
@@ -102,6 +119,8 @@ struct Interaction {
     emission: vec3<f32>,
     // Unit direction along which microfacets are rougher, perpendicular to the normal.
     tangent: vec3<f32>,
+    // The channel that the path follows through glass with dispersion: red is -1, green 0 and blue 1.
+    followed: f32,
 }
 
 // A surface's material at a hit, with its textures evaluated. Each extension sets its own members; the others are not read.
@@ -121,6 +140,9 @@ struct EvaluatedMaterial {
     coat_normal: vec3<f32>,
     // The direction of the anisotropy in the axes of the texture coordinates.
     turn: vec2<f32>,
+    // As in Interaction, and what is kept of light that crosses the surface (step/followed_channel).
+    followed: f32,
+    kept: vec3<f32>,
 }
 
 const SCATTERED: u32 = 0u;
@@ -188,6 +210,18 @@ fn mixed_response(inner: Response, outer: Response, weight: f32, share: f32) -> 
     let pdf = pdfs.x + pdfs.y;
     let narrow = pdfs.x * inner.narrow + pdfs.y * outer.narrow;
     return Response(value, pdf, select(0.0, min(narrow / pdf, 1.0), pdf > 0.0));
+}
+
+// A boundary of glass: the index of the far side over that of the near one, and (eta - 1)(eta + 1).
+struct Boundary {
+    eta: f32,
+    contrast: f32,
+}
+
+// What a boundary of glass does to light: reflection is drawn with the probability `chance`, and has this colour as its weight.
+struct Reflected {
+    colour: vec3<f32>,
+    chance: f32,
 }
 
 // Draws one lobe of several, the outermost first.

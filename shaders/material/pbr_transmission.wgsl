@@ -67,9 +67,12 @@ fn share_of_glass(material: Material, hit: Interaction, base: f32) -> f32 {
 // A smooth pane reflects, or lets light pass straight on, which is an event here: the base is no pane.
 fn smooth_pane_scatter(material: Material, hit: Interaction, u: f32) -> Scatter {
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
-    let reflects = u < reflectance_of_glass(material, hit, cos_view);
+    let reflected = reflected_by_pane(glass_of(material, hit.lobes), hit, cos_view);
     let mirrored = normalize(hit.incoming + 2.0 * cos_view * hit.normal);
-    return scatter_towards(select(hit.incoming, mirrored, reflects), vec3<f32>(1.0), LOBE_SPECULAR);
+    if u < reflected.chance {
+        return scatter_towards(mirrored, reflected.colour, LOBE_SPECULAR);
+    }
+    return scatter_towards(hit.incoming, vec3<f32>(1.0), LOBE_SPECULAR);
 }
 
 fn glass_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {

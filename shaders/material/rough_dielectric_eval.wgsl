@@ -1,5 +1,7 @@
 //@ use data/material
+//@ use choice/boundary
 //@ use choice/facets
+//@ use choice/film
 //@ use choice/fresnel
 //@ use lib/microfacet
 // A rough dielectric that is smooth is clear glass.
@@ -18,8 +20,8 @@ fn rough_dielectric_is_near_mirror(material: Material) -> bool {
 fn rough_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let alpha = material.parameter * material.parameter;
     let ior = hit.second.parameter;
-    let eta = select(1.0 / ior, ior, hit.front);
-    let contrast = select(material.contrast_inside, material.contrast_outside, hit.front);
+    let boundary = boundary_at(material, ior, hit);
+    let eta = boundary.eta;
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let height = dot(direction, hit.normal);
     let reflects = height > 0.0;
@@ -35,14 +37,17 @@ fn rough_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f
     if !(cos_facet > 0.0) || (cos_out > 0.0) != reflects {
         return no_response();
     }
-    let reflectance = fresnel(min(cos_facet, 1.0), eta, contrast).reflectance;
+    let refraction = fresnel(min(cos_facet, 1.0), eta, boundary.contrast);
+    let plain = reflected_at(material, ior, hit, min(cos_facet, 1.0), refraction.reflectance);
+    let reflected = film_on_glass(plain, hit, select(refraction.cos_transmitted, min(cos_facet, 1.0), hit.front));
     let seen = visible_facets(sum, hit, cos_view, alpha);
-    var pdf = 0.25 * seen * reflectance;
+    var pdf = 0.25 * seen * reflected.chance;
     if !reflects {
-        pdf = seen * cos_facet * (1.0 - reflectance) * (eta * eta * -cos_out / length2);
+        pdf = seen * cos_facet * (1.0 - reflected.chance) * (eta * eta * -cos_out / length2);
     }
-    let value = vec3<f32>(pdf * facet_shadowing(hit, cos_view, direction, min(abs(height), 1.0), alpha));
+    let value = pdf * facet_shadowing(hit, cos_view, direction, min(abs(height), 1.0), alpha);
+    let colour = select(vec3<f32>(1.0), reflected.colour, reflects);
     let widest = widest_alpha(hit, alpha);
     let width = select(width_of_refraction(widest, eta), width_of_reflection(widest), reflects);
-    return Response(value, pdf, select(0.0, 1.0, is_narrow(width)));
+    return Response(value * colour, pdf, select(0.0, 1.0, is_narrow(width)));
 }

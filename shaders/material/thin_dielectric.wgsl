@@ -1,11 +1,17 @@
 //@ use data/material
 //@ use choice/facets
+//@ use choice/film
 //@ use choice/fresnel
 //@ use lib/microfacet
 // A thin pane of a transmissive solid: light that it refracts leaves it in the direction in which it came. `parameter` is its roughness. A
 // smooth pane scatters only the light that it reflects: rays pass it before they are scattered (step/panes). In a rough one, a microfacet
 // is drawn from those that are visible. It reflects with the probability of its reflectance. The light that passes is spread as the
 // reflected light is, on the other side of the pane, so both have the weight of a microfacet's reflection.
+
+// What a facet of the pane reflects.
+fn reflected_by_pane(material: Material, hit: Interaction, cos_incident: f32) -> Reflected {
+    return film_on_glass(Reflected(vec3<f32>(1.0), thin_dielectric_reflectance(material, cos_incident)), hit, cos_incident);
+}
 
 // The share of light that a pane or a facet reflects.
 fn thin_dielectric_reflectance(material: Material, cos_incident: f32) -> f32 {
@@ -32,8 +38,10 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    let reflects = u.x < thin_dielectric_reflectance(material, cos_facet);
+    let reflected = reflected_by_pane(material, hit, cos_facet);
+    let reflects = u.x < reflected.chance;
+    let colour = select(vec3<f32>(1.0), reflected.colour, reflects);
     let passing = normalize(mirrored - 2.0 * cos_light * normal);
     let share = facet_shadowing(hit, cos_view, mirrored, min(cos_light, 1.0), alpha);
-    return scatter_towards(select(passing, mirrored, reflects), vec3<f32>(share), lobe_of(width_of_reflection(widest_alpha(hit, alpha))));
+    return scatter_towards(select(passing, mirrored, reflects), share * colour, lobe_of(width_of_reflection(widest_alpha(hit, alpha))));
 }

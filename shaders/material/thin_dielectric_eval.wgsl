@@ -23,9 +23,10 @@ fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f3
     let mirrored = direction - 2.0 * min(height, 0.0) * hit.normal;
     let half_way = mirrored - hit.incoming;
     let cos_facet = clamp(dot(mirrored, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
-    let reflectance = thin_dielectric_reflectance(material, cos_facet);
-    let share = select(1.0 - reflectance, reflectance, height > 0.0);
+    let reflected = reflected_by_pane(material, hit, cos_facet);
+    let share = select(1.0 - reflected.chance, reflected.chance, height > 0.0);
+    let colour = select(vec3<f32>(1.0), reflected.colour, height > 0.0);
     let pdf = 0.25 * share * visible_facets(half_way, hit, cos_view, alpha);
-    let value = vec3<f32>(pdf * facet_shadowing(hit, cos_view, mirrored, min(abs(height), 1.0), alpha));
-    return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(widest_alpha(hit, alpha)))));
+    let value = pdf * facet_shadowing(hit, cos_view, mirrored, min(abs(height), 1.0), alpha);
+    return Response(value * colour, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(widest_alpha(hit, alpha)))));
 }

@@ -6,7 +6,3 @@
 // All surfaces stop all light.
 fn begin_walk(path: ptr<function, Path>, block: u32) {
 }
-
-fn is_stopped(hit: Hit, ray: Ray) -> bool {
-    return true;
-}

@@ -38,8 +38,8 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);
 }
 
-// Whether a ray is stopped at a hit.
-fn is_stopped(hit: Hit, ray: Ray) -> bool {
+// Whether a ray is stopped at a hit. `decision` is that of scene/surface_random.
+fn is_stopped(hit: Hit, ray: Ray, decision: u32) -> bool {
     if extensions[material_index(hit)].alpha == NO_EXTENSION {
         return true;
     }
@@ -47,5 +47,5 @@ fn is_stopped(hit: Hit, ray: Ray) -> bool {
     if coverage <= 0.0 || coverage >= 1.0 {
         return coverage > 0.0;
     }
-    return random_of_surface(walker.pixel, walker.sample, walker.dimension, hit, COVERAGE) < coverage;
+    return random_of_surface(walker.pixel, walker.sample, walker.dimension, hit, decision) < coverage;
 }

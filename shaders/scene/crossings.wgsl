@@ -2,18 +2,19 @@
 //@ use data/primitive
 //@ use data/motion
 //@ use data/ray
-//@ each convex_pane
+//@ each crossed_body
 //@ use medium/${name}
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
-// Convex bodies whose surface is a pane, such as soap bubbles. A ray that passes the near side meets the far side from inside.
+// Convex bodies whose surface lets light pass straight on: a pane, such as a soap bubble, or one with an alpha. A ray that passes the near side
+// meets the far side from inside.
 
 // The distances at which the ray enters such a body and leaves it; 0 twice for other primitives.
 fn interval_of_body(code: u32, pose: Pose, ray: Ray) -> vec2<f32> {
     let index = primitive_index(code);
     switch primitive_kind(code) {
-        //@ each convex_pane
+        //@ each crossed_body
         case ${number}u: {
             return ${name}_interval(ray, moved_${name}(${name}s[index], pose));
         }

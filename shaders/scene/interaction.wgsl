@@ -33,6 +33,7 @@ fn interaction_at(
     interaction.f0 = evaluated.f0;
     interaction.f90 = evaluated.f90;
     interaction.lobes = evaluated.lobes;
+    interaction.followed = evaluated.followed;
     interaction.tangent = facet_tangent(hit, surface, interaction.normal, frame.front, evaluated.turn);
     interaction.coat_normal = coat_normal_at(hit, surface, incoming, frame.shading, frame.front, evaluated.coat_normal);
     interaction.emission = emission_under_coat(evaluated.emission, interaction);

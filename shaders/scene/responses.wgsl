@@ -35,7 +35,7 @@ fn responds_on_both_sides(evaluated: EvaluatedMaterial) -> bool {
         }
         //@ end
         default: {
-            return evaluated.lobes.transmission > 0.0;
+            return evaluated.lobes.transmission > 0.0 || evaluated.lobes.through > 0.0;
         }
     }
 }

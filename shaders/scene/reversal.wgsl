@@ -1,5 +1,6 @@
 //@ use data/material
 //@ use data/surface
+//@ use choice/boundary
 //@ use choice/coat
 //@ each transmissive
 //@ use material/${name}
@@ -16,7 +17,7 @@ fn index_of_side(material: Material, hit: Interaction, is_front: bool) -> f32 {
         //@ end
         default: {
             // The glass of glTF's material; no other has an index here.
-            return select(1.0, hit.lobes.ior, hit.lobes.ior > 0.0 && !is_front);
+            return select(1.0, followed_index(hit.lobes.ior, hit), hit.lobes.ior > 0.0 && !is_front);
         }
     }
 }

@@ -9,6 +9,7 @@
 const COVERAGE: u32 = 0u;
 const NEAR_SIDE_OF_PANE: u32 = 1u;
 const FAR_SIDE_OF_PANE: u32 = 2u;
+const COVERAGE_OF_FAR_SIDE: u32 = 3u;
 
 // A random number of a surface for a ray. Each surface of the scene has its own, whatever the order of the walk.
 fn random_of_surface(pixel: u32, sample: u32, dimension: u32, hit: Hit, decision: u32) -> f32 {

@@ -10,7 +10,7 @@
 //@ use choice/moved_instance
 //@ use scene/face_pairs
 //@ end
-//@ use choice/coverage
+//@ use choice/stops
 //@ use choice/passed_panes
 //@ use lib/float
 //@ relies on loops
@@ -103,7 +103,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             //@ end
             candidate.t = distance_ahead(candidate, pose, here);
             if candidate.t != NO_HIT && candidate.t <= hit.t {
-                if (candidate.t < hit.t || comes_before(candidate, hit)) && is_stopped(candidate, ray) {
+                if (candidate.t < hit.t || comes_before(candidate, hit)) && stops_before(&candidate, hit, pose, ray) {
                     candidate.steps = hit.steps;
                     hit = candidate;
                     if any_will_do && may_end_walk(candidate) {

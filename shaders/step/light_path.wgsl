@@ -6,6 +6,7 @@
 //@ use data/surface
 //@ use bind/settings
 //@ use choice/evaluation
+//@ use choice/followed_channel
 //@ use choice/light_absorption
 //@ use choice/normal_map
 //@ use choice/roulette
@@ -39,7 +40,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let hit = path_hit(path);
     let surface = surface_at(hit, ray);
     let frame = shading_frame(hit, surface, ray.direction);
-    let evaluated = evaluate_material(hit, surface, frame.front);
+    let evaluated = follow_channel(path, evaluate_material(hit, surface, frame.front));
     absorb_ray(path, hit.t);
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
     let is_rough = is_non_specular(evaluated);

@@ -4,6 +4,7 @@
 //@ use bind/settings
 //@ use choice/sampler
 //@ use choice/evaluation
+//@ use choice/followed_channel
 //@ use choice/normal_map
 //@ use choice/absorption
 //@ use choice/tint
@@ -25,7 +26,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let frame = shading_frame(hit, surface, ray.direction);
 
     // The material with its textures.
-    let evaluated = evaluate_material(hit, surface, frame.front);
+    let evaluated = follow_channel(path, evaluate_material(hit, surface, frame.front));
     let interaction = interaction_at(hit, surface, frame, evaluated, ray.direction);
     (*path).throughput = absorb_inside((*path).throughput, surface, frame.front, hit.t);
 

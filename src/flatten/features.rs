@@ -40,6 +40,8 @@ pub struct Features {
     pub narrow_media: Option<String>,
     /// Kinds of primitive with a smooth pane as material, by the indices of `PRIMITIVES`.
     pub panes: [Option<String>; PRIMITIVES.len()],
+    /// Kinds of convex primitive with an alpha.
+    pub alpha_bodies: [Option<String>; PRIMITIVES.len()],
     /// Kinds of material on objects that have an extension, by its kind (`ExtensionKind`).
     pub extensions: [[Option<String>; MATERIALS.len()]; EXTENSIONS],
     /// Kinds of transmissive material on objects that have a colour.
@@ -135,11 +137,12 @@ impl Features {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
         };
         let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
-        let lists: [&mut [Option<String>]; 9] = [
+        let lists: [&mut [Option<String>]; 10] = [
             &mut self.primitives,
             &mut self.motions,
             &mut self.moving_boundaries,
             &mut self.panes,
+            &mut self.alpha_bodies,
             &mut self.materials,
             &mut self.textures,
             &mut self.texel_formats,

@@ -15,7 +15,7 @@ use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, p
 use crate::light_distribution::SkyDistribution;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap};
-use crate::shape::{Aabb, BoundingShape, Emitter, ObjectTransform};
+use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
@@ -55,6 +55,7 @@ impl Builder<'_> {
         let sky = self.add_sky();
         let delta_lights: Vec<_> =
             delta_lights.iter().filter(|moving| moving.light.brightness(self.space) > 0.0).collect();
+        let groups = self.drop_bodies_with_alpha(groups);
         let groups = self.drop_faintest(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
         let of_delta = delta_lights.iter().map(|moving| moving.light.brightness(self.space));
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
@@ -162,6 +163,23 @@ impl Builder<'_> {
         Some(0.5 * integral_over_directions(bitmap))
     }
 
+    /// Leaves out spheres and boxes with an alpha: their inner sides emit too, which no sample of a light shows.
+    fn drop_bodies_with_alpha<'a>(&mut self, groups: Vec<LightGroup<'a>>) -> Vec<LightGroup<'a>> {
+        let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
+        let has_alpha = |group: &LightGroup<'_>| {
+            KINDS[group.primitive.shape.number()].encloses() && self.scene.materials[group.primitive.material as usize].1.has_alpha()
+        };
+        let (left, others): (Vec<_>, Vec<_>) = groups.into_iter().partition(has_alpha);
+        if let Some(first) = left.first() {
+            let (name, _) = &self.scene.materials[first.primitive.material as usize];
+            let at = self.scene.material_location(name);
+            let reason = format!("\"{name}\" at {at}: a sphere or a box with an alpha is not sampled");
+            self.flat.features.not_sampled = Some(NotSampled { lights: left.len() as u64, total: total as u64, reason });
+        }
+        left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
+        others
+    }
+
     /// Leaves out primitives with all their lights until at most `most` lights remain, first the primitives whose lights have the
     /// lowest mean intensity. Only BSDF sampling finds these, as a warning says.
     fn drop_faintest<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
@@ -186,7 +204,11 @@ impl Builder<'_> {
             let location = self.scene.material_location(name);
             let count: usize = left.iter().map(|group| group.emitters.len()).sum();
             let not_sampled =
-                NotSampled { lights: count as u64, total: total as u64, reason: format!("\"{name}\" at {location}") };
+                NotSampled {
+                    lights: count as u64,
+                    total: total as u64,
+                    reason: format!("\"{name}\" at {location}: {MOST_LIGHTS} at most are sampled"),
+                };
             let objects = match left.len() {
                 1 => "1 object".to_string(),
                 n => format!("{n} objects"),

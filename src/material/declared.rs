@@ -13,6 +13,11 @@ pub const MOST_IOR: f64 = 1e3;
 /// The most that a clear solid absorbs per unit.
 pub const MOST_ABSORPTION: f64 = 1e9;
 
+/// The largest dispersion of glass: an Abbe number of 1.
+pub const MOST_DISPERSION: f64 = 20.0;
+/// The largest thickness of a film, in nm. One of some 30,000 no longer has a colour.
+pub const MOST_THICKNESS: f64 = 1e6;
+
 const ALBEDO: Field = texture(Use::Albedo.range());
 const RADIANCE: Field = texture(Use::Radiance.range());
 const SHARE: Field = varying(Range::SHARE);
@@ -30,8 +35,8 @@ declare! {
             /// The radiance that it emits beside what it reflects, on both sides.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
-            /// The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads, disks and
-            /// meshes.
+            /// The share of light that it stops; the rest passes straight on, as if the surface were not there. A sphere or a box with an alpha
+            /// and an emission is no light that is sampled.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = SHARE.or("1");
             /// With it, the surface stops all light where its alpha is at least this, and none elsewhere.
@@ -73,6 +78,11 @@ declare! {
             /// inside. The surface must be closed. Light that ends on another object inside the body keeps all.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             absorption: Option<Colour> = colour(Range::from_to(0.0, MOST_ABSORPTION)).or("none: it is clear");
+            /// How much the index of refraction depends on the colour: 20 over the Abbe number, as glTF has it; 0.36 for common glass, 0.8 for
+            /// flint. Red, green and blue have an index each, (ior - 1) / 40 of this apart. Light that it bends is followed in one of the
+            /// three channels, with three times its weight, which is noisier. The index must be at least 1.
+            #[serde(default, skip_serializing_if = "is_none")]
+            dispersion: f64 = number(Range::from_to(0.0, MOST_DISPERSION), NO_UNIT).or("0");
         }
         /// A lamp: it emits the same radiance in all directions, and reflects nothing.
         DiffuseLight: diffuse_light, "DiffuseLight(emit: Rgb(15, 15, 15), two_sided: false)" {
@@ -132,6 +142,8 @@ declare! {
             #[serde(default, skip_serializing_if = "Option::is_none")]
             absorption: Option<Colour> = dielectric::FIELDS.absorption;
             #[serde(default, skip_serializing_if = "is_none")]
+            dispersion: f64 = dielectric::FIELDS.dispersion;
+            #[serde(default, skip_serializing_if = "is_none")]
             anisotropy: f64 = conductor::FIELDS.anisotropy;
             #[serde(default, skip_serializing_if = "is_none")]
             anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
@@ -174,6 +186,30 @@ declare! {
             solid: bool = flag().or("false");
             #[serde(default, skip_serializing_if = "Option::is_none")]
             absorption: Option<Colour> = dielectric::FIELDS.absorption;
+            #[serde(default, skip_serializing_if = "is_none")]
+            dispersion: f64 = dielectric::FIELDS.dispersion;
+            /// The share of the light which the matt body scatters that leaves it on the far side, as through leaves and paper.
+            #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
+            diffuse_transmission: Texture = SHARE.or("0");
+            /// The colour of that light, in place of the base colour.
+            #[serde(default = "white", skip_serializing_if = "is_white")]
+            diffuse_transmission_color: Texture = ALBEDO.or("Rgb(1, 1, 1)");
+            /// The share of a thin film on the base, as on soap bubbles and oil: what it reflects by interference stands in place of what the
+            /// layer, the metal and the glass reflect.
+            #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
+            iridescence: Texture = SHARE.or("0");
+            /// The index of refraction of the film.
+            #[serde(default = "index_of_film", skip_serializing_if = "is_index_of_film")]
+            iridescence_ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.3");
+            /// The thickness of the film.
+            #[serde(default = "thickness_of_film", skip_serializing_if = "is_thickness_of_film")]
+            iridescence_thickness: f64 = number(Range::from_to(0.0, MOST_THICKNESS), "nm").or("400");
+            /// The thickness where its texture is 0.
+            #[serde(default = "least_thickness_of_film", skip_serializing_if = "is_least_thickness_of_film")]
+            iridescence_thickness_min: f64 = number(Range::from_to(0.0, MOST_THICKNESS), "nm").or("100");
+            /// How thick the film is between both.
+            #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+            iridescence_thickness_texture: Texture = SHARE.or("1");
             /// The share of a clear coat around all else, such as varnish. What lies below it, emission too, loses what the coat
             /// reflects to the viewer.
             #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
@@ -273,6 +309,30 @@ fn is_index_of_glass(ior: &f64) -> bool {
 
 pub fn is_zero(texture: &Texture) -> bool {
     *texture == zero()
+}
+
+fn index_of_film() -> f64 {
+    1.3
+}
+
+fn is_index_of_film(ior: &f64) -> bool {
+    *ior == index_of_film()
+}
+
+fn thickness_of_film() -> f64 {
+    400.0
+}
+
+fn is_thickness_of_film(thickness: &f64) -> bool {
+    *thickness == thickness_of_film()
+}
+
+fn least_thickness_of_film() -> f64 {
+    100.0
+}
+
+fn is_least_thickness_of_film(thickness: &f64) -> bool {
+    *thickness == least_thickness_of_film()
 }
 
 fn index_of_glass() -> f64 {

@@ -1,7 +1,7 @@
 //! A clear solid: glass, water.
 
 use super::declared::dielectric::FIELDS;
-use super::model::{Lobe, MaterialKind, Model};
+use super::model::{ExtensionKind, Lobe, MaterialKind, Model};
 use crate::data;
 
 pub const KIND: MaterialKind = MaterialKind {
@@ -10,7 +10,7 @@ pub const KIND: MaterialKind = MaterialKind {
     is_transmissive: true,
     is_pane: false,
     emits: false,
-    extensions: &[],
+    extensions: &[ExtensionKind::Dispersion],
     has_second_part: false,
 };
 

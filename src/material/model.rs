@@ -119,6 +119,14 @@ pub enum ExtensionKind {
     SheenRoughness,
     /// The direction along which microfacets are rougher, and by how much.
     Anisotropy,
+    /// The share of a thin film on glTF's material; its thickness where that varies.
+    Iridescence,
+    IridescenceThickness,
+    /// The colour of scattered light that passes glTF's material; its share where that varies.
+    DiffuseTransmission,
+    DiffuseTransmissionShare,
+    /// The index of refraction of glass depends on the channel.
+    Dispersion,
 }
 
 impl ExtensionKind {
@@ -143,12 +151,17 @@ impl ExtensionKind {
             ExtensionKind::Sheen => &mut extensions.sheen,
             ExtensionKind::SheenRoughness => &mut extensions.sheen_roughness,
             ExtensionKind::Anisotropy => &mut extensions.anisotropy,
+            ExtensionKind::Iridescence => &mut extensions.iridescence,
+            ExtensionKind::IridescenceThickness => &mut extensions.iridescence_thickness,
+            ExtensionKind::DiffuseTransmission => &mut extensions.diffuse_transmission,
+            ExtensionKind::DiffuseTransmissionShare => &mut extensions.diffuse_transmission_share,
+            ExtensionKind::Dispersion => &mut extensions.dispersion,
         }
     }
 }
 
 /// The number of kinds of extension.
-pub const EXTENSIONS: usize = ExtensionKind::Anisotropy as usize + 1;
+pub const EXTENSIONS: usize = ExtensionKind::Dispersion as usize + 1;
 
 /// An extension of a material, with its texture.
 #[derive(Clone, Copy, Debug)]
@@ -156,7 +169,8 @@ pub struct Extension<'a> {
     pub kind: ExtensionKind,
     pub slot: Slot<'a>,
     /// The parameter of its row. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1. Transmission: the index of
-    /// refraction, or 0 of a pane. Coat and sheen: the roughness.
+    /// refraction, or 0 of a pane. Coat and sheen: the roughness. Iridescence: the index of refraction of the film. Diffuse transmission: its
+    /// share. Dispersion: the index of blue less that of green.
     pub parameter: f32,
     /// Two more numbers of its row.
     pub contrasts: [f32; 2],
@@ -216,6 +230,16 @@ pub struct Coat<'a> {
     pub ior: f64,
     pub normal: &'a Option<Texture>,
     pub normal_scale: f64,
+}
+
+/// A thin film on glTF's material.
+pub struct Film<'a> {
+    pub share: &'a Texture,
+    pub ior: f64,
+    /// Where it varies, a share of the way from the least thickness to the largest, both in nm.
+    pub thickness: &'a Texture,
+    pub least: f64,
+    pub most: f64,
 }
 
 /// The emission of a material.
@@ -289,13 +313,14 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// Adds a layer that reflects this share, and in this colour at normal incidence (KHR_materials_specular).
-    pub fn layered(mut self, share: &'a Texture, colour: &'a Texture) -> Model<'a> {
+    /// Adds a layer that reflects this share, and in this colour at normal incidence (KHR_materials_specular). Kernels read it as such if it is
+    /// not plain, and below a film.
+    pub fn layered(mut self, share: &'a Texture, colour: &'a Texture, has_film: bool) -> Model<'a> {
         let slot = Slot { field: &pbr::FIELDS.specular_color, usage: Use::Albedo, texture: colour };
         let of_share = Slot { field: &pbr::FIELDS.specular, usage: Use::Share, texture: share };
         let number = share.plain().map_or(1.0, |share| share.x);
         let varying = Extension::new(ExtensionKind::SpecularShare, of_share, 0.0);
-        let is_own = !is_white(share) || !is_white(colour);
+        let is_own = has_film || !is_white(share) || !is_white(colour);
         self.extensions.extend(is_own.then_some(Extension::new(ExtensionKind::Specular, slot, number as f32)));
         self.extensions.extend(of_share.is_textured().then_some(varying));
         self
@@ -360,6 +385,56 @@ impl<'a> Model<'a> {
         self
     }
 
+    /// Adds a thin film.
+    pub fn filmed(mut self, film: Film<'a>) -> Model<'a> {
+        if is_zero(film.share) {
+            return self;
+        }
+        let slot = Slot { field: &pbr::FIELDS.iridescence, usage: Use::Share, texture: film.share };
+        let of_thickness =
+            Slot { field: &pbr::FIELDS.iridescence_thickness_texture, usage: Use::Share, texture: film.thickness };
+        let share = film.thickness.plain().map_or(1.0, |share| share.x);
+        let thickness = film.least + share * (film.most - film.least);
+        self.extensions.push(Extension {
+            contrasts: [thickness as f32, 0.0],
+            ..Extension::new(ExtensionKind::Iridescence, slot, film.ior as f32)
+        });
+        let varying = Extension {
+            contrasts: [film.least as f32, film.most as f32],
+            ..Extension::new(ExtensionKind::IridescenceThickness, of_thickness, 0.0)
+        };
+        self.extensions.extend(of_thickness.is_textured().then_some(varying));
+        self
+    }
+
+    /// Lets this share of the light that the matt body scatters pass to the far side.
+    pub fn translucent(mut self, share: &'a Texture, colour: &'a Texture) -> Model<'a> {
+        if is_zero(share) {
+            return self;
+        }
+        let slot = Slot { field: &pbr::FIELDS.diffuse_transmission_color, usage: Use::Albedo, texture: colour };
+        let (number, varying) =
+            varying(&pbr::FIELDS.diffuse_transmission, ExtensionKind::DiffuseTransmissionShare, share);
+        self.extensions.push(Extension::new(ExtensionKind::DiffuseTransmission, slot, number as f32));
+        self.extensions.extend(varying);
+        self
+    }
+
+    /// Gives glass of this index one for each channel. A `dispersion` is 20 over the Abbe number, and the indices of blue and red differ
+    /// from that of green by (ior - 1) / 40 of it (KHR_materials_dispersion).
+    pub fn dispersing(mut self, ior: f64, dispersion: f64) -> Model<'a> {
+        if dispersion == 0.0 {
+            return self;
+        }
+        if ior < 1.0 {
+            self.lacks = Some("no dispersion with an ior below 1");
+        }
+        let spread = (ior - 1.0) / 40.0 * dispersion;
+        self = self.flagged(&dielectric::FIELDS.dispersion, ExtensionKind::Dispersion, true);
+        self.extensions.iter_mut().filter(|it| it.kind == ExtensionKind::Dispersion).for_each(|it| it.parameter = spread as f32);
+        self
+    }
+
     /// What it emits, if it does not scatter.
     pub fn light(&self) -> Option<Emission<'a>> {
         Some(Emission { slot: self.slot?, two_sided: self.two_sided? })
@@ -399,6 +474,7 @@ impl Slot<'_> {
             // What a layer does not reflect reaches the matt body.
             Use::Albedo if self.field.name == pbr::FIELDS.specular_color.name => return None,
             Use::Albedo if self.field.name == pbr::FIELDS.sheen.name => return None,
+            Use::Albedo if self.field.name == pbr::FIELDS.diffuse_transmission_color.name => return None,
             Use::Albedo => (
                 self.texture.is_white(bitmaps),
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \

@@ -32,6 +32,11 @@ pub const KIND: MaterialKind = MaterialKind {
         ExtensionKind::Sheen,
         ExtensionKind::SheenRoughness,
         ExtensionKind::Anisotropy,
+        ExtensionKind::Iridescence,
+        ExtensionKind::IridescenceThickness,
+        ExtensionKind::DiffuseTransmission,
+        ExtensionKind::DiffuseTransmissionShare,
+        ExtensionKind::Dispersion,
     ],
     has_second_part: false,
 };

@@ -12,7 +12,7 @@ pub const KIND: MaterialKind = MaterialKind {
     is_transmissive: true,
     is_pane: false,
     emits: false,
-    extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal, ExtensionKind::Anisotropy],
+    extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal, ExtensionKind::Anisotropy, ExtensionKind::Dispersion],
     has_second_part: true,
 };
 

@@ -212,6 +212,11 @@ pub(super) fn decide(
         ("sheen", ExtensionKind::Sheen),
         ("sheen_roughness", ExtensionKind::SheenRoughness),
         ("anisotropy", ExtensionKind::Anisotropy),
+        ("iridescence", ExtensionKind::Iridescence),
+        ("iridescence_thickness", ExtensionKind::IridescenceThickness),
+        ("diffuse_transmission", ExtensionKind::DiffuseTransmission),
+        ("diffuse_transmission_share", ExtensionKind::DiffuseTransmissionShare),
+        ("dispersion", ExtensionKind::Dispersion),
     ];
     let extension =
         closed((0..).zip(extensions).filter_map(|(number, (name, extension))| Some((name, number, own(extension)?))));
@@ -221,6 +226,8 @@ pub(super) fn decide(
     let (multiscatter, own_layer) = (own(ExtensionKind::Multiscatter), own(ExtensionKind::Specular));
     let [transmission, coat, coat_normal, sheen] =
         [ExtensionKind::Transmission, ExtensionKind::Coat, ExtensionKind::CoatNormal, ExtensionKind::Sheen].map(own);
+    let [film, through, dispersion] =
+        [ExtensionKind::Iridescence, ExtensionKind::DiffuseTransmission, ExtensionKind::Dispersion].map(own);
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
     let vertex_colours = mesh.clone().and(own(ExtensionKind::VertexColours));
     let evaluated = extension.first().map(|entry| entry.why.clone()).or(vertex_colours.clone());
@@ -236,23 +243,31 @@ pub(super) fn decide(
         ExtensionKind::Coat,
         ExtensionKind::CoatRoughness,
         ExtensionKind::SheenRoughness,
+        ExtensionKind::Iridescence,
+        ExtensionKind::IridescenceThickness,
+        ExtensionKind::DiffuseTransmissionShare,
     ];
     let number_images = numbers.into_iter().find_map(scene_has);
     let alpha = surface.clone().and(scene_has(ExtensionKind::Alpha));
     // Smooth panes. Of a body, a ray passes both sides.
     let pane = surface.clone().and(first_reason(&features.panes));
     let textured_pane = pane.clone().filter(|_| features.pane_textures || options.features == FeatureSet::All);
-    let convex_pane: Vec<Entry> = (primitive.iter())
-        .filter(|kind| KINDS[kind.number as usize].encloses() && features.panes[kind.number as usize].is_some())
+    // Bodies with an alpha, in the same way.
+    let alpha_body = alpha.clone().and(first_reason(&features.alpha_bodies));
+    let lets_pass = |kind: usize| {
+        pane.is_some() && features.panes[kind].is_some() || alpha_body.is_some() && features.alpha_bodies[kind].is_some()
+    };
+    let crossed_body: Vec<Entry> = (primitive.iter())
+        .filter(|kind| KINDS[kind.number as usize].encloses() && lets_pass(kind.number as usize))
         .cloned()
         .collect();
-    let body = convex_pane.first().map(|kind| kind.why.clone());
+    let body = crossed_body.first().map(|kind| kind.why.clone());
     let panes: Vec<Entry> =
         materials.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_pane)).cloned().collect();
     let vertex_emission = mesh.clone().and(scene_has(ExtensionKind::VertexEmission));
     let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(ExtensionKind::VertexAlpha));
     let uv_tables = mesh.clone().and(reason_of(&features.uv_tables));
-    let both_sides = both_sided.first().map(|kind| kind.why.clone()).or(transmission.clone());
+    let both_sides = both_sided.first().map(|kind| kind.why.clone()).or(transmission.clone()).or(through.clone());
     let both_sides = both_sides.filter(|_| light.is_some() && features.smooth.is_some());
     let emits = shines.then_some(Reason::EveryRender).or(own_emission.clone());
     let found_light = light.clone().and(emits).and(emitting_surface.clone());
@@ -365,6 +380,10 @@ pub(super) fn decide(
             [&features.motions, &features.moving_boundaries].map(|used| number.and_then(|n| reason_of(&used[n])));
         either(&used.into_iter().flatten().next(), module, other)
     };
+    let tint = match &dispersion {
+        Some(_) => either(&dispersion, "scene/dispersed_tint", "null/tint"),
+        None => either(&tinted, "scene/tint", "null/tint"),
+    };
     // The modules behind `choice/…`.
     let modules = [
         ("axes", either(&reason_of(&features.camera_axes), "scene/camera_axes", "scene/world_axes")),
@@ -403,11 +422,20 @@ pub(super) fn decide(
         ("coat", either(&coat, "material/pbr_coat", "null/pbr_coat")),
         ("coat_normal", either(&coat_normal, "scene/coat_normal", "null/coat_normal")),
         ("light_coat", either(&coat.clone().and(emission.clone()), "scene/light_coat", "null/light_coat")),
+        ("film", either(&film, "material/thin_film", "null/thin_film")),
+        ("body", either(&through, "material/pbr_translucent_body", "material/pbr_opaque_body")),
+        // Glass whose index depends on the channel.
+        ("boundary", either(&dispersion, "material/dispersed_boundary", "material/plain_boundary")),
+        ("followed_channel", either(&dispersion, "step/followed_channel", "null/followed_channel")),
         // The microfacets of metals, of rough glass and of glTF's material.
         ("facets", either(&anisotropy, "material/anisotropic_facets", "material/isotropic_facets")),
         ("facet_tangent", either(&anisotropy, "scene/facet_tangent", "null/facet_tangent")),
-        ("tint", either(&tinted, "scene/tint", "null/tint")),
+        ("tint", tint),
         ("absorption", either(&absorbing, "scene/absorption", "null/absorption")),
+        (
+            "stops",
+            either(&alpha_body, "scene/body_stops", either(&alpha, "scene/flat_stops", "null/stops").module),
+        ),
         ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
         ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
         ("vertex_emission", either(&vertex_emission, "scene/vertex_emission", "null/vertex_emission")),
@@ -482,7 +510,7 @@ pub(super) fn decide(
         ("convex_boundary", convex_boundary),
         // The materials that can be smooth panes, and the kinds of primitive with one that a ray leaves again.
         ("pane", panes),
-        ("convex_pane", convex_pane),
+        ("crossed_body", crossed_body),
         // The materials that the kernel serves.
         ("material", served.to_vec()),
         ("non_specular", non_specular),
@@ -520,11 +548,12 @@ pub(super) fn decide(
         ("sky_columns", features.sky_grid.0),
         ("sky_rows", features.sky_grid.1),
         // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's. A step that reads
-        // an alpha has four more, one for each texel, and one at what moves has those of its pose.
+        // an alpha has four more, one for each texel, on both sides of a body, and one at what moves has those of its pose.
         (
             "most_steps",
             if features.shadow_rays { 19_000 } else { 48_000 }
                 / if features.alpha_textures { 5 } else { 1 }
+                / if alpha_body.is_some() { 3 } else { 1 }
                 / (1 + features.motion_iterations),
         ),
         // The iterations that count for passing a pane: those of the longest texture, or some for its material.

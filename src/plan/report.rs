@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::choices::ALTERNATIVES;
 use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning, boundary_names};
 use crate::error::Result;
-use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, NotSampled, PRIMITIVES, TEXTURES};
+use crate::flatten::{BACKGROUNDS, Features, MATERIALS, NotSampled, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::Reason;
@@ -272,8 +272,13 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("pbr transmission", lobe(ExtensionKind::Transmission), "material/pbr_transmission"));
     all.push(one("pbr coat", lobe(ExtensionKind::Coat), "material/pbr_coat"));
     all.push(one("pbr sheen", lobe(ExtensionKind::Sheen), "material/pbr_sheen"));
-    let anisotropy = features.extensions[ExtensionKind::Anisotropy as usize].iter().find(|used| used.is_some());
-    all.push(one("anisotropy", anisotropy.unwrap_or(&None), "material/anisotropic_facets"));
+    all.push(one("pbr film", lobe(ExtensionKind::Iridescence), "material/thin_film"));
+    all.push(one("pbr diffuse transmission", lobe(ExtensionKind::DiffuseTransmission), "material/pbr_translucent_body"));
+    let of_any = |kind: ExtensionKind| {
+        features.extensions[kind as usize].iter().find(|used| used.is_some()).unwrap_or(&None)
+    };
+    all.push(one("anisotropy", of_any(ExtensionKind::Anisotropy), "material/anisotropic_facets"));
+    all.push(one("dispersion", of_any(ExtensionKind::Dispersion), "material/dispersed_boundary"));
     all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));
     all
 }
@@ -402,7 +407,7 @@ fn about_constant(name: &str) -> String {
 fn integrator_words(features: &Features, integrator: Integrator) -> String {
     let left = features.not_sampled.as_ref().map_or(String::new(), |left| {
         let NotSampled { lights, total, reason } = left;
-        format!("{lights} of {total} lights are left to chance, {reason}: {MOST_LIGHTS} at most are sampled")
+        format!("{lights} of {total} lights are left to chance, {reason}")
     });
     match features.lights {
         0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),

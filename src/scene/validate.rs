@@ -392,14 +392,6 @@ impl KnownNames<'_> {
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
-        if material.has_alpha() && object.kind().is_some_and(|kind| kind.encloses()) {
-            let open = kinds_in_files().filter(|(_, kind)| !kind.encloses()).map(|(name, _)| format!("a {name}"));
-            return Err(at.error(format!(
-                "the material {name:?} has an alpha, which a {} cannot have: expected {}, or a material without an alpha",
-                object.name(),
-                any(open)
-            )));
-        }
         let images = material.textures().into_iter().filter(|texture| texture.image().is_some());
         let Some(uv_set) = images.map(Texture::uv_set).max() else { return Ok(()) };
         if uv_set > 0 && object.kind().is_some_and(|kind| kind.shader != mesh::KIND.shader) {

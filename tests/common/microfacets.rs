@@ -24,7 +24,8 @@ pub struct In {
     pub incoming: [f32; 3],
     pub front: u32,
     pub normal: [f32; 3],
-    pub padding0: u32,
+    /// The channel of dispersion.
+    pub followed: f32,
     pub colour: [f32; 3],
     pub padding1: u32,
     pub light: [f32; 3],
@@ -59,6 +60,12 @@ pub struct Lobes {
     pub ior: f32,
     /// The square of the strength.
     pub anisotropy: f32,
+    pub colour_through: [f32; 3],
+    pub through: f32,
+    pub film: f32,
+    pub film_ior: f32,
+    pub film_thickness: f32,
+    pub dispersion: f32,
 }
 
 /// What it gives.
@@ -103,6 +110,9 @@ fn kernel_with(material: &str, times: usize, with: &[&str], setup: &Setup<'_>) -
         ("sheen", "material/pbr_sheen"),
         ("coat", "material/pbr_coat"),
         ("facets", "material/anisotropic_facets"),
+        ("film", "material/thin_film"),
+        ("body", "material/pbr_translucent_body"),
+        ("boundary", "material/dispersed_boundary"),
     ];
     let choices: Vec<_> = own.into_iter().filter(|(_, module)| with.contains(module)).collect();
     let Setup { replaced, rewritten, .. } = *setup;

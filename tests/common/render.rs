@@ -476,20 +476,36 @@ impl Shot {
     }
 }
 
-/// What a material returns per channel of light of 1 from all sides at this cosine, and its standard errors.
-pub fn in_a_furnace(material: &str, cos: f64, samples: u32) -> ([f64; 3], [f64; 3]) {
+/// What each of some materials returns per channel of light of 1 from all sides at this cosine, and its standard errors. All are in one image, each
+/// on a strip of one plane, so that its kernels are compiled once.
+pub fn in_a_furnace(materials: &[String], cos: f64, samples: u32) -> Vec<([f64; 3], [f64; 3])> {
+    const ROWS: u32 = 16;
+    let strips = materials.len() as f64;
+    let degrees = 0.1f64;
+    let strip = 2.0 * (0.5 * degrees).to_radians().tan() / strips;
+    let named = materials.iter().enumerate().map(|(i, material)| format!("\"{i}\": {material}"));
+    // The first strip is at the top.
+    let quads = (0..materials.len()).map(|i| {
+        let bottom = strip * (0.5 * strips - 1.0 - i as f64);
+        format!("Quad(corner: (-1, {bottom}, 0), u: (2, 0, 0), v: (0, {strip}, 0), material: \"{i}\")")
+    });
     let scene = scene(&format!(
         "Scene(
-    image: (width: 16, height: 16),
-    camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: 0.1),
+    image: (width: {ROWS}, height: {}),
+    camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: {degrees}),
     background: Solid((1, 1, 1)),
-    materials: {{\"it\": {material}}},
-    objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"it\")],
+    materials: {{{}}},
+    objects: [{}],
 )",
-        -(1.0 - cos * cos).sqrt()
+        ROWS * materials.len() as u32,
+        -(1.0 - cos * cos).sqrt(),
+        named.collect::<Vec<_>>().join(", "),
+        quads.collect::<Vec<_>>().join(", "),
     ));
-    let mean = render(&scene, &Request::spp(samples)).mean_of_all();
-    (mean.value, mean.variance.map(f64::sqrt))
+    let shot = render(&scene, &Request::spp(samples));
+    // Without the rows next to another strip.
+    let of_strip = |i: u32| shot.mean(0..ROWS, ROWS * i + 1..ROWS * (i + 1) - 1);
+    (0..materials.len() as u32).map(of_strip).map(|mean| (mean.value, mean.variance.map(f64::sqrt))).collect()
 }
 
 /// Tests that two independent renders (two seeds) have one expectation, with this share of false alarms: see [`worst_difference`].

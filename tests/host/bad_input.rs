@@ -148,11 +148,6 @@ fn bad_materials() -> Vec<Bad> {
         bad(material("Lambertian(albedo: Rgb(0, 0, 0), alpha: §1.5)"), "materials[\"it\"].Lambertian.alpha", &["alpha", "from 0 to 1", "1.5"]),
         bad(material("Pbr(alpha: §-0.1)"), "materials[\"it\"].Pbr.alpha", &["alpha", "-0.1"]),
         bad(material("Pbr(alpha: 0.5, alpha_cutoff: §-1)"), "materials[\"it\"].Pbr.alpha_cutoff", &["alpha_cutoff", "-1"]),
-        bad(
-            material("Pbr(alpha: 0.5)").replace("material: \"it\"", "material: §\"it\""),
-            "objects[0].Sphere.material",
-            &["\"it\" has an alpha", "a Sphere cannot have", "a Quad, a Mesh or a Disk"],
-        ),
         bad(material("Pbr(alpha: §\"none\")"), "materials[\"it\"].Pbr.alpha", &["a number"]),
         bad(material("Metal(albedo: Rgb(§-0.1, 0.5, 0.5))"), "materials[\"it\"].Metal.albedo.Rgb[0]", &["albedo", "-0.1"]),
         bad(material("Lambertian(albedo: Checker(scale: 1, even: (0, 0, 0), odd: (0, 0, §2)))"), "materials[\"it\"].Lambertian.albedo.Checker.odd[2]", &["albedo"]),

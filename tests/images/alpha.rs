@@ -49,6 +49,99 @@ fn sheets_let_the_rest_of_the_light_pass() {
     }
 }
 
+/// Of a body, a ray from outside passes both sides, and one from inside passes one.
+#[test]
+fn bodies_let_the_rest_of_the_light_pass_on_both_sides() {
+    for (shape, inside) in [
+        ("Sphere(center: (0, 0, 0), radius: 2, material: \"sheet\")", 1),
+        ("Sphere(center: (0, 0, 3), radius: 2, material: \"sheet\")", 0),
+        ("Box(min: (-3, -3, -1), max: (3, 3, 1), material: \"sheet\")", 1),
+        ("Box(min: (-3, -3, -1), max: (3, 3, 9), material: \"sheet\")", 0),
+        ("Sphere(center: (0, 0, -5e4), radius: 5e4, material: \"sheet\")", 1),
+    ] {
+        for alpha in [0.3, 0.0] {
+            let text = format!("Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(2, 2, 2), alpha: {alpha})");
+            let bodies = format!("{shape}, {shape},");
+            let left = (1.0f64 - alpha).powi(2 * (1 + inside));
+            let expected = [1.0, 2.0, 3.0].map(|sky| left * sky + (1.0 - left) * 2.0);
+            for request in [Request::default(), Request::default().sobol().mis().roulette()] {
+                let shot = render(&scene(&sheets(&text, 0, 2, &bodies)), &request.seed(3));
+                // A view over 30 degrees misses the corners of a ball.
+                let mean = shot.mean(2..6, 2..6);
+                mean.is_near(expected, 2.0 * MOST_NOISE).unwrap_or_else(|error| panic!("{shape}, {alpha}: {error}"));
+            }
+        }
+    }
+}
+
+/// A box is its six faces: under a lamp and a sky, with a texture that has the same bytes from each side.
+#[test]
+fn a_box_with_an_alpha_is_its_six_faces() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = RgbaImage::from_fn(8, 8, |x, y| {
+        let is_hole = (2..6).contains(&x) && (2..6).contains(&y);
+        Rgba([200, 200, 200, if is_hole { 40 } else { 220 }])
+    });
+    image.save(folder.path().join("hole.png")).expect("it is written");
+    let room = |shapes: &str| {
+        scene_in(
+            folder.path(),
+            &format!(
+                "Scene(image: (width: 16, height: 16), camera: (look_from: (1.5, 2.5, 4), look_at: (0, 0.4, 0), vertical_fov: 30),
+                background: Solid((0.2, 0.3, 0.4)),
+                materials: {{\"it\": Lambertian(albedo: Rgb(0.8, 0.5, 0.2), alpha: Image(path: \"hole.png\", channel: A)),
+                    \"glass\": ThinDielectric(), \"floor\": Lambertian(albedo: Rgb(0.6, 0.6, 0.6)), \"lamp\": DiffuseLight(emit: Rgb(9, 8, 7))}},
+                objects: [Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"floor\"),
+                    Sphere(center: (-1, 2.5, 1), radius: 0.4, material: \"lamp\"), Sphere(center: (0.9, 0.6, 1), radius: 0.3, material: \"glass\"),
+                    {shapes}], render: (samples: 512, max_depth: 5))"
+            ),
+        )
+    };
+    let cuboid = room("Box(min: (-0.5, 0.1, -0.5), max: (0.5, 1.1, 0.5), material: \"it\")");
+    let face = |corner: &str, u: &str, v: &str| format!("Quad(corner: {corner}, u: {u}, v: {v}, material: \"it\"),");
+    let faces = room(
+        &[
+            face("(-0.5, 0.1, -0.5)", "(1, 0, 0)", "(0, 1, 0)"),
+            face("(-0.5, 0.1, 0.5)", "(1, 0, 0)", "(0, 1, 0)"),
+            face("(-0.5, 0.1, -0.5)", "(0, 0, 1)", "(0, 1, 0)"),
+            face("(0.5, 0.1, -0.5)", "(0, 0, 1)", "(0, 1, 0)"),
+            face("(-0.5, 0.1, -0.5)", "(1, 0, 0)", "(0, 0, 1)"),
+            face("(-0.5, 1.1, -0.5)", "(1, 0, 0)", "(0, 0, 1)"),
+        ]
+        .concat(),
+    );
+    let request = |seed| Request::default().mis().seed(seed);
+    let expected = render(&faces, &request(1));
+    for request in [Request::default().seed(2), request(3).sobol(), request(4).scatter(Scatter::Queues), request(5).light_paths(4)] {
+        same_expectation(&expected, &render(&cuboid, &request), 1e-4, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    }
+    for (module, line, by) in [
+        ("scene/body_stops", "side < 2u", "side < 1u"),
+        ("scene/body_stops", "select(COVERAGE, COVERAGE_OF_FAR_SIDE, is_far)", "COVERAGE"),
+    ] {
+        let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));
+        let found = render_planted(&cuboid, &request(6), &planted);
+        assert!(same_expectation(&expected, &found, 1e-4, ALPHA).is_err(), "{by} is not found");
+    }
+}
+
+/// A ball that emits and has an alpha is not sampled, and shows its inner side.
+#[test]
+fn a_ball_with_an_alpha_emits_to_both_sides() {
+    let room = scene(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40),
+        background: Solid((0, 0, 0)),
+        materials: {\"it\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: Rgb(3, 2, 1), alpha: 0.5), \"floor\": Lambertian(albedo: Rgb(0.6, 0.6, 0.6)),
+            \"lamp\": DiffuseLight(emit: Rgb(5, 5, 5))},
+        objects: [Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"floor\"), Sphere(center: (0, 0.7, 0), radius: 0.6, material: \"it\"),
+            Sphere(center: (2, 2, 0), radius: 0.3, material: \"lamp\")], render: (samples: 512, max_depth: 4))",
+    );
+    let bsdf = render(&room, &Request::default().seed(1));
+    for request in [Request::default().mis().seed(2), Request::default().mis().sobol().light_paths(4).seed(3)] {
+        same_expectation(&bsdf, &render(&room, &request), 1e-4, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
 /// Each channel of a sheet is a times that of an opaque sheet plus 1 - a times that of none, whatever the material does.
 #[test]
 fn a_sheet_is_mixed_with_what_is_behind() {

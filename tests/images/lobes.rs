@@ -20,6 +20,11 @@ fn lobes_add_no_light() {
         "transmission: 1",
         "transmission: 0.5, solid: true",
         "anisotropy: 0.7",
+        "iridescence: 1",
+        "iridescence: 1, iridescence_ior: 2, iridescence_thickness: 250, transmission: 1",
+        "iridescence: 0.7, iridescence_thickness: 600, transmission: 0.8, solid: true, ior: 1.8, dispersion: 8",
+        "diffuse_transmission: 0.6",
+        "transmission: 1, solid: true, dispersion: 16",
         "coat: 1, sheen: Rgb(1, 1, 1), sheen_roughness: 0.5, transmission: 0.3, anisotropy: 0.5",
     ];
     let bases = [
@@ -28,18 +33,29 @@ fn lobes_add_no_light() {
         ("Rgb(1, 1, 1)", 0.0, 1.0),
         ("Rgb(1, 1, 1)", 1.0, 0.3),
     ];
+    let of = |(colour, metallic, roughness): &(&str, f64, f64)| {
+        format!("base_color: {colour}, metallic: {metallic}, roughness: {roughness}")
+    };
+    // Each base alone, then with each lobe.
+    let materials: Vec<String> = bases
+        .iter()
+        .map(of)
+        .flat_map(|base| {
+            let with = lobes.map(|lobe| format!("Pbr({base}, {lobe})"));
+            [format!("Pbr({base})")].into_iter().chain(with)
+        })
+        .collect();
     let mut most = 0.0f64;
-    for (colour, metallic, roughness) in bases {
-        for cos in [1.0, 0.5, 0.1] {
-            let base = format!("base_color: {colour}, metallic: {metallic}, roughness: {roughness}");
-            let (alone, alone_errors) = in_a_furnace(&format!("Pbr({base})"), cos, 1024);
-            for lobe in lobes {
-                let (with, errors) = in_a_furnace(&format!("Pbr({base}, {lobe})"), cos, 1024);
-                println!("{base}, cosine {cos}: {:.4} alone, {:.4} with {lobe}", alone[0], with[0]);
+    for cos in [1.0, 0.5, 0.1] {
+        let found = in_a_furnace(&materials, cos, 256);
+        for (names, found) in materials.chunks(1 + lobes.len()).zip(found.chunks(1 + lobes.len())) {
+            let (alone, alone_errors) = found[0];
+            for (name, (with, errors)) in names.iter().zip(found).skip(1) {
+                println!("cosine {cos}: {:.4} alone, {:.4} of {name}", alone[0], with[0]);
                 for c in 0..3 {
                     let limit = alone[c].max(1.0) + 1e-4 + 4.9 * errors[c].hypot(alone_errors[c]);
-                    assert!(with[c] <= limit, "{base}, {lobe}, cosine {cos}: {with:?} of {alone:?}");
-                    assert!(errors[c] < 0.01, "{base}, {lobe}: {errors:?}");
+                    assert!(with[c] <= limit, "{name}, cosine {cos}: {with:?} of {alone:?}");
+                    assert!(errors[c] < 0.01, "{name}: {errors:?}");
                     most = most.max(with[c] / alone[c].max(1.0));
                 }
             }
@@ -86,7 +102,9 @@ const ROOM: &str =
         \"half\": Pbr(base_color: Rgb(0.5, 0.8, 0.9), metallic: 0, roughness: 0.5, transmission: 0.6, solid: true, absorption: (0.1, 0.2, 0.3)),
         \"pane\": Pbr(base_color: Rgb(0.9, 0.8, 0.5), metallic: 0, roughness: 0.6, transmission: 0.5, anisotropy: 0.5),
         \"glow\": Pbr(base_color: Rgb(0.2, 0.2, 0.2), metallic: 0, roughness: 0.5, coat: 1, coat_roughness: 0.3, coat_ior: 9, emission: Rgb(9, 6, 3)),
-        \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.4, anisotropy: 0.7),
+        \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.4, anisotropy: 0.7, dispersion: 4),
+        \"leaf\": Pbr(base_color: Rgb(0.3, 0.6, 0.2), metallic: 0, roughness: 0.5, diffuse_transmission: 0.7, diffuse_transmission_color: Rgb(0.6, 0.9, 0.3)),
+        \"oil\": Pbr(base_color: Rgb(0.4, 0.4, 0.5), metallic: 0.5, roughness: 0.5, iridescence: 0.9, iridescence_ior: 1.6),
         \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
     },
     objects: [
@@ -98,6 +116,8 @@ const ROOM: &str =
         Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: \"brushed\"),
         Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: \"half\"),
         Sphere(center: (0.45, 0.8, 0.1), radius: 0.25, material: \"frosted\"),
+        Quad(corner: (-0.2, 1.2, 0.2), u: (0.5, 0.1, 0), v: (0, 0.4, -0.4), material: \"leaf\"),
+        Sphere(center: (-0.6, 1.3, -0.4), radius: 0.25, material: \"oil\"),
     ], render: (samples: 512, max_depth: 6))";
 
 fn planted(room: &gpu_rt::scene::Scene, request: &Request, (module, part, other): (&str, &str, &str)) -> Shot {
@@ -117,6 +137,7 @@ fn light_sampling_changes_no_expectation_beside_lobes() {
         ("scene/light_coat", "return emission_under_coat(radiance, seen);", "return radiance;"),
         ("material/pbr_sheen", "let of_sheen = share *", "let of_sheen = 0.0 * share *"),
         ("material/pbr_transmission", "glass.value *= tint_of_glass(hit, direction);", ""),
+        ("material/pbr_translucent_body", "return hit.lobes.through * hit.lobes.colour_through;", "return vec3<f32>(0.0);"),
     ];
     let is_found = |error| same_expectation(&bsdf, &planted(&room, &mis, error), 1e-5, ALPHA).is_err();
     let lost: Vec<_> = errors.into_iter().filter(|error| !is_found(*error)).collect();
@@ -143,4 +164,76 @@ fn an_anisotropy_lies_along_the_texture_coordinates() {
     same_expectation(&along, &render(&turned, &request(2)), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let across = render(&of("(2, 0, 0)", "(0, 0, -2)", ""), &request(3));
     assert!(same_expectation(&along, &across, 1e-5, ALPHA).is_err(), "the direction does not matter");
+}
+
+/// A lamp and glass, with and without dispersion. Camera `inside` glass sees its inner side.
+fn through_glass(material: &str, more: &str) -> gpu_rt::scene::Scene {
+    scene(&format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1.2, 4), look_at: (0, 0.5, 0), vertical_fov: 40),
+        background: Gradient(bottom: (0.1, 0.1, 0.1), top: (1, 0.6, 0.2)),
+        materials: {{\"floor\": Lambertian(albedo: Checker(scale: 0.4, even: (0.8, 0.2, 0.1), odd: (0.1, 0.5, 0.9))), \"glass\": {material},
+            \"lamp\": DiffuseLight(emit: Rgb(12, 12, 12))}},
+        objects: [Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"floor\"),
+            Sphere(center: (1.4, 2, 0.4), radius: 0.4, material: \"lamp\"),
+            Sphere(center: (-0.6, 0.6, 0), radius: 0.55, material: \"glass\"),
+            Transformed(by: [RotateY(40), Translate((0.2, 0.05, 0.4))], object: Box(min: (0, 0, 0), max: (0.7, 0.9, 0.5), material: \"glass\")){more}],
+        render: (samples: 512, max_depth: 7))"
+    ))
+}
+
+/// Each channel of glass with dispersion is that of glass with the channel's own index, by both integrators, with light paths, and from inside.
+#[test]
+fn each_channel_has_its_own_index() {
+    // An Abbe number of 2, so that the indices are 0.15 apart.
+    let indices = [1.45, 1.6, 1.75];
+    let shell = ", Sphere(center: (0, 1.2, 4), radius: 0.3, material: \"glass\")";
+    let smooth = |more: &str| format!("Dielectric(ior: {more}, transmittance: Rgb(0.9, 0.95, 0.9), absorption: (0.1, 0.2, 0.1))");
+    let frosted = |more: &str| format!("RoughDielectric(ior: {more}, roughness: 0.5)");
+    let half = |more: &str| {
+        format!("Pbr(base_color: Rgb(0.9, 0.8, 0.7), metallic: 0, roughness: 0.4, transmission: 0.7, solid: true, ior: {more})")
+    };
+    type Glass<'a> = &'a dyn Fn(&str) -> String;
+    let cases: [(&str, Glass, &str, Request, Request); 5] = [
+        ("smooth", &smooth, "", Request::default(), Request::default().mis()),
+        ("frosted", &frosted, "", Request::default().mis().sobol(), Request::default()),
+        ("half", &half, "", Request::default().mis().roulette(), Request::default().mis()),
+        ("from inside", &smooth, shell, Request::default().mis(), Request::default().mis()),
+        ("light paths", &smooth, "", Request::default().mis().light_paths(4), Request::default().mis()),
+    ];
+    for (name, glass, more, of_dispersion, of_one) in cases {
+        let all = render(&through_glass(&glass("1.6, dispersion: 10"), more), &of_dispersion.seed(1));
+        let planted = render(&through_glass(&glass("1.6, dispersion: 7"), more), &of_dispersion.seed(1));
+        let mut found = 0;
+        for (c, ior) in indices.into_iter().enumerate() {
+            let one = render(&through_glass(&glass(&format!("{ior}")), more), &of_one.seed(2));
+            let only = |shot: &Shot| shot.changed(|_, _, rgb| std::array::from_fn(|i| if i == c { rgb[i] } else { 0.0 }));
+            same_expectation(&only(&all), &only(&one), 1e-4, ALPHA).unwrap_or_else(|error| panic!("{name}, {c}: {error}"));
+            found += usize::from(same_expectation(&only(&planted), &only(&one), 1e-4, ALPHA).is_err());
+        }
+        assert!(found > 0, "{name}: another dispersion is not found");
+    }
+}
+
+/// A body without a layer that lets all light pass has the light of its mirror image.
+#[test]
+fn a_leaf_shows_the_light_of_its_far_side() {
+    let of = |material: &str, lamp: f64| {
+        scene(&format!(
+            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3), look_at: (0, 0, 0), vertical_fov: 40),
+            background: Solid((0, 0, 0)),
+            materials: {{\"it\": Pbr(metallic: 0, roughness: 0.5, ior: 1, {material}), \"lamp\": DiffuseLight(emit: Rgb(9, 8, 7))}},
+            objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"it\"),
+                Sphere(center: (0.6, 1.6, {lamp}), radius: 0.2, material: \"lamp\")], render: (samples: 256, max_depth: 3))"
+        ))
+    };
+    let passing = "base_color: Rgb(0, 0, 0), diffuse_transmission: 1, diffuse_transmission_color: Rgb(0.2, 0.8, 0.4)";
+    let reflecting = render(&of("base_color: Rgb(0.2, 0.8, 0.4)", 0.7), &Request::default().seed(1).mis());
+    // The lamp itself is not at the same place.
+    let below = |shot: &Shot| shot.changed(|_, y, rgb| if y < 6 { [0.0; 3] } else { rgb });
+    for request in [Request::default().seed(2), Request::default().seed(3).mis(), Request::default().seed(4).mis().sobol()] {
+        let through = render(&of(passing, -0.7), &request);
+        same_expectation(&below(&reflecting), &below(&through), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+        let half = render(&of(&passing.replace("on: 1", "on: 0.9"), -0.7), &request);
+        assert!(same_expectation(&below(&reflecting), &below(&half), 1e-5, ALPHA).is_err(), "a tenth less is not found");
+    }
 }

@@ -28,20 +28,23 @@ fn metals_return_the_light_that_single_scattering_loses() {
         let facets = Facets { alpha: roughness.powi(2), cos_view: cos };
         let albedo = [1.0, 0.6, 0.2];
         let colour = "Rgb(1, 0.6, 0.2)";
-        for multiscatter in [true, false] {
-            for material in [
-                format!("Conductor(albedo: {colour}, roughness: {roughness}, multiscatter: {multiscatter})"),
-                format!("Pbr(base_color: {colour}, roughness: {roughness}, multiscatter: {multiscatter})"),
-            ] {
-                let (found, errors) = in_a_furnace(&material, cos, 256);
-                for c in 0..3 {
-                    let expected = returned(albedo[c], &facets, multiscatter);
-                    let off = (found[c] - expected).abs();
-                    let limit = 4.9 * errors[c] + TABLE * expected;
-                    assert!(limit < 0.04, "{material}: {limit}");
-                    assert!(off < limit, "{material}, cosine {cos}, channel {c}: {found:?}, {expected}");
-                    assert!(c > 0 || !multiscatter || (expected - 1.0).abs() < 1e-9);
-                }
+        let cases: Vec<(bool, String)> = [true, false]
+            .into_iter()
+            .flat_map(|multiscatter| {
+                let numbers = format!("roughness: {roughness}, multiscatter: {multiscatter}");
+                let [conductor, pbr] = ["Conductor(albedo", "Pbr(base_color"].map(|head| format!("{head}: {colour}, {numbers})"));
+                [(multiscatter, conductor), (multiscatter, pbr)]
+            })
+            .collect();
+        let materials: Vec<String> = cases.iter().map(|(_, material)| material.clone()).collect();
+        for ((multiscatter, material), (found, errors)) in cases.iter().zip(in_a_furnace(&materials, cos, 256)) {
+            for c in 0..3 {
+                let expected = returned(albedo[c], &facets, *multiscatter);
+                let off = (found[c] - expected).abs();
+                let limit = 4.9 * errors[c] + TABLE * expected;
+                assert!(limit < 0.04, "{material}: {limit}");
+                assert!(off < limit, "{material}, cosine {cos}, channel {c}: {found:?}, {expected}");
+                assert!(c > 0 || !multiscatter || (expected - 1.0).abs() < 1e-9);
             }
         }
     }

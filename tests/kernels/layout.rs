@@ -38,6 +38,7 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         primitives: Default::default(),
         materials: Default::default(),
         panes: Default::default(),
+        alpha_bodies: Default::default(),
         non_specular: with_lobe(Lobe::Wide),
         specular: with_lobe(Lobe::Specular),
         narrow: with_lobe(Lobe::Narrow),
@@ -97,6 +98,7 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
             })
         }),
         panes: features.panes.map(on),
+        alpha_bodies: features.alpha_bodies.map(on),
         tinted: features.tinted.map(on),
         absorbing: features.absorbing.map(on),
         emitters: features.emitters.map(on),

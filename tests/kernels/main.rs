@@ -38,5 +38,6 @@ mod sampler;
 mod sampling;
 mod shaders_link;
 mod textures;
+mod thin_film;
 mod triangle;
 mod walk;

@@ -12,6 +12,7 @@ use crate::common::microfacets::{
 };
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
+use crate::thin_film::thin_film;
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
@@ -33,16 +34,54 @@ pub fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> 
     In { colour: base, material, f90: NO_LAYER, ..row }
 }
 
-/// What the layer reflects: by KHR_materials_specular if the row has a layer of its own, else by appendix B.
-pub fn layer(row: &In, cosine: f64) -> [f64; 3] {
-    let [f0, f90] = match row.f90 == NO_LAYER {
-        true => [[f64::from(row.material.contrast_outside); 3], [1.0; 3]],
-        false => [row.f0.map(f64::from), [f64::from(row.f90); 3]],
-    };
-    [0, 1, 2].map(|c| f0[c] + (f90[c] - f0[c]) * (1.0 - cosine).powi(5))
+/// The reflectances of the layer at normal and at grazing incidence.
+pub fn ends_of_layer(row: &In) -> ([f64; 3], f64) {
+    match row.f90 == NO_LAYER {
+        true => ([f64::from(row.material.contrast_outside); 3], 1.0),
+        false => (row.f0.map(f64::from), f64::from(row.f90)),
+    }
 }
 
-/// The formula of appendix B: value per channel with the cosine, and the densities of microfacets and of the cosine.
+/// What the layer reflects without a film: by KHR_materials_specular if the row has a layer of its own, else by appendix B.
+pub fn layer(row: &In, cosine: f64) -> [f64; 3] {
+    let (f0, f90) = ends_of_layer(row);
+    f0.map(|f0| f0 + (f90 - f0) * (1.0 - cosine).powi(5))
+}
+
+/// A reflectance with the film's share of the surface.
+pub fn with_film(row: &In, reflectance: [f64; 3], (f0, f90): ([f64; 3], f64), cosine: f64) -> [f64; 3] {
+    let share = f64::from(row.lobes.film);
+    if share == 0.0 || f90 == 0.0 {
+        return reflectance;
+    }
+    let [ior, thickness] = [row.lobes.film_ior, row.lobes.film_thickness].map(f64::from);
+    let film = thin_film(cosine, ior, thickness, f0.map(|f0| f0 / f90));
+    [0, 1, 2].map(|c| (1.0 - share) * reflectance[c] + share * f90 * film[c])
+}
+
+/// What the layer and the metal reflect with their film.
+pub fn layer_with_film(row: &In, cosine: f64) -> [f64; 3] {
+    with_film(row, layer(row, cosine), ends_of_layer(row), cosine)
+}
+
+pub fn metal_with_film(row: &In, cosine: f64) -> [f64; 3] {
+    let base = row.colour.map(f64::from);
+    with_film(row, base.map(|base| schlick(cosine, base)), (base, 1.0), cosine)
+}
+
+/// What the matt body scatters to the near side and to the far one.
+pub fn body(row: &In) -> [[f64; 3]; 2] {
+    let through = f64::from(row.lobes.through);
+    [row.colour.map(|c| (1.0 - through) * f64::from(c)), row.lobes.colour_through.map(|c| through * f64::from(c))]
+}
+
+/// The probability of the far side.
+pub fn share_of_far_side(row: &In) -> f64 {
+    let [near, far] = body(row).map(|colour| colour.iter().sum::<f64>());
+    if near + far > 0.0 { far / (near + far) } else { f64::from(row.lobes.through) }
+}
+
+/// The formula of appendix B: value per channel with the cosine, and the densities of microfacets and of the body.
 pub struct Formula {
     pub value: [f64; 3],
     pub facets: f64,
@@ -53,6 +92,14 @@ pub fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formul
     let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
     let metallic = f64::from(row.material.contrast_inside);
     let (cos_view, cos_light) = (view.dot(normal), direction.dot(normal));
+    if cos_light < 0.0 && row.lobes.through > 0.0 {
+        // The layer lets as much in as for the mirror image of the direction.
+        let mirrored = direction - 2.0 * cos_light * normal;
+        let layer = layer_with_film(row, view.dot((view + mirrored).normalize()));
+        let passed = (1.0 - metallic) * (1.0 - layer.into_iter().fold(0.0, f64::max)) * -cos_light / PI;
+        let cosine = share_of_far_side(row) * -cos_light / PI;
+        return Formula { value: body(row)[1].map(|colour| passed * colour), facets: 0.0, cosine };
+    }
     if cos_light <= 0.0 {
         return Formula { value: [0.0; 3], facets: 0.0, cosine: 0.0 };
     }
@@ -61,24 +108,26 @@ pub fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formul
     let specular = density(facet.cross(normal).length(), facet.dot(normal), alpha)
         * shadowing(cos_view, cos_light, alpha)
         / (4.0 * cos_view);
-    let layer = layer(row, cos_facet);
+    let (layer, metal) = (layer_with_film(row, cos_facet), metal_with_film(row, cos_facet));
     let passed = 1.0 - layer.into_iter().fold(0.0, f64::max);
+    let [near, _] = body(row);
     let value = [0, 1, 2].map(|c| {
-        let base = f64::from(row.colour[c]);
-        let dielectric = passed * base * cos_light / PI + layer[c] * specular;
-        (1.0 - metallic) * dielectric + metallic * schlick(cos_facet, base) * specular
+        let dielectric = passed * near[c] * cos_light / PI + layer[c] * specular;
+        (1.0 - metallic) * dielectric + metallic * metal[c] * specular
     });
-    Formula { value, facets: visible(facet, view, normal, alpha) / (4.0 * cos_facet), cosine: cos_light / PI }
+    let cosine = (1.0 - share_of_far_side(row)) * cos_light / PI;
+    Formula { value, facets: visible(facet, view, normal, alpha) / (4.0 * cos_facet), cosine }
 }
 
 /// About what comes back by microfacets and by the matt body, the sum of the channels.
 pub fn brightness(row: &In, cos_view: f64) -> (f64, f64) {
     let metallic = f64::from(row.material.contrast_inside);
     let layer = layer(row, cos_view);
+    let [near, far] = body(row);
     let (mut facets, mut matt) = (0.0, 0.0);
-    for (base, layer) in row.colour.map(f64::from).into_iter().zip(layer) {
-        facets += (1.0 - metallic) * layer + metallic * schlick(cos_view, base);
-        matt += (1.0 - metallic) * (1.0 - layer) * base;
+    for c in 0..3 {
+        facets += (1.0 - metallic) * layer[c] + metallic * schlick(cos_view, f64::from(row.colour[c]));
+        matt += (1.0 - metallic) * (1.0 - layer[c]) * (near[c] + far[c]);
     }
     (facets, matt)
 }
@@ -87,7 +136,7 @@ pub fn brightness(row: &In, cos_view: f64) -> (f64, f64) {
 pub fn share_of_facets(row: &In, cos_view: f64) -> f64 {
     let metallic = f64::from(row.material.contrast_inside);
     let (facets, matt) = brightness(row, cos_view);
-    if metallic == 1.0 || row.colour == [0.0; 3] { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
+    if metallic == 1.0 || body(row) == [[0.0; 3]; 2] { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
 }
 
 /// Calls with the cell, the direction and the solid angle of many directions over the hemisphere around z.

@@ -18,15 +18,27 @@ use crate::common::oracles::fresnel;
 use crate::common::rows::glass;
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, exact, rounded, unit};
-use crate::pbr::{Formula, RINGS, SECTORS, brightness, cell, formula, hemisphere, layer, pbr, rows, share_of_facets};
+use crate::pbr::{
+    Formula, NO_LAYER, RINGS, SECTORS, body, brightness, cell, ends_of_layer, formula, hemisphere, layer_with_film,
+    metal_with_film, pbr, rows, share_of_facets, share_of_far_side, with_film,
+};
 use crate::rough::{boundary_response, fresnel_of_a_pane, pane_response};
+use crate::thin_film::off as thin_film_off;
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
 const DRAWS: usize = 1 << 18;
 /// The modules of all lobes.
-pub const ALL: [&str; 4] =
-    ["material/pbr_transmission", "material/pbr_sheen", "material/pbr_coat", "material/anisotropic_facets"];
+pub const ALL: [&str; 8] = [
+    "material/pbr_own_layer",
+    "material/pbr_transmission",
+    "material/pbr_sheen",
+    "material/pbr_coat",
+    "material/anisotropic_facets",
+    "material/thin_film",
+    "material/pbr_translucent_body",
+    "material/dispersed_boundary",
+];
 
 /// The table of the kernels: that of rough metals, and that of sheen behind it.
 fn table() -> &'static [[f32; 4]] {
@@ -35,7 +47,17 @@ fn table() -> &'static [[f32; 4]] {
 }
 
 fn run(kernel: &Kernel, rows: &[In]) -> Vec<Out> {
-    kernel.run_with(rows, rows.len(), &[array("directional_albedos", table())])
+    draws(kernel, rows, rows.len())
+}
+
+/// So many answers to the rows. The layer of a row without one of its own is that of its index.
+fn draws(kernel: &Kernel, rows: &[In], count: usize) -> Vec<Out> {
+    let with_layer = |row: &In| match row.f90 == NO_LAYER {
+        true => In { f0: [row.material.contrast_outside; 3], f90: 1.0, ..*row },
+        false => *row,
+    };
+    let rows: Vec<In> = rows.iter().map(with_layer).collect();
+    kernel.run_with(&rows, count, &[array("directional_albedos", table())])
 }
 
 /// A row with a share of glass: a solid, or a pane.
@@ -77,35 +99,57 @@ fn mixed(inner: Bsdf, outer: Bsdf, (weight, weight_off): (f64, f64), (share, sha
 /// The base, with the limits of pbr.rs.
 fn base(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
     let cos_view = view.dot(normal);
-    if direction.dot(normal) < 4.0 * U {
+    let passes = direction.dot(normal) < 0.0 && row.lobes.through > 0.0;
+    if direction.dot(normal) < 4.0 * U && !passes {
         return Bsdf { is_unknown: direction.dot(normal) > -4.0 * U, ..Bsdf::default() };
     }
     let is_smooth = row.material.parameter < 1.0 / 1024.0;
-    let Formula { value, facets, cosine } = match is_smooth {
+    let Formula { value, facets, cosine } = match is_smooth && !passes {
         // Without its microfacets.
         true => {
             let cosine = direction.dot(normal).max(0.0) / PI;
-            let passed = 1.0 - layer(row, view.dot((view + direction).normalize())).into_iter().fold(0.0, f64::max);
+            let layer = layer_with_film(row, view.dot((view + direction).normalize()));
+            let passed = 1.0 - layer.into_iter().fold(0.0, f64::max);
             let matt = (1.0 - f64::from(row.material.contrast_inside)) * passed * cosine;
-            Formula { value: row.colour.map(|base| f64::from(base) * matt), facets: 0.0, cosine }
+            let [near, _] = body(row);
+            let cosine = (1.0 - share_of_far_side(row)) * cosine;
+            Formula { value: near.map(|base| base * matt), facets: 0.0, cosine }
         }
         false => formula(row, view, normal, direction),
     };
     let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
     let share = share_of_facets(row, cos_view);
     let pdf = share * facets + (1.0 - share) * cosine;
-    let turned = 4.0 * U / (view + direction).length();
+    let mirrored = if passes { direction - 2.0 * direction.dot(normal) * normal } else { direction };
+    let turned = 4.0 * U / (view + mirrored).length();
     let light = direction.dot(normal).abs().max(1e-9);
+    let of_film = film_off(row, view.dot((view + mirrored).normalize()), turned);
     let of_alpha = if is_smooth { 0.0 } else { 4.0 * turned / alpha };
     let limit = 96.0 * U + of_alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
     let white = facets * shadowing(cos_view, light, alpha) / masking(cos_view, alpha) + cosine;
     Bsdf {
         value,
         pdf,
-        off: value.map(|value| limit * value + 5.0 * turned * white),
+        off: value.map(|value| limit * value + (5.0 * turned + of_film) * white),
         pdf_off: limit * pdf + 5.0 * turned * pdf,
         is_unknown: light < 4.0 * U,
     }
+}
+
+/// By how much f32 moves what a film reflects at a cosine that is off by this.
+fn film_off(row: &In, cosine: f64, turned: f64) -> f64 {
+    if row.lobes.film == 0.0 {
+        return 0.0;
+    }
+    let [ior, thickness] = [row.lobes.film_ior, row.lobes.film_thickness].map(f64::from);
+    let by = |cosine: f64| {
+        let cosine = cosine.clamp(0.0, 1.0);
+        let all = layer_with_film(row, cosine).into_iter().chain(metal_with_film(row, cosine));
+        all.collect::<Vec<f64>>()
+    };
+    let (below, above) = (by(cosine - 2.0 * turned), by(cosine + 2.0 * turned));
+    let moved = below.iter().zip(&above).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    thin_film_off(ior, thickness) + 2.0 * moved
 }
 
 fn is_rough_glass(row: &In) -> bool {
@@ -121,7 +165,8 @@ fn of_glass(row: &In) -> In {
     let [contrast_outside, contrast_inside] = row.lobes.contrasts;
     let mut own = *row;
     (own.material.contrast_outside, own.material.contrast_inside) = (contrast_outside, contrast_inside);
-    own.second.parameter = row.lobes.ior;
+    let index = row.lobes.ior + row.followed * row.lobes.dispersion;
+    own.second.parameter = index;
     own
 }
 
@@ -141,17 +186,76 @@ fn with_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
             true => boundary_response(&of_glass(row), direction),
             false => pane_response(&of_glass(row), direction, fresnel_of_a_pane),
         };
-        let value = tint(row, normal, direction).map(|tint| tint * value);
+        let (split, split_off) = split_of_glass(row, view, normal, direction);
+        let tint = tint(row, normal, direction);
+        let value = [0, 1, 2].map(|c| tint[c] * value * split.value[c]);
+        let pdf = pdf * split.pdf;
         glass = Bsdf {
             value,
             pdf,
-            off: value.map(|value| limit * value),
-            pdf_off: limit * pdf,
+            off: value.map(|value| (limit + split_off) * value),
+            pdf_off: (limit + split_off) * pdf,
             // A response that is 0 here may be one on the edge of what microfacets see there.
             is_unknown: limit.is_nan() || limit > 0.1 || pdf == 0.0 || direction.dot(normal).abs() < 4.0 * U,
         };
     }
     mixed(under, glass, (weight, 0.0), share_of_glass(row, view.dot(normal)))
+}
+
+/// What film and dispersion change of plain glass: factors of the value and of the density, and by how much f32 may move them. The row's own index
+/// is that of the channel which is followed (`of_glass`).
+fn split_of_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> (Bsdf, f64) {
+    if row.lobes.film == 0.0 && row.lobes.dispersion == 0.0 {
+        return (Bsdf { value: [1.0; 3], pdf: 1.0, ..Bsdf::default() }, 0.0);
+    }
+    let is_solid = row.lobes.ior > 0.0;
+    let reflects = direction.dot(normal) > 0.0;
+    let index = |channel: f64| f64::from(row.lobes.ior) + channel * f64::from(row.lobes.dispersion);
+    let eta_at = |channel: f64| match is_solid {
+        true if row.front == 1 => index(channel),
+        true => 1.0 / index(channel),
+        false => (1.0 + f64::from(row.lobes.contrasts[0])).sqrt(),
+    };
+    let eta = eta_at(f64::from(row.followed));
+    let sum = match (reflects, is_solid) {
+        (true, _) => view + direction,
+        (false, true) => view + eta * direction,
+        (false, false) => view + direction - 2.0 * direction.dot(normal) * normal,
+    };
+    let cos_facet = view.dot(sum.normalize()).abs().min(1.0);
+    let by = |cosine: f64| {
+        let plain = fresnel_of_a_pane(cosine, eta);
+        let all = [-1.0, 0.0, 1.0].map(|channel| fresnel_of_a_pane(cosine, eta_at(channel)));
+        let outside = match is_solid && row.front == 0 {
+            true => (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt(),
+            false => cosine,
+        };
+        if plain >= 1.0 || row.lobes.film == 0.0 {
+            return (all, plain, plain);
+        }
+        let film = with_film(row, [0.0; 3], ends_of_layer(row), outside);
+        let share = if row.f90 == 0.0 { 0.0 } else { f64::from(row.lobes.film) };
+        let with = |c: usize, plain: f64| (1.0 - share) * plain + film[c];
+        let chance = (0..3).map(|c| with(c, plain)).fold(0.0, f64::max);
+        ([0, 1, 2].map(|c| with(c, all[c])), chance, plain)
+    };
+    let factors = |(colour, chance, plain): ([f64; 3], f64, f64)| match reflects {
+        true => Bsdf { value: colour.map(|c| c / plain), pdf: chance / plain, ..Bsdf::default() },
+        false => {
+            let passed = (1.0 - chance) / (1.0 - plain);
+            Bsdf { value: [passed; 3], pdf: passed, ..Bsdf::default() }
+        }
+    };
+    let turned = 16.0 * U / sum.length();
+    let (own, near) = (factors(by(cos_facet)), [-1.0, 1.0].map(|sign| factors(by((cos_facet + sign * turned).clamp(0.0, 1.0)))));
+    let relative = |of: fn(&Bsdf) -> f64| {
+        let moved = near.iter().map(|near| (of(near) / of(&own) - 1.0).abs()).fold(0.0, f64::max);
+        if of(&own) > 0.0 { moved } else { 0.0 }
+    };
+    let moved = [relative(|it| it.value[0]), relative(|it| it.value[1]), relative(|it| it.value[2]), relative(|it| it.pdf)];
+    let least = own.value.into_iter().chain([own.pdf]).filter(|it| *it > 0.0).fold(f64::INFINITY, f64::min);
+    let of_film = film_off(row, cos_facet, turned) / (by(cos_facet).2 * least).max(1e-9);
+    (own, 64.0 * U + of_film + 2.0 * moved.into_iter().fold(0.0, f64::max))
 }
 
 fn albedo_of_glass(row: &In, cos_view: f64) -> f64 {
@@ -390,10 +494,46 @@ fn sheened(i: usize, row: In) -> In {
     In { coat_normal: row.normal, lobes: Lobes { sheen, sheen_roughness, ..row.lobes }, ..row }
 }
 
+fn filmed(i: usize, row: In) -> In {
+    let film = [1.0, 0.4, 0.0][i % 3];
+    let (film_ior, film_thickness) = ([1.3, 2.0, 1.1][i / 3 % 3], [400.0, 0.0, 150.0, 1200.0][i / 2 % 4]);
+    In { coat_normal: row.normal, lobes: Lobes { film, film_ior, film_thickness, ..row.lobes }, ..row }
+}
+
+fn filmed_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    glassy_rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| filmed(i / 11, row)).collect()
+}
+
+fn translucent(i: usize, row: In) -> In {
+    let through = [0.5, 1.0, 0.0, 0.01][i % 4];
+    let colour_through = [[0.9, 0.3, 0.0], [1.0; 3], [0.0; 3], [0.2, 0.5, 0.1]][i / 3 % 4];
+    In { coat_normal: row.normal, lobes: Lobes { through, colour_through, ..row.lobes }, ..row }
+}
+
+fn translucent_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| translucent(i / 11, row)).collect()
+}
+
+/// Of solid glass.
+fn dispersed(i: usize, row: In) -> In {
+    let spread = [0.05, 0.0, 0.2][i % 3] * (row.lobes.ior - 1.0).max(0.0);
+    In { followed: [-1.0, 1.0, 0.0][i / 3 % 3], lobes: Lobes { dispersion: spread, ..row.lobes }, ..row }
+}
+
+fn dispersed_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    glassy_rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| dispersed(i / 11, row)).collect()
+}
+
 /// With all lobes.
 fn full_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
     let rows = glassy_rows(random, count, towards_light).into_iter().enumerate();
-    rows.map(|(i, row)| coated(random, i / 3, sheened(i / 7, row))).collect()
+    let around = |(i, row)| coated(random, i / 3, sheened(i / 7, row));
+    let rows: Vec<In> = rows.map(around).collect();
+    let within = |(i, row): (usize, In)| {
+        let own = dispersed(i / 17, translucent(i / 13, filmed(i / 11, row)));
+        In { coat_normal: row.coat_normal, ..own }
+    };
+    rows.into_iter().enumerate().map(within).collect()
 }
 
 /// Rows whose value or density is off, those whose weight is not the ratio of both, and those compared.
@@ -499,6 +639,52 @@ fn a_sheen_takes_from_what_lies_below_what_it_reflects() {
 }
 
 #[test]
+fn a_film_reflects_in_place_of_the_base_and_its_glass() {
+    compare(
+        filmed_rows,
+        631,
+        &[
+            ("material/thin_film", "share * film;", "0.97 * share * film;"),
+            ("material/thin_film", "max(max(film.x, film.y), film.z)", "film.x"),
+            ("material/thin_film", "colour / chance, chance", "under.colour, chance"),
+            ("material/pbr_base", "with_film(schlick(cos_facet, hit.colour)", "with_film(0.9 * schlick(cos_facet, hit.colour)"),
+            (
+                "material/rough_dielectric_eval",
+                "select(refraction.cos_transmitted, min(cos_facet, 1.0), hit.front)",
+                "min(cos_facet, 1.0)",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn light_passes_a_translucent_body() {
+    compare(
+        translucent_rows,
+        633,
+        &[
+            ("material/pbr_translucent_body", "return hit.lobes.through * hit.lobes.colour_through;", "return hit.lobes.through * hit.colour;"),
+            ("material/pbr_translucent_body", "select(far, 1.0 - far,", "select(0.98 * far, 1.0 - far,"),
+            ("material/pbr_translucent_body", "direction - 2.0 *", "direction - 1.9 *"),
+            ("material/pbr_translucent_body", "return (1.0 - hit.lobes.through) * hit.colour;", "return hit.colour;"),
+        ],
+    );
+}
+
+#[test]
+fn glass_with_dispersion_has_an_index_for_each_channel() {
+    compare(
+        dispersed_rows,
+        635,
+        &[
+            ("material/dispersed_boundary", "let own = ior + shift;", "let own = ior - shift;"),
+            ("material/dispersed_boundary", "shift * (2.0 * ior + shift)", "shift * 2.0 * ior"),
+            ("material/dispersed_boundary", "all / reflectance, reflectance", "vec3<f32>(1.0), reflectance"),
+        ],
+    );
+}
+
+#[test]
 fn all_lobes_together_lie_in_their_order() {
     let sheen_of_coat = ("material/pbr_eval", "with_coat(sheened, hit", "with_coat(mixed, hit");
     compare(full_rows, 615, &[sheen_of_coat]);
@@ -506,13 +692,13 @@ fn all_lobes_together_lie_in_their_order() {
 
 /// The same for light and view exchanged, of panes: solids change by the index squared, which rough.rs looks at.
 #[test]
-fn a_base_with_panes_and_sheen_scatters_the_same_both_ways() {
+fn a_base_with_panes_sheen_film_and_translucence_scatters_the_same_both_ways() {
     let mut random = Random(603);
     let upright = |v: [f32; 3], row: &In| exact(v).dot(exact(row.normal)).abs();
     let rows: Vec<In> = glassy_rows(&mut random, 40_000, true)
         .into_iter()
         .enumerate()
-        .map(|(i, row)| sheened(i / 7, row))
+        .map(|(i, row)| translucent(i / 13, filmed(i / 11, sheened(i / 7, row))))
         .filter(|row| row.lobes.ior == 0.0 && upright(row.light, row) > 0.01 && upright(row.incoming, row) > 0.01)
         .collect();
     let turned: Vec<In> = rows
@@ -550,7 +736,7 @@ fn chi_square_of(what: &str, row: &In, many: &Kernel, threshold: f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     let side = |z: f64| if z < 0.0 { cells } else { 0 };
     let upper = |v: DVec3| DVec3::new(v.x, v.y, v.z.abs());
-    for out in many.run_with::<_, Out>(&[*row], DRAWS, &[array("directional_albedos", table())]) {
+    for out in draws(many, &[*row], DRAWS) {
         let weight = f64::from(out.weight[0]);
         sum += weight;
         squares += weight * weight;
@@ -630,14 +816,17 @@ fn a_share_of_glass_scatters_by_its_density() {
 }
 
 #[test]
-fn coats_and_sheens_scatter_by_their_densities() {
+fn lobes_scatter_by_their_densities() {
     let mut random = Random(617);
     let many = kernel_of("pbr", DRAWS, &[], &ALL);
     let coat = |roughness: f32| Lobes { coat: 1.0, coat_roughness: roughness, coat_f0: 0.2, ..Lobes::default() };
     let sheen = |roughness: f32| Lobes { sheen: [0.9, 0.5, 0.2], sheen_roughness: roughness, ..Lobes::default() };
-    let all = Lobes { sheen: [0.5, 0.8, 0.1], sheen_roughness: 0.4, ..coat(0.5) };
+    let through = Lobes { through: 0.6, colour_through: [0.3, 0.9, 0.2], ..Lobes::default() };
+    let film = Lobes { film: 1.0, film_ior: 1.8, film_thickness: 300.0, ..Lobes::default() };
+    let all = Lobes { sheen: [0.5, 0.8, 0.1], sheen_roughness: 0.4, dispersion: 0.05, ..coat(0.5) };
+    let all = Lobes { film: 0.5, film_ior: 1.4, film_thickness: 450.0, ..all };
     let cases =
-        [(coat(0.5), 0.0, 0.3), (coat(0.7), 0.0, 0.0), (sheen(0.3), 0.0, 0.0), (sheen(1.0), 1.0, 0.0), (all, 0.3, 0.2)];
+        [(coat(0.5), 0.0, 0.3), (coat(0.7), 0.0, 0.0), (sheen(0.3), 0.0, 0.0), (sheen(1.0), 1.0, 0.0), (through, 0.0, 0.0), (film, 1.0, 0.0), (all, 0.3, 0.2)];
     let cosines = [1.0, 0.6, 0.2];
     let threshold = sidak(ALPHA, cases.len() * cosines.len());
     for (lobes, metallic, tilt) in cases {
@@ -790,7 +979,7 @@ fn a_smooth_coat_leaves_the_rest_to_what_lies_below() {
             let around = (1.0 - coat) / (1.0 - share) * factor / of_facets;
             let expected = |c: usize| {
                 let base = f64::from(row.colour[c]);
-                around * ((1.0 - metallic) * layer(row, cos_view)[c] + metallic * schlick(cos_view, base))
+                around * ((1.0 - metallic) * layer_with_film(row, cos_view)[c] + metallic * schlick(cos_view, base))
             };
             assert!((0..3).all(|c| near(out.weight[c], expected(c))), "{row:?} {out:?} {:?}", [0, 1, 2].map(expected));
             bases += 1;

@@ -15,7 +15,7 @@ use gpu_rt::plan::choices::ALTERNATIVES;
 use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
 
 /// The extensions of glTF's material that are lobes, or change those that it has.
-const LOBES_OF_PBR: [&[ExtensionKind]; 7] = [
+const LOBES_OF_PBR: [&[ExtensionKind]; 12] = [
     &[ExtensionKind::SpecularShare],
     &[ExtensionKind::Transmission],
     &[ExtensionKind::Coat],
@@ -23,6 +23,17 @@ const LOBES_OF_PBR: [&[ExtensionKind]; 7] = [
     &[ExtensionKind::Coat, ExtensionKind::CoatNormal, ExtensionKind::Emission],
     &[ExtensionKind::Sheen],
     &[ExtensionKind::Sheen, ExtensionKind::SheenRoughness, ExtensionKind::Coat, ExtensionKind::Transmission],
+    &[ExtensionKind::Specular, ExtensionKind::Iridescence],
+    &[
+        ExtensionKind::Specular,
+        ExtensionKind::Iridescence,
+        ExtensionKind::IridescenceThickness,
+        ExtensionKind::Transmission,
+        ExtensionKind::Dispersion,
+    ],
+    &[ExtensionKind::DiffuseTransmission],
+    &[ExtensionKind::DiffuseTransmission, ExtensionKind::DiffuseTransmissionShare, ExtensionKind::Coat],
+    &[ExtensionKind::Transmission, ExtensionKind::Dispersion],
 ];
 
 /// Numbers of backgrounds.
@@ -149,6 +160,11 @@ fn delta_lit(features: Features, directional: bool) -> Features {
     }
 }
 
+/// Gives bodies of these shapes an alpha.
+fn holed(features: Features, shapes: usize) -> Features {
+    Features { alpha_bodies: on(shapes), ..features }
+}
+
 /// Has so many lights that one is chosen by the tree.
 fn many_lights(features: Features) -> Features {
     Features { lights: 2, sky_light: 1, ..features }
@@ -191,6 +207,11 @@ fn all_sampled() -> Features {
             ExtensionKind::Sheen,
             ExtensionKind::SheenRoughness,
             ExtensionKind::Anisotropy,
+            ExtensionKind::Iridescence,
+            ExtensionKind::IridescenceThickness,
+            ExtensionKind::DiffuseTransmission,
+            ExtensionKind::DiffuseTransmissionShare,
+            ExtensionKind::Dispersion,
         ],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
@@ -390,7 +411,10 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for set in [bits_of(|kind| kind.is_transmissive), materials] {
         for (tinted, absorbing) in [(true, false), (false, true), (true, true)] {
             let glass = coloured(features(1, set, 0, SOLID, false), tinted, absorbing);
-            found.extend([glass.clone(), lit(glass.clone(), 1, false), lit(glass, 0, true)]);
+            let dispersed = varying(glass.clone(), &[ExtensionKind::Dispersion]);
+            for glass in [glass, dispersed] {
+                found.extend([glass.clone(), lit(glass.clone(), 1, false), lit(glass, 0, true)]);
+            }
         }
     }
     // Smooth panes of each shape: alone, with all materials, textures and an alpha, in media, and under lights.
@@ -398,6 +422,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for set in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]) {
         let alone = paned(features(set, pane, 0, SOLID, false), set);
         let full = paned(covered(features(set, materials, textures, IMAGE, false)), set);
+        let holes = holed(covered(lit(features(set, materials, textures, IMAGE, false), set, true)), set);
+        found.extend([holes.clone(), paned(holes, set)]);
         let mapped = paned(with_extension(features(set, pane, textures, SOLID, false), ExtensionKind::Normal), set);
         if set != primitives {
             let beside = paned(features(set, materials, 0, SOLID, false), set);
@@ -759,10 +785,15 @@ const CHOICES: &[(&str, &str)] = &[
     ("facets", "material"),
     ("facet_tangent", "scene"),
     ("coat", "material"),
+    ("film", "material"),
+    ("body", "material"),
+    ("boundary", "material"),
+    ("followed_channel", "step"),
     ("coat_normal", "scene"),
     ("light_coat", "scene"),
     ("tint", "scene"),
     ("absorption", "scene"),
+    ("stops", "scene"),
     ("coverage", "scene"),
     ("vertex_alpha", "scene"),
     ("vertex_emission", "scene"),

@@ -11,7 +11,7 @@ struct In {
     incoming: vec3<f32>,
     front: u32,
     normal: vec3<f32>,
-    padding0: u32,
+    followed: f32,
     colour: vec3<f32>,
     padding1: u32,
     // Zero to get the response to the answer.
@@ -63,6 +63,7 @@ fn run(row: u32) {
     hit.lobes = given.lobes;
     hit.coat_normal = given.coat_normal;
     hit.tangent = given.tangent;
+    hit.followed = given.followed;
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
     let response = ${material}_eval(given.material, hit, light);

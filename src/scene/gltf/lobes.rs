@@ -1,4 +1,5 @@
-//! The lobes of a glTF material that the crate does not read: KHR_materials_clearcoat, KHR_materials_sheen and KHR_materials_anisotropy.
+//! The lobes of a glTF material that the crate does not read: KHR_materials_clearcoat, _sheen, _anisotropy, _iridescence,
+//! _diffuse_transmission and _dispersion.
 
 use gltf::json::extensions::texture;
 use gltf::json::material::Material as Given;
@@ -6,56 +7,97 @@ use gltf::json::texture::Info;
 use serde_json::Value;
 
 use super::{GltfError, Result};
+use crate::material::{MOST_DISPERSION, MOST_IOR, MOST_THICKNESS};
 use crate::scene::types::Colour;
 
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
 const ANISOTROPY: &str = "KHR_materials_anisotropy";
+const IRIDESCENCE: &str = "KHR_materials_iridescence";
+const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+const DISPERSION: &str = "KHR_materials_dispersion";
 
 /// Names of fields.
 type Names = &'static [&'static str];
 
-/// The extensions that this file reads, with their numbers, their colours and their textures.
-const READ: [(&str, Names, Names, Names); 3] = [
+/// The extensions that this file reads, with their numbers and their colours.
+const READ: [(&str, Names, Names); 6] = [
+    (CLEARCOAT, &["clearcoatFactor", "clearcoatRoughnessFactor"], &[]),
+    (ANISOTROPY, &["anisotropyStrength", "anisotropyRotation"], &[]),
+    (SHEEN, &["sheenRoughnessFactor"], &["sheenColorFactor"]),
     (
-        CLEARCOAT,
-        &["clearcoatFactor", "clearcoatRoughnessFactor"],
+        IRIDESCENCE,
+        &["iridescenceFactor", "iridescenceIor", "iridescenceThicknessMinimum", "iridescenceThicknessMaximum"],
         &[],
-        &["clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"],
     ),
-    (ANISOTROPY, &["anisotropyStrength", "anisotropyRotation"], &[], &["anisotropyTexture"]),
-    (SHEEN, &["sheenRoughnessFactor"], &["sheenColorFactor"], &["sheenColorTexture", "sheenRoughnessTexture"]),
+    (DIFFUSE_TRANSMISSION, &["diffuseTransmissionFactor"], &["diffuseTransmissionColorFactor"]),
+    (DISPERSION, &["dispersion"], &[]),
 ];
+
+/// A texture of a lobe.
+pub struct LobeTexture {
+    extension: &'static str,
+    name: &'static str,
+    /// Where it stands in the JSON of its material.
+    pub field: &'static str,
+    /// Whether the factors leave anything of it.
+    counts: fn(&Given) -> bool,
+}
+
+macro_rules! lobe_textures {
+    ($($constant:ident: $extension:ident $json:literal $name:literal if $counts:expr;)*) => {
+        $(pub const $constant: LobeTexture = LobeTexture {
+            extension: $extension,
+            name: $name,
+            field: concat!("extensions.", $json, ".", $name),
+            counts: $counts,
+        };)*
+        /// All of them, in the order of their sets of texture coordinates.
+        pub const TEXTURES: &[LobeTexture] = &[$($constant),*];
+    };
+}
+lobe_textures! {
+    COAT_TEXTURE: CLEARCOAT "KHR_materials_clearcoat" "clearcoatTexture" if |given| coat(given) > 0.0;
+    COAT_ROUGHNESS_TEXTURE: CLEARCOAT "KHR_materials_clearcoat" "clearcoatRoughnessTexture"
+        if |given| coat(given) > 0.0 && coat_roughness(given) > 0.0;
+    COAT_NORMAL_TEXTURE: CLEARCOAT "KHR_materials_clearcoat" "clearcoatNormalTexture" if |given| coat(given) > 0.0;
+    SHEEN_TEXTURE: SHEEN "KHR_materials_sheen" "sheenColorTexture" if |given| sheen(given) != Colour::ZERO;
+    SHEEN_ROUGHNESS_TEXTURE: SHEEN "KHR_materials_sheen" "sheenRoughnessTexture"
+        if |given| sheen(given) != Colour::ZERO && sheen_roughness(given) > 0.0;
+    ANISOTROPY_TEXTURE: ANISOTROPY "KHR_materials_anisotropy" "anisotropyTexture" if |given| anisotropy(given) > 0.0;
+    IRIDESCENCE_TEXTURE: IRIDESCENCE "KHR_materials_iridescence" "iridescenceTexture"
+        if |given| iridescence(given) > 0.0;
+    IRIDESCENCE_THICKNESS_TEXTURE: IRIDESCENCE "KHR_materials_iridescence" "iridescenceThicknessTexture"
+        if |given| iridescence(given) > 0.0;
+    DIFFUSE_TRANSMISSION_TEXTURE: DIFFUSE_TRANSMISSION "KHR_materials_diffuse_transmission" "diffuseTransmissionTexture"
+        if |given| diffuse_transmission(given) > 0.0;
+    DIFFUSE_TRANSMISSION_COLOR_TEXTURE: DIFFUSE_TRANSMISSION "KHR_materials_diffuse_transmission"
+        "diffuseTransmissionColorTexture" if |given| diffuse_transmission(given) > 0.0;
+}
 
 /// Whether an extension is read here.
 pub fn is_read(extension: &str) -> bool {
     READ.iter().any(|(name, ..)| *name == extension)
 }
 
-/// Where a texture of a lobe stands in the JSON of its material.
-pub fn field_of(texture: &str) -> &'static str {
-    match texture {
-        "clearcoatTexture" => "extensions.KHR_materials_clearcoat.clearcoatTexture",
-        "clearcoatRoughnessTexture" => "extensions.KHR_materials_clearcoat.clearcoatRoughnessTexture",
-        "clearcoatNormalTexture" => "extensions.KHR_materials_clearcoat.clearcoatNormalTexture",
-        "anisotropyTexture" => "extensions.KHR_materials_anisotropy.anisotropyTexture",
-        "sheenColorTexture" => "extensions.KHR_materials_sheen.sheenColorTexture",
-        "sheenRoughnessTexture" => "extensions.KHR_materials_sheen.sheenRoughnessTexture",
-        _ => "",
-    }
-}
-
 fn extension<'a>(given: &'a Given, name: &str) -> Option<&'a Value> {
     given.extensions.as_ref()?.others.get(name)
 }
 
-fn number(given: &Given, of: &str, name: &str) -> f64 {
-    let found = extension(given, of).and_then(|found| found.get(name)?.as_f64());
-    found.unwrap_or(0.0).clamp(0.0, 1.0)
+fn number(given: &Given, of: &str, name: &str) -> Option<f64> {
+    extension(given, of).and_then(|found| found.get(name)?.as_f64())
 }
 
-fn info(given: &Given, of: &str, name: &str) -> Option<Info> {
-    info_of(extension(given, of)?.get(name)?).ok()
+/// A factor, cut to 0..1.
+fn factor(given: &Given, of: &str, name: &str) -> f64 {
+    number(given, of, name).unwrap_or(0.0).clamp(0.0, 1.0)
+}
+
+/// A colour, cut to 0..1.
+fn colour(given: &Given, of: &str, name: &str, default: f64) -> Colour {
+    let factor = extension(given, of).and_then(|found| found.get(name)?.as_array());
+    let channel = |c: usize| factor.and_then(|factor| factor.get(c)?.as_f64()).unwrap_or(default);
+    Colour::new(channel(0), channel(1), channel(2)).clamp(Colour::ZERO, Colour::ONE)
 }
 
 /// A texture, of which the crate reads KHR_texture_transform only if it knows its place.
@@ -71,7 +113,7 @@ fn info_of(value: &Value) -> serde_json::Result<Info> {
 
 /// Refuses what is of a wrong type; `at` is the path of the material.
 pub fn check(given: &Given, at: &str) -> Result<()> {
-    for (name, numbers, colours, textures) in READ {
+    for (name, numbers, colours) in READ {
         let Some(found) = extension(given, name) else { continue };
         let wrong = |field: &str, expected: &str| {
             Err(GltfError::new(format!("{at}.extensions.{name}.{field}"), format!("expected {expected}")))
@@ -89,9 +131,9 @@ pub fn check(given: &Given, at: &str) -> Result<()> {
                 return wrong(field, "three numbers");
             }
         }
-        for (field, value) in fields(textures) {
-            if info_of(value).is_err() {
-                return wrong(field, "a texture: an object with an index");
+        for texture in TEXTURES.iter().filter(|texture| texture.extension == name) {
+            if found.get(texture.name).is_some_and(|value| info_of(value).is_err()) {
+                return wrong(texture.name, "a texture: an object with an index");
             }
         }
     }
@@ -99,50 +141,71 @@ pub fn check(given: &Given, at: &str) -> Result<()> {
 }
 
 pub fn coat(given: &Given) -> f64 {
-    number(given, CLEARCOAT, "clearcoatFactor")
+    factor(given, CLEARCOAT, "clearcoatFactor")
 }
 
 pub fn coat_roughness(given: &Given) -> f64 {
-    number(given, CLEARCOAT, "clearcoatRoughnessFactor")
+    factor(given, CLEARCOAT, "clearcoatRoughnessFactor")
 }
 
-/// The colour of the sheen, cut to 0..1.
 pub fn sheen(given: &Given) -> Colour {
-    let factor = extension(given, SHEEN).and_then(|found| found.get("sheenColorFactor")?.as_array());
-    let channel = |c: usize| factor.and_then(|factor| factor.get(c)?.as_f64()).unwrap_or(0.0);
-    Colour::new(channel(0), channel(1), channel(2)).clamp(Colour::ZERO, Colour::ONE)
+    colour(given, SHEEN, "sheenColorFactor", 0.0)
 }
 
 pub fn sheen_roughness(given: &Given) -> f64 {
-    number(given, SHEEN, "sheenRoughnessFactor")
+    factor(given, SHEEN, "sheenRoughnessFactor")
 }
 
 pub fn anisotropy(given: &Given) -> f64 {
-    number(given, ANISOTROPY, "anisotropyStrength")
+    factor(given, ANISOTROPY, "anisotropyStrength")
 }
 
 /// Degrees.
 pub fn anisotropy_rotation(given: &Given) -> f64 {
-    let found = extension(given, ANISOTROPY).and_then(|found| found.get("anisotropyRotation")?.as_f64());
-    found.unwrap_or(0.0).to_degrees()
+    number(given, ANISOTROPY, "anisotropyRotation").unwrap_or(0.0).to_degrees()
+}
+
+pub fn iridescence(given: &Given) -> f64 {
+    factor(given, IRIDESCENCE, "iridescenceFactor")
+}
+
+/// The index of refraction of the film, cut to its range.
+pub fn iridescence_ior(given: &Given) -> f64 {
+    number(given, IRIDESCENCE, "iridescenceIor").unwrap_or(1.3).clamp(1.0, MOST_IOR)
+}
+
+/// The least and the largest thickness of the film in nm, cut to their range.
+pub fn iridescence_thickness(given: &Given) -> [f64; 2] {
+    [("iridescenceThicknessMinimum", 100.0), ("iridescenceThicknessMaximum", 400.0)].map(|(name, default)| {
+        number(given, IRIDESCENCE, name).unwrap_or(default).clamp(0.0, MOST_THICKNESS)
+    })
+}
+
+pub fn diffuse_transmission(given: &Given) -> f64 {
+    factor(given, DIFFUSE_TRANSMISSION, "diffuseTransmissionFactor")
+}
+
+pub fn diffuse_transmission_color(given: &Given) -> Colour {
+    colour(given, DIFFUSE_TRANSMISSION, "diffuseTransmissionColorFactor", 1.0)
+}
+
+/// 20 over the Abbe number, cut to its range.
+pub fn dispersion(given: &Given) -> f64 {
+    number(given, DISPERSION, "dispersion").unwrap_or(0.0).clamp(0.0, MOST_DISPERSION)
 }
 
 /// Whether it has a lobe that only `Pbr` has, beside transmission.
 pub fn has_lobes(given: &Given) -> bool {
-    coat(given) > 0.0 || sheen(given) != Colour::ZERO
+    coat(given) > 0.0
+        || sheen(given) != Colour::ZERO
+        || iridescence(given) > 0.0
+        || diffuse_transmission(given) > 0.0
 }
 
-/// A texture of a lobe that the material has. A factor of 0 leaves nothing of one.
-pub fn texture(given: &Given, name: &str) -> Option<Info> {
-    let (of, is_there) = match name {
-        "clearcoatTexture" | "clearcoatNormalTexture" => (CLEARCOAT, coat(given) > 0.0),
-        "clearcoatRoughnessTexture" => (CLEARCOAT, coat(given) > 0.0 && coat_roughness(given) > 0.0),
-        "anisotropyTexture" => (ANISOTROPY, anisotropy(given) > 0.0),
-        "sheenColorTexture" => (SHEEN, sheen(given) != Colour::ZERO),
-        "sheenRoughnessTexture" => (SHEEN, sheen(given) != Colour::ZERO && sheen_roughness(given) > 0.0),
-        _ => return None,
-    };
-    info(given, of, name).filter(|_| is_there)
+/// A texture of a lobe that the material has.
+pub fn texture(given: &Given, texture: &LobeTexture) -> Option<Info> {
+    let info = info_of(extension(given, texture.extension)?.get(texture.name)?).ok();
+    info.filter(|_| (texture.counts)(given))
 }
 
 /// What the coat's normal map is multiplied by.

@@ -10,7 +10,8 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::{File, GltfError, Result, decimal, lobes, path_of_uri};
+use super::lobes::{self, LobeTexture};
+use super::{File, GltfError, Result, decimal, path_of_uri};
 use crate::bitmap::Channel;
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
@@ -126,6 +127,14 @@ pub fn default_material(of_blender: bool, vertex_colors: bool) -> Material {
         transmission: Texture::grey(0.0),
         solid: false,
         absorption: None,
+        dispersion: 0.0,
+        diffuse_transmission: Texture::grey(0.0),
+        diffuse_transmission_color: Texture::grey(1.0),
+        iridescence: Texture::grey(0.0),
+        iridescence_ior: 1.3,
+        iridescence_thickness: 400.0,
+        iridescence_thickness_min: 100.0,
+        iridescence_thickness_texture: Texture::grey(1.0),
         coat: Texture::grey(0.0),
         coat_roughness: Texture::grey(0.0),
         coat_ior: 1.5,
@@ -246,23 +255,13 @@ fn transmission_texture(given: &Given) -> Option<Named<'_>> {
     lobe_texture(given, field, transmission.transmission_texture.as_ref())
 }
 
-/// The textures of the lobes that the crate does not read, in their order.
-const OF_LOBES: [&str; 6] = [
-    "clearcoatTexture",
-    "clearcoatRoughnessTexture",
-    "clearcoatNormalTexture",
-    "sheenColorTexture",
-    "sheenRoughnessTexture",
-    "anisotropyTexture",
-];
-
 /// The textures that a material of ours has.
 fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
     let of_colour = base_texture(given).into_iter().chain(emissive_texture(given));
     let of_base = of_colour.chain(number_texture(given)).chain(normal_texture(given));
     let of_layer = specular_texture(given).into_iter().chain(specular_color_texture(given));
-    let of_lobe = |name: &&'static str| Some((lobes::field_of(name), Cow::Owned(lobes::texture(given, name)?)));
-    let of_lobes = OF_LOBES.iter().filter(|_| model(given) != Model::Unlit).filter_map(of_lobe);
+    let of_lobe = |of: &LobeTexture| Some((of.field, Cow::Owned(lobes::texture(given, of)?)));
+    let of_lobes = lobes::TEXTURES.iter().filter(|_| model(given) != Model::Unlit).filter_map(of_lobe);
     of_base.chain(of_layer).chain(transmission_texture(given)).chain(of_lobes)
 }
 
@@ -319,7 +318,7 @@ impl File {
     pub fn has_normal_map(&self, mesh: usize, primitive: usize) -> Result<bool> {
         let has_map = |given: &Given| {
             normal_texture(given).is_some()
-                || lobes::texture(given, "clearcoatNormalTexture").is_some()
+                || lobes::texture(given, &lobes::COAT_NORMAL_TEXTURE).is_some()
                 || lobes::anisotropy(given) > 0.0
         };
         Ok(self.material_of(mesh, primitive)?.is_some_and(has_map))
@@ -367,19 +366,23 @@ impl File {
             image(specular_color_texture(given))?,
             image(transmission_texture(given))?,
         ];
-        let mut of_lobe = |name: &str| -> Result<Option<(String, u32)>> {
-            let Some(info) = lobes::texture(given, name) else { return Ok(None) };
-            image(Some((lobes::field_of(name), Cow::Owned(info))))
+        let mut of_lobe = |of: LobeTexture| -> Result<Option<(String, u32)>> {
+            let Some(info) = lobes::texture(given, &of) else { return Ok(None) };
+            image(Some((of.field, Cow::Owned(info))))
         };
         let has_anisotropy = lobes::anisotropy(given) > 0.0;
         let (anisotropy, anisotropy_rotation) = match has_anisotropy {
             true => (lobes::anisotropy(given), lobes::anisotropy_rotation(given)),
             false => (0.0, 0.0),
         };
-        let of_anisotropy = of_lobe("anisotropyTexture")?;
-        let coat_map = of_lobe("clearcoatNormalTexture")?;
-        let [of_coat, of_coat_roughness] = [of_lobe("clearcoatTexture")?, of_lobe("clearcoatRoughnessTexture")?];
-        let [of_sheen, of_sheen_roughness] = [of_lobe("sheenColorTexture")?, of_lobe("sheenRoughnessTexture")?];
+        let of_anisotropy = of_lobe(lobes::ANISOTROPY_TEXTURE)?;
+        let coat_map = of_lobe(lobes::COAT_NORMAL_TEXTURE)?;
+        let (of_coat, of_coat_roughness) = (of_lobe(lobes::COAT_TEXTURE)?, of_lobe(lobes::COAT_ROUGHNESS_TEXTURE)?);
+        let (of_sheen, of_sheen_roughness) = (of_lobe(lobes::SHEEN_TEXTURE)?, of_lobe(lobes::SHEEN_ROUGHNESS_TEXTURE)?);
+        let of_film = of_lobe(lobes::IRIDESCENCE_TEXTURE)?;
+        let of_thickness = of_lobe(lobes::IRIDESCENCE_THICKNESS_TEXTURE)?;
+        let of_through = of_lobe(lobes::DIFFUSE_TRANSMISSION_TEXTURE)?;
+        let of_colour_through = of_lobe(lobes::DIFFUSE_TRANSMISSION_COLOR_TEXTURE)?;
         let normal = image(normal_texture(given))?.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
         let anisotropy_texture = of_anisotropy.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
         let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
@@ -432,16 +435,18 @@ impl File {
                 let color = if glass.colour_of_body { root_of(color, &mut found) } else { color };
                 let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
                 let absorption = volume.and_then(absorption);
+                let dispersion = lobes::dispersion(given);
                 match glass.is_solid {
                     false => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
                     true if is_smooth && normal.is_none() && !has_anisotropy => {
-                        Material::Dielectric { ior, transmittance, absorption }
+                        Material::Dielectric { ior, transmittance, absorption, dispersion }
                     }
                     true => Material::RoughDielectric {
                         ior,
                         roughness,
                         transmittance,
                         absorption,
+                        dispersion,
                         anisotropy,
                         anisotropy_rotation,
                         anisotropy_texture,
@@ -489,6 +494,11 @@ impl File {
                 let volume = extensions.and_then(|found| found.volume.as_ref());
                 let solid = glass.is_solid && is_glassy;
                 let is_tinted = color.plain() != Some(Colour::ONE);
+                let (film, through) = (lobes::iridescence(given), lobes::diffuse_transmission(given));
+                let [iridescence_thickness_min, iridescence_thickness] = lobes::iridescence_thickness(given);
+                found.extend((through > 0.0 && volume.is_some() && !is_glassy).then(|| {
+                    "its inside is not read: scattered light passes its surface as it passes paper".to_owned()
+                }));
                 found
                     .extend((is_glassy && glass.colour_of_body && is_tinted).then(|| {
                         "both surfaces of its glass have the base colour, so that it counts twice".to_owned()
@@ -503,6 +513,17 @@ impl File {
                     transmission,
                     solid,
                     absorption: volume.filter(|_| solid).and_then(absorption),
+                    dispersion: if solid { lobes::dispersion(given) } else { 0.0 },
+                    diffuse_transmission: share_of(of_through, through, Channel::A),
+                    diffuse_transmission_color: match through > 0.0 {
+                        true => texture(of_colour_through, lobes::diffuse_transmission_color(given), None),
+                        false => Texture::grey(1.0),
+                    },
+                    iridescence: share_of(of_film, film, Channel::R),
+                    iridescence_ior: if film > 0.0 { lobes::iridescence_ior(given) } else { 1.3 },
+                    iridescence_thickness: if film > 0.0 { iridescence_thickness } else { 400.0 },
+                    iridescence_thickness_min: if film > 0.0 { iridescence_thickness_min } else { 100.0 },
+                    iridescence_thickness_texture: texture(of_thickness, Colour::ONE, Some(Channel::G)),
                     coat: share_of(of_coat, lobes::coat(given), Channel::R),
                     coat_roughness: share_of(of_coat_roughness, lobes::coat_roughness(given), Channel::G),
                     coat_ior: 1.5,

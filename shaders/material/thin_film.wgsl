@@ -1,0 +1,27 @@
+//@ use data/material
+//@ use lib/thin_film
+// KHR_materials_iridescence: a thin film on the base of glTF's material, whose reflectance stands in the place of the base's own.
+
+// A reflectance with the film's share of the surface. `f0` is that of what lies below at normal incidence, and `f90` at grazing incidence.
+fn with_film(reflectance: vec3<f32>, f0: vec3<f32>, f90: f32, hit: Interaction, cosine: f32) -> vec3<f32> {
+    let share = hit.lobes.film;
+    if share == 0.0 || f90 == 0.0 {
+        return reflectance;
+    }
+    let film = f90 * thin_film(cosine, hit.lobes.film_ior, hit.lobes.film_thickness, f0 / f90);
+    return (1.0 - share) * reflectance + share * film;
+}
+
+// What a boundary of glass reflects. What it does not reflect passes, by the largest channel. `cosine` is that of the outside.
+fn film_on_glass(under: Reflected, hit: Interaction, cosine: f32) -> Reflected {
+    if hit.lobes.film == 0.0 || hit.f90 == 0.0 || under.chance == 1.0 {
+        return under;
+    }
+    let film = with_film(vec3<f32>(under.chance), hit.f0, hit.f90, hit, cosine);
+    let chance = max(max(film.x, film.y), film.z);
+    if chance == 0.0 {
+        return under;
+    }
+    let colour = film + (1.0 - hit.lobes.film) * under.chance * (under.colour - 1.0);
+    return Reflected(colour / chance, chance);
+}

@@ -1,0 +1,8 @@
+//@ use data/hit
+//@ use data/motion
+//@ use data/ray
+//@ use scene/coverage
+// Surfaces that a ray crosses once may let it pass.
+fn stops_before(candidate: ptr<function, Hit>, hit: Hit, pose: Pose, ray: Ray) -> bool {
+    return is_stopped(*candidate, ray, COVERAGE);
+}
