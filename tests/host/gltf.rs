@@ -366,6 +366,40 @@ fn the_lobes_of_the_extensions_are_read() {
         json!({"sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": texture});
     let expected = format!("sheen: Rgb(0.5, 0.25, 1), sheen_roughness: {}", image("A", 0.5));
     assert_eq!(lobes(json!({"KHR_materials_sheen": sheen})), pbr(&expected));
+    let film = json!({"iridescenceFactor": 0.5, "iridescenceTexture": texture, "iridescenceIor": 1.8,
+        "iridescenceThicknessMinimum": 200, "iridescenceThicknessMaximum": 800, "iridescenceThicknessTexture": texture});
+    let expected = format!(
+        "iridescence: {}, iridescence_ior: 1.8, iridescence_thickness: 800, iridescence_thickness_min: 200, \
+         iridescence_thickness_texture: {}",
+        image("R", 0.5),
+        image("G", 1.0)
+    );
+    assert_eq!(lobes(json!({"KHR_materials_iridescence": film})), pbr(&expected));
+    let plain = json!({"KHR_materials_iridescence": {"iridescenceFactor": 1}});
+    assert_eq!(lobes(plain), pbr("iridescence: 1"));
+    let leaf = json!({"diffuseTransmissionFactor": 0.75, "diffuseTransmissionTexture": texture,
+        "diffuseTransmissionColorFactor": [1, 0.5, 0.25], "diffuseTransmissionColorTexture": texture});
+    let expected = format!(
+        "diffuse_transmission: {}, diffuse_transmission_color: Image(path: \"room.glb#images/0\", tint: (1, 0.5, 0.25))",
+        image("A", 0.75)
+    );
+    assert_eq!(lobes(json!({"KHR_materials_diffuse_transmission": leaf})), pbr(&expected));
+    // Dispersion is of bodies alone: of plain glass, and of a share.
+    let dispersion = json!({"dispersion": 0.5});
+    for (factor, thickness, expected) in [(0.5, 1, 0.5), (0.5, 0, 0.0)] {
+        let Material::Pbr { dispersion, .. } = lobes(json!({"KHR_materials_dispersion": dispersion,
+            "KHR_materials_transmission": {"transmissionFactor": factor}, "KHR_materials_volume": {"thicknessFactor": thickness}}))
+        else {
+            panic!("it is no share of glass");
+        };
+        assert_eq!(dispersion, expected, "thickness {thickness}");
+    }
+    let clear = lobes(json!({"KHR_materials_dispersion": dispersion, "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1}}));
+    let (Material::Dielectric { dispersion, .. } | Material::RoughDielectric { dispersion, .. }) = clear else {
+        panic!("it is no glass");
+    };
+    assert_eq!(dispersion, 0.5);
     // A quarter turn, of a metal that stays one.
     let brushed = json!({"anisotropyStrength": 0.5, "anisotropyRotation": 1.5, "anisotropyTexture": texture});
     let Material::Conductor { anisotropy, anisotropy_rotation, anisotropy_texture, .. } =
@@ -377,7 +411,9 @@ fn the_lobes_of_the_extensions_are_read() {
     assert_eq!(anisotropy_texture.as_ref().and_then(Texture::image).map(String::as_str), Some("room.glb#images/0"));
     // A factor of 0 leaves nothing of any.
     let none = json!({"KHR_materials_clearcoat": {"clearcoatTexture": texture}, "KHR_materials_sheen": {"sheenColorTexture": texture},
-        "KHR_materials_anisotropy": {"anisotropyTexture": texture}, "KHR_materials_transmission": {"transmissionTexture": texture}});
+        "KHR_materials_anisotropy": {"anisotropyTexture": texture}, "KHR_materials_transmission": {"transmissionTexture": texture},
+        "KHR_materials_iridescence": {"iridescenceTexture": texture, "iridescenceThicknessTexture": texture, "iridescenceIor": 2},
+        "KHR_materials_diffuse_transmission": {"diffuseTransmissionColorTexture": texture}});
     assert_eq!(lobes(none), pbr(""));
     // Metals and matt surfaces with a lobe are no plain ones.
     let coated = steel(json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}}));
@@ -405,6 +441,9 @@ fn broken_lobes_are_refused_with_their_path() {
         ("KHR_materials_clearcoat", "clearcoatTexture", json!({"texCoord": 0}), "clearcoatTexture: expected a texture"),
         ("KHR_materials_sheen", "sheenColorFactor", json!([1, 2]), "sheenColorFactor: expected three numbers"),
         ("KHR_materials_anisotropy", "anisotropyRotation", json!([]), "anisotropyRotation: expected a number"),
+        ("KHR_materials_iridescence", "iridescenceIor", json!("x"), "iridescenceIor: expected a number"),
+        ("KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", json!(1), "diffuseTransmissionColorFactor: expected three numbers"),
+        ("KHR_materials_dispersion", "dispersion", json!(true), "dispersion: expected a number"),
     ] {
         let json = changed("/materials/0/extensions", json!({extension: {field: value}}));
         let error = load(&json).err().map(|error| error.to_string()).unwrap_or_default();
@@ -434,7 +473,7 @@ fn ignored_properties_are_named_once_with_their_material() {
     };
     for (more, expected) in [
         (json!({"occlusionTexture": {"index": 0}}), "not read: occlusionTexture"),
-        (json!({"extensions": {"KHR_materials_iridescence": {}}}), "not read: \"KHR_materials_iridescence\""),
+        (json!({"extensions": {"KHR_materials_subsurface": {}}}), "not read: \"KHR_materials_subsurface\""),
         (
             json!({"extensions": {
                 "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}}}),

@@ -45,11 +45,11 @@ pub struct LobeTexture {
 }
 
 macro_rules! lobe_textures {
-    ($($constant:ident: $extension:ident $json:literal $name:literal if $counts:expr;)*) => {
+    ($($constant:ident: $extension:literal $name:literal if $counts:expr;)*) => {
         $(pub const $constant: LobeTexture = LobeTexture {
             extension: $extension,
             name: $name,
-            field: concat!("extensions.", $json, ".", $name),
+            field: concat!("extensions.", $extension, ".", $name),
             counts: $counts,
         };)*
         /// All of them, in the order of their sets of texture coordinates.
@@ -57,21 +57,21 @@ macro_rules! lobe_textures {
     };
 }
 lobe_textures! {
-    COAT_TEXTURE: CLEARCOAT "KHR_materials_clearcoat" "clearcoatTexture" if |given| coat(given) > 0.0;
-    COAT_ROUGHNESS_TEXTURE: CLEARCOAT "KHR_materials_clearcoat" "clearcoatRoughnessTexture"
+    COAT_TEXTURE: "KHR_materials_clearcoat" "clearcoatTexture" if |given| coat(given) > 0.0;
+    COAT_ROUGHNESS_TEXTURE: "KHR_materials_clearcoat" "clearcoatRoughnessTexture"
         if |given| coat(given) > 0.0 && coat_roughness(given) > 0.0;
-    COAT_NORMAL_TEXTURE: CLEARCOAT "KHR_materials_clearcoat" "clearcoatNormalTexture" if |given| coat(given) > 0.0;
-    SHEEN_TEXTURE: SHEEN "KHR_materials_sheen" "sheenColorTexture" if |given| sheen(given) != Colour::ZERO;
-    SHEEN_ROUGHNESS_TEXTURE: SHEEN "KHR_materials_sheen" "sheenRoughnessTexture"
+    COAT_NORMAL_TEXTURE: "KHR_materials_clearcoat" "clearcoatNormalTexture" if |given| coat(given) > 0.0;
+    SHEEN_TEXTURE: "KHR_materials_sheen" "sheenColorTexture" if |given| sheen(given) != Colour::ZERO;
+    SHEEN_ROUGHNESS_TEXTURE: "KHR_materials_sheen" "sheenRoughnessTexture"
         if |given| sheen(given) != Colour::ZERO && sheen_roughness(given) > 0.0;
-    ANISOTROPY_TEXTURE: ANISOTROPY "KHR_materials_anisotropy" "anisotropyTexture" if |given| anisotropy(given) > 0.0;
-    IRIDESCENCE_TEXTURE: IRIDESCENCE "KHR_materials_iridescence" "iridescenceTexture"
+    ANISOTROPY_TEXTURE: "KHR_materials_anisotropy" "anisotropyTexture" if |given| anisotropy(given) > 0.0;
+    IRIDESCENCE_TEXTURE: "KHR_materials_iridescence" "iridescenceTexture"
         if |given| iridescence(given) > 0.0;
-    IRIDESCENCE_THICKNESS_TEXTURE: IRIDESCENCE "KHR_materials_iridescence" "iridescenceThicknessTexture"
+    IRIDESCENCE_THICKNESS_TEXTURE: "KHR_materials_iridescence" "iridescenceThicknessTexture"
         if |given| iridescence(given) > 0.0;
-    DIFFUSE_TRANSMISSION_TEXTURE: DIFFUSE_TRANSMISSION "KHR_materials_diffuse_transmission" "diffuseTransmissionTexture"
+    DIFFUSE_TRANSMISSION_TEXTURE: "KHR_materials_diffuse_transmission" "diffuseTransmissionTexture"
         if |given| diffuse_transmission(given) > 0.0;
-    DIFFUSE_TRANSMISSION_COLOR_TEXTURE: DIFFUSE_TRANSMISSION "KHR_materials_diffuse_transmission"
+    DIFFUSE_TRANSMISSION_COLOR_TEXTURE: "KHR_materials_diffuse_transmission"
         "diffuseTransmissionColorTexture" if |given| diffuse_transmission(given) > 0.0;
 }
 
