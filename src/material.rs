@@ -164,8 +164,9 @@ impl Material {
                 let model = model.dispersing(*ior, if has_inside { *dispersion } else { 0.0 });
                 let lacks = (absorption.is_some() && !has_inside)
                     .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
-                let disperses_nothing = (*dispersion != 0.0 && !has_inside)
-                    .then_some("no dispersion without `solid: true` and a transmission: it is of light that a body bends");
+                let disperses_nothing = (*dispersion != 0.0 && !has_inside).then_some(
+                    "no dispersion without `solid: true` and a transmission: it is of light that a body bends",
+                );
                 Model { lacks: lacks.or(disperses_nothing), ..model.absorbing(*absorption) }
             }
         }

@@ -167,14 +167,16 @@ impl Builder<'_> {
     fn drop_bodies_with_alpha<'a>(&mut self, groups: Vec<LightGroup<'a>>) -> Vec<LightGroup<'a>> {
         let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
         let has_alpha = |group: &LightGroup<'_>| {
-            KINDS[group.primitive.shape.number()].encloses() && self.scene.materials[group.primitive.material as usize].1.has_alpha()
+            KINDS[group.primitive.shape.number()].encloses()
+                && self.scene.materials[group.primitive.material as usize].1.has_alpha()
         };
         let (left, others): (Vec<_>, Vec<_>) = groups.into_iter().partition(has_alpha);
         if let Some(first) = left.first() {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
             let at = self.scene.material_location(name);
             let reason = format!("\"{name}\" at {at}: a sphere or a box with an alpha is not sampled");
-            self.flat.features.not_sampled = Some(NotSampled { lights: left.len() as u64, total: total as u64, reason });
+            self.flat.features.not_sampled =
+                Some(NotSampled { lights: left.len() as u64, total: total as u64, reason });
         }
         left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
         others
@@ -203,12 +205,11 @@ impl Builder<'_> {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
             let location = self.scene.material_location(name);
             let count: usize = left.iter().map(|group| group.emitters.len()).sum();
-            let not_sampled =
-                NotSampled {
-                    lights: count as u64,
-                    total: total as u64,
-                    reason: format!("\"{name}\" at {location}: {MOST_LIGHTS} at most are sampled"),
-                };
+            let not_sampled = NotSampled {
+                lights: count as u64,
+                total: total as u64,
+                reason: format!("\"{name}\" at {location}: {MOST_LIGHTS} at most are sampled"),
+            };
             let objects = match left.len() {
                 1 => "1 object".to_string(),
                 n => format!("{n} objects"),

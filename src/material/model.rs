@@ -431,7 +431,10 @@ impl<'a> Model<'a> {
         }
         let spread = (ior - 1.0) / 40.0 * dispersion;
         self = self.flagged(&dielectric::FIELDS.dispersion, ExtensionKind::Dispersion, true);
-        self.extensions.iter_mut().filter(|it| it.kind == ExtensionKind::Dispersion).for_each(|it| it.parameter = spread as f32);
+        self.extensions
+            .iter_mut()
+            .filter(|it| it.kind == ExtensionKind::Dispersion)
+            .for_each(|it| it.parameter = spread as f32);
         self
     }
 

@@ -12,7 +12,12 @@ pub const KIND: MaterialKind = MaterialKind {
     is_transmissive: true,
     is_pane: false,
     emits: false,
-    extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal, ExtensionKind::Anisotropy, ExtensionKind::Dispersion],
+    extensions: &[
+        ExtensionKind::Roughness,
+        ExtensionKind::Normal,
+        ExtensionKind::Anisotropy,
+        ExtensionKind::Dispersion,
+    ],
     has_second_part: true,
 };
 

@@ -255,7 +255,8 @@ pub(super) fn decide(
     // Bodies with an alpha, in the same way.
     let alpha_body = alpha.clone().and(first_reason(&features.alpha_bodies));
     let lets_pass = |kind: usize| {
-        pane.is_some() && features.panes[kind].is_some() || alpha_body.is_some() && features.alpha_bodies[kind].is_some()
+        pane.is_some() && features.panes[kind].is_some()
+            || alpha_body.is_some() && features.alpha_bodies[kind].is_some()
     };
     let crossed_body: Vec<Entry> = (primitive.iter())
         .filter(|kind| KINDS[kind.number as usize].encloses() && lets_pass(kind.number as usize))
@@ -432,10 +433,7 @@ pub(super) fn decide(
         ("facet_tangent", either(&anisotropy, "scene/facet_tangent", "null/facet_tangent")),
         ("tint", tint),
         ("absorption", either(&absorbing, "scene/absorption", "null/absorption")),
-        (
-            "stops",
-            either(&alpha_body, "scene/body_stops", either(&alpha, "scene/flat_stops", "null/stops").module),
-        ),
+        ("stops", either(&alpha_body, "scene/body_stops", either(&alpha, "scene/flat_stops", "null/stops").module)),
         ("coverage", either(&alpha, "scene/coverage", "null/coverage")),
         ("vertex_alpha", either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha")),
         ("vertex_emission", either(&vertex_emission, "scene/vertex_emission", "null/vertex_emission")),

@@ -273,10 +273,13 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("pbr coat", lobe(ExtensionKind::Coat), "material/pbr_coat"));
     all.push(one("pbr sheen", lobe(ExtensionKind::Sheen), "material/pbr_sheen"));
     all.push(one("pbr film", lobe(ExtensionKind::Iridescence), "material/thin_film"));
-    all.push(one("pbr diffuse transmission", lobe(ExtensionKind::DiffuseTransmission), "material/pbr_translucent_body"));
-    let of_any = |kind: ExtensionKind| {
-        features.extensions[kind as usize].iter().find(|used| used.is_some()).unwrap_or(&None)
-    };
+    all.push(one(
+        "pbr diffuse transmission",
+        lobe(ExtensionKind::DiffuseTransmission),
+        "material/pbr_translucent_body",
+    ));
+    let of_any =
+        |kind: ExtensionKind| features.extensions[kind as usize].iter().find(|used| used.is_some()).unwrap_or(&None);
     all.push(one("anisotropy", of_any(ExtensionKind::Anisotropy), "material/anisotropic_facets"));
     all.push(one("dispersion", of_any(ExtensionKind::Dispersion), "material/dispersed_boundary"));
     all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));

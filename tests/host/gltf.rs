@@ -394,7 +394,8 @@ fn the_lobes_of_the_extensions_are_read() {
         };
         assert_eq!(dispersion, expected, "thickness {thickness}");
     }
-    let clear = lobes(json!({"KHR_materials_dispersion": dispersion, "KHR_materials_transmission": {"transmissionFactor": 1},
+    let clear =
+        lobes(json!({"KHR_materials_dispersion": dispersion, "KHR_materials_transmission": {"transmissionFactor": 1},
         "KHR_materials_volume": {"thicknessFactor": 1}}));
     let (Material::Dielectric { dispersion, .. } | Material::RoughDielectric { dispersion, .. }) = clear else {
         panic!("it is no glass");
@@ -442,7 +443,12 @@ fn broken_lobes_are_refused_with_their_path() {
         ("KHR_materials_sheen", "sheenColorFactor", json!([1, 2]), "sheenColorFactor: expected three numbers"),
         ("KHR_materials_anisotropy", "anisotropyRotation", json!([]), "anisotropyRotation: expected a number"),
         ("KHR_materials_iridescence", "iridescenceIor", json!("x"), "iridescenceIor: expected a number"),
-        ("KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", json!(1), "diffuseTransmissionColorFactor: expected three numbers"),
+        (
+            "KHR_materials_diffuse_transmission",
+            "diffuseTransmissionColorFactor",
+            json!(1),
+            "diffuseTransmissionColorFactor: expected three numbers",
+        ),
         ("KHR_materials_dispersion", "dispersion", json!(true), "dispersion: expected a number"),
     ] {
         let json = changed("/materials/0/extensions", json!({extension: {field: value}}));

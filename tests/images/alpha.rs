@@ -112,7 +112,9 @@ fn a_box_with_an_alpha_is_its_six_faces() {
     );
     let request = |seed| Request::default().mis().seed(seed);
     let expected = render(&faces, &request(1));
-    for request in [Request::default().seed(2), request(3).sobol(), request(4).scatter(Scatter::Queues), request(5).light_paths(4)] {
+    for request in
+        [Request::default().seed(2), request(3).sobol(), request(4).scatter(Scatter::Queues), request(5).light_paths(4)]
+    {
         same_expectation(&expected, &render(&cuboid, &request), 1e-4, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     }
     for (module, line, by) in [

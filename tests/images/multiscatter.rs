@@ -32,7 +32,8 @@ fn metals_return_the_light_that_single_scattering_loses() {
             .into_iter()
             .flat_map(|multiscatter| {
                 let numbers = format!("roughness: {roughness}, multiscatter: {multiscatter}");
-                let [conductor, pbr] = ["Conductor(albedo", "Pbr(base_color"].map(|head| format!("{head}: {colour}, {numbers})"));
+                let [conductor, pbr] =
+                    ["Conductor(albedo", "Pbr(base_color"].map(|head| format!("{head}: {colour}, {numbers})"));
                 [(multiscatter, conductor), (multiscatter, pbr)]
             })
             .collect();

@@ -247,12 +247,14 @@ fn split_of_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> (Bs
         }
     };
     let turned = 16.0 * U / sum.length();
-    let (own, near) = (factors(by(cos_facet)), [-1.0, 1.0].map(|sign| factors(by((cos_facet + sign * turned).clamp(0.0, 1.0)))));
+    let (own, near) =
+        (factors(by(cos_facet)), [-1.0, 1.0].map(|sign| factors(by((cos_facet + sign * turned).clamp(0.0, 1.0)))));
     let relative = |of: fn(&Bsdf) -> f64| {
         let moved = near.iter().map(|near| (of(near) / of(&own) - 1.0).abs()).fold(0.0, f64::max);
         if of(&own) > 0.0 { moved } else { 0.0 }
     };
-    let moved = [relative(|it| it.value[0]), relative(|it| it.value[1]), relative(|it| it.value[2]), relative(|it| it.pdf)];
+    let moved =
+        [relative(|it| it.value[0]), relative(|it| it.value[1]), relative(|it| it.value[2]), relative(|it| it.pdf)];
     let least = own.value.into_iter().chain([own.pdf]).filter(|it| *it > 0.0).fold(f64::INFINITY, f64::min);
     let of_film = film_off(row, cos_facet, turned) / (by(cos_facet).2 * least).max(1e-9);
     (own, 64.0 * U + of_film + 2.0 * moved.into_iter().fold(0.0, f64::max))
@@ -555,9 +557,10 @@ fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize, usize) {
         let is_value = |c: usize| near(out.value[c], expected.value[c], expected.off[c]);
         let is_off = !(near(out.pdf, expected.pdf, expected.pdf_off) && (0..3).all(is_value));
         off += usize::from(is_off);
+        // A quotient of 2.5 ULP, as WGSL allows it, and the roundings of what it is made of.
         let is_ratio = |c: usize| {
             let ratio = f64::from(out.value[c]) / f64::from(out.pdf);
-            (f64::from(out.weight[c]) - ratio).abs() <= 4.0 * U * ratio.max(1.0)
+            (f64::from(out.weight[c]) - ratio).abs() <= 16.0 * U * ratio.max(1.0)
         };
         unweighted += usize::from(own && !(0..3).all(is_ratio));
     }
@@ -647,7 +650,11 @@ fn a_film_reflects_in_place_of_the_base_and_its_glass() {
             ("material/thin_film", "share * film;", "0.97 * share * film;"),
             ("material/thin_film", "max(max(film.x, film.y), film.z)", "film.x"),
             ("material/thin_film", "colour / chance, chance", "under.colour, chance"),
-            ("material/pbr_base", "with_film(schlick(cos_facet, hit.colour)", "with_film(0.9 * schlick(cos_facet, hit.colour)"),
+            (
+                "material/pbr_base",
+                "with_film(schlick(cos_facet, hit.colour)",
+                "with_film(0.9 * schlick(cos_facet, hit.colour)",
+            ),
             (
                 "material/rough_dielectric_eval",
                 "select(refraction.cos_transmitted, min(cos_facet, 1.0), hit.front)",
@@ -663,7 +670,11 @@ fn light_passes_a_translucent_body() {
         translucent_rows,
         633,
         &[
-            ("material/pbr_translucent_body", "return hit.lobes.through * hit.lobes.colour_through;", "return hit.lobes.through * hit.colour;"),
+            (
+                "material/pbr_translucent_body",
+                "return hit.lobes.through * hit.lobes.colour_through;",
+                "return hit.lobes.through * hit.colour;",
+            ),
             ("material/pbr_translucent_body", "select(far, 1.0 - far,", "select(0.98 * far, 1.0 - far,"),
             ("material/pbr_translucent_body", "direction - 2.0 *", "direction - 1.9 *"),
             ("material/pbr_translucent_body", "return (1.0 - hit.lobes.through) * hit.colour;", "return hit.colour;"),
@@ -825,8 +836,15 @@ fn lobes_scatter_by_their_densities() {
     let film = Lobes { film: 1.0, film_ior: 1.8, film_thickness: 300.0, ..Lobes::default() };
     let all = Lobes { sheen: [0.5, 0.8, 0.1], sheen_roughness: 0.4, dispersion: 0.05, ..coat(0.5) };
     let all = Lobes { film: 0.5, film_ior: 1.4, film_thickness: 450.0, ..all };
-    let cases =
-        [(coat(0.5), 0.0, 0.3), (coat(0.7), 0.0, 0.0), (sheen(0.3), 0.0, 0.0), (sheen(1.0), 1.0, 0.0), (through, 0.0, 0.0), (film, 1.0, 0.0), (all, 0.3, 0.2)];
+    let cases = [
+        (coat(0.5), 0.0, 0.3),
+        (coat(0.7), 0.0, 0.0),
+        (sheen(0.3), 0.0, 0.0),
+        (sheen(1.0), 1.0, 0.0),
+        (through, 0.0, 0.0),
+        (film, 1.0, 0.0),
+        (all, 0.3, 0.2),
+    ];
     let cosines = [1.0, 0.6, 0.2];
     let threshold = sidak(ALPHA, cases.len() * cosines.len());
     for (lobes, metallic, tilt) in cases {

@@ -176,9 +176,8 @@ pub fn iridescence_ior(given: &Given) -> f64 {
 
 /// The least and the largest thickness of the film in nm, cut to their range.
 pub fn iridescence_thickness(given: &Given) -> [f64; 2] {
-    [("iridescenceThicknessMinimum", 100.0), ("iridescenceThicknessMaximum", 400.0)].map(|(name, default)| {
-        number(given, IRIDESCENCE, name).unwrap_or(default).clamp(0.0, MOST_THICKNESS)
-    })
+    [("iridescenceThicknessMinimum", 100.0), ("iridescenceThicknessMaximum", 400.0)]
+        .map(|(name, default)| number(given, IRIDESCENCE, name).unwrap_or(default).clamp(0.0, MOST_THICKNESS))
 }
 
 pub fn diffuse_transmission(given: &Given) -> f64 {
@@ -196,10 +195,7 @@ pub fn dispersion(given: &Given) -> f64 {
 
 /// Whether it has a lobe that only `Pbr` has, beside transmission.
 pub fn has_lobes(given: &Given) -> bool {
-    coat(given) > 0.0
-        || sheen(given) != Colour::ZERO
-        || iridescence(given) > 0.0
-        || diffuse_transmission(given) > 0.0
+    coat(given) > 0.0 || sheen(given) != Colour::ZERO || iridescence(given) > 0.0 || diffuse_transmission(given) > 0.0
 }
 
 /// A texture of a lobe that the material has.
