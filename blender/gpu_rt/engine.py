@@ -1,0 +1,227 @@
+"""The engine: exports the scene by a second Blender, has the program render it, and shows the image."""
+
+import hashlib
+import json
+import pathlib
+import re
+import sys
+
+import bpy
+import numpy as np
+
+from . import exr
+from .losses import losses
+from .preferences import program
+from .process import Failure, run
+from .viewer import Viewer
+
+# The passes beside Combined: what Blender calls them, their channels, and what kind of value they are.
+PASSES = (("Depth", "Z", "VALUE"), ("Position", "XYZ", "VECTOR"), ("Denoising Normal", "XYZ", "VECTOR"),
+          ("Denoising Albedo", "RGB", "COLOR"))
+AOVS = ("--aov=albedo,normal,depth,position", "--aov-names=blender")
+SCENE, ANSWER = "scene.ron", "answer.json"
+# Blender's axes in those of the scene file: x, y and z are -z, -x and y there (ron.placed).
+AXES, SIGNS = [2, 0, 1], (-1, -1, 1)
+
+
+class Cancelled(Exception):
+    """Esc."""
+
+
+class GPU_RT_engine(bpy.types.RenderEngine):
+    bl_idname = "GPU_RT"
+    bl_label = "gpu-rt"
+    bl_use_preview = False
+    # The shader nodes of Cycles, and EEVEE where the viewport previews materials.
+    bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True
+
+    def update_render_passes(self, scene=None, renderlayer=None):
+        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
+        for name, channels, kind in PASSES:
+            self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
+
+    def render(self, depsgraph):
+        try:
+            self._render(depsgraph)
+        except Cancelled:
+            pass
+        except Failure as failure:
+            self.error_set(str(failure))
+        except OSError as error:
+            # Such as a full disk.
+            self.error_set(f"gpu-rt: {error.filename or 'a file'}: {error.strerror}")
+
+    def _render(self, depsgraph):
+        scene, layer = depsgraph.scene, depsgraph.view_layer.name
+        found = program()
+        folder = folder_of(scene, layer)
+        size, part = region(scene.render)
+        begin = self._export(scene, layer, folder, size)
+        for name, words in losses(scene.original, scene.original.view_layers[layer]):
+            self.report({"WARNING"}, f"gpu-rt: {name}: {words}")
+        crop = [begin[0] + part[0], begin[1] + part[1], *part[2:]]
+        result = self.begin_result(0, 0, part[2], part[3], layer=layer)
+        try:
+            image = self._run(found, scene.gpu_rt, folder, crop, result)
+            hand_over(image, result, layer, scene.gpu_rt.denoise)
+        finally:
+            self.end_result(result)
+
+    def _export(self, scene, layer, folder, size):
+        """Writes the scene for the program into the folder. Returns where the image begins in its own."""
+        self.update_stats("", "gpu-rt: exporting the scene")
+        for file in folder.iterdir():
+            if file.suffix != ".exr" or file.name == "world.exr":
+                file.unlink()
+        blend = str(folder / "copy.blend")
+        bpy.data.libraries.write(blend, {scene.original}, path_remap="ABSOLUTE")
+        job = {
+            "blend": blend, "scene": scene.name, "layer": layer, "frame": scene.frame_current, "subframe": scene.frame_subframe,
+            "size": size, "scripts": bpy.context.preferences.filepaths.use_scripts_auto_execute,
+        }
+        (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
+        script = str(pathlib.Path(__file__).with_name("export.py"))
+        blender = bpy.app.binary_path
+        command = [blender, "--background", "--factory-startup", "--python", script, "--"] if blender else [sys.executable, script]
+        said = []
+        ended = run([*command, str(folder / "job.json")], folder, self.test_break, said.append)
+        if ended.cancelled:
+            raise Cancelled
+        (folder / "export.log").write_text(ended.output + "\n".join(said), encoding="utf-8")
+        try:
+            answer = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            last = (said or ended.output.split("\n") or [""])[-1]
+            raise Failure(f"The second Blender that exports the scene ended with status {ended.status}: {last}") from None
+        if "error" in answer:
+            raise Failure(answer["error"])
+        return answer["begin"]
+
+    def _run(self, found, settings, folder, crop, result):
+        """Runs the program, and shows its image meanwhile. Returns the file."""
+        viewer = Viewer()
+        options = [*AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}"]
+        if settings.device:
+            options.append(f"--device={settings.device}")
+        if settings.denoise:
+            options += ["--denoise", *oidn()]
+        image = state(folder, options, settings.samples)
+        options += [f"--spp={settings.samples}", f"--display-server={viewer.address}", "--resume=auto", "--json"]
+        if settings.noise > 0:
+            options.append(f"--noise={settings.noise / 100}")
+        if settings.time > 0:
+            options.append(f"--time={settings.time}s")
+        messages = []
+
+        def say(line):
+            samples = re.match(r"(\d+)(?:/| of about )?(\d*) spp", line)
+            if samples:
+                self.update_stats("", f"gpu-rt: {line}")
+                self.update_progress(int(samples[1]) / int(samples[2]) if samples[2] else 0.0)
+            elif line:
+                messages.append(line)
+
+        def show():
+            newest = viewer.take()
+            if newest is not None:
+                fill(result.layers[0].passes["Combined"], newest)
+                self.update_result(result)
+
+        self.update_stats("", "gpu-rt: starting")
+        try:
+            ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show, interrupt=True)
+        finally:
+            viewer.close()
+        errors = "\n".join(messages).split("error: ")[1:]
+        if ended.status != 0 and not ended.cancelled:
+            words = " ".join(" ".join(errors).split()) or f"it ended with status {ended.status}"
+            raise Failure(f"The program {found} has failed: {words}")
+        for line in messages:
+            if line.startswith(("warning: ", "note: ")):
+                self.report({"WARNING"}, "gpu-rt: " + line.split(": ", 1)[1])
+        if not image.exists():
+            raise Cancelled
+        return image
+
+
+def folder_of(scene, layer):
+    """The folder of a view layer's export, image and state. Blender removes it when it quits."""
+    name = hashlib.sha256(f"{scene.name_full}\0{layer}".encode()).hexdigest()[:16]
+    folder = pathlib.Path(bpy.app.tempdir, "gpu-rt", name)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def region(render):
+    """The size of the whole image, and the part of it that is rendered: x and y from the upper left, width and height."""
+    share = render.resolution_percentage / 100
+    width, height = max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
+    if not render.use_border:
+        return (width, height), (0, 0, width, height)
+    left, right = int(render.border_min_x * width), int(render.border_max_x * width)
+    bottom, top = int(render.border_min_y * height), int(render.border_max_y * height)
+    return (width, height), (left, height - top, right - left, top - bottom)
+
+
+def state(folder, options, samples):
+    """The image file for this scene and these options. An earlier one of others is removed, and so is one with more samples: what stays,
+    the program goes on with."""
+    digest = hashlib.sha256("\0".join(options).encode())
+    for file in sorted(folder.iterdir()):
+        if file.suffix in (".ron", ".glb", ".obj") or file.name == "world.exr":
+            digest.update(file.name.encode() + file.read_bytes())
+    image = folder / f"{digest.hexdigest()[:16]}.exr"
+    for file in folder.glob("*.exr"):
+        if file.name != "world.exr" and (not file.name.startswith(image.stem) or exr.held_samples(image) > samples):
+            file.unlink()
+    return image
+
+
+def oidn():
+    """The option that names the folder of Blender's own Open Image Denoise, where it has one."""
+    root = pathlib.Path(bpy.utils.resource_path("LOCAL")).parent
+    folders = (folder for folder in (root / "lib", root / "blender.shared") if folder.is_dir())
+    return [f"--oidn={folder}" for folder in folders if any(folder.glob("*OpenImageDenoise*"))]
+
+
+def hand_over(image, result, layer, denoised):
+    """Fills the passes from the program's files."""
+    for_layer = image.with_suffix(".passes")
+    exr.write_for_layer(image, for_layer, layer)
+    result.load_from_file(str(for_layer))
+    for_layer.unlink()
+    passes = result.layers[0].passes
+    for name in ("Position", "Denoising Normal"):
+        values = values_of(passes[name])
+        passes[name].rect.foreach_set((values[:, AXES] * np.float32(SIGNS)).ravel())
+    clean = image.with_suffix(".denoised.exr")
+    if denoised and clean.exists():
+        result.layers[0].load_from_file(str(clean))
+    # The program's image has no alpha.
+    values = values_of(passes["Combined"])
+    values[:, 3] = 1
+    passes["Combined"].rect.foreach_set(values.ravel())
+
+
+def values_of(render_pass):
+    """All pixels of a pass, by its channels."""
+    values = np.empty(len(render_pass.rect) * render_pass.channels, np.float32)
+    render_pass.rect.foreach_get(values)
+    return values.reshape(-1, render_pass.channels)
+
+
+def fill(combined, image):
+    """Fills the pass Combined from an image, row 0 on top. Blender has it at the bottom."""
+    values = np.ones((*image.shape[:2], 4), np.float32)
+    values[..., :3] = image[::-1]
+    if values.size == len(combined.rect) * 4:
+        combined.rect.foreach_set(values.ravel())
+
+
+def register():
+    bpy.utils.register_class(GPU_RT_engine)
+
+
+def unregister():
+    bpy.utils.unregister_class(GPU_RT_engine)

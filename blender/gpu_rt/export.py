@@ -1,0 +1,108 @@
+"""Exports a scene for the program: a script for a second Blender in the background.
+
+    blender --background --factory-startup --python export.py -- JOB.json
+
+Operators such as Blender's exporter of glTF must not run in a render. The second Blender has a copy of the file, which it may change.
+"""
+
+import importlib.util
+import json
+import pathlib
+import sys
+import traceback
+
+import bpy
+
+GLB = "scene.glb"
+
+
+def package():
+    """This folder as a package, whatever else is called gpu_rt or beside it."""
+    folder = pathlib.Path(__file__).resolve().parent
+    spec = importlib.util.spec_from_file_location("gpu_rt", folder / "__init__.py", submodule_search_locations=[str(folder)])
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["gpu_rt"] = module
+    spec.loader.exec_module(module)
+
+
+def export(job, folder):
+    """Writes scene.ron and what it names. Returns what the engine has to know of it."""
+    from gpu_rt import camera, lamps, ron, world
+
+    bpy.ops.wm.open_mainfile(filepath=job["blend"], load_ui=False, use_scripts=job["scripts"])
+    scene = bpy.data.scenes[job["scene"]]
+    window = bpy.context.window
+    window.scene = scene
+    window.view_layer = scene.view_layers[job["layer"]]
+    scene.frame_set(job["frame"], subframe=job["subframe"])
+    show_as_rendered(scene)
+    depsgraph = window.view_layer.depsgraph
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    image, begin = camera.fields(scene, depsgraph, job["size"])
+    lights = lamps.Lamps(depsgraph, folder)
+    write_glb(folder / GLB)
+    background = world.background(scene, folder)
+    objects = [f"Gltf(path: {ron.text(GLB)})"]
+    lines = [
+        "Scene(\n", image, f"    background: {background},\n",
+        "    materials: {\n", *(f"        {material},\n" for material in lights.materials), "    },\n",
+        # Blender's exporter has +x where the image of the world has its right end: a quarter turn away from its middle.
+        "    objects: [\n",
+        *(f"        {made},\n" for made in [f"Transformed(by: [RotateY(90)], object: {objects[0]})", *lights.objects]),
+        "    ],\n)\n",
+    ]
+    (folder / "scene.ron").write_text("".join(lines), encoding="utf-8")
+    return {"begin": begin}
+
+
+def show_as_rendered(scene):
+    """Has the viewport, whose objects and modifiers the exporter takes, show what renders show."""
+    for shown in [*bpy.data.objects, *bpy.data.collections]:
+        shown.hide_viewport = shown.hide_render
+    for shown in scene.objects:
+        if shown.name in bpy.context.view_layer.objects:
+            shown.hide_set(False)
+        for modifier in shown.modifiers:
+            modifier.show_viewport = modifier.show_render
+            if modifier.type in ("SUBSURF", "MULTIRES"):
+                modifier.levels = modifier.render_levels
+    for curve in bpy.data.curves:
+        for direction in ("u", "v"):
+            finer = getattr(curve, f"render_resolution_{direction}")
+            if finer:
+                setattr(curve, f"resolution_{direction}", finer)
+    for ball in bpy.data.metaballs:
+        ball.resolution = ball.render_resolution
+    scene.render.simplify_subdivision = scene.render.simplify_subdivision_render
+
+
+def write_glb(path):
+    wanted = {
+        "filepath": str(path), "export_format": "GLB", "export_yup": True, "use_active_scene": True,
+        "use_visible": True, "use_renderable": True, "export_cameras": False, "export_lights": False,
+        # The mesh of this frame, after all modifiers: so there are neither skins nor shape keys.
+        "export_apply": True, "export_gn_mesh": True, "export_animations": False, "export_skins": False, "export_morph": False,
+    }
+    bpy.ops.export_scene.gltf(**wanted)
+
+
+def main():
+    path = pathlib.Path(sys.argv[-1])
+    job = json.loads(path.read_text(encoding="utf-8"))
+    package()
+    from gpu_rt.process import Failure
+
+    try:
+        answer = export(job, path.parent)
+    except Failure as failure:
+        answer = {"error": str(failure)}
+    except Exception as error:
+        # Blender's own errors begin with their kind, and an exporter's end with its traceback.
+        traceback.print_exc()
+        answer = {"error": "The scene cannot be exported: " + str(error).removeprefix("Error: ").strip().splitlines()[-1]}
+    path.with_name("answer.json").write_text(json.dumps(answer), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

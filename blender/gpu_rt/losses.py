@@ -1,0 +1,113 @@
+"""What the export loses: told in the panel, and as warnings of a render."""
+
+import math
+
+# Nodes before a Principled BSDF that Blender's exporter of glTF reads.
+READ = {
+    "TEX_IMAGE", "UVMAP", "TEX_COORD", "MAPPING", "NORMAL_MAP", "SEPARATE_COLOR", "SEPRGB", "VERTEX_COLOR", "RGB", "VALUE", "REROUTE",
+    "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "MIX", "MIX_RGB", "MATH",
+}
+SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+NO_SHAPES = {
+    "CURVES": "hair", "POINTCLOUD": "a cloud of points", "VOLUME": "a volume", "GREASEPENCIL": "a drawing of Grease Pencil",
+    "GPENCIL": "a drawing of Grease Pencil",
+}
+RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+
+
+def losses(scene, layer):
+    """Pairs of a name and of what it loses."""
+    found = [(scene.name, words) for words in _of_scene(scene, layer)]
+    by_material = {}
+    for shown in layer.objects:
+        if shown.hide_render:
+            continue
+        words = list(_of_object(shown))
+        for material in {slot.material for slot in shown.material_slots if slot.material}:
+            if material not in by_material:
+                by_material[material] = list(_of_material(material))
+            words += [f"{material.name}: {loss}" for loss in by_material[material]]
+        found += [(shown.name, loss) for loss in words]
+    return found
+
+
+def _of_scene(scene, layer):
+    if scene.render.use_motion_blur:
+        yield "motion blur"
+    if scene.render.film_transparent:
+        yield "the transparent film: the world is in the image"
+    if layer.material_override:
+        yield "the material override of the view layer"
+    output = scene.world and scene.world.node_tree and scene.world.node_tree.get_output_node("CYCLES")
+    if output and output.inputs["Volume"].is_linked:
+        yield "the volume of the world"
+    camera = scene.camera and scene.camera.type == "CAMERA" and scene.camera.data
+    if camera and camera.dof.use_dof and camera.dof.aperture_blades >= 3:
+        yield "the blades of the camera's aperture: it is round"
+
+
+def _of_object(shown):
+    if shown.type in NO_SHAPES:
+        yield NO_SHAPES[shown.type]
+    for system in shown.particle_systems:
+        yield f"{'hair' if system.settings.type == 'HAIR' else 'particles'}: {system.name}"
+    if shown.type == "LIGHT":
+        yield from _of_lamp(shown.data)
+    elif shown.type in SHAPES:
+        hidden = [ray for ray in RAYS if not getattr(shown, f"visible_{ray}")]
+        if hidden:
+            yield f"it is not hidden from rays ({', '.join(hidden)})"
+        if shown.is_holdout or shown.is_shadow_catcher:
+            yield "holdout or shadow catcher"
+
+
+def _of_lamp(light):
+    from .lamps import plain_emission
+
+    if light.type == "AREA" and light.spread < math.radians(179):
+        yield "its spread: it shines in all directions"
+    if light.type == "SPOT" and light.shadow_soft_size > 0:
+        yield "its radius: its shadows are sharp"
+    if not light.use_shadow:
+        yield "it casts shadows"
+    if light.use_nodes and light.node_tree and not plain_emission(light):
+        yield "its nodes"
+
+
+def _of_material(material):
+    tree = material.node_tree if material.use_nodes else None
+    output = tree.get_output_node("CYCLES") if tree else None
+    if not output:
+        return
+    for socket, words in (("Volume", "its volume"), ("Displacement", "its displacement")):
+        if output.inputs[socket].is_linked:
+            yield words
+    nodes = _before(output.inputs["Surface"])
+    shaders = [node for node in nodes if node.type.startswith("BSDF_") or node.type in ("SUBSURFACE_SCATTERING", "EEVEE_SPECULAR")]
+    for node in nodes:
+        if node.type == "BSDF_PRINCIPLED":
+            for name, words in (("Subsurface Weight", "subsurface"), ("Thin Film Thickness", "its thin film")):
+                socket = node.inputs.get(name)
+                if socket and (socket.is_linked or socket.default_value > 0):
+                    yield words
+        elif node in shaders:
+            if node.type != "BSDF_TRANSPARENT":
+                yield f"{node.bl_label}: only a Principled BSDF is read"
+        elif node.type.startswith("TEX_") and node.type not in READ:
+            yield f"procedural texture: {node.bl_label}"
+        elif node.type not in READ | {"EMISSION", "MIX_SHADER", "BACKGROUND", "LIGHT_PATH"}:
+            yield f"node: {node.bl_label}"
+
+
+def _before(socket):
+    """The nodes that a socket depends on, each once, also those in groups."""
+    found, waiting = [], [link.from_node for link in socket.links]
+    while waiting:
+        node = waiting.pop()
+        if node in found or node.mute:
+            continue
+        found.append(node)
+        waiting += [link.from_node for inputs in node.inputs for link in inputs.links]
+        if node.type == "GROUP" and node.node_tree:
+            waiting += [inner for inner in node.node_tree.nodes if inner.type == "GROUP_OUTPUT"]
+    return found

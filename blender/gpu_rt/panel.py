@@ -1,0 +1,70 @@
+"""The panel of the engine among the properties of a render, and Blender's own panels that it shares."""
+
+import bpy
+
+from .losses import losses
+
+ENGINE = "GPU_RT"
+# The most losses that are listed.
+MOST = 30
+
+
+class GPU_RT_panel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+
+class GPU_RT_PT_sampling(GPU_RT_panel, bpy.types.Panel):
+    bl_label = "Sampling"
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        for name in ("samples", "noise", "time", "denoise", "light_paths", "device"):
+            self.layout.prop(context.scene.gpu_rt, name)
+
+
+class GPU_RT_PT_losses(GPU_RT_panel, bpy.types.Panel):
+    bl_label = "Not Rendered"
+
+    def draw(self, context):
+        found = losses(context.scene, context.view_layer)
+        for name, words in found[:MOST]:
+            self.layout.label(text=f"{name}: {words}", icon="ERROR")
+        if len(found) > MOST:
+            self.layout.label(text=f"and {len(found) - MOST} more, which a render reports")
+        if not found:
+            self.layout.label(text="Everything is rendered")
+
+
+CLASSES = (GPU_RT_PT_sampling, GPU_RT_PT_losses)
+# Engines whose panels of materials, lamps, objects and the world show what this one renders, too.
+RELATIVES = {"BLENDER_RENDER", "BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
+
+
+def shared():
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", ())
+        # EEVEE's own settings are among the properties of the render and of the view layer.
+        if "BLENDER_RENDER" in engines or (RELATIVES & set(engines) and getattr(panel, "bl_context", "") not in ("render", "view_layer")):
+            yield panel
+
+
+def register():
+    for panel in CLASSES:
+        bpy.utils.register_class(panel)
+    for panel in shared():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister():
+    for panel in shared():
+        panel.COMPAT_ENGINES.discard(ENGINE)
+    for panel in reversed(CLASSES):
+        bpy.utils.unregister_class(panel)

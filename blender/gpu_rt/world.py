@@ -1,0 +1,90 @@
+"""The world as the background of the scene file."""
+
+import os
+
+import bpy
+
+from .ron import point, text
+
+# What the program reads: 8 bits in sRGB, and floats.
+CODES, FLOATS = (".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"), (".hdr", ".exr")
+# A sky has a sun of half a degree, which then covers 6 pixels.
+WIDEST = 4096
+PLAIN_WIDTH = 1024
+
+
+def background(scene, folder):
+    world = scene.world
+    if world is None:
+        return f"Solid({point((0, 0, 0))})"
+    if not world.use_nodes:
+        return f"Solid({point(world.color)})"
+    output = world.node_tree.get_output_node("CYCLES")
+    links = output.inputs["Surface"].links if output else ()
+    if not links:
+        return f"Solid({point((0, 0, 0))})"
+    node = links[0].from_node
+    if node.type == "BACKGROUND" and not node.inputs["Strength"].is_linked and not node.mute:
+        colour, strength = node.inputs["Color"], max(node.inputs["Strength"].default_value, 0.0)
+        if strength == 0 or not colour.is_linked:
+            return f"Solid({point(max(channel, 0.0) * strength for channel in colour.default_value[:3])})"
+        file = own_file(colour.links[0].from_node) if strength == 1 else None
+        if file:
+            return f"Image(path: {text(file)})"
+    return f"Image(path: {text(bake(world, folder).name)})"
+
+
+def own_file(node):
+    """The file of a plain Environment Texture that the program reads as Blender does."""
+    is_plain = node.type == "TEX_ENVIRONMENT" and node.projection == "EQUIRECTANGULAR" and not node.inputs["Vector"].is_linked
+    image = node.image if is_plain and not node.mute else None
+    if image is None or image.source != "FILE" or image.packed_file:
+        return None
+    path = os.path.realpath(bpy.path.abspath(image.filepath, library=image.library))
+    ending, space = os.path.splitext(path)[1].lower(), image.colorspace_settings.name
+    is_same = ending in CODES and space == "sRGB" or ending in FLOATS and space == "Linear Rec.709"
+    return path if is_same and image.channels == 3 and os.path.isfile(path) else None
+
+
+def nodes_of(tree):
+    for node in tree.nodes:
+        yield node
+        if node.type == "GROUP" and node.node_tree:
+            yield from nodes_of(node.node_tree)
+
+
+def bake(world, folder):
+    """Renders the world alone by Cycles as a latitude-longitude image, which is the way that Blender's own images of the world have."""
+    nodes = list(nodes_of(world.node_tree))
+    widths = [node.image.size[0] for node in nodes if node.type in ("TEX_ENVIRONMENT", "TEX_IMAGE") and node.image]
+    has_image = any(widths)
+    width = min(max(widths), WIDEST) if has_image else WIDEST if any(node.type == "TEX_SKY" for node in nodes) else PLAIN_WIDTH
+    scene = bpy.data.scenes.new("gpu-rt world")
+    scene.world = world
+    scene.frame_set(bpy.context.scene.frame_current)
+    world.cycles_visibility.camera = True
+    camera = bpy.data.cameras.new("gpu-rt world")
+    camera.type = "PANO"
+    # Since Blender 5.0 it is a setting of Blender's own.
+    (camera if hasattr(camera, "panorama_type") else camera.cycles).panorama_type = "EQUIRECTANGULAR"
+    scene.camera = bpy.data.objects.new("gpu-rt world", camera)
+    scene.collection.objects.link(scene.camera)
+    # It looks along +x, with +z up.
+    scene.camera.rotation_euler = (1.5707963267948966, 0, -1.5707963267948966)
+    render, cycles = scene.render, scene.cycles
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = width, max(width // 2, 1), 100
+    render.use_compositing = render.use_sequencer = False
+    # The middles of an image's texels are those of the pixels: one sample there copies them.
+    cycles.samples, cycles.pixel_filter_type, cycles.filter_width = (1, "BOX", 0.01) if has_image else (4, "BOX", 1.0)
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = 0
+    cycles.seed = 0
+    file = render.image_settings
+    if hasattr(file, "media_type"):
+        file.media_type = "IMAGE"
+    file.file_format, file.color_mode, file.color_depth, file.exr_codec = "OPEN_EXR", "RGB", "32", "ZIP"
+    path = folder / "world.exr"
+    render.filepath = str(path)
+    bpy.ops.render.render(write_still=True, scene=scene.name)
+    return path
