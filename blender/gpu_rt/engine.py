@@ -18,10 +18,10 @@ from .viewer import Viewer
 # The passes beside Combined: what Blender calls them, their channels, and what kind of value they are.
 PASSES = (("Depth", "Z", "VALUE"), ("Position", "XYZ", "VECTOR"), ("Denoising Normal", "XYZ", "VECTOR"),
           ("Denoising Albedo", "RGB", "COLOR"))
-AOVS = ("--aov=albedo,normal,depth,position", "--aov-names=blender")
+AOVS = "--aov=albedo,normal,depth,position"
+# The depth where there is nothing, as Cycles has it.
+FAR = 1e10
 SCENE, ANSWER = "scene.ron", "answer.json"
-# Blender's axes in those of the scene file: x, y and z are -z, -x and y there (ron.placed).
-AXES, SIGNS = [2, 0, 1], (-1, -1, 1)
 
 
 class Cancelled(Exception):
@@ -47,24 +47,26 @@ class GPU_RT_engine(bpy.types.RenderEngine):
         except Cancelled:
             pass
         except Failure as failure:
-            self.error_set(str(failure))
-        except OSError as error:
-            # Such as a full disk.
-            self.error_set(f"gpu-rt: {error.filename or 'a file'}: {error.strerror}")
+            self.report({"ERROR"}, str(failure))
+        except (OSError, RuntimeError) as error:
+            # Such as a full disk, of Python's and of Blender's functions.
+            self.report({"ERROR"}, f"gpu-rt: {str(error).removeprefix('Error: ').strip()}")
 
     def _render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer.name
-        found = program()
-        folder = folder_of(scene, layer)
         size, part = region(scene.render)
-        begin = self._export(scene, layer, folder, size)
-        for name, words in losses(scene.original, scene.original.view_layers[layer]):
-            self.report({"WARNING"}, f"gpu-rt: {name}: {words}")
-        crop = [begin[0] + part[0], begin[1] + part[1], *part[2:]]
+        # Blender needs a result even if there is nothing in it.
         result = self.begin_result(0, 0, part[2], part[3], layer=layer)
         try:
+            found = program()
+            folder = folder_of(scene, layer)
+            begin = self._export(scene, layer, folder, size)
+            for name, words in losses(scene.original, scene.original.view_layers[layer]):
+                self.report({"WARNING"}, f"gpu-rt: {name}: {words}")
+            crop = [begin[0] + part[0], begin[1] + part[1], *part[2:]]
             image = self._run(found, scene.gpu_rt, folder, crop, result)
-            hand_over(image, result, layer, scene.gpu_rt.denoise)
+            clean = image.with_suffix(".denoised.exr")
+            hand_over(image, clean if scene.gpu_rt.denoise and clean.exists() else image, result.layers[0].passes)
         finally:
             self.end_result(result)
 
@@ -101,7 +103,7 @@ class GPU_RT_engine(bpy.types.RenderEngine):
     def _run(self, found, settings, folder, crop, result):
         """Runs the program, and shows its image meanwhile. Returns the file."""
         viewer = Viewer()
-        options = [*AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}"]
+        options = [AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}"]
         if settings.device:
             options.append(f"--device={settings.device}")
         if settings.denoise:
@@ -125,12 +127,12 @@ class GPU_RT_engine(bpy.types.RenderEngine):
         def show():
             newest = viewer.take()
             if newest is not None:
-                fill(result.layers[0].passes["Combined"], newest)
+                fill(result.layers[0].passes["Combined"], *np.moveaxis(newest[::-1], 2, 0))
                 self.update_result(result)
 
         self.update_stats("", "gpu-rt: starting")
         try:
-            ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show, interrupt=True)
+            ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show)
         finally:
             viewer.close()
         errors = "\n".join(messages).split("error: ")[1:]
@@ -139,10 +141,12 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             raise Failure(f"The program {found} has failed: {words}")
         for line in messages:
             if line.startswith(("warning: ", "note: ")):
-                self.report({"WARNING"}, "gpu-rt: " + line.split(": ", 1)[1])
-        if not image.exists():
+                self.report({"WARNING"}, "gpu-rt: " + re.sub(r"^\w+: (scene\.ron:\d+:\d+: )?", "", line))
+        if image.exists():
+            return image
+        if ended.cancelled:
             raise Cancelled
-        return image
+        raise Failure(f"The program {found} has written no image: is it gpu-rt?")
 
 
 def folder_of(scene, layer):
@@ -185,38 +189,25 @@ def oidn():
     return [f"--oidn={folder}" for folder in folders if any(folder.glob("*OpenImageDenoise*"))]
 
 
-def hand_over(image, result, layer, denoised):
+def hand_over(image, combined, passes):
     """Fills the passes from the program's files."""
-    for_layer = image.with_suffix(".passes")
-    exr.write_for_layer(image, for_layer, layer)
-    result.load_from_file(str(for_layer))
-    for_layer.unlink()
-    passes = result.layers[0].passes
-    for name in ("Position", "Denoising Normal"):
-        values = values_of(passes[name])
-        passes[name].rect.foreach_set((values[:, AXES] * np.float32(SIGNS)).ravel())
-    clean = image.with_suffix(".denoised.exr")
-    if denoised and clean.exists():
-        result.layers[0].load_from_file(str(clean))
-    # The program's image has no alpha.
-    values = values_of(passes["Combined"])
-    values[:, 3] = 1
-    passes["Combined"].rect.foreach_set(values.ravel())
+    channels = exr.read(image)
+    fill(passes["Depth"], np.minimum(channels["Z"], FAR))
+    # Blender's x, y and z are -z, -x and y of the scene file (ron.placed).
+    for name, layer in (("Position", "P"), ("Denoising Normal", "N")):
+        x, y, z = (channels[f"{layer}.{axis}"] for axis in "XYZ")
+        fill(passes[name], -z, -x, y)
+    fill(passes["Denoising Albedo"], *(channels[f"albedo.{colour}"] for colour in "RGB"))
+    shown = channels if combined == image else exr.read(combined)
+    fill(passes["Combined"], *(shown[colour] for colour in "RGB"))
 
 
-def values_of(render_pass):
-    """All pixels of a pass, by its channels."""
-    values = np.empty(len(render_pass.rect) * render_pass.channels, np.float32)
-    render_pass.rect.foreach_get(values)
-    return values.reshape(-1, render_pass.channels)
-
-
-def fill(combined, image):
-    """Fills the pass Combined from an image, row 0 on top. Blender has it at the bottom."""
-    values = np.ones((*image.shape[:2], 4), np.float32)
-    values[..., :3] = image[::-1]
-    if values.size == len(combined.rect) * 4:
-        combined.rect.foreach_set(values.ravel())
+def fill(render_pass, *channels):
+    """Fills a pass, row 0 at the bottom. The program's image has no alpha."""
+    values = np.ones((*channels[0].shape, render_pass.channels), np.float32)
+    for index, channel in enumerate(channels):
+        values[..., index] = channel
+    render_pass.rect.foreach_set(values.ravel())
 
 
 def register():

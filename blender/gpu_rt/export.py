@@ -27,22 +27,21 @@ def package():
 
 def export(job, folder):
     """Writes scene.ron and what it names. Returns what the engine has to know of it."""
-    from gpu_rt import camera, lamps, ron, world
+    from gpu_rt import camera, geometry, lamps, ron, world
 
     bpy.ops.wm.open_mainfile(filepath=job["blend"], load_ui=False, use_scripts=job["scripts"])
     scene = bpy.data.scenes[job["scene"]]
     window = bpy.context.window
     window.scene = scene
     window.view_layer = scene.view_layers[job["layer"]]
-    scene.frame_set(job["frame"], subframe=job["subframe"])
     show_as_rendered(scene)
-    depsgraph = window.view_layer.depsgraph
-    bpy.context.view_layer.update()
+    scene.frame_set(job["frame"], subframe=job["subframe"])
     depsgraph = bpy.context.evaluated_depsgraph_get()
     image, begin = camera.fields(scene, depsgraph, job["size"])
     lights = lamps.Lamps(depsgraph, folder)
-    write_glb(folder / GLB)
     background = world.background(scene, folder)
+    # Last: it changes the scene of the window, and with it what Blender has evaluated.
+    geometry.write_glb(depsgraph, folder / GLB)
     objects = [f"Gltf(path: {ron.text(GLB)})"]
     lines = [
         "Scene(\n", image, f"    background: {background},\n",
@@ -75,16 +74,6 @@ def show_as_rendered(scene):
     for ball in bpy.data.metaballs:
         ball.resolution = ball.render_resolution
     scene.render.simplify_subdivision = scene.render.simplify_subdivision_render
-
-
-def write_glb(path):
-    wanted = {
-        "filepath": str(path), "export_format": "GLB", "export_yup": True, "use_active_scene": True,
-        "use_visible": True, "use_renderable": True, "export_cameras": False, "export_lights": False,
-        # The mesh of this frame, after all modifiers: so there are neither skins nor shape keys.
-        "export_apply": True, "export_gn_mesh": True, "export_animations": False, "export_skins": False, "export_morph": False,
-    }
-    bpy.ops.export_scene.gltf(**wanted)
 
 
 def main():

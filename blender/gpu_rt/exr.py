@@ -1,11 +1,16 @@
-"""Makes of the program's EXR one whose passes RenderResult.load_from_file finds."""
+"""Reads the program's EXRs. RenderResult.load_from_file does not: it finds no channels in files of several parts, such as those with a
+state to go on from, nor for view layers with long names, and Blender's passes have z up."""
 
 import struct
+import zlib
+
+import numpy as np
+
+from .process import Failure
 
 MULTIPART = 1 << 12
-LONG_NAMES = 1 << 10
-# Attributes that only files of several parts have.
-OF_PARTS = (b"name", b"type", b"chunkCount")
+# Rows by themselves, each compressed by zlib.
+ZIP1 = 2
 
 
 def _text(stream):
@@ -13,62 +18,63 @@ def _text(stream):
 
 
 def _header(stream):
-    """The attributes of a part by their names, each a type and bytes. Empty after the last part."""
+    """The attributes of a part by their names, as bytes. Empty after the last part."""
     attributes = {}
     while name := _text(stream):
-        kind = _text(stream)
+        _text(stream)  # its type
         (size,) = struct.unpack("<i", stream.read(4))
-        attributes[name] = (kind, stream.read(size))
+        attributes[name] = stream.read(size)
     return attributes
 
 
-def attributes(path):
-    """The header of the picture."""
-    with open(path, "rb") as stream:
-        stream.seek(8)
-        return _header(stream)
-
-
 def held_samples(path):
-    """One past the last sample index that the image holds; 0 if the file is no image of a render."""
+    """One past the last sample index that the image holds; 0 if there is no such image."""
     try:
-        return struct.unpack("<i", attributes(path)[b"gpu-rt:end_sample"][1])[0]
+        with open(path, "rb") as stream:
+            stream.seek(8)
+            return struct.unpack("<i", _header(stream)[b"gpu-rt:end_sample"])[0]
     except (OSError, KeyError, struct.error):
         return 0
 
 
-def write_for_layer(source, target, layer):
-    """Copies the picture of a render: one part, without the state, and channels such as `ViewLayer.Depth.Z`, which begin with the
-    name of the view layer. Blender finds no channels in files of several parts."""
-    with open(source, "rb") as stream, open(target, "wb") as out:
-        magic, version = struct.unpack("<ii", stream.read(8))
-        parts = [_header(stream)]
-        while version & MULTIPART and (header := _header(stream)):
-            parts.append(header)
-        header = {name: value for name, value in parts[0].items() if name not in OF_PARTS}
-        _, top, _, bottom = struct.unpack("<4i", header[b"dataWindow"][1])
-        offsets = struct.unpack(f"<{bottom - top + 1}Q", stream.read(8 * (bottom - top + 1)))
-        kind, channels = header[b"channels"]
-        header[b"channels"] = kind, _renamed(channels, layer.encode() + b".")
-        head = struct.pack("<ii", magic, version & ~MULTIPART | LONG_NAMES)
-        head += b"".join(name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data for name, (kind, data) in header.items()) + b"\0"
-        out.write(head + bytes(8 * len(offsets)))
-        new_offsets = []
-        for offset in offsets:
-            # In a file of several parts, a chunk begins with the number of its part.
+def read(path):
+    """The channels of the picture by their names: f32, height x width, row 0 at the bottom as Blender has it."""
+    with open(path, "rb") as stream:
+        _, version = struct.unpack("<ii", stream.read(8))
+        header = _header(stream)
+        while version & MULTIPART and _header(stream):
+            pass
+        if header[b"compression"][0] != ZIP1:
+            raise Failure(f"{path} is of another version of gpu-rt: its compression is {header[b'compression'][0]}")
+        left, top, right, bottom = struct.unpack("<4i", header[b"dataWindow"])
+        names = _names(header[b"channels"])
+        width, height = right - left + 1, bottom - top + 1
+        pixels = np.empty((height, len(names), width), "<f4")
+        for offset in struct.unpack(f"<{height}Q", stream.read(8 * height)):
+            # In a file of several parts, a row begins with the number of its part.
             stream.seek(offset + (4 if version & MULTIPART else 0))
-            row = stream.read(8)
-            new_offsets.append(out.tell())
-            out.write(row + stream.read(struct.unpack("<ii", row)[1]))
-        out.seek(len(head))
-        out.write(struct.pack(f"<{len(new_offsets)}Q", *new_offsets))
+            y, size = struct.unpack("<ii", stream.read(8))
+            pixels[height - 1 - (y - top)] = _row(stream.read(size), pixels[0].nbytes).view("<f4").reshape(len(names), width)
+    return {name: pixels[:, index] for index, name in enumerate(names)}
 
 
-def _renamed(channels, prefix):
-    """The list of channels with a prefix before all their names, which keeps their order: that of the pixels in the file."""
-    renamed, at = b"", 0
+def _names(channels):
+    """The names of channels, whose pixels stand in this order. All are of 32 bits."""
+    names, at = [], 0
     while channels[at]:
         end = channels.index(0, at)
-        renamed += prefix + channels[at:end + 17]
+        names.append(channels[at:end].decode())
         at = end + 17
-    return renamed + b"\0"
+    return names
+
+
+def _row(data, size):
+    """The bytes of a row. Compressed ones are differences of neighbours around 128, first the bytes at even places, then those at odd ones."""
+    if len(data) == size:
+        return np.frombuffer(data, np.uint8)
+    differences = np.frombuffer(zlib.decompress(data), np.uint8) - np.uint8(128)
+    differences[0] += 128
+    halves = np.cumsum(differences, dtype=np.uint8)
+    row = np.empty(size, np.uint8)
+    row[0::2], row[1::2] = halves[:(size + 1) // 2], halves[(size + 1) // 2:]
+    return row

@@ -1,6 +1,9 @@
 """What the export loses: told in the panel, and as warnings of a render."""
 
 import math
+import os
+
+import bpy
 
 # Nodes before a Principled BSDF that Blender's exporter of glTF reads.
 READ = {
@@ -50,7 +53,8 @@ def _of_object(shown):
     if shown.type in NO_SHAPES:
         yield NO_SHAPES[shown.type]
     for system in shown.particle_systems:
-        yield f"{'hair' if system.settings.type == 'HAIR' else 'particles'}: {system.name}"
+        if system.settings.render_type not in ("OBJECT", "COLLECTION", "NONE"):
+            yield f"{'hair' if system.settings.type == 'HAIR' else 'particles'}: {system.name}"
     if shown.type == "LIGHT":
         yield from _of_lamp(shown.data)
     elif shown.type in SHAPES:
@@ -64,6 +68,8 @@ def _of_object(shown):
 def _of_lamp(light):
     from .lamps import plain_emission
 
+    if light.energy < 0:
+        yield "its negative light"
     if light.type == "AREA" and light.spread < math.radians(179):
         yield "its spread: it shines in all directions"
     if light.type == "SPOT" and light.shadow_soft_size > 0:
@@ -85,6 +91,8 @@ def _of_material(material):
     nodes = _before(output.inputs["Surface"])
     shaders = [node for node in nodes if node.type.startswith("BSDF_") or node.type in ("SUBSURFACE_SCATTERING", "EEVEE_SPECULAR")]
     for node in nodes:
+        if node.type == "TEX_IMAGE" and node.image:
+            yield from _of_image(node.image)
         if node.type == "BSDF_PRINCIPLED":
             for name, words in (("Subsurface Weight", "subsurface"), ("Thin Film Thickness", "its thin film")):
                 socket = node.inputs.get(name)
@@ -97,6 +105,13 @@ def _of_material(material):
             yield f"procedural texture: {node.bl_label}"
         elif node.type not in READ | {"EMISSION", "MIX_SHADER", "BACKGROUND", "LIGHT_PATH"}:
             yield f"node: {node.bl_label}"
+
+
+def _of_image(image):
+    if image.source == "FILE" and not image.packed_file and not os.path.isfile(bpy.path.abspath(image.filepath, library=image.library)):
+        yield f"its image {image.name}: there is no such file"
+    elif image.is_dirty:
+        yield f"what is painted on {image.name}: save or pack the image"
 
 
 def _before(socket):

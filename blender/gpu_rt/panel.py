@@ -51,8 +51,9 @@ RELATIVES = {"BLENDER_RENDER", "BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
 def shared():
     for panel in bpy.types.Panel.__subclasses__():
         engines = getattr(panel, "COMPAT_ENGINES", ())
-        # EEVEE's own settings are among the properties of the render and of the view layer.
-        if "BLENDER_RENDER" in engines or (RELATIVES & set(engines) and getattr(panel, "bl_context", "") not in ("render", "view_layer")):
+        # EEVEE's own settings are among the properties of the render and of the view layer. Freestyle draws with EEVEE.
+        is_general = "BLENDER_RENDER" in engines and "freestyle" not in panel.__name__.lower()
+        if is_general or (RELATIVES & set(engines) and getattr(panel, "bl_context", "") not in ("render", "view_layer")):
             yield panel
 
 

@@ -26,10 +26,11 @@ def _end_with_parent():
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def run(command, folder, is_cancelled, say, wait=lambda: None, interrupt=False):
+def run(command, folder, is_cancelled, say, wait=lambda: None):
     """Runs a command in a folder. `say` takes each line of standard error, and `wait` is called between, about ten times a second.
 
-    A command that is cancelled is interrupted if it takes that, as Ctrl-C does, and else killed.
+    SIGTERM stops a command that is cancelled: then the program writes its image. Windows has no such signal, and kills it: there, what the
+    last checkpoint has written stays.
     """
     try:
         # In a session of its own it gets no Ctrl-C of a terminal, which would be its second one.
@@ -53,11 +54,7 @@ def run(command, folder, is_cancelled, say, wait=lambda: None, interrupt=False):
         while process.poll() is None:
             if not cancelled and is_cancelled():
                 cancelled = True
-                # Windows has no such signal for it: there, what the last checkpoint has written stays.
-                if interrupt and sys.platform != "win32":
-                    process.send_signal(signal.SIGINT)
-                else:
-                    process.kill()
+                process.terminate()
             while lines:
                 say(lines.pop(0))
             wait()

@@ -8,9 +8,8 @@ from .ron import point, text
 
 # What the program reads: 8 bits in sRGB, and floats.
 CODES, FLOATS = (".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"), (".hdr", ".exr")
-# A sky has a sun of half a degree, which then covers 6 pixels.
-WIDEST = 4096
-PLAIN_WIDTH = 1024
+# The width of a baked image: that of the world's own image between these, and without one the least.
+LEAST, MOST = 1024, 4096
 
 
 def background(scene, folder):
@@ -55,10 +54,9 @@ def nodes_of(tree):
 
 def bake(world, folder):
     """Renders the world alone by Cycles as a latitude-longitude image, which is the way that Blender's own images of the world have."""
-    nodes = list(nodes_of(world.node_tree))
-    widths = [node.image.size[0] for node in nodes if node.type in ("TEX_ENVIRONMENT", "TEX_IMAGE") and node.image]
+    widths = [node.image.size[0] for node in nodes_of(world.node_tree) if node.type in ("TEX_ENVIRONMENT", "TEX_IMAGE") and node.image]
     has_image = any(widths)
-    width = min(max(widths), WIDEST) if has_image else WIDEST if any(node.type == "TEX_SKY" for node in nodes) else PLAIN_WIDTH
+    width = min(max([LEAST, *widths]), MOST)
     scene = bpy.data.scenes.new("gpu-rt world")
     scene.world = world
     scene.frame_set(bpy.context.scene.frame_current)
@@ -73,11 +71,16 @@ def bake(world, folder):
     scene.camera.rotation_euler = (1.5707963267948966, 0, -1.5707963267948966)
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
-    render.resolution_x, render.resolution_y, render.resolution_percentage = width, max(width // 2, 1), 100
+    render.resolution_x, render.resolution_y, render.resolution_percentage = width, width // 2, 100
     render.use_compositing = render.use_sequencer = False
-    # The middles of an image's texels are those of the pixels: one sample there copies them.
-    cycles.samples, cycles.pixel_filter_type, cycles.filter_width = (1, "BOX", 0.01) if has_image else (4, "BOX", 1.0)
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    if has_image:
+        # The middles of an image's texels are those of the pixels, if nothing turns it: one sample there copies them.
+        cycles.samples, cycles.pixel_filter_type, cycles.filter_width = 1, "BOX", 0.01
+    else:
+        # The rim of the sun needs more samples than all the sky.
+        cycles.samples, cycles.pixel_filter_type, cycles.filter_width = 1024, "BOX", 1.0
+    cycles.use_adaptive_sampling, cycles.adaptive_min_samples, cycles.adaptive_threshold = not has_image, 4, 0.01
+    cycles.use_denoising = False
     cycles.sample_clamp_direct = 0
     cycles.seed = 0
     file = render.image_settings
