@@ -94,8 +94,8 @@ class GPU_RT_engine(bpy.types.RenderEngine):
         try:
             answer = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
         except (OSError, ValueError):
-            last = (said or ended.output.split("\n") or [""])[-1]
-            raise Failure(f"The second Blender that exports the scene ended with status {ended.status}: {last}") from None
+            last = "".join(f": {line}" for line in said[-1:])
+            raise Failure(f"The second Blender that exports the scene ended with status {ended.status}{last}") from None
         if "error" in answer:
             raise Failure(answer["error"])
         return answer["begin"]

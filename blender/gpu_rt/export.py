@@ -42,14 +42,12 @@ def export(job, folder):
     background = world.background(scene, folder)
     # Last: it changes the scene of the window, and with it what Blender has evaluated.
     geometry.write_glb(depsgraph, folder / GLB)
-    objects = [f"Gltf(path: {ron.text(GLB)})"]
+    # Blender's exporter has Blender's +x along +x, and the image of the world has it along -z (ron.placed).
+    meshes = f"Transformed(by: [RotateY(90)], object: Gltf(path: {ron.text(GLB)}))"
     lines = [
         "Scene(\n", image, f"    background: {background},\n",
         "    materials: {\n", *(f"        {material},\n" for material in lights.materials), "    },\n",
-        # Blender's exporter has +x where the image of the world has its right end: a quarter turn away from its middle.
-        "    objects: [\n",
-        *(f"        {made},\n" for made in [f"Transformed(by: [RotateY(90)], object: {objects[0]})", *lights.objects]),
-        "    ],\n)\n",
+        "    objects: [\n", *(f"        {made},\n" for made in [meshes, *lights.objects]), "    ],\n)\n",
     ]
     (folder / "scene.ron").write_text("".join(lines), encoding="utf-8")
     return {"begin": begin}
@@ -59,9 +57,9 @@ def show_as_rendered(scene):
     """Has the viewport, whose objects and modifiers the exporter takes, show what renders show."""
     for shown in [*bpy.data.objects, *bpy.data.collections]:
         shown.hide_viewport = shown.hide_render
-    for shown in scene.objects:
-        if shown.name in bpy.context.view_layer.objects:
-            shown.hide_set(False)
+    for shown in bpy.context.view_layer.objects:
+        shown.hide_set(False)
+    for shown in bpy.data.objects:
         for modifier in shown.modifiers:
             modifier.show_viewport = modifier.show_render
             if modifier.type in ("SUBSURF", "MULTIRES"):

@@ -73,7 +73,7 @@ def _row(data, size):
     if len(data) == size:
         return np.frombuffer(data, np.uint8)
     differences = np.frombuffer(zlib.decompress(data), np.uint8) - np.uint8(128)
-    differences[0] += 128
+    differences[:1] += np.uint8(128)
     halves = np.cumsum(differences, dtype=np.uint8)
     row = np.empty(size, np.uint8)
     row[0::2], row[1::2] = halves[:(size + 1) // 2], halves[(size + 1) // 2:]

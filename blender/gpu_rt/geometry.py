@@ -12,10 +12,11 @@ def write_glb(depsgraph, path):
         shown = instance.object
         if shown.type != "MESH" or not instance.show_self:
             continue
-        materials = tuple(slot.material.original if slot.material else None for slot in shown.material_slots)
+        materials = [slot.material for slot in shown.material_slots] or list(shown.data.materials)
+        materials = tuple(material and material.original for material in materials)
         key = shown.data.as_pointer(), materials
         if key not in meshes:
-            meshes[key] = mesh_of(shown, materials, depsgraph)
+            meshes[key] = with_materials(shown.data.copy(), materials)
         placed = bpy.data.objects.new(shown.name, meshes[key])
         placed.matrix_world = instance.matrix_world
         flat.collection.objects.link(placed)
@@ -26,9 +27,7 @@ def write_glb(depsgraph, path):
     )
 
 
-def mesh_of(shown, materials, depsgraph):
-    mesh = bpy.data.meshes.new_from_object(shown, preserve_all_data_layers=True, depsgraph=depsgraph)
-    # Materials of the object instead of the mesh.
+def with_materials(mesh, materials):
     for index, material in enumerate(materials):
         if index < len(mesh.materials):
             mesh.materials[index] = material

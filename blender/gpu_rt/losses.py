@@ -4,6 +4,10 @@ import math
 import os
 
 import bpy
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
+
+from .lamps import plain_emission
 
 # Nodes before a Principled BSDF that Blender's exporter of glTF reads.
 READ = {
@@ -26,6 +30,8 @@ def losses(scene, layer):
         if shown.hide_render:
             continue
         words = list(_of_object(shown))
+        if shown.type == "LIGHT" and not shown.visible_camera and _is_in_picture(scene, shown):
+            words.append("it is not hidden from the camera")
         for material in {slot.material for slot in shown.material_slots if slot.material}:
             if material not in by_material:
                 by_material[material] = list(_of_material(material))
@@ -65,9 +71,25 @@ def _of_object(shown):
             yield "holdout or shadow catcher"
 
 
-def _of_lamp(light):
-    from .lamps import plain_emission
+def _is_in_picture(scene, lamp):
+    """Whether the camera sees a lamp that is a surface: one of its corners, or its middle."""
+    light = lamp.data
+    if not scene.camera or light.type == "SPOT" or (light.type == "POINT" and light.shadow_soft_size == 0):
+        return False
+    if light.type == "SUN":
+        # As far away as makes no difference.
+        points = [scene.camera.matrix_world.translation + 1e6 * lamp.matrix_world.col[2].xyz] if light.angle > 0 else []
+    elif light.type == "AREA":
+        height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
+        points = [lamp.matrix_world @ Vector((x * light.size, y * height, 0)) for x in (-0.5, 0, 0.5) for y in (-0.5, 0, 0.5)]
+    else:
+        turns = scene.camera.matrix_world.to_3x3()
+        points = [lamp.matrix_world.translation + light.shadow_soft_size * (turns @ Vector((x, y, 0))) for x in (-1, 0, 1) for y in (-1, 0, 1)]
+    seen = (world_to_camera_view(scene, scene.camera, point) for point in points)
+    return any(0 <= at.x <= 1 and 0 <= at.y <= 1 and at.z > 0 for at in seen)
 
+
+def _of_lamp(light):
     if light.energy < 0:
         yield "its negative light"
     if light.type == "AREA" and light.spread < math.radians(179):
@@ -81,7 +103,7 @@ def _of_lamp(light):
 
 
 def _of_material(material):
-    tree = material.node_tree if material.use_nodes else None
+    tree = material.node_tree if getattr(material, "use_nodes", True) else None
     output = tree.get_output_node("CYCLES") if tree else None
     if not output:
         return

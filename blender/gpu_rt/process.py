@@ -65,6 +65,8 @@ def run(command, folder, is_cancelled, say, wait=lambda: None):
             process.wait()
         for reader in readers:
             reader.join()
+        process.stdout.close()
+        process.stderr.close()
     while lines:
         say(lines.pop(0))
     return Result(process.returncode, output[0].decode(errors="replace"), cancelled)

@@ -16,7 +16,8 @@ def background(scene, folder):
     world = scene.world
     if world is None:
         return f"Solid({point((0, 0, 0))})"
-    if not world.use_nodes:
+    # Since Blender 5.0 it is always true, and it goes with 6.0.
+    if not getattr(world, "use_nodes", True) or not world.node_tree:
         return f"Solid({point(world.color)})"
     output = world.node_tree.get_output_node("CYCLES")
     links = output.inputs["Surface"].links if output else ()
@@ -42,7 +43,9 @@ def own_file(node):
     path = os.path.realpath(bpy.path.abspath(image.filepath, library=image.library))
     ending, space = os.path.splitext(path)[1].lower(), image.colorspace_settings.name
     is_same = ending in CODES and space == "sRGB" or ending in FLOATS and space == "Linear Rec.709"
-    return path if is_same and image.channels == 3 and os.path.isfile(path) else None
+    # Bits of a pixel without alpha. A .hdr never has any.
+    is_opaque = ending == ".hdr" or image.depth in (24, 96)
+    return path if is_same and is_opaque and os.path.isfile(path) else None
 
 
 def nodes_of(tree):
