@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn wheel test-python pip quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test driver oidn wheel test-python pip blender test-blender bpy quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -50,6 +50,35 @@ test-python: wheel driver
 	python3 -m venv target/python
 	target/python/bin/pip install --quiet target/wheels/*.whl -r tests/python/requirements.txt
 	PATH="$(CURDIR)/target/python/bin" target/python/bin/python -B -m unittest $(PYTHON_TESTS)
+
+# The extension for Blender, which holds no program: target/blender/gpu_rt-VERSION.zip, packed and validated by Blender's own command.
+EXTENSION = target/bpy/bin/python $$(ls target/bpy/lib/python3.*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
+blender: bpy
+	rm -rf target/blender && mkdir -p target/blender
+	$(EXTENSION) build --source-dir blender/gpu_rt --output-dir target/blender
+	$(EXTENSION) validate target/blender/*.zip
+
+# The extension in Blender's Python module, with this program.
+BLENDER_TESTS ?= test_extension
+test-blender: export NODEVICE_SELECT = 1
+test-blender: toolchain blender driver
+	$(CARGO) build --release
+	PATH="$(CURDIR)/target/release:$$PATH" PYTHONPATH=tests/blender \
+		target/bpy/bin/python -B -W ignore::DeprecationWarning -m unittest $(BLENDER_TESTS)
+
+# Blender as a Python module (350 MB, by pip), which is made for two versions of Python. Debian lacks some of the libraries that it loads.
+bpy: pip
+	@cmp -s tests/blender/requirements.txt target/bpy/requirements.txt || { \
+		rm -rf target/bpy; \
+		for python in python3 python3.11 python3.13; do \
+			$$python -c 'import sys, ensurepip; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 13)))' 2>/dev/null && break; python=; \
+		done; \
+		[ -n "$$python" ] || { echo "error: Blender's module needs Python 3.11 or 3.13 with venv: install one of them" >&2; exit 1; }; \
+		$$python -m venv target/bpy && target/bpy/bin/pip install --quiet -r tests/blender/requirements.txt && \
+		cp tests/blender/requirements.txt target/bpy/; \
+	}
+	@target/bpy/bin/python -c 'import bpy' 2>/dev/null || \
+		$(call install, libgl1 libice6 libsm6 libxfixes3 libxi6 libxkbcommon0 libxrender1 libxxf86vm1, Blender lacks libraries)
 
 # Python with pip and venv, which Debian has in packages of their own.
 pip:

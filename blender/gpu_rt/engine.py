@@ -42,31 +42,35 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph):
-        try:
-            self._render(depsgraph)
-        except Cancelled:
-            pass
-        except Failure as failure:
-            self.report({"ERROR"}, str(failure))
-        except (OSError, RuntimeError) as error:
-            # Such as a full disk, of Python's and of Blender's functions.
-            self.report({"ERROR"}, f"gpu-rt: {str(error).removeprefix('Error: ').strip()}")
-
-    def _render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer.name
         size, part = region(scene.render)
         # Blender needs a result even if there is nothing in it.
-        result = self.begin_result(0, 0, part[2], part[3], layer=layer)
+        result = self.begin_result(0, 0, max(part[2], 1), max(part[3], 1), layer=layer)
+        passes = result.layers[0].passes
+
+        def show(image):
+            fill(passes["Combined"], *np.moveaxis(image[::-1], 2, 0))
+            self.update_result(result)
+
         try:
             found = program()
+            if min(part[2:]) < 1:
+                raise Failure("The render region is empty: choose a larger one, or turn it off in Output > Format")
             folder = folder_of(scene, layer)
             begin = self._export(scene, layer, folder, size)
             for name, words in losses(scene.original, scene.original.view_layers[layer]):
                 self.report({"WARNING"}, f"gpu-rt: {name}: {words}")
             crop = [begin[0] + part[0], begin[1] + part[1], *part[2:]]
-            image = self._run(found, scene.gpu_rt, folder, crop, result)
+            image = self._run(found, scene.gpu_rt, folder, crop, show)
             clean = image.with_suffix(".denoised.exr")
-            hand_over(image, clean if scene.gpu_rt.denoise and clean.exists() else image, result.layers[0].passes)
+            hand_over(image, clean if scene.gpu_rt.denoise and clean.exists() else image, passes)
+        except Cancelled:
+            pass
+        except Failure as failure:
+            self.report({"ERROR"}, str(failure))
+        except OSError as error:
+            # Such as a full disk.
+            self.report({"ERROR"}, f"gpu-rt: {error}")
         finally:
             self.end_result(result)
 
@@ -77,7 +81,11 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             if file.suffix != ".exr" or file.name == "world.exr":
                 file.unlink()
         blend = str(folder / "copy.blend")
-        bpy.data.libraries.write(blend, {scene.original}, path_remap="ABSOLUTE")
+        try:
+            bpy.data.libraries.write(blend, {scene.original}, path_remap="ABSOLUTE")
+        except (OSError, RuntimeError):
+            # Blender's own words may be "Success".
+            raise Failure(f"A copy of the file cannot be written to {folder}: is the disk full?") from None
         job = {
             "blend": blend, "scene": scene.name, "layer": layer, "frame": scene.frame_current, "subframe": scene.frame_subframe,
             "size": size, "scripts": bpy.context.preferences.filepaths.use_scripts_auto_execute,
@@ -100,7 +108,7 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             raise Failure(answer["error"])
         return answer["begin"]
 
-    def _run(self, found, settings, folder, crop, result):
+    def _run(self, found, settings, folder, crop, show):
         """Runs the program, and shows its image meanwhile. Returns the file."""
         viewer = Viewer()
         options = [AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}"]
@@ -121,22 +129,23 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             if samples:
                 self.update_stats("", f"gpu-rt: {line}")
                 self.update_progress(int(samples[1]) / int(samples[2]) if samples[2] else 0.0)
+            elif line.startswith("compiling "):
+                self.update_stats("", f"gpu-rt: {line}")
             elif line:
                 messages.append(line)
 
-        def show():
+        def show_newest():
             newest = viewer.take()
             if newest is not None:
-                fill(result.layers[0].passes["Combined"], *np.moveaxis(newest[::-1], 2, 0))
-                self.update_result(result)
+                show(newest)
 
         self.update_stats("", "gpu-rt: starting")
         try:
-            ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show)
+            ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show_newest)
         finally:
             viewer.close()
         errors = "\n".join(messages).split("error: ")[1:]
-        if ended.status != 0 and not ended.cancelled:
+        if errors or (ended.status != 0 and not ended.cancelled):
             words = " ".join(" ".join(errors).split()) or f"it ended with status {ended.status}"
             raise Failure(f"The program {found} has failed: {words}")
         for line in messages:

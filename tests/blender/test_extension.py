@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 import unittest
 from unittest import mock
 
@@ -641,6 +642,11 @@ class Losses(InBlender):
 
 
 class Files(InBlender):
+    def test_manifest_has_the_version_of_the_program(self):
+        said = subprocess.run([preferences.program(), "--version"], capture_output=True, text=True, check=True).stdout
+        manifest = tomllib.loads((FOLDER.parents[1] / "blender/gpu_rt/blender_manifest.toml").read_text())
+        self.assertEqual((manifest["id"], f"gpu-rt {manifest['version']}"), (gpu_rt.__name__, said.strip()))
+
     def test_reader_has_the_values_of_another(self):
         self.stage()
         self.f12()

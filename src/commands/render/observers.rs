@@ -32,9 +32,11 @@ fn snapshot_time((width, height): (u32, u32)) -> Duration {
     Duration::from_nanos(u64::from(width) * u64::from(height) * 150)
 }
 
-/// The time between two snapshots: they shall cost 0.5 % at most, and no terminal needs more than one a second.
-fn pause_after(snapshot: Duration) -> Duration {
-    (200 * snapshot).max(Duration::from_secs(1))
+/// The time between two snapshots: they shall cost 0.5 % at most, or 5 % where somebody watches the image, and nobody needs more than one a
+/// second.
+fn pause_after(snapshot: Duration, is_watched: bool) -> Duration {
+    let share = if is_watched { 20 } else { 200 };
+    (share * snapshot).max(Duration::from_secs(1))
 }
 
 /// The observers of a render.
@@ -140,7 +142,8 @@ impl<'a> Observers<'a> {
             self.progress.message(&words);
         }
         let begun = self.pace.begun;
-        self.next_snapshot = self.next_snapshot.map(|_| begun + pause_after(snapshot_time(job.size)));
+        let pause = pause_after(snapshot_time(job.size), self.viewers.any());
+        self.next_snapshot = self.next_snapshot.map(|_| begun + pause);
         self.checkpoints.next = self.checkpoints.next.map(|_| begun + self.checkpoints.interval);
     }
 
@@ -168,7 +171,7 @@ impl<'a> Observers<'a> {
             } else if self.next_snapshot.is_some() {
                 self.pace.measure_error(film, outcome);
                 self.viewers.show(film, &self.progress);
-                self.next_snapshot = Some(Instant::now() + pause_after(begin.elapsed()));
+                self.next_snapshot = Some(Instant::now() + pause_after(begin.elapsed(), self.viewers.any()));
             }
         }
         self.progress.update(self.pace.status(outcome));
@@ -431,7 +434,8 @@ mod tests {
         assert!(!is_reported(full, full) && !is_reported(None, None));
     }
 
-    /// A snapshot of 10 ms is followed by two seconds without one, and a quiet render has none but for checkpoints.
+    /// A snapshot of 10 ms is followed by two seconds without one, as is one of 100 ms that somebody watches. A quiet render has none but for
+    /// checkpoints.
     #[test]
     fn snapshots_are_rare_and_for_somebody() {
         let hour = Duration::from_secs(3600);
@@ -439,7 +443,8 @@ mod tests {
         assert_eq!(snapshots(None, hour, 1000), 0);
         // Checkpoints that take 10 ms each come every third of a second, however often they are due.
         assert_eq!(snapshots(None, Duration::ZERO, 10), 1);
-        assert_eq!(pause_after(Duration::from_millis(10)), Duration::from_secs(2));
-        assert_eq!(pause_after(Duration::ZERO), Duration::from_secs(1));
+        assert_eq!(pause_after(Duration::from_millis(10), false), Duration::from_secs(2));
+        assert_eq!(pause_after(Duration::from_millis(100), true), Duration::from_secs(2));
+        assert_eq!(pause_after(Duration::ZERO, true), Duration::from_secs(1));
     }
 }
