@@ -144,7 +144,7 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show_newest)
         finally:
             viewer.close()
-        errors = "\n".join(messages).split("error: ")[1:]
+        errors = [error for error in "\n".join(messages).split("error: ")[1:] if not error.startswith("interrupted by ")]
         if errors or (ended.status != 0 and not ended.cancelled):
             words = " ".join(" ".join(errors).split()) or f"it ended with status {ended.status}"
             raise Failure(f"The program {found} has failed: {words}")

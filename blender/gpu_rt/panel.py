@@ -1,5 +1,7 @@
 """The panel of the engine among the properties of a render, and Blender's own panels that it shares."""
 
+from itertools import groupby
+
 import bpy
 
 from .losses import losses
@@ -35,12 +37,15 @@ class GPU_RT_PT_losses(GPU_RT_panel, bpy.types.Panel):
 
     def draw(self, context):
         found = losses(context.scene, context.view_layer)
-        for name, words in found[:MOST]:
-            self.layout.label(text=f"{name}: {words}", icon="ERROR")
+        column = self.layout.column(align=True)
+        for name, told in groupby(found[:MOST], lambda loss: loss[0]):
+            column.label(text=name, icon="ERROR")
+            for _, words in told:
+                column.label(text=words, icon="BLANK1")
         if len(found) > MOST:
-            self.layout.label(text=f"and {len(found) - MOST} more, which a render reports")
+            column.label(text=f"and {len(found) - MOST} more, which a render reports")
         if not found:
-            self.layout.label(text="Everything is rendered")
+            column.label(text="Everything is rendered")
 
 
 CLASSES = (GPU_RT_PT_sampling, GPU_RT_PT_losses)
