@@ -49,16 +49,16 @@ class GPU_RT_PT_losses(GPU_RT_panel, bpy.types.Panel):
 
 
 CLASSES = (GPU_RT_PT_sampling, GPU_RT_PT_losses)
-# Engines whose panels of materials, lamps, objects and the world show what this one renders, too.
-RELATIVES = {"BLENDER_RENDER", "BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
+EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
 
 
 def shared():
+    """Panels that show what this engine renders, too: those of EEVEE, beside its own settings, which are among the properties of the render
+    and of the view layer. Freestyle draws with EEVEE."""
     for panel in bpy.types.Panel.__subclasses__():
-        engines = getattr(panel, "COMPAT_ENGINES", ())
-        # EEVEE's own settings are among the properties of the render and of the view layer. Freestyle draws with EEVEE.
-        is_general = "BLENDER_RENDER" in engines and "freestyle" not in panel.__name__.lower()
-        if is_general or (RELATIVES & set(engines) and getattr(panel, "bl_context", "") not in ("render", "view_layer")):
+        engines = getattr(panel, "COMPAT_ENGINES", set())
+        is_general = "BLENDER_RENDER" in engines or getattr(panel, "bl_context", "") not in ("render", "view_layer")
+        if EEVEE & engines and is_general and "freestyle" not in panel.__name__.lower():
             yield panel
 
 
