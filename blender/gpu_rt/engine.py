@@ -49,8 +49,9 @@ class GPU_RT_engine(bpy.types.RenderEngine):
         passes = result.layers[0].passes
 
         def show(image):
-            fill(passes["Combined"], *np.moveaxis(image[::-1], 2, 0))
-            self.update_result(result)
+            if image is not None:
+                fill(passes["Combined"], *np.moveaxis(image[::-1], 2, 0))
+                self.update_result(result)
 
         try:
             found = program()
@@ -110,14 +111,13 @@ class GPU_RT_engine(bpy.types.RenderEngine):
 
     def _run(self, found, settings, folder, crop, show):
         """Runs the program, and shows its image meanwhile. Returns the file."""
-        viewer = Viewer()
         options = [AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}"]
         if settings.device:
             options.append(f"--device={settings.device}")
         if settings.denoise:
             options += ["--denoise", *oidn()]
         image = state(folder, options, settings.samples)
-        options += [f"--spp={settings.samples}", f"--display-server={viewer.address}", "--resume=auto", "--json"]
+        options += [f"--spp={settings.samples}", "--resume=auto", "--json"]
         if settings.noise > 0:
             options.append(f"--noise={settings.noise / 100}")
         if settings.time > 0:
@@ -134,17 +134,20 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             elif line:
                 messages.append(line)
 
-        def show_newest():
-            newest = viewer.take()
-            if newest is not None:
-                show(newest)
+        def render():
+            messages.clear()
+            self.update_stats("", "gpu-rt: starting")
+            with Viewer() as viewer:
+                command = [found, "render", SCENE, "-o", image.name, f"--display-server={viewer.address}", *options]
+                ended = run(command, folder, self.test_break, say, lambda: show(viewer.take()))
+            errors = "\n".join(messages).split("error: ")[1:]
+            return ended, [error for error in errors if not error.startswith("interrupted by ")]
 
-        self.update_stats("", "gpu-rt: starting")
-        try:
-            ended = run([found, "render", SCENE, "-o", image.name, *options], folder, self.test_break, say, show_newest)
-        finally:
-            viewer.close()
-        errors = [error for error in "\n".join(messages).split("error: ")[1:] if not error.startswith("interrupted by ")]
+        ended, errors = render()
+        if any("cannot be resumed" in error for error in errors):
+            # Such as by another driver, or with an image of the world that has changed.
+            image.unlink()
+            ended, errors = render()
         if errors or (ended.status != 0 and not ended.cancelled):
             words = " ".join(" ".join(errors).split()) or f"it ended with status {ended.status}"
             raise Failure(f"The program {found} has failed: {words}")

@@ -69,7 +69,7 @@ def _names(channels):
 
 
 def _row(data, size):
-    """The bytes of a row. Compressed ones are differences of neighbours around 128, first the bytes at even places, then those at odd ones."""
+    """The bytes of a row. Compressed, they are differences of neighbours around 128: those at even places, then those at odd ones."""
     if len(data) == size:
         return np.frombuffer(data, np.uint8)
     differences = np.frombuffer(zlib.decompress(data), np.uint8) - np.uint8(128)

@@ -9,11 +9,13 @@ from mathutils import Vector
 
 from .lamps import plain_emission
 
-# Nodes before a Principled BSDF that Blender's exporter of glTF reads.
+# Nodes of a material that Blender's exporter of glTF reads.
 READ = {
     "TEX_IMAGE", "UVMAP", "TEX_COORD", "MAPPING", "NORMAL_MAP", "SEPARATE_COLOR", "SEPRGB", "VERTEX_COLOR", "RGB", "VALUE", "REROUTE",
-    "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "MIX", "MIX_RGB", "MATH",
+    "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "EMISSION", "ADD_SHADER",
 }
+# Those that it reads with some operations: a factor, and for an alpha that is cut off a comparison.
+OPERATIONS = {"MIX": {"MULTIPLY"}, "MIX_RGB": {"MULTIPLY"}, "MATH": {"MULTIPLY", "GREATER_THAN", "LESS_THAN", "ROUND", "SUBTRACT"}}
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 NO_SHAPES = {
     "CURVES": "hair", "POINTCLOUD": "a cloud of points", "VOLUME": "a volume", "GREASEPENCIL": "a drawing of Grease Pencil",
@@ -26,9 +28,7 @@ def losses(scene, layer):
     """Pairs of a name and of what it loses."""
     found = [(scene.name, words) for words in _of_scene(scene, layer)]
     by_material = {}
-    for shown in layer.objects:
-        if shown.hide_render:
-            continue
+    for shown in _rendered(layer):
         words = list(_of_object(shown))
         if shown.type == "LIGHT" and not shown.visible_camera and _is_in_picture(scene, shown):
             words.append("it is not hidden from the camera")
@@ -40,7 +40,16 @@ def losses(scene, layer):
     return found
 
 
+def _rendered(layer):
+    """The objects of a view layer, and of the collections that are placed in it, each once."""
+    placed = [inner for each in layer.objects if each.instance_collection for inner in each.instance_collection.all_objects]
+    return [shown for shown in dict.fromkeys([*layer.objects, *placed]) if not shown.hide_render]
+
+
 def _of_scene(scene, layer):
+    for library in bpy.data.libraries:
+        if not library.packed_file and not os.path.isfile(bpy.path.abspath(library.filepath)):
+            yield f"the library {library.name}: there is no such file"
     if scene.render.use_motion_blur:
         yield "motion blur"
     if scene.render.film_transparent:
@@ -84,7 +93,8 @@ def _is_in_picture(scene, lamp):
         points = [lamp.matrix_world @ Vector((x * light.size, y * height, 0)) for x in (-0.5, 0, 0.5) for y in (-0.5, 0, 0.5)]
     else:
         turns = scene.camera.matrix_world.to_3x3()
-        points = [lamp.matrix_world.translation + light.shadow_soft_size * (turns @ Vector((x, y, 0))) for x in (-1, 0, 1) for y in (-1, 0, 1)]
+        middle, radius = lamp.matrix_world.translation, light.shadow_soft_size
+        points = [middle + radius * (turns @ Vector((x, y, 0))) for x in (-1, 0, 1) for y in (-1, 0, 1)]
     seen = (world_to_camera_view(scene, scene.camera, point) for point in points)
     return any(0 <= at.x <= 1 and 0 <= at.y <= 1 and at.z > 0 for at in seen)
 
@@ -125,8 +135,12 @@ def _of_material(material):
                 yield f"{node.bl_label}: only a Principled BSDF is read"
         elif node.type.startswith("TEX_") and node.type not in READ:
             yield f"procedural texture: {node.bl_label}"
-        elif node.type not in READ | {"EMISSION", "MIX_SHADER", "BACKGROUND", "LIGHT_PATH"}:
+        elif node.type not in READ and _operation(node) not in OPERATIONS.get(node.type, ()):
             yield f"node: {node.bl_label}"
+
+
+def _operation(node):
+    return getattr(node, "operation", None) or getattr(node, "blend_type", None)
 
 
 def _of_image(image):

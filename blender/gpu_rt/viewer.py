@@ -25,7 +25,10 @@ class Viewer:
         newest, self._newest = self._newest, None
         return newest
 
-    def close(self):
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
         # Closing alone would not wake a thread that waits for the program.
         try:
             self._server.shutdown(socket.SHUT_RDWR)

@@ -1,5 +1,5 @@
-"""The extension blender/gpu_rt in Blender's Python module: F12, what it exports, and its picture against Cycles. `make test-blender` runs it,
-with the program on PATH."""
+"""The extension blender/gpu_rt in Blender's Python module: F12, what it exports, and its picture against Cycles. `make test-blender` runs
+it, with the program on PATH."""
 
 import json
 import math
@@ -184,8 +184,8 @@ class Result(InBlender):
         add_lamp("SUN", 1, (0, 0, 5), (40, 10, 30))
         passes = self.f12()
         own = self.folder / "own.exr"
-        aovs = ["--aov", "albedo,normal,depth,position", "--device", self.scene.gpu_rt.device]
-        subprocess.run([preferences.program(), "render", "scene.ron", "-o", own, "--spp", str(SPP), "--quiet", *aovs], cwd=self.files(), check=True)
+        options = ["--spp", str(SPP), "--aov", "albedo,normal,depth,position", "--device", self.scene.gpu_rt.device, "--quiet"]
+        subprocess.run([preferences.program(), "render", "scene.ron", "-o", own, *options], cwd=self.files(), check=True)
         own = read(own)
         for colour, each in zip("RGB", np.moveaxis(passes["Combined"], 2, 0)):
             np.testing.assert_array_equal(each, own[colour])
@@ -282,8 +282,8 @@ class Result(InBlender):
 class BesideCycles(InBlender):
     """The same .blend by Cycles. The scenes are matt, so that both have one model (docs/gltf.md: a plastic box differs by 9 %).
 
-    A mean has a noise of 0.25 % here, if a sample's standard deviation is its mean: 1 / sqrt(64 · 64 · 48), and half of that by Cycles. So 1 %
-    is four standard deviations. FLIP has the bound of docs/gltf.md, 0.06, most of which is noise.
+    A mean has a noise of 0.25 % here, if a sample's standard deviation is its mean: 1 / sqrt(64 · 64 · 48), and half of that by Cycles.
+    So 1 % is four standard deviations. FLIP has the bound of docs/gltf.md, 0.06, most of which is noise.
     """
 
     def is_near(self, found):
@@ -336,7 +336,8 @@ class BesideCycles(InBlender):
 
         def turned():
             # The file itself is in use until then.
-            self.assertIn(f"background: Image(path: {ron.text(str(FOLDER / 'world-in-blender.hdr'))})", (self.files() / "scene.ron").read_text())
+            file = ron.text(str(FOLDER / "world-in-blender.hdr"))
+            self.assertIn(f"background: Image(path: {file})", (self.files() / "scene.ron").read_text())
             add_sky((0, 0, 90))
 
         self.beside(add_sky, turned)
@@ -394,7 +395,8 @@ class Export(InBlender):
         bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "user ä.blend"))
         text, gltf = self.export()
         # The cube and the copy that is seen, of one mesh; and twice that of the library, whose finer mesh is that of renders.
-        counts = [gltf["accessors"][gltf["meshes"][node["mesh"]]["primitives"][0]["attributes"]["POSITION"]]["count"] for node in gltf["nodes"]]
+        positions = [gltf["meshes"][node["mesh"]]["primitives"][0]["attributes"]["POSITION"] for node in gltf["nodes"]]
+        counts = [gltf["accessors"][position]["count"] for position in positions]
         self.assertEqual(len(gltf["meshes"]), 2)
         self.assertEqual(sorted(counts)[:2], [24, 24])
         self.assertEqual(len(counts), 4)
@@ -429,7 +431,8 @@ class Export(InBlender):
         self.scene.collection.objects.link(copy)
         copy.material_slots[0].link, copy.material_slots[0].material = "OBJECT", bpy.data.materials.new("Own")
         _, gltf = self.export()
-        used = [[gltf["materials"][part["material"]]["name"] for part in gltf["meshes"][node["mesh"]]["primitives"]] for node in gltf["nodes"]]
+        parts = [gltf["meshes"][node["mesh"]]["primitives"] for node in gltf["nodes"]]
+        used = [[gltf["materials"][part["material"]]["name"] for part in each] for each in parts]
         self.assertEqual(sorted(used), [["Material", "Second"], ["Own", "Second"]])
         self.assertEqual(len(gltf["images"]), 1)
 
@@ -526,6 +529,19 @@ class Stop(InBlender):
         self.f12()
         self.assertFalse(image.exists())
 
+    def test_samples_of_another_image_of_the_world_are_dropped(self):
+        self.stage()
+        sky = add_sky()
+        file = self.folder / "sky.hdr"
+        file.write_bytes(data := pathlib.Path(sky.image.filepath).read_bytes())
+        sky.image.filepath = str(file)
+        before = self.f12()["Combined"]
+        # Twice the light: its exponents are one more. The exported files are the same.
+        header = data.index(b"+X 32\n") + 6
+        codes = np.frombuffer(data[header:], np.uint8).reshape(-1, 4) + np.uint8([0, 0, 0, 1])
+        file.write_bytes(data[:header] + codes.tobytes())
+        np.testing.assert_allclose(self.f12()["Combined"][..., :3], 2 * before[..., :3], rtol=1e-5)
+
     def test_esc_while_exporting(self):
         with self.run_until(lambda is_program, seconds: not is_program and seconds > 0.2):
             bpy.ops.render.render()
@@ -545,7 +561,7 @@ class Errors(InBlender):
     def test_program(self):
         for script, words in (
             (None, "The program gpu-rt is not on PATH: install it, or set Preferences > Add-ons"),
-            ("#!/bin/sh\necho \"error: unexpected argument '--light-paths' found\" >&2; exit 2\n", "gpu-rt has failed: unexpected argument"),
+            ("#!/bin/sh\necho \"error: unexpected argument '--aov' found\" >&2; exit 2\n", "gpu-rt has failed: unexpected argument"),
             ("#!/bin/sh\nkill -9 $$\n", "gpu-rt has failed: it ended with status -9"),
             ("#!/bin/sh\necho hello\n", "gpu-rt has written no image: is it gpu-rt?"),
             ("no program", "gpu-rt cannot be started: "),
@@ -599,6 +615,9 @@ class Losses(InBlender):
         texture.image.source, texture.image.filepath = "FILE", "//nowhere.png"
         tree.links.new(texture.outputs["Color"], shader.inputs["Emission Color"])
         tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs["Volume"], output.inputs["Volume"])
+        mix = tree.nodes.new("ShaderNodeMix")
+        mix.data_type = "RGBA"
+        tree.links.new(mix.outputs["Result"], noise.inputs["Vector"])
         cube = bpy.data.objects["Cube"]
         cube.modifiers.new("Hair", "PARTICLE_SYSTEM")
         cube.particle_systems[0].settings.type = "HAIR"
@@ -607,13 +626,20 @@ class Losses(InBlender):
         add_lamp("AREA", 10, (0, 0, 5), spread=math.radians(60))
         add_lamp("SPOT", 10, (0, 0, 5), shadow_soft_size=0.1)
         self.scene.render.use_motion_blur = self.scene.render.film_transparent = True
+        library = self.folder / "gone.blend"
+        bpy.data.libraries.write(str(library), {bpy.data.lights["Light"]})
+        with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+            wanted.lights = ["Light"]
+        library.unlink()
         told = losses.losses(self.scene, bpy.context.view_layer)
         for expected in (
             ("Cube", "Material: subsurface"), ("Cube", "Material: procedural texture: Noise Texture"), ("Cube", "Material: its volume"),
+            ("Cube", "Material: node: Mix"),
             ("Cube", "Material: its image Lost: there is no such file"), ("Cube", "hair: Hair"),
             ("Cube", "it is not hidden from rays (shadow)"), ("Volume", "a volume"),
             ("Area", "its spread: it shines in all directions"), ("Spot", "its radius: its shadows are sharp"),
-            ("Scene", "motion blur"), ("Scene", "the transparent film: the world is in the image"),
+            ("Scene", "motion blur"), ("Scene", "the library gone.blend: there is no such file"),
+            ("Scene", "the transparent film: the world is in the image"),
         ):
             self.assertIn(expected, told)
 
@@ -638,7 +664,7 @@ class Losses(InBlender):
         self.assertEqual(drawn, ["samples", "noise", "time", "denoise", "light_paths", "device"])
         # Panels of materials and lamps are shown, those of EEVEE's settings are not.
         shared = {each.__name__ for each in panel.shared()}
-        self.assertLessEqual({"EEVEE_MATERIAL_PT_surface", "DATA_PT_EEVEE_light", "DATA_PT_camera", "RENDER_PT_color_management"}, shared)
+        self.assertLessEqual({"EEVEE_MATERIAL_PT_surface", "DATA_PT_EEVEE_light", "RENDER_PT_color_management"}, shared)
         # DATA_PT_light is that of engines without EEVEE's.
         self.assertFalse([name for name in shared if name.startswith("RENDER_PT_eevee") or name == "DATA_PT_light"])
 
