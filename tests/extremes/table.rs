@@ -195,8 +195,8 @@ pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> 
         let without = of.iter().filter(|cell| !from.contains(cell));
         without.map(|(row, figure, range)| format!("{row}, {range}: {figure}: {fault}")).collect()
     };
-    all.extend(missing(&wanted, &there, "in docs/extremes.md, and there is no such cell"));
-    all.extend(missing(&there, &wanted, "the cell is not in docs/extremes.md, which `GPU_RT_RENEW=1` writes anew"));
+    all.extend(missing(&wanted, &there, "in docs/dev/extremes.md, and there is no such cell"));
+    all.extend(missing(&there, &wanted, "the cell is not in docs/dev/extremes.md, which `GPU_RT_RENEW=1` writes anew"));
     if BTreeSet::from_iter(&there).len() < there.len() {
         all.push("two cells are the same".to_string());
     }
@@ -225,7 +225,7 @@ fn by_figure(cells: &[Cell], row: Row) -> Vec<(&'static str, Vec<&Cell>)> {
     all
 }
 
-/// The document: docs/extremes.md.
+/// The document: docs/dev/extremes.md.
 pub fn document(cells: &[Cell], driver: &str) -> String {
     let mut text = format!(
         "# Extremes\n\n\

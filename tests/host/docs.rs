@@ -193,7 +193,7 @@ fn every_promise_names_tests_that_exist() {
 #[test]
 fn a_promise_that_no_test_keeps_is_found() {
     let text = "## A\n- **Kept.** So it is ([`d`](../tests/host/docs.rs):\n  `a_broken_link_is_found`, `every_link_leads_somewhere`; [`d`](../tests/host/docs.rs): `gone`).\n\
-                - **Not.** See [there](docs/conventions.md): `x`.\n- **No test.** ([`d`](../tests/host/docs.rs): `root`) [`e`](../tests/no.rs): `f`\n## B\n- no promise\n";
+                - **Not.** See [there](docs/dev/conventions.md): `x`.\n- **No test.** ([`d`](../tests/host/docs.rs): `root`) [`e`](../tests/no.rs): `f`\n## B\n- no promise\n";
     let promises = bullets(text, "## A");
     assert_eq!(named_tests(&promises[0]).len(), 3);
     let wrong = unkept(&promises);
