@@ -117,7 +117,7 @@ soak: toolchain
 test-drivers: toolchain oidn
 	tests/drivers/matrix.sh
 
-# docs/accuracy.md with its plots, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
+# docs/accuracy.md with its plots and accuracy.tsv, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
 BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain oidn

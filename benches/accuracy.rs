@@ -1,4 +1,4 @@
-//! Writes docs/accuracy.md: the findings of `gpu-rt tradeoff` on scenes of this repository.
+//! Writes docs/accuracy.md, the findings of `gpu-rt tradeoff` on scenes of this repository, and docs/accuracy.tsv with all their settings.
 //!
 //! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. Denoising is measured in sweeps of its own, of half that;
 //! `--denoising` measures and writes that section alone. GPU_RT_BENCH_DEVICE names the
@@ -117,11 +117,6 @@ fn short(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// Text in a cell of a table.
-fn cell(text: &str) -> String {
-    text.replace('|', "\\|")
-}
-
 fn measure(path: &'static str, budget: &str, folder: &Path) -> Result<Report> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let scene = path.rsplit('/').next().unwrap_or(path);
@@ -156,7 +151,7 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
     let first = &reports[0];
     let mut text = format!(
         "# Accuracy\n\nWhat the settings of `gpu-rt render` trade: seconds against noise and bias, measured by `gpu-rt tradeoff` on {} scenes.\n\
-         Written by `make accuracy`; do not edit. [comparing.md](comparing.md#the-trade-measured) says what the numbers mean.\n\n\
+         Written by `make accuracy`; do not edit. [accuracy.tsv](accuracy.tsv) has all settings of each scene. [comparing.md](comparing.md#the-trade-measured) says what the numbers mean.\n\n\
          Measured on {} ({}), {}, {budget} per scene. On another device the advice may differ.\n\n{CAPTION} \
          A bias is that of the mean radiance, relative to the defaults with the same random numbers.\n\n",
         reports.len(),
@@ -430,31 +425,31 @@ fn section(report: &Report) -> String {
     for advice in report.json["recommendations"].as_array().into_iter().flatten() {
         let _ = writeln!(text, "- **{}**", words(&advice["words"]));
     }
-    // The document states above what all biases are relative to.
+    // How much was measured is in the file of all settings.
     let bases = report.json["basis"].as_array().into_iter().flatten();
-    for basis in bases.filter(|basis| !words(basis).starts_with("biases are differences from the defaults")) {
+    for basis in bases.filter(|basis| words(basis).contains("unreliable")) {
         let _ = writeln!(text, "- {}", words(basis));
     }
-    let _ = writeln!(text, "\n![Error against seconds](plots/{})\n", plot(report.scene));
-    for left_out in report.json["left_out"].as_array().into_iter().flatten() {
-        let _ = writeln!(text, "{}\n", words(left_out));
-    }
-    text += "| setting | to 1e-1 | to 1e-2 | to 1e-3 | bias of the mean | s / sample | noise | verdict |\n|---|---:|---:|---:|---:|---:|---:|---|\n";
-    for setting in report.settings() {
-        let verdict = cell(&words(&setting.0["verdict"]));
-        if !setting.is("measured") {
-            let _ = writeln!(text, "| `{}` | | | | | | | {verdict} |", setting.name());
-            continue;
+    let _ = writeln!(text, "\n![Error against seconds](plots/{})", plot(report.scene));
+    text
+}
+
+/// A line for each setting of each scene, with tabs between the columns.
+fn all_settings(reports: &[Report]) -> String {
+    let mut text = "scene\tsetting\tto 1e-1\tto 1e-2\tto 1e-3\tbias of the mean\ts / sample\tnoise\tverdict\n".to_string();
+    for report in reports {
+        for setting in report.settings() {
+            let (scene, name) = (report.scene, setting.name());
+            let verdict = setting.0["verdict"].as_str().unwrap_or_default().replace('`', "");
+            if !setting.is("measured") {
+                let _ = writeln!(text, "{scene}\t{name}\t\t\t\t\t\t\t{verdict}");
+                continue;
+            }
+            let [a, b, c] = [0, 1, 2].map(|target| time_text(setting.time(target)));
+            let (bias, seconds) = (setting.bias(true), short(setting.number("seconds_per_sample")));
+            let noise = short(setting.number("variance_1spp"));
+            let _ = writeln!(text, "{scene}\t{name}\t{a}\t{b}\t{c}\t{bias}\t{seconds}\t{noise}\t{verdict}");
         }
-        let [a, b, c] = [0, 1, 2].map(|target| time_text(setting.time(target)));
-        let _ = writeln!(
-            text,
-            "| `{}` | {a} | {b} | {c} | {} | {} | {} | {verdict} |",
-            setting.name(),
-            setting.bias(true),
-            short(setting.number("seconds_per_sample")),
-            short(setting.number("variance_1spp")),
-        );
     }
     text
 }
@@ -481,6 +476,9 @@ fn main() -> Result<()> {
         }
     }
     let section = denoising(&denoised, &half);
+    if !denoising_alone {
+        fs::write(path.with_extension("tsv"), all_settings(&reports))?;
+    }
     let document = match denoising_alone {
         true => with_denoising(&fs::read_to_string(&path)?, &section)?,
         false => document(&reports, &section, budget),
