@@ -128,7 +128,7 @@ scaling: export NODEVICE_SELECT = 1
 scaling: toolchain
 	$(CARGO) bench --bench scaling
 
-# Every kernel compiled for GPUs that are not here, compared with docs/gpu.md; GPU_RT_RENEW=1 writes its tables anew.
+# Every kernel compiled for GPUs that are not here, compared with docs/dev/gpu-kernels.tsv, which GPU_RT_RENEW=1 writes anew.
 gpu-compile: export NODEVICE_SELECT = 1
 gpu-compile: toolchain
 	@command -v spirv-val >/dev/null || $(call install, spirv-tools, spirv-val is missing)
