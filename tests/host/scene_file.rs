@@ -1,5 +1,6 @@
 //! docs/scene.md follows from the declarations that the program checks scene files by, and these are those that serde reads.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -45,14 +46,20 @@ fn document() -> String {
     );
     for (group, forms) in groups() {
         let _ = write!(out, "\n## {group}\n\n{}\n", introduction(group));
+        let mut said = Said::new();
         for form in forms {
-            write_form(&mut out, form);
+            write_form(&mut out, form, &mut said);
         }
     }
     out
 }
 
-fn write_form(out: &mut String, form: &Form) {
+/// Meanings of fields, with the name of the form whose section has them.
+type Said = HashMap<(&'static str, &'static str), &'static str>;
+/// A meaning of more words is written once in a group.
+const SHORT: usize = 6;
+
+fn write_form(out: &mut String, form: &Form, said: &mut Said) {
     let Form { name, about, fields, in_order, example } = form;
     let _ = write!(out, "\n### {name}\n\n{}\n\n```ron\n{example}\n```\n", wrapped(about));
     let order = if *in_order && fields.len() > 1 { ", in this order" } else { "" };
@@ -62,6 +69,11 @@ fn write_form(out: &mut String, form: &Form) {
             _ if default.is_empty() => String::new(),
             true => (*default).to_owned(),
             false => format!("`{default}`"),
+        };
+        let first = *said.entry((*name, *about)).or_insert(form.name);
+        let about = match first != form.name && about.split(' ').count() > SHORT {
+            true => format!("As of [{first}](#{}).", first.to_lowercase()),
+            false => (*about).to_owned(),
         };
         let _ = writeln!(out, "| `{name}` | {} | {default} | {about} |", in_full(takes));
     }
