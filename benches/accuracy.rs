@@ -356,12 +356,9 @@ fn measure_denoised(path: &'static str, budget: &str, denoiser: &Denoiser, folde
 /// What denoising changes: a row for each scene.
 fn denoising(all: &[Denoised], budget: &str) -> String {
     let mut text = format!(
-        "{DENOISING}\n[`--denoise`](denoising.md) beside the defaults, in sweeps of {budget} over the middle of each image. Its pixels are as small as those of \
-         the full image unless the budget is too short for that, which the second column tells: a denoiser loses more of the detail in larger pixels. \
-         Seconds are for the full image, as if all of it were like the middle, on the machine as it was during these sweeps, other load included: \
-         compare them within a row. Each pair is the defaults → `--denoise`. FLIP is that of an image with 4, \
-         16 and 64 samples against the mean image of all rounds of the defaults. That image's own noise (its relative MSE is in the third column) makes all \
-         FLIPs larger. The bias and bias² (a relative MSE) are those with 16 samples. –: not reached with 64 times the samples.\n\n\
+        "{DENOISING}\n[`--denoise`](denoising.md) beside the defaults, in sweeps of {budget} over the middle of each image, with pixels as small as those of the full image unless the second \
+         column says otherwise. Each pair is the defaults → `--denoise`, in seconds for the full image: compare them within a row. FLIP is that of an image with 4, 16 and 64 samples \
+         against the mean of all rounds, whose own noise (third column) makes all FLIPs larger. Bias and bias² are those with 16 samples. –: not reached with 64 times the samples.\n\n\
          | scene | measured at | noise of the mean | FLIP with 4 samples | 16 | 64 | to FLIP 0.05 | to relative MSE 1e-2 | s / sample | denoising takes | bias of the \
          mean | bias² |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
     );
@@ -422,10 +419,7 @@ fn with_denoising(document: &str, section: &str) -> Result<String> {
 fn section(report: &Report) -> String {
     let mut text = format!("\n## {}\n\n", report.scene);
     let words = |value: &Value| value.as_str().unwrap_or_default().to_string();
-    for advice in report.json["recommendations"].as_array().into_iter().flatten() {
-        let _ = writeln!(text, "- **{}**", words(&advice["words"]));
-    }
-    // How much was measured is in the file of all settings.
+    // What is advised follows from the tables, and how much was measured is in the file of all settings.
     let bases = report.json["basis"].as_array().into_iter().flatten();
     for basis in bases.filter(|basis| words(basis).contains("unreliable")) {
         let _ = writeln!(text, "- {}", words(basis));
@@ -436,7 +430,8 @@ fn section(report: &Report) -> String {
 
 /// A line for each setting of each scene, with tabs between the columns.
 fn all_settings(reports: &[Report]) -> String {
-    let mut text = "scene\tsetting\tto 1e-1\tto 1e-2\tto 1e-3\tbias of the mean\ts / sample\tnoise\tverdict\n".to_string();
+    let mut text =
+        "scene\tsetting\tto 1e-1\tto 1e-2\tto 1e-3\tbias of the mean\ts / sample\tnoise\tverdict\n".to_string();
     for report in reports {
         for setting in report.settings() {
             let (scene, name) = (report.scene, setting.name());

@@ -226,8 +226,15 @@ pub fn file(cells: &[Cell]) -> String {
         for cell in of_row(cells, *row) {
             let planted: Vec<String> =
                 cell.planted.iter().map(|(form, figure)| format!("{form}: {}", short(*figure))).collect();
-            let columns =
-                [name, cell.figure, &cell.range, &short(cell.limit), &cell.outcome(), &planted.join("; "), cell.because];
+            let columns = [
+                name,
+                cell.figure,
+                &cell.range,
+                &short(cell.limit),
+                &cell.outcome(),
+                &planted.join("; "),
+                cell.because,
+            ];
             let _ = writeln!(text, "{}", columns.join("\t"));
         }
     }
@@ -336,7 +343,9 @@ mod tests {
     fn the_page_has_the_cell_of_each_row_that_is_nearest_to_its_limit() {
         let mut cells = full();
         cells.push(Cell::new(Row::Gap, "the worst", "error", 2.0, "").achieved(1.9));
-        cells.push(Cell::new(Row::Gap, "unresolved", "error", 2.0, "").achieved(3.0).warns(vec!["too near".to_string()]));
+        cells.push(
+            Cell::new(Row::Gap, "unresolved", "error", 2.0, "").achieved(3.0).warns(vec!["too near".to_string()]),
+        );
         let page = page(&cells, "a driver");
         assert!(page.contains("| gaps between surfaces | 3 | error; the worst | 2 | 1.9e0 |"), "{page}");
         assert_eq!(page.lines().filter(|line| line.starts_with("| ")).count(), ROWS.len() + 1);

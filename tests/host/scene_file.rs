@@ -83,13 +83,13 @@ fn write_form(out: &mut String, form: &Form, said: &mut Said) {
 fn in_full(takes: &Takes) -> String {
     let words = match takes {
         Takes::Colour(range) | Takes::Texture(range) if *range == gpu_rt::source::Range::ANY => takes.words(),
-        Takes::Colour(range) => format!("{}, each {range}", takes.words()),
-        Takes::Varying(range) => format!("a number {range}, or a [texture](#textures) of it"),
-        Takes::Texture(range) => format!("a [texture](#textures), each channel {range}"),
+        Takes::Colour(range) => format!("(r, g, b), each {range}"),
+        Takes::Varying(range) => format!("a number {range}, or a [texture](#textures)"),
+        Takes::Texture(range) => format!("a [texture](#textures) {range}"),
         Takes::Number(_, unit) if ["scene units", "per scene unit"].contains(unit) => {
             format!("{}, {}{unit}", takes.words(), if unit.starts_with("per") { "" } else { "in " })
         }
-        Takes::Point => format!("{}, in scene units", takes.words()),
+        Takes::Point => "(x, y, z), in scene units".to_owned(),
         _ => takes.words(),
     };
     words.replace('|', "\\|")
