@@ -30,9 +30,6 @@ const SCENES: [&str; 6] = [
 ];
 /// The target whose times are compared over all scenes: its index among the report's targets.
 const MIDDLE: usize = 1;
-/// A smaller ratio is no difference between settings (`tradeoff::model`).
-const NO_DIFFERENCE: f64 = 1.15;
-
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// A scene's report, the contents of `tradeoff.json`.
@@ -83,10 +80,6 @@ impl<'a> Setting<'a> {
 
     fn time(self, target: usize) -> Option<f64> {
         self.0["seconds_to"][target]["seconds"].as_f64()
-    }
-
-    fn declared_unbiased(self) -> bool {
-        self.0["class"] == "exact" || self.0["class"] == "noise"
     }
 
     fn loses_detail(self) -> bool {
@@ -176,19 +169,7 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
         );
     }
     text += "\n## All settings\n\n";
-    let lists = [
-        ("Faster than the defaults to a relative MSE of 1e-2, without bias", unbiased as fn(&Report) -> Vec<String>),
-        ("Faster, with a bias", biased),
-        ("Faster, with less detail", coarser),
-        ("Slower by half or more, without bias", later),
-        ("Unreliable, because of rare bright paths or too few rounds", unreliable),
-    ];
-    for (heading, list) in lists {
-        let found: Vec<String> = reports.iter().flat_map(list).collect();
-        let found = if found.is_empty() { "nothing".to_string() } else { found.join("; ") };
-        let _ = writeln!(text, "- {heading}: {found}.");
-    }
-    text += "\nThe table has the ratio of the seconds to a relative MSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
+    text += "The table has the ratio of the seconds to a relative MSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
              15 % is no difference. *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. \
              Empty: not measured.\n\n";
     text += &overview(reports);
@@ -197,59 +178,6 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
         text += &section(report);
     }
     text
-}
-
-/// The settings of a report that satisfy a condition on them and their ratio, after a link to the scene.
-fn list(
-    report: &Report,
-    condition: impl Fn(Setting<'_>, f64) -> bool,
-    words: impl Fn(Setting<'_>, f64) -> String,
-) -> Vec<String> {
-    let known = report.settings().filter(|setting| setting.is("measured") && setting.name() != "defaults");
-    let rated = known.filter_map(|setting| Some((setting, report.ratio(setting)?)));
-    let found: Vec<String> =
-        rated.filter(|(s, ratio)| condition(*s, *ratio)).map(|(s, ratio)| words(s, ratio)).collect();
-    if found.is_empty() { Vec::new() } else { vec![format!("{} {}", report.link(), found.join(", "))] }
-}
-
-fn times(setting: Setting<'_>, ratio: f64) -> String {
-    format!("`{}` × {ratio:.2}", setting.name())
-}
-
-fn unbiased(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| {
-        s.is("reliable") && s.declared_unbiased() && !s.is("biased") && ratio * NO_DIFFERENCE < 1.0
-    };
-    list(report, sooner, times)
-}
-
-fn biased(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| {
-        s.is("reliable") && !s.declared_unbiased() && !s.loses_detail() && ratio * NO_DIFFERENCE < 1.0
-    };
-    list(report, sooner, |s, ratio| format!("{} ({} of the light)", times(s, ratio), s.bias(false)))
-}
-
-fn coarser(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.loses_detail() && ratio * NO_DIFFERENCE < 1.0;
-    list(report, sooner, |s, ratio| {
-        format!("{} (a relative MSE of {:.0e} remains)", times(s, ratio), s.number("squared_bias"))
-    })
-}
-
-fn later(report: &Report) -> Vec<String> {
-    let later = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.declared_unbiased() && ratio > 1.5;
-    list(report, later, times)
-}
-
-fn unreliable(report: &Report) -> Vec<String> {
-    let measured: Vec<Setting<'_>> = report.settings().filter(|setting| setting.is("measured")).collect();
-    let found: Vec<String> = measured.iter().filter(|s| !s.is("reliable")).map(|s| format!("`{}`", s.name())).collect();
-    match found.len() {
-        0 => Vec::new(),
-        n if n * 2 > measured.len() => vec![format!("{} {n} of {} settings", report.link(), measured.len())],
-        _ => vec![format!("{} {}", report.link(), found.join(", "))],
-    }
 }
 
 /// A row for each setting, a column for each scene.

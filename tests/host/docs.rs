@@ -181,6 +181,13 @@ fn the_readme_is_short_and_begins_with_what_it_is_and_the_two_commands() {
     }
 }
 
+/// What grows by a sentence here and there is read by nobody. Figures by the hundred belong into files beside the documents.
+#[test]
+fn the_documents_have_at_most_60000_words() {
+    let words: usize = documents().iter().map(|path| read(path).split_whitespace().count()).sum();
+    assert!(words <= 60_000, "{words} words: say each thing once, and link to it");
+}
+
 #[test]
 fn every_promise_names_tests_that_exist() {
     let promises = bullets(&read(&root().join("docs/promises.md")), "# What it promises");
