@@ -146,7 +146,7 @@ soak: toolchain
 test-drivers: toolchain oidn
 	tests/drivers/matrix.sh
 
-# docs/accuracy.md with its plots, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
+# docs/accuracy.md with its plots and accuracy.tsv, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
 BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain oidn
@@ -157,7 +157,7 @@ scaling: export NODEVICE_SELECT = 1
 scaling: toolchain
 	$(CARGO) bench --bench scaling
 
-# Every kernel compiled for GPUs that are not here, compared with docs/gpu.md; GPU_RT_RENEW=1 writes its tables anew.
+# Every kernel compiled for GPUs that are not here, compared with docs/dev/gpu-kernels.tsv, which GPU_RT_RENEW=1 writes anew.
 gpu-compile: export NODEVICE_SELECT = 1
 gpu-compile: toolchain
 	@command -v spirv-val >/dev/null || $(call install, spirv-tools, spirv-val is missing)

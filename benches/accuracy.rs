@@ -1,4 +1,4 @@
-//! Writes docs/accuracy.md: the findings of `gpu-rt tradeoff` on scenes of this repository.
+//! Writes docs/accuracy.md, the findings of `gpu-rt tradeoff` on scenes of this repository, and docs/accuracy.tsv with all their settings.
 //!
 //! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. Denoising is measured in sweeps of its own, of half that;
 //! `--denoising` measures and writes that section alone. GPU_RT_BENCH_DEVICE names the
@@ -30,9 +30,6 @@ const SCENES: [&str; 6] = [
 ];
 /// The target whose times are compared over all scenes: its index among the report's targets.
 const MIDDLE: usize = 1;
-/// A smaller ratio is no difference between settings (`tradeoff::model`).
-const NO_DIFFERENCE: f64 = 1.15;
-
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// A scene's report, the contents of `tradeoff.json`.
@@ -85,10 +82,6 @@ impl<'a> Setting<'a> {
         self.0["seconds_to"][target]["seconds"].as_f64()
     }
 
-    fn declared_unbiased(self) -> bool {
-        self.0["class"] == "exact" || self.0["class"] == "noise"
-    }
-
     fn loses_detail(self) -> bool {
         self.0["class"] == "detail"
     }
@@ -115,11 +108,6 @@ impl<'a> Setting<'a> {
 fn short(value: f64) -> String {
     let digits = (2.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.digits$}")
-}
-
-/// Text in a cell of a table.
-fn cell(text: &str) -> String {
-    text.replace('|', "\\|")
 }
 
 fn measure(path: &'static str, budget: &str, folder: &Path) -> Result<Report> {
@@ -156,7 +144,7 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
     let first = &reports[0];
     let mut text = format!(
         "# Accuracy\n\nWhat the settings of `gpu-rt render` trade: seconds against noise and bias, measured by `gpu-rt tradeoff` on {} scenes.\n\
-         Written by `make accuracy`; do not edit. [comparing.md](comparing.md#the-trade-measured) says what the numbers mean.\n\n\
+         Written by `make accuracy`; do not edit. [accuracy.tsv](accuracy.tsv) has all settings of each scene. [comparing.md](comparing.md#the-trade-measured) says what the numbers mean.\n\n\
          Measured on {} ({}), {}, {budget} per scene. On another device the advice may differ.\n\n{CAPTION} \
          A bias is that of the mean radiance, relative to the defaults with the same random numbers.\n\n",
         reports.len(),
@@ -181,19 +169,7 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
         );
     }
     text += "\n## All settings\n\n";
-    let lists = [
-        ("Faster than the defaults to a relative MSE of 1e-2, without bias", unbiased as fn(&Report) -> Vec<String>),
-        ("Faster, with a bias", biased),
-        ("Faster, with less detail", coarser),
-        ("Slower by half or more, without bias", later),
-        ("Unreliable, because of rare bright paths or too few rounds", unreliable),
-    ];
-    for (heading, list) in lists {
-        let found: Vec<String> = reports.iter().flat_map(list).collect();
-        let found = if found.is_empty() { "nothing".to_string() } else { found.join("; ") };
-        let _ = writeln!(text, "- {heading}: {found}.");
-    }
-    text += "\nThe table has the ratio of the seconds to a relative MSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
+    text += "The table has the ratio of the seconds to a relative MSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
              15 % is no difference. *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. \
              Empty: not measured.\n\n";
     text += &overview(reports);
@@ -202,59 +178,6 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
         text += &section(report);
     }
     text
-}
-
-/// The settings of a report that satisfy a condition on them and their ratio, after a link to the scene.
-fn list(
-    report: &Report,
-    condition: impl Fn(Setting<'_>, f64) -> bool,
-    words: impl Fn(Setting<'_>, f64) -> String,
-) -> Vec<String> {
-    let known = report.settings().filter(|setting| setting.is("measured") && setting.name() != "defaults");
-    let rated = known.filter_map(|setting| Some((setting, report.ratio(setting)?)));
-    let found: Vec<String> =
-        rated.filter(|(s, ratio)| condition(*s, *ratio)).map(|(s, ratio)| words(s, ratio)).collect();
-    if found.is_empty() { Vec::new() } else { vec![format!("{} {}", report.link(), found.join(", "))] }
-}
-
-fn times(setting: Setting<'_>, ratio: f64) -> String {
-    format!("`{}` × {ratio:.2}", setting.name())
-}
-
-fn unbiased(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| {
-        s.is("reliable") && s.declared_unbiased() && !s.is("biased") && ratio * NO_DIFFERENCE < 1.0
-    };
-    list(report, sooner, times)
-}
-
-fn biased(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| {
-        s.is("reliable") && !s.declared_unbiased() && !s.loses_detail() && ratio * NO_DIFFERENCE < 1.0
-    };
-    list(report, sooner, |s, ratio| format!("{} ({} of the light)", times(s, ratio), s.bias(false)))
-}
-
-fn coarser(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.loses_detail() && ratio * NO_DIFFERENCE < 1.0;
-    list(report, sooner, |s, ratio| {
-        format!("{} (a relative MSE of {:.0e} remains)", times(s, ratio), s.number("squared_bias"))
-    })
-}
-
-fn later(report: &Report) -> Vec<String> {
-    let later = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.declared_unbiased() && ratio > 1.5;
-    list(report, later, times)
-}
-
-fn unreliable(report: &Report) -> Vec<String> {
-    let measured: Vec<Setting<'_>> = report.settings().filter(|setting| setting.is("measured")).collect();
-    let found: Vec<String> = measured.iter().filter(|s| !s.is("reliable")).map(|s| format!("`{}`", s.name())).collect();
-    match found.len() {
-        0 => Vec::new(),
-        n if n * 2 > measured.len() => vec![format!("{} {n} of {} settings", report.link(), measured.len())],
-        _ => vec![format!("{} {}", report.link(), found.join(", "))],
-    }
 }
 
 /// A row for each setting, a column for each scene.
@@ -361,12 +284,9 @@ fn measure_denoised(path: &'static str, budget: &str, denoiser: &Denoiser, folde
 /// What denoising changes: a row for each scene.
 fn denoising(all: &[Denoised], budget: &str) -> String {
     let mut text = format!(
-        "{DENOISING}\n[`--denoise`](denoising.md) beside the defaults, in sweeps of {budget} over the middle of each image. Its pixels are as small as those of \
-         the full image unless the budget is too short for that, which the second column tells: a denoiser loses more of the detail in larger pixels. \
-         Seconds are for the full image, as if all of it were like the middle, on the machine as it was during these sweeps, other load included: \
-         compare them within a row. Each pair is the defaults → `--denoise`. FLIP is that of an image with 4, \
-         16 and 64 samples against the mean image of all rounds of the defaults. That image's own noise (its relative MSE is in the third column) makes all \
-         FLIPs larger. The bias and bias² (a relative MSE) are those with 16 samples. –: not reached with 64 times the samples.\n\n\
+        "{DENOISING}\n[`--denoise`](denoising.md) beside the defaults, in sweeps of {budget} over the middle of each image, with pixels as small as those of the full image unless the second \
+         column says otherwise. Each pair is the defaults → `--denoise`, in seconds for the full image: compare them within a row. FLIP is that of an image with 4, 16 and 64 samples \
+         against the mean of all rounds, whose own noise (third column) makes all FLIPs larger. Bias and bias² are those with 16 samples. –: not reached with 64 times the samples.\n\n\
          | scene | measured at | noise of the mean | FLIP with 4 samples | 16 | 64 | to FLIP 0.05 | to relative MSE 1e-2 | s / sample | denoising takes | bias of the \
          mean | bias² |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
     );
@@ -427,34 +347,32 @@ fn with_denoising(document: &str, section: &str) -> Result<String> {
 fn section(report: &Report) -> String {
     let mut text = format!("\n## {}\n\n", report.scene);
     let words = |value: &Value| value.as_str().unwrap_or_default().to_string();
-    for advice in report.json["recommendations"].as_array().into_iter().flatten() {
-        let _ = writeln!(text, "- **{}**", words(&advice["words"]));
-    }
-    // The document states above what all biases are relative to.
+    // What is advised follows from the tables, and how much was measured is in the file of all settings.
     let bases = report.json["basis"].as_array().into_iter().flatten();
-    for basis in bases.filter(|basis| !words(basis).starts_with("biases are differences from the defaults")) {
+    for basis in bases.filter(|basis| words(basis).contains("unreliable")) {
         let _ = writeln!(text, "- {}", words(basis));
     }
-    let _ = writeln!(text, "\n![Error against seconds](plots/{})\n", plot(report.scene));
-    for left_out in report.json["left_out"].as_array().into_iter().flatten() {
-        let _ = writeln!(text, "{}\n", words(left_out));
-    }
-    text += "| setting | to 1e-1 | to 1e-2 | to 1e-3 | bias of the mean | s / sample | noise | verdict |\n|---|---:|---:|---:|---:|---:|---:|---|\n";
-    for setting in report.settings() {
-        let verdict = cell(&words(&setting.0["verdict"]));
-        if !setting.is("measured") {
-            let _ = writeln!(text, "| `{}` | | | | | | | {verdict} |", setting.name());
-            continue;
+    let _ = writeln!(text, "\n![Error against seconds](plots/{})", plot(report.scene));
+    text
+}
+
+/// A line for each setting of each scene, with tabs between the columns.
+fn all_settings(reports: &[Report]) -> String {
+    let mut text =
+        "scene\tsetting\tto 1e-1\tto 1e-2\tto 1e-3\tbias of the mean\ts / sample\tnoise\tverdict\n".to_string();
+    for report in reports {
+        for setting in report.settings() {
+            let (scene, name) = (report.scene, setting.name());
+            let verdict = setting.0["verdict"].as_str().unwrap_or_default().replace('`', "");
+            if !setting.is("measured") {
+                let _ = writeln!(text, "{scene}\t{name}\t\t\t\t\t\t\t{verdict}");
+                continue;
+            }
+            let [a, b, c] = [0, 1, 2].map(|target| time_text(setting.time(target)));
+            let (bias, seconds) = (setting.bias(true), short(setting.number("seconds_per_sample")));
+            let noise = short(setting.number("variance_1spp"));
+            let _ = writeln!(text, "{scene}\t{name}\t{a}\t{b}\t{c}\t{bias}\t{seconds}\t{noise}\t{verdict}");
         }
-        let [a, b, c] = [0, 1, 2].map(|target| time_text(setting.time(target)));
-        let _ = writeln!(
-            text,
-            "| `{}` | {a} | {b} | {c} | {} | {} | {} | {verdict} |",
-            setting.name(),
-            setting.bias(true),
-            short(setting.number("seconds_per_sample")),
-            short(setting.number("variance_1spp")),
-        );
     }
     text
 }
@@ -481,6 +399,9 @@ fn main() -> Result<()> {
         }
     }
     let section = denoising(&denoised, &half);
+    if !denoising_alone {
+        fs::write(path.with_extension("tsv"), all_settings(&reports))?;
+    }
     let document = match denoising_alone {
         true => with_denoising(&fs::read_to_string(&path)?, &section)?,
         false => document(&reports, &section, budget),

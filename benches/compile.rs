@@ -1,5 +1,5 @@
 //! Measures what kernels cost before the first pass, with an empty cache: processor seconds and seconds of the clock of
-//! `gpu-rt render SCENE --size 64x36 --spp 1`, as it is and with each way of linking. It prints a table for docs/performance.md.
+//! `gpu-rt render SCENE --size 64x36 --spp 1`, as it is and with each way of linking. It prints a table for docs/dev/performance.md.
 //!
 //! `cargo bench --bench compile [-- --program PATH]`: the program to measure, if it is not the one that cargo builds. Another driver: set
 //! `VK_DRIVER_FILES`.

@@ -1,5 +1,5 @@
-//! Compiles every kernel of the scenes that ship for real GPUs, on a machine without one, and compares the figures with the tables of
-//! docs/gpu.md. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes the tables anew. With `--variant unchecked` or `uncontracted` it
+//! Compiles every kernel of the scenes that ship for real GPUs, on a machine without one, and compares the figures with those of
+//! docs/dev/gpu-kernels.tsv. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes them anew. With `--variant unchecked` or `uncontracted` it
 //! prints what kernels without checks, or without fused products, take over those that it has.
 //!
 //! Mesa's RADV opens on no hardware at all where RADV_FORCE_FAMILY names a GPU. It compiles pipelines for it and says what they take,
@@ -8,7 +8,6 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::ffi::CString;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -33,7 +32,7 @@ struct Family {
     /// RADV's name for it.
     name: &'static str,
     what: &'static str,
-    /// Whether the document has the figures of every kernel, or only of those that spill.
+    /// Whether the file has the figures of every kernel, or only of those that spill.
     every_kernel: bool,
 }
 
@@ -44,7 +43,9 @@ const FAMILIES: [Family; 3] = [
 ];
 const WAYS: [(&str, Scatter); 3] =
     [("fused", Scatter::Fused), ("linked", Scatter::Linked), ("queues", Scatter::Queues)];
-const DOCUMENT: &str = "docs/gpu.md";
+/// All figures: a line for each kernel, with tabs between the columns.
+const FILE: &str = "docs/dev/gpu-kernels.tsv";
+const DOCUMENT: &str = "docs/dev/gpu-kernels.md";
 /// What stands below this line of the document is written by this program.
 const BEGIN: &str = "## Figures\n";
 /// A figure that grows by more than this factor is a fault.
@@ -88,7 +89,7 @@ impl Figures {
 type Key = (String, String, String);
 /// The figures of one GPU's kernels.
 type Table = BTreeMap<Key, Figures>;
-/// A row of the document: scene, ways of linking, kernel, figures.
+/// A row of the file: scene, ways of linking, kernel, figures.
 type Row = (String, String, String, Figures);
 
 /// A kernel as it is handed to the driver.
@@ -189,8 +190,10 @@ fn check() -> Result<()> {
     let document = root().join(DOCUMENT);
     let text = fs::read_to_string(&document)?;
     let (prose, committed) = text.split_once(BEGIN).ok_or(format!("{DOCUMENT} has no line `{}`", BEGIN.trim()))?;
+    let rows_there = fs::read_to_string(root().join(FILE))?;
     let renew = std::env::var_os("GPU_RT_RENEW").is_some();
     let (mut faults, mut written) = (Vec::new(), String::new());
+    let mut lines = format!("GPU\tscene\t--scatter\tkernel\t{}\n", FIGURES.map(|(_, head)| head).join("\t"));
     for family in &FAMILIES {
         let name = family.name;
         let (driver, figures) = compiled_for(name, folder.path())?;
@@ -202,22 +205,25 @@ fn check() -> Result<()> {
         let planted = table.remove(&planted_key()).ok_or("the planted kernel is missing")?;
         controls(&planted, &table)?;
         let head = format!("{name}: {}, by {driver}", family.what);
-        let (old, old_head) = section(committed, name);
-        let compares = Compares { figures: old_head == head, rows: family.every_kernel };
+        let old = figures_of(&rows_there, name);
+        let old_head = committed.lines().find(|line| line.starts_with(&format!("- {name}: "))).unwrap_or_default();
+        let compares = Compares { figures: old_head.starts_with(&format!("- {head}.")), rows: family.every_kernel };
         if !compares.figures && !renew {
             eprintln!("{head}: {DOCUMENT} has `{old_head}`, so only new spills are looked for");
         }
         faults.extend(worse(&table, &old, compares).into_iter().map(|fault| format!("{name}: {fault}")));
         let spilling = table.values().filter(|figures| figures.spills()).count();
         eprintln!("{head}: {spilling} of {all} kernels spill or use scratch");
-        written += &in_words(&head, &table, family.every_kernel);
+        written += &in_words(&head, &table);
+        lines += &in_lines(name, &table, family.every_kernel);
     }
     faults.iter().for_each(|fault| eprintln!("{fault}"));
     if renew {
-        fs::write(&document, format!("{prose}{BEGIN}{written}"))?;
-        eprintln!("{DOCUMENT} has these figures now");
+        fs::write(&document, format!("{prose}{BEGIN}\n{written}"))?;
+        fs::write(root().join(FILE), lines)?;
+        eprintln!("{FILE} has these figures now");
     } else if !faults.is_empty() {
-        return Err(format!("{} kernels differ from {DOCUMENT}; GPU_RT_RENEW=1 writes it anew", faults.len()).into());
+        return Err(format!("{} kernels differ from {FILE}; GPU_RT_RENEW=1 writes it anew", faults.len()).into());
     }
     Ok(())
 }
@@ -359,27 +365,24 @@ fn in_short((scene, way, kernel): &Key) -> String {
     format!("{scene}, --scatter {way}, {kernel}")
 }
 
-/// A GPU's part of the document: its heading, whether kernels spill, and a table of all kernels or of those that spill.
-fn in_words(head: &str, table: &Table, every_kernel: bool) -> String {
-    let rows = rows(table);
-    let spilling: Vec<&Row> = rows.iter().filter(|row| row.3.spills()).collect();
-    let names: Vec<_> = spilling.iter().map(|(scene, ways, kernel, _)| format!("{scene} {kernel} ({ways})")).collect();
-    let mut text = format!("\n### {head}\n\n");
-    text += &match names.is_empty() {
-        true => format!("None of the {} kernels spills or uses scratch.\n", table.len()),
-        false => format!("Kernels that spill or use scratch: {}.\n", names.join("; ")),
-    };
-    let shown = if every_kernel { rows.iter().collect() } else { spilling };
-    if !shown.is_empty() {
-        let heads = FIGURES.map(|(_, head)| head).join(" | ");
-        let rule = "--:|".repeat(FIGURES.len());
-        let _ = write!(text, "\n| scene | `--scatter` | kernel | {heads} |\n|---|---|---|{rule}\n");
+/// A GPU's line of the document: the driver, and whether kernels spill.
+fn in_words(head: &str, table: &Table) -> String {
+    let spilling = rows(table).into_iter().filter(|row| row.3.spills());
+    let names: Vec<_> = spilling.map(|(scene, ways, kernel, _)| format!("{scene} {kernel} ({ways})")).collect();
+    match names.is_empty() {
+        true => format!("- {head}. None of the {} kernels spills or uses scratch.\n", table.len()),
+        false => format!("- {head}. Kernels that spill or use scratch: {}.\n", names.join("; ")),
     }
-    for (scene, ways, kernel, figures) in shown {
-        let figures = figures.0.map(|figure| figure.to_string()).join(" | ");
-        let _ = writeln!(text, "| {scene} | {ways} | {kernel} | {figures} |");
-    }
-    text
+}
+
+/// A GPU's lines of the file: all kernels, or those that spill.
+fn in_lines(family: &str, table: &Table, every_kernel: bool) -> String {
+    let shown = rows(table).into_iter().filter(|row| every_kernel || row.3.spills());
+    let lines = shown.map(|(scene, ways, kernel, figures)| {
+        let figures = figures.0.map(|figure| figure.to_string()).join("\t");
+        format!("{family}\t{scene}\t{ways}\t{kernel}\t{figures}\n")
+    });
+    lines.collect()
 }
 
 /// The table with one row for the ways of linking in which a kernel has the same figures.
@@ -395,21 +398,20 @@ fn rows(table: &Table) -> Vec<Row> {
     rows
 }
 
-/// The table of a GPU in the document, and its heading.
-fn section<'a>(document: &'a str, family: &str) -> (Table, &'a str) {
-    let own = document.split("### ").find(|part| part.starts_with(&format!("{family}: "))).unwrap_or_default();
+/// The figures of a GPU's kernels in the file.
+fn figures_of(file: &str, family: &str) -> Table {
     let mut table = Table::new();
-    for line in own.lines().filter(|line| line.starts_with("| ")) {
-        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
-        let [scene, ways, kernel, figures @ ..] = &cells[..] else { continue };
+    for line in file.lines() {
+        let cells: Vec<&str> = line.split('\t').collect();
+        let [gpu, scene, ways, kernel, figures @ ..] = &cells[..] else { continue };
         let numbers: Vec<u64> = figures.iter().filter_map(|cell| cell.parse().ok()).collect();
         let Ok(figures) = numbers.try_into() else { continue };
         let figures = Figures(figures);
-        for way in ways.split(", ") {
+        for way in ways.split(", ").filter(|_| *gpu == family) {
             table.insert((scene.to_string(), way.to_string(), kernel.to_string()), figures.clone());
         }
     }
-    (table, own.lines().next().unwrap_or_default())
+    table
 }
 
 /// Khronos' validator on a kernel, as strict as for Vulkan 1.3.

@@ -20,7 +20,9 @@ pub const OIDN: &str = "The folder of the library of Open Image Denoise [default
 /// The scene, from a file or standard input.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
-    /// The scene: a .ron, .glb or .gltf file, or - for a .ron on standard input.
+    /// The scene: a .ron, .glb or .gltf file.
+    ///
+    /// - is a .ron on standard input.
     #[arg(id = "scene", value_name = "SCENE")]
     pub path: PathBuf,
     #[command(flatten)]
@@ -82,7 +84,8 @@ fn sun(text: &str) -> Result<(f64, f64), String> {
     angles.filter(fits).ok_or_else(|| "expected an elevation of at most 90 and an azimuth, such as 45,60".to_owned())
 }
 
-const GLTF: &str = "Scenes that are glTF";
+/// The heading of the options of glTF files in helps.
+pub const GLTF: &str = "Scenes that are glTF";
 
 /// Which paths are traced, and where.
 #[derive(Clone, Debug, Args)]
@@ -92,7 +95,9 @@ pub struct PathArgs {
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
-    /// The device, by its index or a part of its name as `gpu-rt devices` lists them. `render` also takes a list A,B,…, or `all` for all GPUs.
+    /// The device, by its index or a part of its name: `gpu-rt devices` lists them.
+    ///
+    /// `render` also takes a list A,B,…, or `all` for all GPUs.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
 }
@@ -103,7 +108,7 @@ pub struct ViewArgs {
     /// Exposure of the PNG, in stops.
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
     exposure: f64,
-    /// Curve of the PNG: `srgb` clips what is brighter than white; `soft` is the same with a shoulder, so that bright lamps keep a
+    /// Curve of the PNG: `srgb` clips what is brighter than white; `soft` is the same with a shoulder, on which lamps keep their
     /// hue; `neutral` is Khronos PBR Neutral; `filmic` is a film curve with darker shadows (ACES).
     #[arg(long, value_name = "CURVE", value_enum, default_value_t)]
     tonemap: Tonemap,

@@ -9,6 +9,7 @@ mod convert;
 mod denoise;
 mod develop;
 mod devices;
+mod hints;
 mod man;
 mod merge;
 mod outputs;
@@ -21,11 +22,12 @@ mod submit;
 mod target;
 mod tradeoff;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use console::{print_help, tell};
 pub use signals::catch_limits;
 
+use crate::cli::GLTF;
 use crate::error::Result;
 
 /// A path tracer for GPUs, and for machines without one.
@@ -66,11 +68,46 @@ enum Command {
     /// List the devices, their drivers and limits.
     Devices(devices::DevicesArgs),
     /// Print what a shell needs to complete command lines.
-    #[command(hide = true)]
     Completions(completions::CompletionsArgs),
     /// Print the manual page, or write the pages of all commands into a folder.
-    #[command(hide = true)]
     Man(man::ManArgs),
+}
+
+/// The options of `render` that `-h` lists.
+const FIRST_OPTIONS: [&str; 14] = [
+    "scene", "output", "png", "spp", "noise", "time", "size", "exposure", "denoise", "preview", "watch", "resume",
+    "device", "help",
+];
+
+/// The program as clap has it. `-h` lists what fits a page: the first options of `render`, and of other commands those that are not for glTF
+/// alone.
+fn program() -> clap::Command {
+    let program = Cli::command().mut_subcommand("render", |render| {
+        render
+            .after_help("These are the options that matter most: `gpu-rt render --help` lists all of them.")
+            .after_long_help("`gpu-rt render -h` lists the options that matter most.")
+    });
+    program.mut_subcommands(|command| {
+        let is_render = command.get_name() == "render";
+        command.mut_args(|arg| {
+            let is_short = match is_render {
+                true => FIRST_OPTIONS.contains(&arg.get_id().as_str()),
+                false => arg.get_help_heading() != Some(GLTF),
+            };
+            if is_short { arg } else { arg.hide_short_help(true) }
+        })
+    })
+}
+
+impl Cli {
+    /// Reads the command line.
+    ///
+    /// # Errors
+    /// What is wrong with it, with a hint; or the help that it asks for.
+    pub fn read() -> std::result::Result<Cli, clap::Error> {
+        let matches = program().try_get_matches().map_err(hints::with_hint)?;
+        Cli::from_arg_matches(&matches)
+    }
 }
 
 /// Runs the command.
@@ -89,7 +126,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Convert(args) => convert::run(args),
         Command::Tradeoff(args) => tradeoff::run(args, start),
         Command::Devices(args) => devices::run(args),
-        Command::Completions(args) => completions::run(args, Cli::command()),
-        Command::Man(args) => man::run(args, Cli::command()),
+        Command::Completions(args) => completions::run(args, program()),
+        Command::Man(args) => man::run(args, program()),
     }
 }

@@ -72,10 +72,15 @@ impl Crop {
     }
 }
 
-/// The size of an image, in pixels or as a share of the scene's.
+/// The longest side of an image, in pixels.
+const MOST_SIDE: u32 = 65_536;
+
+/// The size of an image: in pixels, or relative to the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
     Pixels(u32, u32),
+    /// The width. The height follows from the scene's aspect.
+    Width(u32),
     Share(f64),
 }
 
@@ -84,6 +89,10 @@ impl Size {
     pub fn in_pixels(self, (width, height): (u32, u32)) -> (u32, u32) {
         match self {
             Size::Pixels(width, height) => (width, height),
+            Size::Width(own) => {
+                let part = (f64::from(height) * f64::from(own) / f64::from(width)).round();
+                (own, (part as u32).clamp(1, MOST_SIDE))
+            }
             Size::Share(share) => {
                 let part = |n: u32| ((f64::from(n) * share).round() as u32).max(1);
                 (part(width), part(height))
@@ -98,15 +107,19 @@ impl FromStr for Size {
     /// The limits are those of a scene's `image`; a share is at most 100 % of the scene's size.
     fn from_str(text: &str) -> Result<Size, String> {
         let expected = || {
-            "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360, or a share of the scene's up to 100%"
+            "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360, a width such as 640, or a share of the \
+             scene's size up to 100%"
                 .to_string()
         };
         if let Some(percent) = text.strip_suffix('%') {
             let share = percent.parse::<f64>().ok().filter(|percent| *percent > 0.0 && *percent <= 100.0);
             return share.map(|percent| Size::Share(percent / 100.0)).ok_or_else(expected);
         }
-        let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
-        let number = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=65_536).contains(n)).ok_or_else(expected);
+        let number = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=MOST_SIDE).contains(n)).ok_or_else(expected);
+        let Some((width, height)) = text.split_once(['x', 'X']) else {
+            // A square of this width has few enough pixels.
+            return number(text).map(Size::Width);
+        };
         let (width, height) = (number(width)?, number(height)?);
         match u64::from(width) * u64::from(height) <= 1 << 30 {
             true => Ok(Size::Pixels(width, height)),

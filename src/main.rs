@@ -3,7 +3,6 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::Parser;
 use gpu_rt::commands::{self, Cli};
 use gpu_rt::gpu::device::any_failed;
 
@@ -11,7 +10,7 @@ fn main() -> ExitCode {
     commands::catch_limits();
     let start = Instant::now();
     quiet_the_loader();
-    let result = match Cli::try_parse() {
+    let result = match Cli::read() {
         Ok(cli) => commands::run(&cli, start),
         // It quotes the arguments, which may be names of files.
         Err(error) if error.use_stderr() => {

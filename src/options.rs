@@ -400,7 +400,8 @@ impl OptionSpec {
 
     /// The option for the command line.
     fn arg(&'static self) -> Arg {
-        let arg = Arg::new(self.name).long(self.name).help(self.help()).help_heading(self.class.heading());
+        let arg = Arg::new(self.name).long(self.name).help_heading(self.class.heading());
+        let arg = arg.help(self.about).long_help(self.help());
         let arg = arg.hide(self.is_hidden);
         if let Some(own) = self.own {
             return own(arg);
@@ -513,11 +514,11 @@ pub const SPP: OptionSpec = OptionSpec {
 
 pub const SIZE: OptionSpec = OptionSpec {
     name: "size",
-    about: "Image size in pixels, or in percent of the scene's [default: the scene's].",
+    about: "Image size in pixels: width and height, or a width that keeps the scene's aspect; or in percent of the scene's [default: the scene's].",
     values: &["25%", "50%", "100%"],
     class: Class::Detail,
     trade_off: "Fewer pixels show less detail: each is the mean over a larger square.",
-    own: Some(|arg| arg.value_name("WxH|N%").value_parser(value_parser!(Size))),
+    own: Some(|arg| arg.value_name("WxH|W|N%").value_parser(value_parser!(Size))),
     ..PLAIN
 };
 

@@ -36,7 +36,7 @@ pub use tuning::Tuning;
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
 
 /// Renders of fewer paths than this are faster with linked kernels than with a large fused one. Linked kernels compile in half of the time, and
-/// render about half as many paths per second (docs/performance.md).
+/// render about half as many paths per second (docs/dev/performance.md).
 const LONG_RENDER: u64 = 1 << 19;
 /// Kernels with more expressions than this take longer to compile if they are fused.
 const LARGE_KERNELS: usize = 4500;

@@ -4,6 +4,12 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
+/// A number of things: "1 part", "2 parts".
+pub fn counted(number: u64, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 /// The text, with every character that controls a terminal written as `\u001b`. Newlines stay. This is JSON's own notation, so
 /// that JSON stays the same JSON.
 pub fn printable(text: &str) -> Cow<'_, str> {

@@ -12,7 +12,7 @@ use crate::printable::one_line;
 use spans::Spans;
 
 pub use numbers::{DEGREES, LARGEST, NO_UNIT, Range, SCENE_UNITS, SMALLEST, parallel, vector};
-pub use spans::{Id, MOST_VALUES, Span, Step, skip_space, slice};
+pub use spans::{Id, MOST_VALUES, Mismatch, Span, Step, skip_space, slice};
 
 /// A scene file's text with the locations of its values.
 #[derive(Clone, Debug)]

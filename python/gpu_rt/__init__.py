@@ -56,7 +56,7 @@ class Fault(NamedTuple):
     file: str
     """<stdin> for a text or a dict."""
     line: int
-    """From 1. Of a dict: in the text of gpu_rt.ron.dumps."""
+    """From 1, or 0 if it is about all of the file. Of a dict: in the text of gpu_rt.ron.dumps."""
     column: int
     """From 1, in characters."""
     field: str
@@ -329,8 +329,8 @@ class _Progress:
             self._bar.close()
 
 
-# A file, its line and column, a field that may be missing, and the message.
-_FAULT = re.compile(r"(.+?):(\d+):(\d+): (?:([\w.\[\]\"]+): )?(.*)")
+# A file, its line and column unless it is about all of the file, a field that may be missing, and the message.
+_FAULT = re.compile(r"(.+?)(?::(\d+):(\d+)|(?=: Scene: )): (?:([\w.\[\]\"]+): )?(.*)")
 
 
 def _run(
@@ -376,7 +376,7 @@ def _run(
         return report
     # Each line that begins an error has the prefix; lines of more words, as usage, belong to the one before.
     messages = [message.strip() for message in "\n".join(errors).split("error: ") if message.strip()]
-    faults = [Fault(f[1], int(f[2]), int(f[3]), f[4] or "", f[5]) for f in map(_FAULT.match, messages) if f]
+    faults = [Fault(f[1], int(f[2] or 0), int(f[3] or 0), f[4] or "", f[5]) for f in map(_FAULT.match, messages) if f]
     words = "\n".join(messages) or f"gpu-rt {command} ended with status {process.returncode}"
     if interrupted:
         raise Interrupted(words, report)

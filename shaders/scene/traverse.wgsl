@@ -89,7 +89,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             let leaf = code;
             if primitive_kind(leaf) == KIND_TRIANGLE {
                 let pair = see_pair(primitive_index(leaf), here, inverse, tested);
-                // Both come before the distance, which is then computed with fewer values in registers (docs/gpu.md).
+                // Both come before the distance, which is then computed with fewer values in registers (docs/dev/gpu-kernels.md).
                 code = code_of_face(pair);
                 tested = tested_before_other(pair);
                 if pair.left != 0u {

@@ -8,7 +8,7 @@
 // Puts a slot whose ray hit a surface into the queue of that surface's material.
 
 // Takes the next place of the queue of a kind. Each case has a counter of its own, at an address that is the same for all invocations: drivers
-// then add once for each subgroup (docs/gpu.md).
+// then add once for each subgroup (docs/dev/gpu-kernels.md).
 fn place_in_queue(kind: u32) -> u32 {
     switch kind {
         //@ each material

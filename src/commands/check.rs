@@ -10,6 +10,7 @@ use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;
 use crate::options::RenderOptions;
+use crate::printable::counted;
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -31,11 +32,10 @@ pub fn run(args: &CheckArgs) -> Result<()> {
                 warnings.iter().try_for_each(|warning| print_line(&format!("warning: {warning}")))?;
                 let warned = match warnings.len() {
                     0 => "no warnings".to_string(),
-                    1 => "1 warning".to_string(),
-                    n => format!("{n} warnings"),
+                    number => counted(number as u64, "warning"),
                 };
-                let counted = if primitives == 1 { "primitive" } else { "primitives" };
-                print_line(&format!("{}: valid, {primitives} {counted}, {warned}", args.scene.path.display()))?;
+                let primitives = counted(primitives as u64, "primitive");
+                print_line(&format!("{}: valid, {primitives}, {warned}", args.scene.path.display()))?;
             }
             Ok(())
         }

@@ -14,6 +14,9 @@ pub struct DevicesArgs {
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
+    /// Also print what the numerics probe has found.
+    #[arg(long, conflicts_with = "json")]
+    pub verbose: bool,
 }
 
 /// Lists the adapters, their drivers, the limits that decide whether a scene fits, and the findings of the numerics probe.
@@ -65,7 +68,15 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
             limits.max_compute_invocations_per_workgroup,
         ))?;
         match found {
-            Ok(found) => words(found).iter().try_for_each(|line| print_line(&format!("   {line}")))?,
+            Ok(found) if args.verbose => {
+                words(found).iter().chain(&lacking(found)).try_for_each(|line| print_line(&format!("   {line}")))?
+            }
+            Ok(found) => match lacking(found) {
+                lacking if lacking.is_empty() => {
+                    print_line("   numerics: as all kernels need them (--verbose lists the findings)")?
+                }
+                lacking => lacking.iter().try_for_each(|line| print_line(&format!("   {line}")))?,
+            },
             Err(error) => print_line(&format!("   numerics: {error}"))?,
         }
     }
@@ -78,10 +89,18 @@ fn probe(adapters: &Adapters, index: usize) -> Result<Numerics> {
     numerics(&device).cloned()
 }
 
-/// The findings in words, one line for each group, and the kernels that are refused because of them.
+/// The properties that the driver lacks.
+fn lacking(found: &Numerics) -> Vec<String> {
+    let lacking = found.lacking();
+    lacking
+        .map(|property| format!("numerics: this driver {}; kernels that rely on this are refused", property.without))
+        .collect()
+}
+
+/// The findings in words, one line for each group.
 fn words(found: &Numerics) -> Vec<String> {
     let pick = |holds: bool, yes: &'static str, no: &'static str| if holds { yes } else { no };
-    let mut lines = vec![
+    vec![
         format!(
             "numerics: two-sum {}; behind a uniform zero, two-sum {} and two-product {}; fma {}, x * y - z {}",
             pick(found.two_sum, "exact", "undone by the compiler"),
@@ -112,11 +131,5 @@ fn words(found: &Numerics) -> Vec<String> {
             pick(found.uniforms_exact, "exact", "inexact"),
             pick(found.edge_signs, "exact", "wrong"),
         ),
-    ];
-    lines.extend(
-        found.lacking().map(|property| {
-            format!("numerics: this driver {}; kernels that rely on this are refused", property.without)
-        }),
-    );
-    lines
+    ]
 }

@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::exr::{State, StateFile, add_film, attribute_text, read_state, write_render};
 use crate::output::progress::Loading;
+use crate::printable::counted;
 use crate::render::{Noise, check_error, samples_at_check};
 use crate::samples::Samples;
 
@@ -105,7 +106,8 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         }
         reliability_warnings(&finish).for_each(|warning| tell(&warning));
         let error = error_words(&finish);
-        tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
+        let (parts, samples) = (counted(*count as u64, "part"), counted(samples.count(), "sample"));
+        tell(&format!("{}: {parts}, {samples}, {error}", args.output.display()));
     }
     if args.json {
         let mut report = object(json!({

@@ -17,6 +17,7 @@ use crate::film::Film;
 use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
+use crate::printable::counted;
 use crate::samples::Samples;
 
 #[derive(Debug, Args)]
@@ -291,7 +292,7 @@ impl Report<'_> {
         if args.error {
             let samples = finish.map_or(0, |finish| finish.samples.count());
             let error = finish.map_or("error unknown: there are no samples".to_string(), error_words);
-            lines.push(format!("{error}, of {samples} samples"));
+            lines.push(format!("{error}, of {}", counted(samples, "sample")));
         }
         lines
     }

@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;
 use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
+use crate::printable::counted;
 use crate::render::LAST_CHECK;
 use crate::scene::{Scene, Thin};
 
@@ -131,10 +132,10 @@ pub fn run(args: &SlurmArgs) -> Result<()> {
     print_line(&format!("folder: {}", folder.path.display()))?;
     let samples = missing.iter().filter_map(|part| folder.parts().nth(*part as usize)).map(|part| part.len() as u64);
     print_line(&format!(
-        "parts: {} of {all}, {} samples, in {} tasks",
+        "parts: {} of {all}, {}, in {}",
         missing.len(),
-        samples.sum::<u64>(),
-        needed.len()
+        counted(samples.sum(), "sample"),
+        counted(needed.len() as u64, "task")
     ))?;
     let pixels = f64::from(folder.request.width) * f64::from(folder.request.height);
     print_line(&format!("disk: {} for all parts and the image", bytes(pixels * PIXEL_BYTES * f64::from(all + 1))))?;

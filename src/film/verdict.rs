@@ -15,6 +15,8 @@ pub struct Verdict {
     pub hidden: HiddenLight,
     /// The most light that no path has found, if lights are not sampled; else 0.
     pub unfound: f64,
+    /// The most light that `max_depth` has cut off.
+    pub cut: f64,
 }
 
 impl Film {
@@ -25,7 +27,8 @@ impl Film {
         // A path carries at most the largest radiance of the scene, which is at most 1 in device units. If k such paths are expected, the
         // probability of none is e^-k.
         let unfound = if self.samples_lights { 0.0 } else { level.recip().ln() * share };
-        Verdict { error: self.error_estimate(level), hidden: self.totals.hidden_light().times(share), unfound }
+        let (error, hidden) = (self.error_estimate(level), self.totals.hidden_light().times(share));
+        Verdict { error, hidden, unfound, cut: self.totals.too_deep().throughput * share }
     }
 }
 
@@ -34,6 +37,11 @@ impl Verdict {
     pub fn lacks_light(&self) -> bool {
         let error_of_missing = CONCENTRATION * self.hidden.missing();
         self.error.is_some_and(|error| error_of_missing.max(self.unfound) > error.bound)
+    }
+
+    /// Whether the light that `max_depth` has cut off may be as large an error as the stated one.
+    pub fn cut_matters(&self) -> bool {
+        self.error.is_none_or(|error| CONCENTRATION * self.cut > error.value)
     }
 
     /// Whether the stated error is reliable; `None` while it is not known.

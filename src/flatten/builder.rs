@@ -21,7 +21,7 @@ use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, Ren
 
 /// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
 /// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
-/// in docs/performance.md.
+/// in docs/dev/performance.md.
 const MOST_BY_BRUTE_FORCE: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 

@@ -9,9 +9,9 @@ use crate::options::{LightPaths, RenderOptions};
 use crate::scene::Bitmap;
 use crate::shape::Tables;
 
-/// Light paths pay if the solid angle of the lights, seen from what is specular, is below this, in sr. Measured (docs/performance-log.md).
+/// Light paths pay if the solid angle of the lights, seen from what is specular, is below this, in sr. Measured (docs/dev/performance-log.md).
 const LARGEST_SOLID_ANGLE: f64 = 0.17;
-/// The best number of light paths for eight samples where a light has no size. Measured (docs/performance-log.md).
+/// The best number of light paths for eight samples where a light has no size. Measured (docs/dev/performance-log.md).
 const PATHS_TO_DELTA_LIGHTS: u32 = 4;
 
 /// A scene in the layout of the kernels.

@@ -23,9 +23,9 @@ impl Tonemap {
     /// Linear Rec. 709 for the screen, of linear Rec. 709 of 0 and more. What is not from 0 to 1 is clipped later.
     fn compress(self, colour: Rgb<f64>) -> Rgb<f64> {
         match self {
-            Tonemap::Soft => neutral(colour, 0.0),
+            Tonemap::Soft => soft(colour),
             Tonemap::Srgb => colour,
-            Tonemap::Neutral => neutral(colour, 0.04),
+            Tonemap::Neutral => neutral(colour),
             Tonemap::Filmic => filmic(colour),
         }
     }
@@ -61,27 +61,66 @@ fn threshold(x: usize, y: usize) -> f64 {
     (52.982_918_9 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract()
 }
 
-/// Khronos PBR Neutral tone mapper (github.com/KhronosGroup/ToneMapping, PBR_Neutral/README.md, "PBR Neutral
-/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it subtracts `f90`, the share of white
-/// light that a dielectric reflects, so that the displayed colour is the base colour of the material. The specification's is 0.04.
-/// With 0, which is our own choice, colours below the shoulder are shown as they are.
-fn neutral(colour: Rgb<f64>, f90: f64) -> Rgb<f64> {
-    /// How fast highlights lose their colour.
-    const DESATURATION: f64 = 0.15;
-    // The brightness at which compression starts.
-    let shoulder = 0.8 - f90;
-
-    let least = colour[0].min(colour[1]).min(colour[2]);
-    let offset = if least < 2.0 * f90 { least - least * least / (4.0 * f90) } else { f90 };
-    let colour = colour.map(|v| v - offset);
+/// The default: colours up to a brightness of 0.8 as they are. Above, the brightest channel approaches 1 by the shoulder of [`neutral`], and
+/// colours fade to white with their hue: they are mixed in Oklab (B. Ottosson, "A perceptual color space for image processing", 2020), where a
+/// line to white has one hue, and so have all multiples of a colour. Mixed in linear light, an orange lamp turns pink, and a blue one violet.
+fn soft(colour: Rgb<f64>) -> Rgb<f64> {
+    const SHOULDER: f64 = 0.8;
+    /// How fast lights lose their colour: a peak of 21 is half white. Chosen by eye, on saturated lamps of 1 to 1000.
+    const DESATURATION: f64 = 0.05;
+    /// Rec. 709 to the responses of cones by Oklab, the second row divided by its sum of 1 - 1e-10, and back. Mixtures of the cube roots of
+    /// these are those of Oklab's coordinates, which are linear in them.
+    const TO_CONES: [Rgb<f64>; 3] = [
+        [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
+        [0.211_903_498_221_190_37, 0.680_699_545_168_07, 0.107_396_956_610_739_7],
+        [0.088_302_461_9, 0.281_718_837_6, 0.629_978_700_5],
+    ];
+    const FROM_CONES: [Rgb<f64>; 3] = [
+        [4.076_741_661_347_994, -3.307_711_590_077_422, 0.230_969_928_729_427_76],
+        [-1.268_438_004_092_176, 2.609_757_400_402_395_3, -0.341_319_396_310_219_5],
+        [-0.004_196_086_541_837_2, -0.703_418_614_389_107_5, 1.707_614_700_930_944_5],
+    ];
     let peak = colour[0].max(colour[1]).max(colour[2]);
-    if peak <= shoulder {
+    if peak <= SHOULDER {
         return colour;
     }
-    let range = 1.0 - shoulder;
-    let new_peak = 1.0 - range * range / (peak + range - shoulder);
-    let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    let (new_peak, white) = shoulder(peak, SHOULDER, DESATURATION);
+    let roots = times(TO_CONES, colour.map(|v| v * (new_peak / peak))).map(f64::cbrt);
+    let mixed = times(FROM_CONES, roots.map(|root| (root + (new_peak.cbrt() - root) * white).powi(3)));
+    let mixed_peak = mixed[0].max(mixed[1]).max(mixed[2]);
+    mixed.map(|v| v * (new_peak / mixed_peak))
+}
+
+/// Khronos PBR Neutral tone mapper (github.com/KhronosGroup/ToneMapping, PBR_Neutral/README.md, "PBR Neutral
+/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it subtracts the share of white
+/// light that a dielectric reflects, so that the displayed colour is the base colour of the material.
+fn neutral(colour: Rgb<f64>) -> Rgb<f64> {
+    const F90: f64 = 0.04;
+    /// The brightness at which compression starts.
+    const SHOULDER: f64 = 0.8 - F90;
+    /// How fast highlights lose their colour.
+    const DESATURATION: f64 = 0.15;
+
+    let least = colour[0].min(colour[1]).min(colour[2]);
+    let offset = if least < 2.0 * F90 { least - least * least / (4.0 * F90) } else { F90 };
+    let colour = colour.map(|v| v - offset);
+    let peak = colour[0].max(colour[1]).max(colour[2]);
+    if peak <= SHOULDER {
+        return colour;
+    }
+    let (new_peak, white) = shoulder(peak, SHOULDER, DESATURATION);
     colour.map(|v| v * (new_peak / peak) * (1.0 - white) + new_peak * white)
+}
+
+/// The compressed peak of a colour above the shoulder of PBR Neutral, and the share of white in it.
+fn shoulder(peak: f64, start: f64, desaturation: f64) -> (f64, f64) {
+    let range = 1.0 - start;
+    let new_peak = 1.0 - range * range / (peak + range - start);
+    (new_peak, 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0))
+}
+
+fn times(rows: [Rgb<f64>; 3], v: Rgb<f64>) -> Rgb<f64> {
+    rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
 /// The film curve of the Academy Color Encoding System, RRT and ODT in one, as S. Hill fitted it in 2016
@@ -92,7 +131,6 @@ fn filmic(colour: Rgb<f64>) -> Rgb<f64> {
     /// Back, with ODT's saturation.
     const OUT: [Rgb<f64>; 3] =
         [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]];
-    let times = |rows: [Rgb<f64>; 3], v: Rgb<f64>| rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
     let curve = |v: f64| (v * (v + 0.024_578_6) - 0.000_090_537) / (v * (0.983_729 * v + 0.432_951_0) + 0.238_081);
     times(OUT, times(IN, colour).map(curve))
 }
@@ -118,7 +156,7 @@ mod tests {
 
     #[test]
     fn neutral_agrees_with_the_specification() {
-        assert_eq!(neutral([0.0; 3], 0.04), [0.0; 3]);
+        assert_eq!(neutral([0.0; 3]), [0.0; 3]);
         // Below the shoulder, 4 % are subtracted, or x² · 6.25 of the least channel in dark colours.
         // Above the shoulder, the values are computed with the specification's formulas in mpmath.
         let cases = [
@@ -127,7 +165,7 @@ mod tests {
             ([5.0, 1.0, 0.5], [0.987_027_027_027_027, 0.488_269_822_908_046_4, 0.425_925_172_393_173_8]),
         ];
         for (colour, expected) in cases {
-            for (found, expected) in neutral(colour, 0.04).into_iter().zip(expected) {
+            for (found, expected) in neutral(colour).into_iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-14, "{colour:?}: {found}");
             }
         }
@@ -176,7 +214,51 @@ mod tests {
         }
     }
 
-    /// A lamp of one colour keeps its hue until it is white, but for clipped sRGB.
+    /// The angle in Oklab, by Ottosson's own second matrix.
+    fn hue(colour: Rgb<f64>) -> f64 {
+        let cones = [
+            [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
+            [0.211_903_498_2, 0.680_699_545_1, 0.107_396_956_6],
+            [0.088_302_461_9, 0.281_718_837_6, 0.629_978_700_5],
+        ];
+        let roots = times(cones, colour).map(f64::cbrt);
+        let axes = [
+            [1.977_998_495_1, -2.428_592_205_0, 0.450_593_709_9],
+            [0.025_904_037_1, 0.782_771_766_2, -0.808_675_766_0],
+        ];
+        let [a, b] = axes.map(|row: Rgb<f64>| row[0] * roots[0] + row[1] * roots[1] + row[2] * roots[2]);
+        b.atan2(a).to_degrees()
+    }
+
+    /// Lamps of 1 to 1000 have the hue of dim ones. In linear light, as by `neutral`, the orange one turns pink.
+    #[test]
+    fn soft_keeps_the_hue_of_lamps() {
+        let lamps = [
+            [1.0, 0.33, 0.08],
+            [0.05, 0.1, 1.0],
+            [0.06, 1.0, 0.08],
+            [1.0, 0.06, 0.04],
+            [1.0, 0.06, 0.8],
+            [1.0, 0.83, 0.05],
+        ];
+        let turned = |curve: fn(Rgb<f64>) -> Rgb<f64>, lamp: Rgb<f64>, brightness: f64| {
+            let shown = curve(lamp.map(|v| v * brightness)).map(|v| v.clamp(0.0, 1.0));
+            let turned = (hue(shown) - hue(lamp)).abs();
+            turned.min(360.0 - turned)
+        };
+        for lamp in lamps {
+            for brightness in [1.0, 3.0, 10.0, 30.0, 100.0, 1000.0] {
+                let turned = turned(soft, lamp, brightness);
+                assert!(turned < 0.1, "{lamp:?} x {brightness}: {turned} degrees");
+            }
+        }
+        assert!(turned(neutral, lamps[0], 10.0) > 10.0 && turned(neutral, lamps[1], 10.0) > 10.0);
+        // The codes of an ember, as the eye saw and chose them.
+        let shown = codes(Tonemap::Soft, [6.0, 2.0, 0.5]).map(f64::round);
+        assert_eq!(shown, [254.0, 175.0, 119.0]);
+    }
+
+    /// A lamp of one colour fades until it is white, but for clipped sRGB.
     #[test]
     fn bright_colours_fade_to_white() {
         for tonemap in [Tonemap::Soft, Tonemap::Neutral] {

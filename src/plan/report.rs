@@ -426,11 +426,11 @@ fn integrator_words(features: &Features, integrator: Integrator) -> String {
 fn scatter_words(plan: &Plan<'_>) -> String {
     match (&plan.kernels.bounce, plan.tuning.scatter) {
         (Bounce::Fused(_), _) => {
-            "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
+            "fused: a processor pays more for storing a path's state than for its divergence (docs/dev/performance.md)"
                 .to_string()
         }
         (Bounce::Staged(_), _) if plan.tuning.is_short => {
-            "linked: so few paths are rendered before a fused kernel is compiled (docs/performance.md)".to_string()
+            "linked: so few paths are rendered before a fused kernel is compiled (docs/dev/performance.md)".to_string()
         }
         (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
         (Bounce::Staged(staged), _) if staged.dispatch.is_some() => {

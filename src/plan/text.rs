@@ -7,20 +7,17 @@ use super::report::{Buffer, Constant, KernelReport, Module, Report};
 use crate::gpu::buffers::LEAST;
 use crate::gpu::link::Reason;
 
-/// The width of paragraphs. Tables are not broken.
-const WIDTH: usize = 110;
-
 impl Report {
     /// The summary of the plan.
     pub fn text(&self) -> String {
         let mut out = String::new();
-        out += "\nasked for\n";
+        out += "\nthe scene uses, first at\n";
         out += &table(self.features.iter().map(|(name, reason)| vec![name.clone(), reason.clone()]), &[]);
         let answers =
             self.choices.iter().map(|choice| format!("{} {}", choice.name.replace('_', " "), choice.answer()));
         out += &paragraph("chosen", answers);
         if !self.left_out.is_empty() {
-            out += &paragraph("left out", by_last_word(&self.left_out));
+            out += &paragraph("not linked", by_last_word(&self.left_out));
         }
 
         out += "\nkernels\n";
@@ -37,10 +34,10 @@ impl Report {
         let [uniform, storage] = self.limits;
         let total = self.gpu_bytes();
         out += &format!(
-            "\nbuffers: {total} bytes, each {LEAST} at least; the device allows {uniform} to a uniform binding, {storage} to a \
+            "\nbuffers: {total} bytes on the device, each {LEAST} at least; it allows {uniform} to a uniform binding, {storage} to a \
              storage binding\n"
         );
-        out += &table(self.buffers.iter().map(|buffer| buffer_row(buffer, None)), &[1]);
+        out += &buffer_rows(self.buffers.iter().map(|buffer| (buffer, None)));
         out
     }
 
@@ -67,9 +64,9 @@ impl Report {
         out += "\nbindings: bytes and what they are\n";
         let bound = kernel.bindings.iter().filter_map(|(name, kind)| {
             let buffer = self.buffers.iter().find(|buffer| buffer.name == name)?;
-            Some(buffer_row(buffer, Some(kind)))
+            Some((buffer, Some(*kind)))
         });
-        out += &table(bound, &[1]);
+        out += &buffer_rows(bound);
         out += &storage_notice(kernel);
 
         if !kernel.path_fields.is_empty() {
@@ -182,20 +179,21 @@ fn constant_table(constants: &[&Constant]) -> String {
     out
 }
 
-fn buffer_row(buffer: &Buffer, kind: Option<&str>) -> Vec<String> {
-    let over = match buffer.fits() {
-        true => String::new(),
-        false => format!("  OVER THE LIMIT: the device allows {} bytes", buffer.limit),
-    };
-    vec![
-        buffer.name.to_string(),
-        buffer.bytes.to_string(),
-        kind.unwrap_or(buffer.binding).to_string(),
-        buffer.size.clone(),
+/// Two lines for each buffer, so that they fit a terminal: its bytes and what it holds; how it is bound, and what needs it. A kind that is given
+/// takes the place of the plan's.
+fn buffer_rows<'a>(buffers: impl Iterator<Item = (&'a Buffer, Option<&'a str>)>) -> String {
+    let rows = buffers.flat_map(|(buffer, kind)| {
+        let over = match buffer.fits() {
+            true => String::new(),
+            false => format!("; OVER THE LIMIT: the device allows {} bytes", buffer.limit),
+        };
+        let kind = kind.unwrap_or(buffer.binding);
         // A purpose that only repeats the name, such as that of `spheres`, is left out.
-        if buffer.what == buffer.name { String::new() } else { buffer.what.to_string() },
-        format!("{}{over}", buffer.reason),
-    ]
+        let what = if buffer.what == buffer.name { String::new() } else { buffer.what.to_string() };
+        let how = format!("{kind}, {}: {}{over}", buffer.size, buffer.reason);
+        [vec![buffer.name.to_string(), buffer.bytes.to_string(), what], vec![String::new(), String::new(), how]]
+    });
+    table(rows, &[1])
 }
 
 /// Rows with their columns aligned, the `right` ones at their ends.
@@ -214,21 +212,8 @@ fn table(rows: impl IntoIterator<Item = Vec<String>>, right: &[usize]) -> String
     rows.iter().map(line).collect()
 }
 
-/// "  name: item, item, …", broken into lines.
+/// "  name: item, item, …", which the terminal breaks into lines.
 fn paragraph(name: &str, items: impl IntoIterator<Item = String>) -> String {
-    let mut out = String::new();
-    let mut line = format!("  {name}:");
-    let mut separator = "";
-    for item in items {
-        line += separator;
-        if line.chars().count() + 1 + item.chars().count() > WIDTH {
-            out += &line;
-            out += "\n";
-            line = "   ".to_string();
-        }
-        line += " ";
-        line += &item;
-        separator = ",";
-    }
-    out + &line + "\n"
+    let items: Vec<String> = items.into_iter().collect();
+    format!("  {name}: {}\n", items.join(", "))
 }

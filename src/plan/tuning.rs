@@ -29,7 +29,7 @@ pub struct Tuning {
 
 impl Tuning {
     /// How the stages of a bounce become kernels where the time to compile does not matter. A processor pays more for storing a path's state
-    /// than for its divergence (docs/performance.md).
+    /// than for its divergence (docs/dev/performance.md).
     pub fn scatter_of_long_renders(device: DeviceClass) -> Scatter {
         if device.software { Scatter::Fused } else { Scatter::Linked }
     }

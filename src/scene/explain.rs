@@ -6,13 +6,13 @@
 use ron::error::{Error as Ron, SpannedError};
 
 use super::format::{SCENE, groups};
-use super::nearest::nearest;
+use super::nearest::{nearest, other_name};
 use super::types::{Object, Transform};
 use super::validate::boundaries;
 use crate::error::Error;
 use crate::material::a_material;
 use crate::source::form::{Form, NUMBER, POINT, Takes, any_of};
-use crate::source::{Id, Source, Span, Step, skip_space, slice};
+use crate::source::{Id, Mismatch, Source, Span, Step, skip_space, slice};
 use crate::texture::number::NEITHER;
 
 /// One of ron's errors in the terms of the scene format.
@@ -68,6 +68,9 @@ impl<'a> Explain<'a> {
     fn of_code(&self, code: Ron) -> (Error, bool) {
         let cursor = self.cursor;
         let is_open = cursor >= self.source.text().len() && self.source.spans.unclosed_bracket.is_some();
+        if let Some(error) = self.mismatched_bracket() {
+            return (error, false);
+        }
         let of_notation = match code {
             Ron::UnclosedBlockComment => self.unclosed_comment(),
             Ron::ExpectedStringEnd => self.unclosed_string(),
@@ -179,7 +182,7 @@ impl<'a> Explain<'a> {
     /// For an unknown variant, with the cursor just after its name.
     fn variant(&self, found: &str, variants: &[&str]) -> Error {
         let path = self.path(self.before_cursor(), false);
-        let meant = nearest(found, variants.iter().copied());
+        let meant = other_name(found, variants).or_else(|| nearest(found, variants.iter().copied()));
         let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
         self.expected(self.before_cursor(), &path, &meant)
     }
@@ -296,15 +299,60 @@ impl<'a> Explain<'a> {
         self.source.error_at(text.len(), &path, message)
     }
 
+    /// For a bracket that is closed by one of another kind, if that is where the parser has stopped.
+    fn mismatched_bracket(&self) -> Option<Error> {
+        let text = self.source.text();
+        let Mismatch { opened, closed } = self.source.spans.mismatch?;
+        let (opened, closed) = (opened? as usize, closed as usize);
+        if skip_space(text, self.cursor).unwrap_or(self.cursor) < closed {
+            return None;
+        }
+        let character = |at: usize| text.get(at..).and_then(|rest| rest.chars().next()).unwrap_or('(');
+        let (opener, at) = (character(opened), self.source.location(opened));
+        let closer = match opener {
+            '[' => ']',
+            '{' => '}',
+            _ => ')',
+        };
+        let message = format!(
+            "expected {closer}, found {}: the {opener} of line {}, column {} is not closed",
+            character(closed),
+            at.line,
+            at.column
+        );
+        let path = self.path(self.at(opened), true);
+        Some(self.source.error_at(closed, &path, message))
+    }
+
     /// "expected ..., found ..." at the start of a value.
     fn expected(&self, id: Option<Id>, path: &[Step<'_>], hint: &str) -> Error {
         let found = match id {
             Some(id) => self.source.excerpt(id),
             None => "nothing".to_owned(),
         };
+        let bare = id.filter(|_| hint.is_empty()).and_then(|id| self.bare_colour(id, path));
+        let hint = bare.as_deref().unwrap_or(hint);
         let start = id.map_or(self.cursor, |id| self.source.spans.value(id).start as usize);
         let message = format!("expected {}, found {found}{hint}", expected(path));
         self.source.error_at(start, path, message)
+    }
+
+    /// The hint for three numbers in brackets where a texture or a background is expected.
+    fn bare_colour(&self, id: Id, path: &[Step<'_>]) -> Option<String> {
+        let spans = &self.source.spans;
+        let is_bare = spans.name(self.source.text(), id).is_empty() && spans.children(id).len() == 3;
+        let found = slice(self.source.text(), spans.value(id));
+        let is_number = |child: &Id| slice(self.source.text(), spans.value(*child)).parse::<f64>().is_ok();
+        if !is_bare || !found.starts_with('(') || !spans.children(id).iter().all(is_number) {
+            return None;
+        }
+        match path {
+            [.., Step::Field("background")] => Some(format!("; did you mean Solid({found})?")),
+            [.., Step::Field(_)] => {
+                takes_at(path).filter(|takes| takes.is_texture()).map(|_| format!("; did you mean Rgb{found}?"))
+            }
+            _ => None,
+        }
     }
 
     fn path(&self, id: Option<Id>, into_variant: bool) -> Vec<Step<'a>> {
@@ -344,7 +392,7 @@ impl<'a> Explain<'a> {
 
 /// "expected one of ..., did you mean ...?"
 fn known(found: &str, names: &[&str]) -> String {
-    let meant = nearest(found, names.iter().copied());
+    let meant = other_name(found, names).or_else(|| nearest(found, names.iter().copied()));
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
     format!("expected one of {}{meant}", names.join(", "))
 }
@@ -360,13 +408,7 @@ const BY_NAME: &str = "fields by name: (name: value, ..)";
 
 /// The words for what the scene format expects at the end of a path.
 fn expected(path: &[Step<'_>]) -> String {
-    let field = |name: &str| {
-        let outer = match path.iter().rev().skip_while(|step| !matches!(step, Step::Field(_))).nth(1) {
-            Some(Step::Variant(outer) | Step::Field(outer)) => form(outer),
-            _ => Some(&SCENE),
-        };
-        outer.and_then(|outer| outer.field(name)).map(|field| &field.takes)
-    };
+    let field = |name: &str| field_of(path, name);
     match path {
         [] => SCENE.in_full(),
         [.., Step::Key(_)] => a_material(),
@@ -390,6 +432,23 @@ fn expected(path: &[Step<'_>]) -> String {
         [.., Step::Field(name), Step::Index(_)] if field(name).is_some_and(Takes::is_numbers) => NUMBER.to_owned(),
         [.., Step::Index(_)] => BY_NAME.to_owned(),
     }
+}
+
+/// What the innermost field of a path takes.
+fn takes_at(path: &[Step<'_>]) -> Option<&'static Takes> {
+    match path {
+        [.., Step::Field(name)] => field_of(path, name),
+        _ => None,
+    }
+}
+
+/// What a field takes that the innermost form of a path has.
+fn field_of(path: &[Step<'_>], name: &str) -> Option<&'static Takes> {
+    let outer = match path.iter().rev().skip_while(|step| !matches!(step, Step::Field(_))).nth(1) {
+        Some(Step::Variant(outer) | Step::Field(outer)) => form(outer),
+        _ => Some(&SCENE),
+    };
+    outer.and_then(|outer| outer.field(name)).map(|field| &field.takes)
 }
 
 /// The form of this name.

@@ -50,7 +50,7 @@ const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour:
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
     ///
-    /// Every error is an [`Error::Scene`], or several of them. Errors about all of the file (it is missing, it is a folder) point at 1:1.
+    /// Every error is an [`Error::Scene`], or several of them. A file that cannot be read has no line.
     pub fn load(path: &Path) -> Result<Scene> {
         Scene::load_as(path, &GltfOptions::default(), &mut |_, _, _| {}, &mut Assets::default())
     }
@@ -66,6 +66,9 @@ impl Scene {
         assets.begin(path);
         if is_gltf(path) {
             return of_gltf(path, path, options, progress, assets);
+        }
+        if let Some(what) = other_kind(path) {
+            return Err(of_file(path, what));
         }
         options.refuse(path)?;
         let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
@@ -93,7 +96,35 @@ impl Scene {
 }
 
 fn cannot_read(path: &Path, error: &io::Error) -> Error {
-    Source::new(String::new(), path).error(&[], format!("cannot read the scene file: {error}"))
+    of_file(path, format!("cannot read the scene file: {error}"))
+}
+
+/// An error about all of a file.
+fn of_file(path: &Path, message: impl Into<String>) -> Error {
+    Error::Scene {
+        location: Source::without_text(path).location(0),
+        field: "Scene".to_owned(),
+        message: message.into(),
+    }
+}
+
+/// What to do with a file of another kind than scenes, by the ending of its name.
+fn other_kind(path: &Path) -> Option<String> {
+    let file = path.display();
+    match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "exr" => Some(format!(
+            "expected a scene, found an image: `gpu-rt develop {file} -o FILE.png` makes a picture of it, `gpu-rt compare` measures its \
+             error, and `gpu-rt render SCENE -o {file} --resume` goes on with its render"
+        )),
+        "png" | "jpg" | "jpeg" | "hdr" | "webp" => {
+            Some("expected a scene, found an image: a scene names it as a texture, Image(path: \"..\")".to_owned())
+        }
+        "ply" | "obj" | "stl" => {
+            Some("expected a scene, found a mesh: a scene names it, Mesh(path: \"..\", material: \"..\")".to_owned())
+        }
+        "blend" => Some("expected a scene, found a file of Blender: export it as glTF 2.0 (.glb)".to_owned()),
+        _ => None,
+    }
 }
 
 /// The text of a scene file, whose name is `path`.

@@ -44,7 +44,7 @@ const MOST_BYTES: usize = 1 << 26;
 pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
     let spans = &source.spans;
     // If brackets do not match, the nesting is unknown.
-    if spans.mismatched || spans.unclosed_bracket.is_some() || spans.unclosed_comment.is_some() {
+    if spans.mismatch.is_some() || spans.unclosed_bracket.is_some() || spans.unclosed_comment.is_some() {
         return Parts::default();
     }
     let mut blanks = Blanks::default();

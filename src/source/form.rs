@@ -56,6 +56,11 @@ impl Takes {
         }
     }
 
+    /// Whether it is a texture.
+    pub fn is_texture(&self) -> bool {
+        matches!(self, Takes::Texture(_))
+    }
+
     /// Whether it is several numbers in brackets.
     pub fn is_numbers(&self) -> bool {
         matches!(self, Takes::Point | Takes::Vector | Takes::Colour(_))

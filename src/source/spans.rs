@@ -52,6 +52,15 @@ struct Node {
     count: u32,
 }
 
+/// Two brackets that do not belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mismatch {
+    /// The byte of the bracket that is open; `None` if there is none.
+    pub opened: Option<u32>,
+    /// The byte of the one that would close it.
+    pub closed: u32,
+}
+
 /// The tree of values.
 #[derive(Clone, Debug, Default)]
 pub struct Spans {
@@ -60,8 +69,8 @@ pub struct Spans {
     root: Option<Id>,
     /// The innermost bracket that the text never closes.
     pub unclosed_bracket: Option<u32>,
-    /// Whether a bracket is closed by one of another kind, or one that is not open.
-    pub mismatched: bool,
+    /// The first bracket that is closed by one of another kind, or that closes none.
+    pub mismatch: Option<Mismatch>,
     /// The block comment that the text never closes.
     pub unclosed_comment: Option<u32>,
     /// The first value beyond `MOST_VALUES`. The tree ends there.
@@ -430,11 +439,14 @@ impl<'t> Scanner<'t> {
     /// Closes the innermost bracket, of any kind. If the kinds differ, ron reports an error here anyway.
     fn close(&mut self) {
         self.value_is_missing();
-        let opened = self.open.last().and_then(|open| self.text.as_bytes().get(open.bracket));
-        self.spans.mismatched |= !matches!(
-            (opened, self.next()),
+        let opened = self.open.last().map(|open| open.bracket);
+        let fits = matches!(
+            (opened.and_then(|at| self.text.as_bytes().get(at)), self.next()),
             (Some(b'('), Some(')')) | (Some(b'['), Some(']')) | (Some(b'{'), Some('}'))
         );
+        if !fits && self.spans.mismatch.is_none() {
+            self.spans.mismatch = Some(Mismatch { opened: opened.map(|at| at as u32), closed: self.at as u32 });
+        }
         self.at += 1;
         if let Some(open) = self.open.pop() {
             self.finish(open);

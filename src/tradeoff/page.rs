@@ -93,7 +93,8 @@ pub fn html(report: &Findings) -> Result<String> {
     if let (Some(wide), Some(narrow)) = (plot(report, Width::Wide)?, plot(report, Width::Narrow)?) {
         let _ = write!(
             page,
-            "<h2>Error against time</h2>\n<figure>\n<div class=\"wide\">\n{wide}</div>\n<div class=\"narrow\">\n{narrow}</div>\n</figure>\n"
+            "<h2>Error against time</h2>\n<p class=\"note\">Lower is less error, further left is less time. A curve that becomes level has a bias, which more \
+             samples do not remove.</p>\n<figure>\n<div class=\"wide\">\n{wide}</div>\n<div class=\"narrow\">\n{narrow}</div>\n</figure>\n"
         );
         for words in report.left_out() {
             let _ = writeln!(page, "<p class=\"note\">{}</p>", marked(&words));
@@ -143,8 +144,8 @@ fn pictures(report: &Findings) -> String {
         return String::new();
     }
     let mut text = format!(
-        "<h2>The same time for each</h2>\n<p class=\"note\">{}x{} pixels. Each setting has the number of samples that comes nearest to the time of {LEVEL} samples of the defaults; its own time is below. \
-         The picture on the right is its FLIP map: the perceived difference, from black (none) to white.</p>\n<div class=\"pictures\">\n",
+        "<h2>What each setting gives in the same time</h2>\n<p class=\"note\">{}x{} pixels, in about the time that the defaults take for {LEVEL} samples. \
+         On the right is the difference that the eye sees (FLIP), from black (none) to white.</p>\n<div class=\"pictures\">\n",
         report.size.0, report.size.1
     );
     for picture in &report.examples {

@@ -297,13 +297,13 @@ impl Findings {
         let of_all = self.measured.len() + self.unmeasured.len();
         let busy = match self.swing > BUSY {
             true => format!(
-                "; the machine was busy: one render took {:.1} times as long at times, so the intervals of seconds are wide",
+                "; the machine was busy, and {:.1} times slower at times, so the seconds are uncertain",
                 self.swing
             ),
             false => String::new(),
         };
         let mut lines = vec![format!(
-            "{} of {of_all} settings measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; another device may need other settings{busy}",
+            "{} of {of_all} settings measured at {w}x{h} on {} ({}), each by {} images of {LEVEL} samples; another device may need other settings{busy}",
             self.measured.len(),
             self.device,
             self.driver,

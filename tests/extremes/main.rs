@@ -1,5 +1,5 @@
 //! What happens to the numbers at the extremes: a table of cells, each with a range of inputs, an oracle, a limit and the figure that
-//! was achieved. docs/extremes.md is what a run wrote, and declares the cells: one that is missing, or that is not there, fails the run.
+//! was achieved. docs/dev/extremes.tsv is what a run wrote, and declares the cells: one that is missing, or that is not there, fails the run.
 //! Figures are not compared, since they depend on the driver. `GPU_RT_RENEW=1` writes it anew.
 //!
 //! Cells of functions run kernels that import the shader files that render, and compare with f64; cells of scenes compare renders with
@@ -37,7 +37,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::device;
-use table::{COMPARED_NAN, Cell, FORMS, document, faults};
+use table::{COMPARED_NAN, Cell, FILE, FORMS, PAGE, faults, file, page};
 
 type Filler = fn() -> Vec<Cell>;
 
@@ -74,12 +74,13 @@ const CELLS: &[Filler] = &[
 #[test]
 fn every_cell_is_within_its_limit() {
     let cells = run(CELLS);
-    let text = document(&cells, &device::software().name.driver);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/extremes.md");
+    let text = file(&cells);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     if common::renew() {
-        fs::write(&path, &text).expect("docs/extremes.md can be written");
+        fs::write(root.join(FILE), &text).expect("the file can be written");
+        fs::write(root.join(PAGE), page(&cells, &device::software().name.driver)).expect("the page can be written");
     }
-    let wanted = fs::read_to_string(&path).expect("docs/extremes.md can be read");
+    let wanted = fs::read_to_string(root.join(FILE)).expect("the file can be read");
     // A driver without the flaw that makes a form wrong shows nothing of it.
     let shown = |form: &&&str| **form != COMPARED_NAN || rejection::folds();
     let forms: Vec<&str> = FORMS.iter().filter(shown).copied().collect();

@@ -1,9 +1,9 @@
-//! The table of extremes: what a cell is, which cells there must be, and the document that is made of them.
+//! The table of extremes: what a cell is, which cells there must be, the file that has all of them, and the page with the worst of each row.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// What is driven to its extremes. Every row must have the cells that the document declares, or the run fails.
+/// What is driven to its extremes. Every row must have the cells that the file declares, or the run fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Row {
     Scale,
@@ -164,29 +164,23 @@ impl Cell {
     }
 }
 
-/// The cells of a document: row, figure and range each.
-fn cells_of(document: &str) -> Vec<(&str, &str, &str)> {
-    let (mut row, mut figure, mut all) = ("", "", Vec::new());
-    for line in document.lines() {
-        match (line.strip_prefix("## "), line.strip_prefix("| ")) {
-            (Some(name), _) => row = name,
-            (_, Some(cell)) if !cell.starts_with("range |") => {
-                all.push((row, figure, cell.split(" | ").next().unwrap_or_default()));
-            }
-            (_, None) if !line.starts_with('|') && !line.is_empty() => figure = line,
-            _ => {}
-        }
-    }
-    all
+/// The file with all cells, one a line, and the page.
+pub const FILE: &str = "docs/dev/extremes.tsv";
+pub const PAGE: &str = "docs/dev/extremes.md";
+const HEAD: &str = "row\tfigure\trange\tlimit\tachieved\twrong forms, planted\twhere the limit comes from\n";
+
+/// The cells of a file: row, figure and range each.
+fn cells_of(file: &str) -> Vec<(&str, &str, &str)> {
+    let cells = file.lines().skip(1).map(|line| {
+        let mut columns = line.split('\t');
+        let mut next = || columns.next().unwrap_or_default();
+        (next(), next(), next())
+    });
+    cells.collect()
 }
 
-/// The heading of a row.
-fn heading(name: &str) -> String {
-    format!("{}{}", name[..1].to_uppercase(), &name[1..])
-}
-
-/// Everything that is wrong with the cells, by their document and the one that is wanted: over a limit, other cells, or
-/// a form that none has. Empty where all is well.
+/// Everything that is wrong with the cells, by their file and the one that is wanted: over a limit, other cells, or a form
+/// that none has. Empty where all is well.
 pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> Vec<String> {
     let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
     let (there, wanted) = (cells_of(text), cells_of(wanted_text));
@@ -195,13 +189,13 @@ pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> 
         let without = of.iter().filter(|cell| !from.contains(cell));
         without.map(|(row, figure, range)| format!("{row}, {range}: {figure}: {fault}")).collect()
     };
-    all.extend(missing(&wanted, &there, "in docs/extremes.md, and there is no such cell"));
-    all.extend(missing(&there, &wanted, "the cell is not in docs/extremes.md, which `GPU_RT_RENEW=1` writes anew"));
+    all.extend(missing(&wanted, &there, &format!("in {FILE}, and there is no such cell")));
+    all.extend(missing(&there, &wanted, &format!("the cell is not in {FILE}, which `GPU_RT_RENEW=1` writes anew")));
     if BTreeSet::from_iter(&there).len() < there.len() {
         all.push("two cells are the same".to_string());
     }
     for (row, name) in ROWS {
-        if !wanted.iter().any(|cell| cell.0 == heading(name)) {
+        if !wanted.iter().any(|cell| cell.0 == *name) {
             all.push(format!("{row:?} ({name}) has no cell"));
         }
     }
@@ -213,45 +207,68 @@ pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> 
     all
 }
 
-/// The cells of a row, together with those that measure the same.
-fn by_figure(cells: &[Cell], row: Row) -> Vec<(&'static str, Vec<&Cell>)> {
-    let mut all: Vec<(&'static str, Vec<&Cell>)> = Vec::new();
-    for cell in cells.iter().filter(|cell| cell.row == row) {
-        match all.iter_mut().find(|(figure, _)| *figure == cell.figure) {
-            Some((_, cells)) => cells.push(cell),
-            None => all.push((cell.figure, vec![cell])),
+/// The cells of a row, those that measure the same together.
+fn of_row(cells: &[Cell], row: Row) -> Vec<&Cell> {
+    let own: Vec<&Cell> = cells.iter().filter(|cell| cell.row == row).collect();
+    let mut figures: Vec<&str> = Vec::new();
+    for cell in &own {
+        if !figures.contains(&cell.figure) {
+            figures.push(cell.figure);
         }
     }
-    all
+    figures.iter().flat_map(|figure| own.iter().filter(move |cell| cell.figure == *figure).copied()).collect()
 }
 
-/// The document: docs/extremes.md.
-pub fn document(cells: &[Cell], driver: &str) -> String {
+/// All cells, one a line, with tabs between the columns.
+pub fn file(cells: &[Cell]) -> String {
+    let mut text = HEAD.to_string();
+    for (row, name) in ROWS {
+        for cell in of_row(cells, *row) {
+            let planted: Vec<String> =
+                cell.planted.iter().map(|(form, figure)| format!("{form}: {}", short(*figure))).collect();
+            let columns = [
+                name,
+                cell.figure,
+                &cell.range,
+                &short(cell.limit),
+                &cell.outcome(),
+                &planted.join("; "),
+                cell.because,
+            ];
+            let _ = writeln!(text, "{}", columns.join("\t"));
+        }
+    }
+    text
+}
+
+/// The page: of each row the cell that comes nearest to its limit.
+pub fn page(cells: &[Cell], driver: &str) -> String {
     let mut text = format!(
         "# Extremes\n\n\
-         The accuracy of the numbers at the ends of their ranges. `GPU_RT_RENEW=1 cargo test --release --test extremes` writes this file; do\n\
-         not edit it. Without the variable, the test fails if a figure is over its limit, if the cells differ from those of this file, or if a\n\
-         known wrong form is not detected. Where f32 does not resolve a scene, a warning of `gpu-rt check` is enough; the figure says so.\n\n\
-         Measured on {driver}. u = 2^-24 is the relative error of one operation in f32.\n"
+         The accuracy of the numbers at the ends of their ranges, measured on {driver}. Each row has the cell that comes nearest to its limit;\n\
+         [extremes.tsv](extremes.tsv) has all {} cells, with what each limit comes from (u = 2^-24 is the relative error of one operation in\n\
+         f32), and what a known wrong form would have reached. Where f32 does not resolve a scene, a warning of `gpu-rt check` is enough. The page leaves these {} cells out.\n\n\
+         `GPU_RT_RENEW=1 cargo test --release --test extremes` writes both files; do not edit them. Without the variable, the test fails if\n\
+         a figure is over its limit, if the cells differ from those of the file, or if a known wrong form is not detected.\n\n\
+         | quantity | cells | the nearest to its limit | limit | achieved |\n|---|--:|---|--:|--:|\n",
+        cells.len(),
+        cells.iter().filter(|cell| cell.achieved > cell.limit).count(),
     );
     for (row, name) in ROWS {
-        let _ = write!(text, "\n## {}\n", heading(name));
-        for (figure, cells) in by_figure(cells, *row) {
-            let _ = write!(text, "\n{figure}. Limit: {}\n\n", cells[0].because);
-            text.push_str("| range | limit | achieved | wrong forms, planted |\n|---|---|---|---|\n");
-            for cell in cells {
-                let planted: Vec<String> =
-                    cell.planted.iter().map(|(form, figure)| format!("{form}: {}", short(*figure))).collect();
-                let _ = writeln!(
-                    text,
-                    "| {} | {} | {} | {} |",
-                    cell.range,
-                    short(cell.limit),
-                    cell.outcome(),
-                    planted.join("; ")
-                );
-            }
-        }
+        let own = of_row(cells, *row);
+        let share = |cell: &Cell| if cell.limit > 0.0 { cell.achieved / cell.limit } else { 0.0 };
+        let within = own.iter().filter(|cell| cell.achieved <= cell.limit);
+        // The first of those that are equally near.
+        let Some(worst) = within.reduce(|a, b| if share(b) > share(a) { b } else { a }) else { continue };
+        let _ = writeln!(
+            text,
+            "| {name} | {} | {}; {} | {} | {} |",
+            own.len(),
+            worst.figure,
+            worst.range,
+            short(worst.limit),
+            short(worst.achieved)
+        );
     }
     text
 }
@@ -274,7 +291,7 @@ mod tests {
     }
 
     fn compared(cells: &[Cell], wanted: &[Cell], forms: &[&str]) -> Vec<String> {
-        faults(cells, &document(cells, "a driver"), &document(wanted, "another"), forms)
+        faults(cells, &file(cells), &file(wanted), forms)
     }
 
     /// The faults of cells that are all declared.
@@ -320,6 +337,18 @@ mod tests {
         assert_eq!((planted(0.9), planted(f64::NAN)), (1, 1));
         assert_eq!((planted(1.1), planted(f64::INFINITY)), (0, 0));
         assert_eq!(own_faults(&full(), &["textbook"]).len(), 1, "a wrong form that nobody planted");
+    }
+
+    #[test]
+    fn the_page_has_the_cell_of_each_row_that_is_nearest_to_its_limit() {
+        let mut cells = full();
+        cells.push(Cell::new(Row::Gap, "the worst", "error", 2.0, "").achieved(1.9));
+        cells.push(
+            Cell::new(Row::Gap, "unresolved", "error", 2.0, "").achieved(3.0).warns(vec!["too near".to_string()]),
+        );
+        let page = page(&cells, "a driver");
+        assert!(page.contains("| gaps between surfaces | 3 | error; the worst | 2 | 1.9e0 |"), "{page}");
+        assert_eq!(page.lines().filter(|line| line.starts_with("| ")).count(), ROWS.len() + 1);
     }
 
     #[test]

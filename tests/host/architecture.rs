@@ -1,4 +1,4 @@
-//! Who may import whom on the host, and that there are no circles: the rules of docs/architecture.md, checked against the sources.
+//! Who may import whom on the host, and that there are no circles: the rules of docs/dev/architecture.md, checked against the sources.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -244,6 +244,16 @@ fn bad_objects() -> Vec<Bad> {
         bad(object("§Sphere"), "objects[0].Sphere", &["expected Sphere(center: .., radius: .., material: ..)"]),
         bad(object("§Sphere { radius: 1 }"), "objects[0].Sphere", &["expected Sphere(center: .., "]),
         bad(object("Sphere(§(0, 0, 0), 1)"), "objects[0].Sphere[0]", &["fields by name"]),
+        bad(object("Group([Group([])§), Group([])"), "objects[0].Group[0]", &["expected ], found )", "is not closed"]),
+        bad(object("§Cube(size: 1)"), "objects[0]", &["did you mean Box(min: .., max: ..)?"]),
+        bad(object("§Plane(y: 0)"), "objects[0]", &["did you mean Quad("]),
+        bad(object("§Triangle(a: 1)"), "objects[0]", &["did you mean Mesh("]),
+        bad(material("§Diffuse(albedo: Rgb(1, 1, 1))"), "materials[\"it\"]", &["did you mean Lambertian("]),
+        bad(material("§Glass(ior: 1.5)"), "materials[\"it\"]", &["did you mean Dielectric(ior: 1.5)?"]),
+        bad(material("§Emissive(emit: Rgb(1, 1, 1))"), "materials[\"it\"]", &["did you mean DiffuseLight("]),
+        bad(material("Lambertian(albedo: §(0.7, 0.3, 0.2))"), "materials[\"it\"].Lambertian.albedo", &["did you mean Rgb(0.7, 0.3, 0.2)?"]),
+        bad(scene(IMAGE, CAMERA, "§(1, 1, 1)", ""), "background", &["did you mean Solid((1, 1, 1))?"]),
+        bad(scene(IMAGE, "(look_from: (0, 0, 5), look_at: (0, 0, 0), §fov: 40)", BACKGROUND, ""), "camera.fov", &["did you mean vertical_fov?"]),
         bad(object("Group([]), §Spher(radius: 1)"), "objects[1]", &["an object: Sphere(..), Quad(..)", "did you mean Sphere?"]),
         bad(object("Group([]), Group([Group([]), §3])"), "objects[1].Group[1]", &["an object", "found 3"]),
         bad(object("§Group()"), "objects[0].Group", &["a list of objects", "found Group()"]),
@@ -610,9 +620,15 @@ fn files_that_cannot_be_read_have_a_location() {
         fs::write(&path, bytes).unwrap();
         path
     };
+    for path in [folder.path().join("missing.ron"), folder.path().to_owned()] {
+        let error = Scene::load(&path).unwrap_err();
+        assert!(
+            error.to_string().starts_with(&format!("{}: Scene: cannot read the scene file: ", path.display())),
+            "{error}"
+        );
+        assert_eq!(error.exit_status(), 2);
+    }
     let cases = [
-        (folder.path().join("missing.ron"), "§", "cannot read the scene file"),
-        (folder.path().to_owned(), "§", "cannot read the scene file"),
         (write("empty.ron", b""), "§", "empty"),
         (write("space.ron", b" \n\t\r\n"), "§", "empty"),
         (write("latin.ron", b"(\n  // caf\xe9"), "(\n  // caf§", "UTF-8"),

@@ -99,7 +99,7 @@ fn the_answer_and_the_plot_come_first_and_details_are_folded() {
         "<summary>All settings",
         "<summary>The conditions of the measurement",
         "<summary>What the settings give up",
-        "The same time for each",
+        "What each setting gives in the same time",
     ];
     assert!(order.map(at).is_sorted(), "{page}");
     assert_eq!(page.matches("<details>").count(), 4);

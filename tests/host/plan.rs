@@ -88,10 +88,9 @@ fn planned_with<'a>(
     (plan, report)
 }
 
-/// The lines of a report that are about what is there, unbroken: a new material changes no snapshot of a scene without it.
+/// The lines of a report that are about what is there: a new material changes no snapshot of a scene without it.
 fn present(text: &str) -> String {
-    let unbroken = text.replace(",\n    ", ", ");
-    let lines = unbroken.lines().filter(|line| !line.starts_with("  left out: "));
+    let lines = text.lines().filter(|line| !line.starts_with("  not linked: "));
     let shown = |line: &str| match line.strip_prefix("  chosen: ") {
         Some(items) => {
             items.split(", ").filter(|item| !item.ends_with(" no")).map(|item| format!("  chosen {item}\n")).collect()

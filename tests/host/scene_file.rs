@@ -1,5 +1,6 @@
 //! docs/scene.md follows from the declarations that the program checks scene files by, and these are those that serde reads.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -45,14 +46,20 @@ fn document() -> String {
     );
     for (group, forms) in groups() {
         let _ = write!(out, "\n## {group}\n\n{}\n", introduction(group));
+        let mut said = Said::new();
         for form in forms {
-            write_form(&mut out, form);
+            write_form(&mut out, form, &mut said);
         }
     }
     out
 }
 
-fn write_form(out: &mut String, form: &Form) {
+/// Meanings of fields, with the name of the form whose section has them.
+type Said = HashMap<(&'static str, &'static str), &'static str>;
+/// A meaning of more words is written once in a group.
+const SHORT: usize = 6;
+
+fn write_form(out: &mut String, form: &Form, said: &mut Said) {
     let Form { name, about, fields, in_order, example } = form;
     let _ = write!(out, "\n### {name}\n\n{}\n\n```ron\n{example}\n```\n", wrapped(about));
     let order = if *in_order && fields.len() > 1 { ", in this order" } else { "" };
@@ -63,6 +70,11 @@ fn write_form(out: &mut String, form: &Form) {
             true => (*default).to_owned(),
             false => format!("`{default}`"),
         };
+        let first = *said.entry((*name, *about)).or_insert(form.name);
+        let about = match first != form.name && about.split(' ').count() > SHORT {
+            true => format!("As of [{first}](#{}).", first.to_lowercase()),
+            false => (*about).to_owned(),
+        };
         let _ = writeln!(out, "| `{name}` | {} | {default} | {about} |", in_full(takes));
     }
 }
@@ -71,13 +83,13 @@ fn write_form(out: &mut String, form: &Form) {
 fn in_full(takes: &Takes) -> String {
     let words = match takes {
         Takes::Colour(range) | Takes::Texture(range) if *range == gpu_rt::source::Range::ANY => takes.words(),
-        Takes::Colour(range) => format!("{}, each {range}", takes.words()),
-        Takes::Varying(range) => format!("a number {range}, or a [texture](#textures) of it"),
-        Takes::Texture(range) => format!("a [texture](#textures), each channel {range}"),
+        Takes::Colour(range) => format!("(r, g, b), each {range}"),
+        Takes::Varying(range) => format!("a number {range}, or a [texture](#textures)"),
+        Takes::Texture(range) => format!("a [texture](#textures) {range}"),
         Takes::Number(_, unit) if ["scene units", "per scene unit"].contains(unit) => {
             format!("{}, {}{unit}", takes.words(), if unit.starts_with("per") { "" } else { "in " })
         }
-        Takes::Point => format!("{}, in scene units", takes.words()),
+        Takes::Point => "(x, y, z), in scene units".to_owned(),
         _ => takes.words(),
     };
     words.replace('|', "\\|")

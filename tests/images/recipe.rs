@@ -1,4 +1,4 @@
-//! Materials, a shape and a channel that are not in the program, added by the steps of docs/architecture.md as far as test code can: the shader files, what the
+//! Materials, a shape and a channel that are not in the program, added by the steps of docs/dev/architecture.md as far as test code can: the shader files, what the
 //! host lays out for them, their names in the lists that the linker goes through, and nothing else on the device. A file of src/material
 //! cannot be added here, nor its lines in the list: a Lambertian of the scene file stands in for the new material.
 

@@ -103,7 +103,7 @@ fn the_command_line_says_what_the_table_says() {
     for spec in TRADE_OFFS {
         let argument = command.get_arguments().find(|argument| argument.get_long() == Some(spec.name));
         let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", spec.name));
-        assert_eq!(argument.get_help().map(ToString::to_string), Some(spec.help()), "--{}", spec.name);
+        assert_eq!(argument.get_long_help().map(ToString::to_string), Some(spec.help()), "--{}", spec.name);
         assert_eq!(argument.get_help_heading(), Some(spec.class.heading()), "--{}", spec.name);
         let defaults = argument.get_default_values();
         assert_eq!(defaults.first().and_then(|value| value.to_str()), spec.default, "--{}", spec.name);

@@ -240,7 +240,7 @@ fn kernels_are_refused_where_a_driver_lacks_what_they_rely_on() {
 
 #[test]
 fn every_property_has_shaders_that_rely_on_it_and_stands_in_the_table() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/architecture.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/dev/architecture.md");
     let document = std::fs::read_to_string(path).expect("the document can be read");
     for property in PROPERTIES {
         let relies = |name: &&String| {
@@ -251,7 +251,7 @@ fn every_property_has_shaders_that_rely_on_it_and_stands_in_the_table() {
         let relying: Vec<&String> = names.iter().filter(relies).collect();
         let begins = format!("| `{}` |", property.name);
         let row = document.lines().find(|line| line.starts_with(&begins));
-        let row = row.unwrap_or_else(|| panic!("docs/architecture.md has no row {begins}"));
+        let row = row.unwrap_or_else(|| panic!("docs/dev/architecture.md has no row {begins}"));
         assert!(!relying.is_empty(), "nobody relies on {}", property.name);
         for name in relying {
             assert!(

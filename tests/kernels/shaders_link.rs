@@ -656,7 +656,7 @@ fn lines_of_code() -> BTreeSet<(String, usize)> {
 }
 
 /// The most storage buffers that a kernel with everything on binds, all tables in storage bindings. WebGPU promises 8. Kernels
-/// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
+/// with everything on exceed it (docs/dev/architecture.md); this limit keeps them from growing further.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
     [(Scatter::Linked, 21), (Scatter::Queues, 23), (Scatter::Fused, 24)];
 

@@ -437,7 +437,7 @@ fn bad_scenes_are_refused_with_file_line_and_column() {
         }
     }
     let ran = sandbox.says("render missing.ron").exits(2);
-    assert!(ran.stderr.contains("missing.ron:1:1: "), "{}", ran.stderr);
+    assert!(ran.stderr.starts_with("error: missing.ron: Scene: cannot read"), "{}", ran.stderr);
     let lost = SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Image(path: \"lost.png\")");
     let scene = sandbox.scene("bad.ron", &lost);
     let ran = sandbox.run(&["render", &scene]).exits(2);
@@ -452,7 +452,7 @@ fn bad_arguments_are_refused() {
         ("--spp", &["0", "-1", "many"]),
         ("--samples", &["5..5", "8..4", "8", "0..9999999999"]),
         ("--time", &["0", "-3", "soon"]),
-        ("--size", &["0x5", "5", "99999x2", "65536x65536", "0%", "101%", "nan%"]),
+        ("--size", &["0x5", "5x", "0", "99999x2", "65536x65536", "0%", "101%", "nan%"]),
         ("--clamp", &["0", "nan", "inf"]),
         ("--clamp=-1", &[""]),
         ("--fresnel", &["cubic"]),
@@ -1030,10 +1030,62 @@ fn plan_writes_shaders_that_naga_takes() {
     }
 }
 
+/// What users write first, and the tip that they get.
+#[test]
+fn command_lines_of_other_programs_get_a_tip() {
+    let sandbox = Sandbox::new();
+    let scene = sandbox.scene("sphere.ron", SPHERE);
+    for (words, tip) in [
+        (&["render", &scene, "--width", "320"][..], "'--size'"),
+        (&["render", &scene, "-s", "100"], "'--spp'"),
+        (&["render", &scene, "--gpu", "0"], "'--device'"),
+        (&["sphere.ron"], "'gpu-rt render sphere.ron'"),
+        (&["sphere.exr"], "'gpu-rt develop sphere.exr -o FILE.png'"),
+    ] {
+        let ran = sandbox.run(words).exits(2);
+        assert!(ran.stderr.contains(tip) && !ran.stderr.contains("--watch"), "{words:?}: {}", ran.stderr);
+    }
+    for (file, word) in [("picture.exr", "gpu-rt develop"), ("tree.ply", "Mesh(path"), ("room.blend", "glTF")] {
+        let ran = sandbox.run(&["render", file]).exits(2);
+        assert!(ran.stderr.starts_with(&format!("error: {file}: ")) && ran.stderr.contains(word), "{}", ran.stderr);
+    }
+}
+
+#[test]
+fn a_width_alone_keeps_the_aspect() {
+    let sandbox = Sandbox::new();
+    let scene = sandbox.scene("sphere.ron", SPHERE);
+    let size = |words: &str| {
+        let json = sandbox.run(&["render", &scene, "--spp", "1", "--force", "--json", "--size", words]).exits(0).json();
+        (json["width"].as_u64(), json["height"].as_u64())
+    };
+    assert_eq!((size("30"), size("1")), ((Some(30), Some(18)), (Some(1), Some(1))));
+    sandbox.run(&["render", &scene, "--size", "0"]).exits(2);
+}
+
+/// `-h` is a page of what matters most, and `--help` has all options.
+#[test]
+fn the_short_help_of_render_is_a_page() {
+    let sandbox = Sandbox::new();
+    let lists = |text: &str, option: &str| {
+        text.lines().any(|line| line.contains(&format!("--{option} ")) || line.contains(&format!("--{option}[")))
+    };
+    let (short, long) = (sandbox.says("render -h").exits(0).stdout, sandbox.says("render --help").exits(0).stdout);
+    assert!(short.lines().count() <= 45, "{}", short.lines().count());
+    for option in ["output", "png", "spp", "noise", "time", "size", "device"] {
+        assert!(lists(&short, option) && lists(&long, option), "{option}");
+    }
+    for option in ["light-paths", "checkpoint", "aov"] {
+        assert!(!lists(&short, option) && lists(&long, option), "{option}");
+    }
+    assert!(short.contains("render --help"));
+}
+
 #[test]
 fn devices_are_listed_with_drivers_limits_and_numerics() {
     let sandbox = Sandbox::new();
-    let text = sandbox.says("devices").exits(0).stdout;
+    assert!(!sandbox.says("devices").exits(0).stdout.contains("two-sum"), "the findings are for --verbose");
+    let text = sandbox.says("devices --verbose").exits(0).stdout;
     let json = sandbox.says("devices --json").exits(0).json();
     let devices = json["devices"].as_array().expect("a list");
     assert!(!devices.is_empty());

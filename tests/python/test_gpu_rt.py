@@ -138,8 +138,9 @@ class Render(InAFolder):
             places = [(f.file, f.line, f.column, f.field) for f in raised.exception.faults]
             self.assertEqual(places, [("a.ron", 1, 22, "image.width"), ("a.ron", 2, 3, "camra")])
             self.assertIn("did you mean camera?", str(raised.exception))
-        with self.assertRaisesRegex(gpu_rt.SceneError, "none.ron.*cannot read the scene file"):
+        with self.assertRaisesRegex(gpu_rt.SceneError, "none.ron.*cannot read the scene file") as raised:
             gpu_rt.render("none.ron")
+        self.assertEqual(raised.exception.faults[0][:4], ("none.ron", 0, 0, "Scene"))
 
     def test_the_driver_that_is_missing_is_named(self):
         with mock.patch.dict(os.environ, VK_DRIVER_FILES="/nowhere", VK_ICD_FILENAMES="/nowhere"):

@@ -1,5 +1,5 @@
 //! What a start costs, by what is compiled: kernels that run, each once, and no others. Seconds depend on the machine, and are in
-//! docs/performance.md.
+//! docs/dev/performance.md.
 
 use crate::alone;
 use crate::common::{device, render};

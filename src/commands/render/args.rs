@@ -17,8 +17,10 @@ use crate::options::{Class, DENOISE, DenoiseArg, RenderOptions, SizeArg, SppArg}
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// The image to write: a linear .exr, or a .png, which is the picture alone and cannot be resumed. - is a PNG on standard output
-    /// [default: the scene's name with .exr, in the current folder].
+    /// The image to write, .exr or .png [default: the scene's name with .exr].
+    ///
+    /// A linear .exr, or a .png, which is the picture alone and cannot be resumed. - is a PNG on standard output. By default it is in the
+    /// current folder.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Also write a tone-mapped picture, - for standard output.
@@ -33,12 +35,15 @@ pub struct RenderArgs {
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
-    /// Render for this time, counted from the start of the program [30s, 5m, …]: a multiple of 8 samples per pixel, or any number where 8 of them
-    /// take longer than 2 s; at least one, at most --spp if given.
+    /// Render for this time [30s, 5m, …].
+    ///
+    /// It counts from the start of the program. The render has a multiple of 8 samples per pixel, or any number where 8 of them take longer
+    /// than 2 s; at least one, at most --spp if given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples,
-    /// limited by --spp and --time if given.
+    /// Render until the relative error is below this, such as 0.01 for 1 %.
+    ///
+    /// With 95 % confidence, by 16, 32, 64 … samples, limited by --spp and --time if given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
     #[command(flatten)]
@@ -54,7 +59,9 @@ pub struct RenderArgs {
     pub denoise: DenoiseArg,
     #[arg(long, value_name = "FOLDER", requires = "denoise", help = OIDN, help_heading = DENOISE.class.heading())]
     pub oidn: Option<PathBuf>,
-    /// Draw the image so far, about once a second, and the image at the end in the terminal, as --exposure and --tonemap have it.
+    /// Draw the image in the terminal, about once a second.
+    ///
+    /// The image so far, and the image at the end, as --exposure and --tonemap have it.
     #[arg(long)]
     pub preview: bool,
     /// Send the image so far, about once a second, and the image at the end to a viewer: tev, which listens on 127.0.0.1:14158.
@@ -63,10 +70,14 @@ pub struct RenderArgs {
     /// Write the image so far at this interval, and the PNG too [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
     pub checkpoint: Duration,
-    /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
+    /// Go on with the render in the output; --resume=auto starts if there is none.
+    ///
+    /// The image is that of one render. --resume alone fails if there is none.
     #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = parse_resume)]
     pub resume: Option<Resume>,
-    /// Render again whenever the scene or one of its files is saved, until Ctrl-C: a quarter of the size, a half, then all of it.
+    /// Render again whenever the scene or one of its files is saved, until Ctrl-C.
+    ///
+    /// First a quarter of the size, then a half, then all of it.
     #[arg(long, conflicts_with_all = ["samples", "resume", "json", "denoise"])]
     pub watch: bool,
     /// Render with several devices or drivers, or go on with another one, whose rounding may differ.

@@ -18,6 +18,7 @@ use crate::flatten::Hierarchies;
 use crate::identity::Identity;
 use crate::job::Goal;
 use crate::output::exr::{Attribute, read_attributes, read_state};
+use crate::printable::counted;
 use crate::scene::{Assets, Scene};
 
 /// Renders a scene that has been loaded since an instant.
@@ -61,7 +62,7 @@ fn render_frame(
         && let Some(samples) = samples_of_complete(&args, &scene, begin)?
     {
         if !args.quiet {
-            tell(&format!("{}: {samples} samples, complete", image.display()));
+            tell(&format!("{}: {}, complete", image.display(), counted(samples, "sample")));
         }
         let report = json!({
             "output": path_text(&image), "samples_per_pixel": samples, "frame": f64::from(number), "skipped": true,

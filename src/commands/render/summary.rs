@@ -5,6 +5,7 @@ use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
 use crate::film::{Totals, Verdict};
+use crate::printable::counted;
 use crate::render::{Noise, Outcome};
 
 /// The share of `--time` that a render may leave unused without a word.
@@ -17,7 +18,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
     let cut = finish.too_deep;
-    if cut.paths > 0 {
+    if cut.paths > 0 && (args.verbose || finish.verdict.cut_matters()) {
         let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
         tell(&format!(
             "max_depth {} ended {} of {} paths. Their mean throughput was {mean:.2e}: the image may lack up to {:.2e} times the \
@@ -80,7 +81,8 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
     }
     let resumed = held.before.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
     let error = error_words(finish);
-    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", request.image.display()));
+    let samples = counted(samples, "sample");
+    tell(&format!("{}: {samples}{resumed}, {error}, {total:.1} s", request.image.display()));
 }
 
 /// The error with its bound.

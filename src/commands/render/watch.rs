@@ -15,6 +15,7 @@ use crate::identity::Identity;
 use crate::job::{Crop, Frame, Size};
 use crate::options::{SizeArg, SppArg};
 use crate::output::destination::{can_be_replaced, is_standard};
+use crate::printable::counted;
 use crate::scene::Scene;
 
 /// Renders a scene that has been loaded since an instant.
@@ -102,7 +103,7 @@ fn pass(session: &mut Session, args: &RenderArgs, start: Instant, render: Render
         begun = Instant::now();
         let new = session.compiled() - std::mem::replace(&mut compiled, session.compiled());
         if new > 0 && !is_first && !args.quiet {
-            let kernels = if new == 1 { "1 kernel".to_owned() } else { format!("{new} kernels") };
+            let kernels = counted(new as u64, "kernel");
             tell(&format!("{kernels} compiled for the change: {:.2} s", session.compile));
         }
         if args.verbose {
