@@ -106,6 +106,7 @@ pub fn flatten_with(
         }
         if KINDS[primitive.shape.number()].encloses() && scene.materials[primitive.material as usize].1.has_alpha() {
             features.alpha_bodies[primitive.shape.number()].get_or_insert_with(at_object);
+            features.alpha_on_bodies = true;
         }
     }
     // Whether an object uses each material.

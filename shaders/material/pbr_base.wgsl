@@ -30,7 +30,7 @@ fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3
     return (1.0 - metallic) * pbr_layer(material, hit, cos_facet) + metallic * schlick(cos_facet, hit.colour);
 }
 
-// Those of the layer and of the metal, with their film.
+// The reflectance of the layer, and that of the metal, with the film on them.
 fn layer_with_film(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
     return with_film(pbr_layer(material, hit, cos_facet), pbr_f0(material, hit), hit.f90, hit, cos_facet);
 }

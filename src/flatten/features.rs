@@ -93,6 +93,8 @@ pub struct Features {
     pub shadow_rays: bool,
     /// Whether steps of a walk may read a texture, because an alpha has one. It depends only on the scene, too.
     pub alpha_textures: bool,
+    /// Whether steps of a walk may look at both sides of a body, because it has an alpha. It depends only on the scene, too.
+    pub alpha_on_bodies: bool,
     /// Whether passing a pane may read a texture. It depends only on the scene, too.
     pub pane_textures: bool,
     /// Kinds of primitive that move, and kinds of boundaries of media that do, by the indices of `PRIMITIVES`.

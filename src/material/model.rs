@@ -181,6 +181,12 @@ impl<'a> Extension<'a> {
         Extension { kind, slot, parameter, contrasts: [0.0; 2] }
     }
 
+    /// An extension without a texture.
+    fn white(field: &'static Field, kind: ExtensionKind, parameter: f32) -> Extension<'a> {
+        static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
+        Extension::new(kind, Slot { field, usage: Use::Share, texture: &WHITE }, parameter)
+    }
+
     pub fn emission(slot: Slot<'a>, two_sided: bool) -> Extension<'a> {
         Extension::new(ExtensionKind::Emission, slot, f32::from(u8::from(two_sided)))
     }
@@ -284,9 +290,7 @@ impl<'a> Model<'a> {
 
     /// Adds an extension if `is_there`. Its data lie elsewhere, so its row is white.
     fn flagged(mut self, field: &'static Field, kind: ExtensionKind, is_there: bool) -> Model<'a> {
-        static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
-        let slot = Slot { field, usage: Use::Share, texture: &WHITE };
-        self.extensions.extend(is_there.then_some(Extension::new(kind, slot, 0.0)));
+        self.extensions.extend(is_there.then(|| Extension::white(field, kind, 0.0)));
         self
     }
 
@@ -430,11 +434,11 @@ impl<'a> Model<'a> {
             self.lacks = Some("no dispersion with an ior below 1");
         }
         let spread = (ior - 1.0) / 40.0 * dispersion;
-        self = self.flagged(&dielectric::FIELDS.dispersion, ExtensionKind::Dispersion, true);
-        self.extensions
-            .iter_mut()
-            .filter(|it| it.kind == ExtensionKind::Dispersion)
-            .for_each(|it| it.parameter = spread as f32);
+        self.extensions.push(Extension::white(
+            &dielectric::FIELDS.dispersion,
+            ExtensionKind::Dispersion,
+            spread as f32,
+        ));
         self
     }
 

@@ -551,7 +551,7 @@ pub(super) fn decide(
             "most_steps",
             if features.shadow_rays { 19_000 } else { 48_000 }
                 / if features.alpha_textures { 5 } else { 1 }
-                / if alpha_body.is_some() { 3 } else { 1 }
+                / if features.alpha_on_bodies { 3 } else { 1 }
                 / (1 + features.motion_iterations),
         ),
         // The iterations that count for passing a pane: those of the longest texture, or some for its material.

@@ -190,7 +190,7 @@ fn bad_materials() -> Vec<Bad> {
         bad(material("Pbr(sheen: Rgb(1, 1, 1), sheen_roughness: §7)"), "materials[\"it\"].Pbr.sheen_roughness", &["from 0 to 1"]),
         bad(material("Pbr(iridescence: §-1)"), "materials[\"it\"].Pbr.iridescence", &["from 0 to 1"]),
         bad(material("Pbr(iridescence: 1, iridescence_ior: §0.5)"), "materials[\"it\"].Pbr.iridescence_ior", &["from 1 to 1000"]),
-        bad(material("Pbr(iridescence: 1, iridescence_thickness: §-1)"), "materials[\"it\"].Pbr.iridescence_thickness", &["from 0 to 1000000 nm"]),
+        bad(material("Pbr(iridescence: 1, iridescence_thickness: §-1)"), "materials[\"it\"].Pbr.iridescence_thickness", &["from 0 to 1e6"]),
         bad(material("Pbr(iridescence: 1, iridescence_thickness_min: §NaN)"), "materials[\"it\"].Pbr.iridescence_thickness_min", &["found NaN"]),
         bad(material("Pbr(diffuse_transmission: §2)"), "materials[\"it\"].Pbr.diffuse_transmission", &["from 0 to 1"]),
         bad(material("Pbr(diffuse_transmission_color: Rgb(0, §2, 0))"), "materials[\"it\"].Pbr.diffuse_transmission_color.Rgb[1]", &["albedo"]),

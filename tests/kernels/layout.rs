@@ -75,6 +75,7 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         lights: 1000,
         shadow_rays: true,
         alpha_textures: true,
+        alpha_on_bodies: true,
         pane_textures: true,
         sky_light: 999,
         light_paths: Some("a test".to_string()),
