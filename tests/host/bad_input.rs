@@ -193,7 +193,7 @@ fn bad_materials() -> Vec<Bad> {
         bad(material("Pbr(iridescence: 1, iridescence_thickness: §-1)"), "materials[\"it\"].Pbr.iridescence_thickness", &["from 0 to 1e6"]),
         bad(material("Pbr(iridescence: 1, iridescence_thickness_min: §NaN)"), "materials[\"it\"].Pbr.iridescence_thickness_min", &["found NaN"]),
         bad(material("Pbr(diffuse_transmission: §2)"), "materials[\"it\"].Pbr.diffuse_transmission", &["from 0 to 1"]),
-        bad(material("Pbr(diffuse_transmission_color: Rgb(0, §2, 0))"), "materials[\"it\"].Pbr.diffuse_transmission_color.Rgb[1]", &["albedo"]),
+        bad(material("Pbr(diffuse_transmission: 1, diffuse_transmission_color: Rgb(0, §2, 0))"), "materials[\"it\"].Pbr.diffuse_transmission_color.Rgb[1]", &["albedo"]),
         bad(material("§Pbr(transmission: 1, dispersion: 0.5)"), "materials[\"it\"].Pbr", &["`solid: true`", "dispersion"]),
         bad(material("Dielectric(ior: 1.5, dispersion: §21)"), "materials[\"it\"].Dielectric.dispersion", &["from 0 to 20"]),
         bad(material("§Dielectric(ior: 0.7, dispersion: 1)"), "materials[\"it\"].Dielectric", &["an ior below 1"]),
