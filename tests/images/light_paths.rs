@@ -96,6 +96,21 @@ fn scenes() -> Vec<(&'static str, String)> {
             ),
         ),
         (
+            "dispersion, films and a leaf",
+            lit(
+                "",
+                ", \"gem\": Dielectric(ior: 1.7, dispersion: 6), \"frost\": RoughDielectric(ior: 1.5, roughness: 0.5, dispersion: 4),
+                 \"leaf\": Pbr(base_color: Rgb(0.3, 0.5, 0.2), metallic: 0, roughness: 0.6, diffuse_transmission: 0.7, diffuse_transmission_color: Rgb(0.6, 0.9, 0.3)),
+                 \"oil\": Pbr(base_color: Rgb(0.6, 0.6, 0.5), metallic: 1, roughness: 0.5, iridescence: 1, iridescence_ior: 1.8),
+                 \"soap\": Pbr(base_color: Rgb(0.9, 0.9, 0.9), metallic: 0, roughness: 0.5, transmission: 1, solid: true, ior: 1.4, iridescence: 0.8, dispersion: 3)",
+                &format!(
+                    "{LAMP}, Sphere(center: (-0.6, 0.9, 0), radius: 0.8, material: \"gem\"), Sphere(center: (0.7, 0.5, 1.4), radius: 0.45, material: \"oil\"),
+                     Sphere(center: (-0.4, 0.45, 1.5), radius: 0.4, material: \"soap\"), Sphere(center: (1.7, 0.5, 0.9), radius: 0.4, material: \"frost\"),
+                     Quad(corner: (0.2, 1.1, -0.6), u: (1, 0, 0.2), v: (0, 0.5, 0.8), material: \"leaf\")"
+                ),
+            ),
+        ),
+        (
             "panes, a bubble and a thin lens",
             lit(
                 ", aperture: 0.5, focus_distance: 6",
