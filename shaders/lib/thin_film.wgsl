@@ -32,8 +32,8 @@ fn thin_film(cosine: f32, film_ior: f32, thickness: f32, f0: vec3<f32>) -> vec3<
     let ratio = (base_ior - ior) / (base_ior + ior);
     let bottom = schlick(min(inside, 1.0), ratio * ratio);
 
-    // Reflections between both boundaries, summed without their phases, and the first two terms with them. (The extension's code has a least product,
-    // so that a film of the base's own index has colours.)
+    // Reflections between both boundaries, summed without their phases, and the first two terms with them. The extension's code keeps the product
+    // above 1e-5, which gives colours to a film of the base's own index. Here such a film has none.
     let both = min(top * bottom, vec3<f32>(0.9999));
     let passed = 1.0 - top;
     let series = passed * passed * bottom / (1.0 - both);

@@ -97,7 +97,7 @@ fn draw_base(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>)
 fn base_response(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let metallic = pbr_metallic(material);
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
-    let light = on_near_side(hit, direction);
+    let light = mirrored_to_near_side(hit, direction);
     let cos_light = min(dot(light, hit.normal), 1.0);
     if !(cos_light > 0.0) {
         return no_response();

@@ -22,7 +22,7 @@ fn is_on_near_side(hit: Interaction, direction: vec3<f32>) -> bool {
     return true;
 }
 
-fn on_near_side(hit: Interaction, direction: vec3<f32>) -> vec3<f32> {
+fn mirrored_to_near_side(hit: Interaction, direction: vec3<f32>) -> vec3<f32> {
     return direction;
 }
 

@@ -32,7 +32,7 @@ fn is_on_near_side(hit: Interaction, direction: vec3<f32>) -> bool {
 }
 
 // The direction, or its mirror image before the surface: the layer lets as much light in as if it did not pass.
-fn on_near_side(hit: Interaction, direction: vec3<f32>) -> vec3<f32> {
+fn mirrored_to_near_side(hit: Interaction, direction: vec3<f32>) -> vec3<f32> {
     let height = dot(direction, hit.normal);
     return direction - 2.0 * select(0.0, min(height, 0.0), hit.lobes.through > 0.0) * hit.normal;
 }

@@ -169,15 +169,20 @@ pub fn iridescence(given: &Given) -> f64 {
     factor(given, IRIDESCENCE, "iridescenceFactor")
 }
 
+/// A number of the film, or its default where there is no film.
+fn number_of_film(given: &Given, name: &str, default: f64) -> f64 {
+    number(given, IRIDESCENCE, name).filter(|_| iridescence(given) > 0.0).unwrap_or(default)
+}
+
 /// The index of refraction of the film, cut to its range.
 pub fn iridescence_ior(given: &Given) -> f64 {
-    number(given, IRIDESCENCE, "iridescenceIor").unwrap_or(1.3).clamp(1.0, MOST_IOR)
+    number_of_film(given, "iridescenceIor", 1.3).clamp(1.0, MOST_IOR)
 }
 
 /// The least and the largest thickness of the film in nm, cut to their range.
 pub fn iridescence_thickness(given: &Given) -> [f64; 2] {
     [("iridescenceThicknessMinimum", 100.0), ("iridescenceThicknessMaximum", 400.0)]
-        .map(|(name, default)| number(given, IRIDESCENCE, name).unwrap_or(default).clamp(0.0, MOST_THICKNESS))
+        .map(|(name, default)| number_of_film(given, name, default).clamp(0.0, MOST_THICKNESS))
 }
 
 pub fn diffuse_transmission(given: &Given) -> f64 {
