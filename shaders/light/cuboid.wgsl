@@ -101,11 +101,15 @@ fn cuboid_light_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return dot(cuboid.center - ray.origin, ray.direction) - length(cuboid.half_extent);
 }
 
+// Whether a point is strictly inside.
+fn is_in_cuboid(point: vec3<f32>, cuboid: Cuboid) -> bool {
+    return all(abs(to_cuboid(cuboid, cuboid.center - point)) < cuboid.half_extent);
+}
+
 // The solid angle of the box; 4 pi from inside.
 fn cuboid_solid_angle(from_point: vec3<f32>, cuboid: Cuboid) -> f32 {
     let seen = spherical_cuboid(from_point, cuboid);
-    let is_inside = !any(abs(seen.center) > cuboid.half_extent);
-    return select(seen.areas.x + seen.areas.y + seen.areas.z, 4.0 * PI, is_inside);
+    return select(seen.areas.x + seen.areas.y + seen.areas.z, 4.0 * PI, is_in_cuboid(from_point, cuboid));
 }
 
 // Twice the areas of the faces across x, y and z, times half the edges that a unit vector has along them: the area of the box's shadow

@@ -67,7 +67,7 @@ fn emit_light(u: vec4<f32>, v: vec2<f32>) -> EmittedRay {
         return emit_from_delta_light(light.code, choice.density, u.y, v);
     }
     let start = point_of_light(light, u.zw);
-    let aim = aim_from(start.point, u.y, v);
+    let aim = aim_from(start.point, light.code, u.y, v);
     if !(aim.pdf > 0.0) || dot(start.outward, aim.direction) < 0.0 {
         return no_emission();
     }
@@ -93,5 +93,5 @@ fn density_of_emission(hit: Hit, surface: Surface, incoming: vec3<f32>) -> f32 {
     if index >= LIGHTS || !(cosine > 0.0) || !leaves_light(hit.code, surface.normal, direction) {
         return 0.0;
     }
-    return emitters[at_run_time(index)].density * density_of_aim(Ray(surface.point, direction)) / cosine;
+    return emitters[at_run_time(index)].density * density_of_aim(Ray(surface.point, direction), hit.code) / cosine;
 }

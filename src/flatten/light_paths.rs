@@ -5,12 +5,13 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::builder::Builder;
+use super::features::PRIMITIVES;
 use super::finder::Primitive;
 use super::light_tree::{LightBounds, LightKind};
 use super::motion::in_space;
 use super::swept::swept;
 use crate::bitmap::Bitmaps;
-use crate::data::{self, f32s};
+use crate::data::{self, HIT_NOTHING, f32s};
 use crate::light_distribution::alias_entries;
 use crate::material::{ExtensionKind, Lobe, Material};
 
@@ -21,6 +22,8 @@ const MOST_AIMS: usize = 16;
 
 /// A light at which paths may start.
 pub struct Start {
+    /// The code of its primitive.
+    pub code: u32,
     /// Its area; 0 without one.
     pub area: f64,
     /// Whether paths start there: not at a large sphere, whose points are too far apart for f32, and not at the sky.
@@ -30,9 +33,18 @@ pub struct Start {
 /// The weight of boxes around panes, beside that of others: a pane reflects about a twelfth of the light, and what passes is no event.
 const WEIGHT_OF_PANES: f64 = 0.1;
 
+/// The share of the largest coordinate of a box by which it is larger than what it is around: a light path that starts on a face, or in the plane of
+/// a flat box, starts strictly inside then, however its point is rounded (by at most 12 units of roundoff: shaders/geometry/cuboid.wgsl).
+const PADDING: f64 = 1.0 / (1 << 19) as f64;
+
+/// A shape that can be specular, with the code of its primitive; of a mesh [`HIT_NOTHING`], since its faces have codes of their own.
+type Aimed = (BoundingShape, u32);
+
 /// A box, in render space.
 #[derive(Clone, Copy)]
 struct Aim {
+    /// The code of the primitive that it is around, if there is one alone. A light does not aim at the box around itself: it is flat or convex.
+    around: u32,
     /// How likely it is aimed at, beside other boxes of its size.
     weight: f64,
     center: DVec3,
@@ -47,7 +59,15 @@ impl Builder<'_> {
         let mut finds_all = starts.iter().all(|start| start.is_possible);
         // Once for each material, since a roughness may be an image, whose least texel counts.
         let aimed: Vec<bool> = self.scene.materials.iter().map(|(_, m)| is_aimed_at(m, &self.scene.bitmaps)).collect();
-        for primitive in primitives.iter().filter(|primitive| aimed[primitive.material as usize]) {
+        // The primitives of each kind so far.
+        let mut counts = [0; PRIMITIVES.len()];
+        for primitive in primitives {
+            let kind = primitive.shape.number();
+            let index = counts[kind];
+            counts[kind] += 1;
+            if !aimed[primitive.material as usize] {
+                continue;
+            }
             let (name, material) = &self.scene.materials[primitive.material as usize];
             if primitive.shape.large_sphere().is_some() {
                 finds_all = false;
@@ -57,14 +77,17 @@ impl Builder<'_> {
                 let is_pane = matches!(material, Material::ThinDielectric { .. });
                 let shapes = if is_pane { &mut panes } else { &mut solid };
                 let shape = primitive.shape.bounding_shape(&at);
-                shapes.push(match primitive.motion.is_empty() {
+                let is_alone = primitive.shape.fills_bounding_shape();
+                let code = if is_alone { primitive.shape.code(index) } else { HIT_NOTHING };
+                let shape = match primitive.motion.is_empty() {
                     true => shape,
                     false => {
                         let way = swept(&shape, &in_space(&primitive.motion, self.space));
                         let half = 0.5 * (way.max - way.min);
                         BoundingShape::Cuboid { center: way.center(), half, axes: DMat3::IDENTITY }
                     }
-                });
+                };
+                shapes.push((shape, code));
             }
         }
         let aims = aims(vec![(1.0, solid), (WEIGHT_OF_PANES, panes)]);
@@ -72,7 +95,8 @@ impl Builder<'_> {
         let (mut powers, mut squares) = (vec![0.0; lights.len()], 0.0);
         for ((power, light), start) in powers.iter_mut().zip(lights).zip(starts).filter(|(_, start)| start.is_possible)
         {
-            let received = aims.iter().map(|aim| (aim, light.intensity * aim.weight * aim.received_share(light)));
+            let aimed_at = aims.iter().filter(|aim| aim.around != start.code);
+            let received = aimed_at.map(|aim| (aim, light.intensity * aim.weight * aim.received_share(light)));
             let received: Vec<_> = received.filter(|(_, received)| *received > 0.0).collect();
             *power = received.iter().map(|(_, received)| received).sum();
             let per_solid_angle = |(aim, received): &(&Aim, f64)| received / aim.solid_angle_of(light, start.area);
@@ -100,19 +124,19 @@ fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
 
 impl Aim {
     /// A box around a shape, along the shape's own axes.
-    fn around(shape: &BoundingShape, weight: f64) -> Aim {
-        match *shape {
+    fn around(&(shape, around): &Aimed, weight: f64) -> Aim {
+        match shape {
             BoundingShape::Ball { center, radius } => {
-                Aim { weight, center, half: DVec3::splat(radius), axes: DMat3::IDENTITY }
+                Aim { around, weight, center, half: DVec3::splat(radius), axes: DMat3::IDENTITY }
             }
             BoundingShape::Parallelogram { corner, u, v } => {
                 let x = u.normalize_or_zero();
                 let z = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
                 let axes = DMat3::from_cols(x, z.cross(x), z);
                 let half = (axes.transpose() * u).abs() + (axes.transpose() * v).abs();
-                Aim { weight, center: corner + 0.5 * (u + v), half: 0.5 * half.with_z(0.0), axes }
+                Aim { around, weight, center: corner + 0.5 * (u + v), half: 0.5 * half.with_z(0.0), axes }
             }
-            BoundingShape::Cuboid { center, half, axes } => Aim { weight, center, half, axes },
+            BoundingShape::Cuboid { center, half, axes } => Aim { around, weight, center, half, axes },
         }
     }
 
@@ -142,11 +166,14 @@ impl Aim {
         (projected / to_box.length_squared().max(self.half.min_element().powi(2))).min(2.0 * PI)
     }
 
+    /// The box as kernels have it, larger by [`PADDING`].
     fn on_device(&self) -> data::Cuboid {
+        let largest = self.center.abs().max_element() + self.half.length();
         data::Cuboid {
             center: f32s(self.center),
-            half_extent: f32s(self.half),
+            half_extent: f32s(self.half + PADDING * largest),
             material: (self.weight as f32).to_bits(),
+            light: self.around,
             x_axis: f32s(self.axes.x_axis),
             y_axis: f32s(self.axes.y_axis),
             ..data::Cuboid::default()
@@ -155,9 +182,9 @@ impl Aim {
 }
 
 /// At most [`MOST_AIMS`] boxes around the shapes of each weight. Groups of shapes are halved along their longest side, the largest first.
-fn aims(mut groups: Vec<(f64, Vec<BoundingShape>)>) -> Vec<Aim> {
+fn aims(mut groups: Vec<(f64, Vec<Aimed>)>) -> Vec<Aim> {
     while groups.len() < MOST_AIMS {
-        let size = |(weight, group): &(f64, Vec<BoundingShape>)| {
+        let size = |(weight, group): &(f64, Vec<Aimed>)| {
             let (low, high) = bounds_of(group);
             let d = high - low;
             if group.len() > 1 { weight * (d.x * d.y + d.y * d.z + d.z * d.x) } else { -1.0 }
@@ -167,26 +194,26 @@ fn aims(mut groups: Vec<(f64, Vec<BoundingShape>)>) -> Vec<Aim> {
         let (weight, group) = &mut groups[largest];
         let (low, high) = bounds_of(group);
         let axis = (high - low).max_position();
-        let middle = |shape: &BoundingShape| shape.ball().0[axis];
+        let middle = |(shape, _): &Aimed| shape.ball().0[axis];
         group.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         let rest = (*weight, group.split_off(group.len() / 2));
         groups.push(rest);
     }
-    let around = |(weight, group): &(f64, Vec<BoundingShape>)| match group.as_slice() {
+    let around = |(weight, group): &(f64, Vec<Aimed>)| match group.as_slice() {
         [] => None,
         [one] => Some(Aim::around(one, *weight)),
         all => {
             let (low, high) = bounds_of(all);
             let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
-            Some(Aim { weight: *weight, center, half, axes: DMat3::IDENTITY })
+            Some(Aim { around: HIT_NOTHING, weight: *weight, center, half, axes: DMat3::IDENTITY })
         }
     };
     groups.iter().filter_map(around).collect()
 }
 
 /// The corners of the box around shapes along the axes.
-fn bounds_of(shapes: &[BoundingShape]) -> (DVec3, DVec3) {
+fn bounds_of(shapes: &[Aimed]) -> (DVec3, DVec3) {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let bounds = shapes.iter().map(BoundingShape::bounds);
+    let bounds = shapes.iter().map(|(shape, _)| shape.bounds());
     bounds.fold(none, |(low, high), (least, most)| (low.min(least), high.max(most)))
 }

@@ -97,7 +97,7 @@ impl Builder<'_> {
                     intensity,
                 });
                 lights.push((code, instance));
-                starts.push(Start { area, is_possible });
+                starts.push(Start { code, area, is_possible });
             }
         }
         // Lights with a position come first, as the tree requires.
@@ -107,10 +107,10 @@ impl Builder<'_> {
             let code = primitive_code(KIND_DELTA_LIGHT, self.flat.delta_lights.len() as u32);
             bounds.push(self.add_delta_light(light, radiance_scale));
             lights.push((code, data::NO_INSTANCE));
-            starts.push(Start { area: 0.0, is_possible: true });
+            starts.push(Start { code, area: 0.0, is_possible: true });
         }
         bounds.extend(sky.map(infinite_light));
-        starts.extend(sky.map(|_| Start { area: 0.0, is_possible: false }));
+        starts.extend(sky.map(|_| Start { code: HIT_NOTHING, area: 0.0, is_possible: false }));
         self.add_light_paths(primitives, &bounds, &starts);
         let tree = LightTree::new(&bounds);
         let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };

@@ -7,6 +7,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod aims;
 mod angle;
 mod anisotropy;
 mod backends;
