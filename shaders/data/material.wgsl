@@ -248,11 +248,6 @@ fn uniform_above(u: f32, share: f32) -> f32 {
     return min((u - share) / (1.0 - share), 0x0.ffffffp0f);
 }
 
-// Whether the material has more than its base of isotropic microfacets.
-fn has_lobes(lobes: Lobes) -> bool {
-    return lobes.anisotropy > 0.0 || lobes.transmission > 0.0 || lobes.coat > 0.0 || any(lobes.sheen > vec3<f32>(0.0));
-}
-
 // The draw from what is left, which is not drawn with the probability `share`.
 fn draw_from_rest(draw: LobeDraw, share: f32, factor: f32) -> LobeDraw {
     return LobeDraw(uniform_above(draw.u, share), draw.rest * (factor / (1.0 - share)), false, draw.scatter);

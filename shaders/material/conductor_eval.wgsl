@@ -8,10 +8,6 @@ fn conductor_is_non_specular(material: Material) -> bool {
     return material.parameter >= LEAST_ROUGHNESS;
 }
 
-fn conductor_is_near_mirror(material: Material) -> bool {
-    return is_narrow(width_of_reflection(material.parameter * material.parameter));
-}
-
 // The microfacet BRDF F D G2 / (4 cos_view cos_light) times cos_light (Walter et al., EGSR 2007, equation 20), and the density G1 D /
 // (4 cos_view) with which conductor_scatter samples the direction.
 fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {

@@ -4,10 +4,6 @@ fn lambertian_is_non_specular(material: Material) -> bool {
     return true;
 }
 
-fn lambertian_is_near_mirror(material: Material) -> bool {
-    return false;
-}
-
 // The Lambertian BSDF times cosine, and the pdf with which lambertian_scatter samples the direction.
 fn lambertian_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let cosine = max(dot(direction, hit.normal), 0.0);

@@ -5,10 +5,6 @@ fn metal_is_non_specular(material: Material) -> bool {
     return material.parameter > 0.0;
 }
 
-fn metal_is_near_mirror(material: Material) -> bool {
-    return is_narrow(material.parameter);
-}
-
 // The pdf with which metal_scatter samples the direction: the density of points in the ball of radius fuzz around the tip of
 // the mirrored direction, integrated along a ray from the origin in this direction. With d- and d+ the distances at which that
 // ray enters and leaves the ball, it is (d+^3 - d-^3) / (4 pi fuzz^3) (own derivation; docs/light-transport.md). The form here

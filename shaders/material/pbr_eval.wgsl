@@ -11,12 +11,6 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return !pbr_is_smooth(material) || pbr_metallic(material) < 1.0;
 }
 
-// A narrow layer over a matt body is no near mirror.
-fn pbr_is_near_mirror(material: Material) -> bool {
-    let alpha = pbr_roughness(material) * pbr_roughness(material);
-    return pbr_metallic(material) == 1.0 && is_narrow(width_of_reflection(alpha));
-}
-
 // About what comes back of the light from the view, the mean of the channels: of the base, with glass beside it, and with sheen over that.
 struct PbrAlbedos {
     base: f32,

@@ -9,11 +9,6 @@ fn rough_dielectric_is_non_specular(material: Material) -> bool {
     return is_rough_boundary(material.parameter * material.parameter, material.contrast_outside);
 }
 
-// The lobe of refraction is narrower than that of reflection.
-fn rough_dielectric_is_near_mirror(material: Material) -> bool {
-    return is_narrow(width_of_reflection(material.parameter * material.parameter));
-}
-
 // The microfacet BSDF times cosine, and the density with which rough_dielectric_scatter samples the direction. The half vector of a
 // refraction is the sum of the view and eta times the direction. The Jacobian of its unit vector is eta^2 |cos_out| over the
 // square of the sum's length (Walter et al., EGSR 2007, equations 16, 17 and 21).

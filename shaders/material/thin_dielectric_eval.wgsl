@@ -7,10 +7,6 @@ fn thin_dielectric_is_non_specular(material: Material) -> bool {
     return material.parameter >= LEAST_ROUGHNESS;
 }
 
-fn thin_dielectric_is_near_mirror(material: Material) -> bool {
-    return is_narrow(width_of_reflection(material.parameter * material.parameter));
-}
-
 // The microfacet BSDF times cosine, and the density with which thin_dielectric_scatter samples the direction. A direction behind the pane
 // counts as its mirror image before it.
 fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {

@@ -2,6 +2,10 @@
 //@ use data/material
 //@ use data/surface
 // The sides of no surface have points of their own.
+fn points_of_event(evaluated: EvaluatedMaterial, hit: Hit) -> f32 {
+    return 1.0;
+}
+
 fn choose_side(
     samples_lights: bool,
     evaluated: EvaluatedMaterial,

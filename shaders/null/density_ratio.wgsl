@@ -16,14 +16,10 @@ fn follow_ratio(
 fn follow_ratio_in_medium(path: ptr<function, Path>, distance: f32) {
 }
 
-fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
-    return false;
-}
-
-fn light_paths_replace_samples(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> bool {
-    return false;
-}
-
 fn weigh_beside_light_paths(path: ptr<function, Path>, hit: Hit, surface: Surface, weight: f32) -> f32 {
     return weight;
+}
+
+fn weigh_sample_beside_light_paths(path: ptr<function, Path>, hit: Hit) -> f32 {
+    return 1.0;
 }

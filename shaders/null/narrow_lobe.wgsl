@@ -25,7 +25,7 @@ fn is_probe(path: ptr<function, Path>) -> bool {
     return false;
 }
 
-fn weigh_probe(path: ptr<function, Path>, pdf: f32, has_size: bool) {
+fn weigh_probe(path: ptr<function, Path>, pdf: f32) {
 }
 
 fn record_event(path: ptr<function, Path>, lobe: u32, share: f32) {

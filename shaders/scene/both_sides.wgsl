@@ -8,6 +8,11 @@
 // probability 1/2, and samples a light from there. To MIS, half the density of light sampling is the same as twice the density of the
 // material.
 
+// The number of points from which an event samples lights. It takes one of them.
+fn points_of_event(evaluated: EvaluatedMaterial, hit: Hit) -> f32 {
+    return select(1.0, 2.0, responds_on_both_sides(evaluated) && is_smooth(hit.code));
+}
+
 fn choose_side(
     samples_lights: bool,
     evaluated: EvaluatedMaterial,

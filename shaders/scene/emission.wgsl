@@ -58,10 +58,15 @@ fn leaves_light(code: u32, normal: vec3<f32>, direction: vec3<f32>) -> bool {
     }
 }
 
+// The light that a uniform number draws, with its probability over its area.
+fn draw_emitter(u: f32) -> AliasChoice {
+    let pick = alias_pick(u, LIGHTS);
+    return alias_choice(pick, emitters[pick.index]);
+}
+
 // `u` chooses the light, the box, and the point; `v` the direction.
 fn emit_light(u: vec4<f32>, v: vec2<f32>) -> EmittedRay {
-    let pick = alias_pick(u.x, LIGHTS);
-    let choice = alias_choice(pick, emitters[pick.index]);
+    let choice = draw_emitter(u.x);
     let light = lights[choice.index];
     if is_delta_light(light.code) {
         return emit_from_delta_light(light.code, choice.density, u.y, v);
@@ -75,14 +80,15 @@ fn emit_light(u: vec4<f32>, v: vec2<f32>) -> EmittedRay {
     var hit = hit_at(light.code, BEFORE_LIGHT);
     hit.instance = light.instance;
     let surface = light_surface_at(hit, back);
-    let radiance = cover_light_at_hit(emitted_by_surface(back, hit), back, hit);
+    let radiance = emitted_by_surface(back, hit);
     let cosine = abs(dot(surface.normal, aim.direction));
     if !(cosine > 0.0) || !leaves_light(light.code, surface.normal, aim.direction) {
         return no_emission();
     }
     let density = choice.density * aim.pdf / cosine;
     let origin = leave_surface(surface.point, surface.error, surface.normal, aim.direction);
-    return EmittedRay(Ray(origin, aim.direction), radiance / density, density, false);
+    let weight = cover_light_at_hit(radiance, back, hit) / density;
+    return EmittedRay(Ray(origin, aim.direction), weight, density, radiance, false);
 }
 
 // The density over the cosine with which emit_light draws the reverse of a ray that hit a light; 0 if it never does.

@@ -6,18 +6,21 @@
 //@ use data/window
 //@ use bind/settings
 //@ use camera/film_point
+//@ use choice/both_sides
+//@ use choice/delta_emission
+//@ use choice/delta_lights
+//@ use choice/light_surfaces
 //@ use choice/normal_map
 //@ use scene/emission
 //@ use scene/interaction
-//@ use scene/near_mirrors
 //@ use scene/responses
 //@ use scene/reversal
-// Camera paths beside light paths. The paths that both find have a first event that is not specular and a last one that is; near mirrors
-// (scene/near_mirrors) count as specular there. Each such path
-// is weighed by the balance heuristic: with r the density of light paths over that of camera paths, camera paths have the weight 1/(1 + r),
-// and light paths r/(1 + r) (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, sections 9.2 and 10.2). A path
-// carries the product of r up to its last event (Georgiev, Krivanek, Davidovic, Slusallek, "Light Transport Simulation with Vertex
-// Connection and Merging", ACM TOG 31(6), 2012), as a logarithm: it leaves the range of f32. What both kinds of path have alike is left out:
+// Camera paths beside light paths. The paths that both find have a first event that is not specular and a last one that scatters into a specular
+// or a narrow lobe. Three techniques find their light: BSDF sampling, light sampling and light paths, with the densities p_b, p_l and p_t. By
+// the balance heuristic (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, sections 9.2 and 10.2), light paths have the
+// weight W = p_t / (p_b + p_l + p_t). The other two keep the weights that they have without light paths, times 1 - W. A path
+// carries the product of p_t / p_b up to its last event (Georgiev, Krivanek, Davidovic, Slusallek, "Light Transport Simulation with Vertex
+// Connection and Merging", ACM TOG 31(6), 2012), as a logarithm: it leaves the range of f32. What all techniques have alike is left out:
 // distances between events, the transmittance of media and panes, roulette. So are the filter and the transmittance to the camera, because
 // weights need only sum to 1.
 
@@ -29,6 +32,10 @@ fn log_of_density(density: f32) -> f32 {
     return log2(max(density, LEAST_DENSITY));
 }
 
+fn has_ratio(log_ratio: f32) -> bool {
+    return log_ratio > 0.5 * NO_RATIO;
+}
+
 // What the ratio has before the first event: light paths for each camera path of a pixel, over the density of that event's point. A light
 // path reaches any pixel.
 fn log_ratio_at_camera(direction: vec3<f32>, distance: f32, cosine: f32) -> f32 {
@@ -38,7 +45,16 @@ fn log_ratio_at_camera(direction: vec3<f32>, distance: f32, cosine: f32) -> f32 
     return log_of_density(light_paths) - density + 2.0 * log_of_density(distance);
 }
 
-// Adds an event on a surface to the ratio.
+// An event in the order of light paths.
+struct ReverseEvent {
+    interaction: Interaction,
+    // Whether the camera is on the right side of the surface.
+    is_kept: bool,
+    // The response to the camera, and the share of its density with which a light path begins at this event.
+    response: Response,
+}
+
+// Adds an event on a surface to the ratio, and finds that of the light which the event has sampled.
 fn follow_ratio(
     path: ptr<function, Path>,
     hit: Hit,
@@ -47,61 +63,82 @@ fn follow_ratio(
     evaluated: EvaluatedMaterial,
     bsdf: Scatter,
 ) {
+    let before = (*path).log_ratio;
     let is_first = (*path).depth == 0u;
     let is_specular = bsdf.lobe == LOBE_SPECULAR;
     let to_camera = -(*path).ray.direction;
-    let frame = shading_frame(hit, surface, -bsdf.direction);
-    let reverse = interaction_at(hit, surface, frame, evaluated, -bsdf.direction);
-    let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), bsdf.lobe), reverse.normal, frame.shading).event == SCATTERED;
-    let is_reached = select(is_kept, !is_specular && !counts_as_specular(evaluated), is_first);
-    if bsdf.event != SCATTERED || !is_reached || (is_specular && !is_reversible(interaction, bsdf.direction, reverse)) {
-        (*path).log_ratio = NO_RATIO;
+    let to_light = (*path).shadow.direction;
+    (*path).log_ratio = NO_RATIO;
+    (*path).light_ratio = NO_RATIO;
+    (*path).narrow_share = 0.0;
+    // One call for two directions: first that to the light, then that of the BSDF sample.
+    var of_light: ReverseEvent;
+    var of_sample: ReverseEvent;
+    for (var i = 0u; i < 2u + settings.zero; i++) {
+        let incoming = -select(to_light, bsdf.direction, i == 1u);
+        let frame = shading_frame(hit, surface, incoming);
+        let reverse = interaction_at(hit, surface, frame, evaluated, incoming);
+        let lobe = select(LOBE_WIDE, bsdf.lobe, i == 1u);
+        let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), lobe), reverse.normal, frame.shading).event == SCATTERED;
+        of_light = of_sample;
+        of_sample = ReverseEvent(reverse, is_kept, response_of_material(evaluated.material, reverse, to_camera));
+    }
+    let cos_camera = abs(dot(to_camera, surface.normal));
+    let points = points_of_event(evaluated, hit);
+    if (*path).light != NO_LIGHT && !is_first && has_ratio(before) && of_light.is_kept {
+        let density = log_of_density(of_light.response.pdf * of_light.response.narrow) - log_of_density(cos_camera);
+        let cos_light = abs(dot(to_light, surface.normal));
+        (*path).light_ratio = before + density + log_of_density(cos_light) - log_of_density((*path).light_density / points);
+    }
+    let is_reached = is_first || has_ratio(before);
+    if bsdf.event != SCATTERED || !is_reached || !select(of_sample.is_kept, !is_specular, is_first) {
         return;
     }
     if is_specular {
-        let ratio = specular_ratio(evaluated.material, interaction, surface.normal, to_camera, bsdf.direction);
-        (*path).log_ratio += log_of_density(ratio);
+        if is_reversible(interaction, bsdf.direction, of_sample.interaction) {
+            let ratio = specular_ratio(evaluated.material, interaction, surface.normal, to_camera, bsdf.direction);
+            (*path).log_ratio = before + log_of_density(ratio);
+            (*path).narrow_share = 1.0;
+        }
         return;
     }
-    // One call for both orders: first that of light paths, then that of camera paths.
-    var pdfs = vec2<f32>(0.0);
-    var order = reverse;
-    var direction = to_camera;
-    for (var i = 0u; i < 2u + settings.zero; i++) {
-        pdfs = vec2<f32>(pdfs.y, response_of_material(evaluated.material, order, direction).pdf);
-        order = interaction;
-        direction = bsdf.direction;
-    }
-    let cos_camera = abs(dot(to_camera, surface.normal));
     let cos_light = abs(dot(bsdf.direction, surface.normal));
-    let before = log_of_density(pdfs.x) - log_of_density(cos_camera) + (*path).log_ratio;
-    let reached = select(before, log_ratio_at_camera(-to_camera, hit.t, cos_camera), is_first);
-    (*path).log_ratio = reached + log_of_density(cos_light) - log_of_density(pdfs.y);
+    let density = log_of_density(of_sample.response.pdf) - log_of_density(cos_camera);
+    let reached = select(before + density, log_ratio_at_camera(-to_camera, hit.t, cos_camera), is_first);
+    (*path).log_ratio = reached + log_of_density(cos_light) - log_of_density((*path).pdf / points);
+    (*path).narrow_share = of_sample.response.narrow;
 }
 
-// Adds an event in a medium, at this distance. The phase function is the same in both orders.
+// Adds an event in a medium, at this distance. The phase function is the same in both orders. No light path begins there.
 fn follow_ratio_in_medium(path: ptr<function, Path>, distance: f32) {
     if (*path).depth == 0u {
         (*path).log_ratio = log_ratio_at_camera((*path).ray.direction, distance, 1.0) - log_of_density((*path).pdf);
     }
+    (*path).light_ratio = NO_RATIO;
+    (*path).narrow_share = 0.0;
 }
 
-// Whether light paths find the light that a ray of this path finds in this lobe.
-fn light_paths_follow(path: ptr<function, Path>, lobe: u32) -> bool {
-    return FIND_ALL && lobe == LOBE_SPECULAR && (*path).depth > 0u && (*path).log_ratio > 0.5 * NO_RATIO;
-}
-
-// Whether light paths find the light that a ray of this path finds by a near mirror, so that light sampling does not.
-fn light_paths_replace_samples(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> bool {
-    return counts_as_specular(evaluated) && light_paths_follow(path, LOBE_SPECULAR);
-}
-
-// The weight of emission that the path's ray has hit, beside light paths. `weight` is that beside light sampling, which is 1 after a
-// specular event.
+// The weight of emission that the path's ray has hit. `weight` is that beside light sampling alone, 1 / (1 + (p_l / p_b)^2).
 fn weigh_beside_light_paths(path: ptr<function, Path>, hit: Hit, surface: Surface, weight: f32) -> f32 {
-    if (*path).depth < 2u || (*path).pdf > 0.0 || !((*path).log_ratio > 0.5 * NO_RATIO) {
+    if (*path).depth < 2u || !((*path).narrow_share > 0.0) || !has_ratio((*path).log_ratio) {
         return weight;
     }
-    let emission = density_of_emission(hit, surface, (*path).ray.direction);
-    return weight * select(1.0, 1.0 / (1.0 + exp2((*path).log_ratio + log2(emission))), emission > 0.0);
+    let emission = (*path).narrow_share * density_of_emission(hit, surface, (*path).ray.direction);
+    let others = 1.0 + sqrt(max(1.0 / weight - 1.0, 0.0));
+    return weight * select(1.0, others / (others + exp2((*path).log_ratio + log2(emission))), emission > 0.0);
+}
+
+// 1 - W for the light of the path's shadow ray, which is hit here.
+fn weigh_sample_beside_light_paths(path: ptr<function, Path>, hit: Hit) -> f32 {
+    if !has_ratio((*path).light_ratio) || hit.code == HIT_NOTHING {
+        return 1.0;
+    }
+    let shadow = (*path).shadow;
+    var emission = 0.0;
+    if is_delta_light(hit.code) {
+        emission = density_of_delta_emission(hit.code, shadow);
+    } else {
+        emission = density_of_emission(hit, light_surface_at(hit, shadow), shadow.direction);
+    }
+    return select(1.0, 1.0 / (1.0 + exp2((*path).light_ratio + log2(emission))), emission > 0.0);
 }

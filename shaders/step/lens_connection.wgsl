@@ -10,6 +10,7 @@
 //@ use choice/sampler
 //@ use choice/transmittance
 //@ use lib/float
+//@ use step/counted_splat
 //@ use step/density_ratio
 //@ use step/light
 //@ use step/light_sample
@@ -80,7 +81,8 @@ fn trace_to_lens(path: ptr<function, Path>, iterations: u32) -> u32 {
     if limit.t == VERY_FAR {
         (*path).throughput *= arriving;
     } else if any(arriving > vec3<f32>(0.0)) {
-        splat((*path).film_point, (*path).light_weight * arriving, half_of_light_path(path), (*path).film_choice);
+        let half = half_of_light_path(path);
+        record_splat(path, splat((*path).film_point, (*path).light_weight * arriving, half, (*path).film_choice));
     }
     return iterations + steps;
 }

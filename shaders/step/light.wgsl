@@ -14,6 +14,7 @@
 //@ use choice/light_surfaces
 //@ use choice/light_coverage
 //@ use choice/sky_light
+//@ use choice/density_ratio
 //@ use scene/lights
 // Light sampling: each event sends a shadow ray to a light, in addition to the ray that continues the path. Both rays can find
 // the same light. They are combined by multiple importance sampling with the power heuristic (Veach, "Robust Monte Carlo
@@ -44,7 +45,8 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
     if is_delta_light(light.code) {
         weight = scattered * intensity_of_delta_light(light.code, light_sample.direction) / light_sample.pdf;
     }
-    weigh_probe(path, light_sample.pdf, !is_delta_light(light.code));
+    (*path).light_density = light_sample.pdf + select(pdf, 0.0, is_delta_light(light.code));
+    weigh_probe(path, light_sample.pdf);
     if light_sample.pdf > 0.0 && (any(weight > vec3<f32>(0.0)) || is_probe(path)) {
         (*path).shadow = Ray(origin, light_sample.direction);
         (*path).light = light.code;
@@ -109,6 +111,7 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
         let covered = cover_light_at_hit(emitted, (*path).shadow, hit);
         let transmitted = transmit_light(covered, (*path).shadow, hit.t, &steps, &status);
         let radiance = pass_panes(path, transmitted);
+        (*path).light_weight *= weigh_sample_beside_light_paths(path, hit);
         contribution = (*path).light_weight * radiance;
         record_light_of_shadow(path, hit, emitted, radiance);
     } else if hit.code == PATH_CUT {

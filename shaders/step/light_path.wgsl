@@ -9,19 +9,20 @@
 //@ use choice/followed_channel
 //@ use choice/light_absorption
 //@ use choice/normal_map
+//@ use choice/both_sides
 //@ use choice/roulette
 //@ use choice/sampler
 //@ use choice/tint
 //@ use geometry/offset
 //@ use scene/interaction
 //@ use scene/materials
-//@ use scene/near_mirrors
 //@ use scene/responses
 //@ use scene/reversal
 //@ use scene/surfaces
 //@ use step/density_ratio
 //@ use step/lens_connection
 //@ use step/light_depth
+//@ use step/light_sample
 // An event of a light path. What light does there is what camera paths compute: the BSDF is evaluated in their order, with the side of
 // the camera as the incoming one, since not every BSDF is reciprocal. With i the direction to the light and o that to the camera, and the
 // normals n_s of shading and n_g of the surface, the throughput gets the factor f |n_s i| |n_g o| / (|n_g i| pdf(o)) (Veach 1997, section 5.3).
@@ -32,6 +33,18 @@ struct Order {
     response: Response,
     // Whether the direction is on the right side of the surface.
     is_kept: bool,
+    // Where a ray in that direction starts.
+    origin: vec3<f32>,
+}
+
+// The logarithm of a ratio without camera paths.
+const ONLY_LIGHT_PATHS: f32 = 0x1p100f;
+
+// The logarithm of the density with which camera paths find the light of the first event: by BSDF sampling, and by light sampling.
+fn log_of_both_densities(path: ptr<function, Path>, order: Order, points: f32, to_light: vec3<f32>) -> f32 {
+    let light = start_of_light_path(path);
+    let sampled = density_of_sampling(light, order.origin, to_light) / points;
+    return log_of_density(select(order.response.pdf, 0.0, is_delta_light(lights[light].code)) + sampled);
 }
 
 // The material at the path's hit scatters the path or ends it. The event also sends a ray to the lens.
@@ -44,7 +57,6 @@ fn scatter_light_path(path: ptr<function, Path>) {
     absorb_ray(path, hit.t);
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
     let is_rough = is_non_specular(evaluated);
-    let is_near_mirror = counts_as_specular(evaluated);
     let to_light = -ray.direction;
     let view = view_from_lens(path, surface.point);
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
@@ -71,10 +83,11 @@ fn scatter_light_path(path: ptr<function, Path>) {
         let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
         of_light = of_sample;
         of_sample = of_lens;
-        of_lens = Order(interaction, response, is_kept);
+        let origin = spawn_ray(hit, surface, own.facing, own.shading, own.point, outgoing).origin;
+        of_lens = Order(interaction, response, is_kept, origin);
     }
     let cos_light = abs(dot(to_light, surface.normal));
-    if !is_first && is_rough && !is_near_mirror && of_lens.is_kept {
+    if !is_first && is_rough && of_lens.is_kept {
         let cos_camera = abs(dot(view.direction, surface.normal));
         let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
         let origin = leave_surface(surface.point, surface.error, side, side);
@@ -83,20 +96,27 @@ fn scatter_light_path(path: ptr<function, Path>) {
         send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, of_lens.response.pdf / cos_light);
     }
 
-    // The next ray.
+    // The next ray. A first event scatters into a specular or a narrow lobe.
     var throughput = vec3<f32>(0.0);
     if drawn.event == SCATTERED && drawn.lobe == LOBE_SPECULAR {
         if of_sample.is_kept && is_reversible(of_light.interaction, drawn.direction, of_sample.interaction) {
             let ratio = specular_ratio(evaluated.material, of_light.interaction, surface.normal, drawn.direction, to_light);
             throughput = (*path).throughput * drawn.weight / ratio;
             (*path).log_ratio += log_of_density(ratio);
+            if is_first && is_delta_light(lights[start_of_light_path(path)].code) {
+                (*path).log_ratio = ONLY_LIGHT_PATHS;
+            }
         }
-    } else if drawn.event == SCATTERED && (!is_first || is_near_mirror) && of_sample.is_kept {
+    } else if drawn.event == SCATTERED && (!is_first || drawn.lobe == LOBE_NARROW) && of_sample.is_kept {
         let cos_camera = abs(dot(drawn.direction, surface.normal));
-        let pdf = of_light.response.pdf;
+        let pdf = of_light.response.pdf * select(1.0, of_light.response.narrow, is_first);
         throughput = (*path).throughput * of_sample.response.value * (cos_camera / (cos_light * pdf));
         let from_light = log_of_density(pdf) - log_of_density(cos_camera);
-        (*path).log_ratio += from_light + log_of_density(cos_light) - log_of_density(of_sample.response.pdf);
+        var from_camera = log_of_density(of_sample.response.pdf);
+        if is_first {
+            from_camera = log_of_both_densities(path, of_sample, points_of_event(evaluated, hit), to_light);
+        }
+        (*path).log_ratio += from_light + log_of_density(cos_light) - from_camera;
     }
     throughput = tint_through(throughput, evaluated, drawn.direction, frame.shading);
     (*path).throughput = russian_roulette(path, throughput);

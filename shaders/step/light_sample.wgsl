@@ -2,15 +2,20 @@
 //@ use data/path
 //@ use data/window
 //@ use bind/counters
+//@ use bind/lights
 //@ use bind/settings
 //@ use bind/window
+//@ use choice/delta_lights
 //@ use choice/light_absorption
 //@ use choice/sampler
 //@ use choice/time
+//@ use data/hit
 //@ use data/primitive
 //@ use data/ray
 //@ use lib/float
 //@ use scene/emission
+//@ use scene/lights
+//@ use step/counted_splat
 // The start of light paths. A block of samples of all pixels has the light paths 0, 1, ... of pixel 0, then those of pixel 1, and so on. Their
 // numbers are the samples of one sequence over the whole image, which is more even than a sequence for each pixel. The blocks of a pair are
 // the two halves of the sampler.
@@ -60,8 +65,8 @@ fn emit_light_path(path: ptr<function, Path>) {
     (*path).pdf = 0.0;
     (*path).status = RAY_READY;
     absorb_nothing_ahead(path);
-    // Camera paths never find a light without size.
-    (*path).log_ratio = select(ONLY_LIGHT_PATHS, log2(emitted.density), emitted.density > 0.0);
+    (*path).log_ratio = log2(emitted.density);
+    record_start(path, start_of_light_path(path), emitted.radiance);
     if emitted.is_parallel {
         (*path).shadow = Ray(emitted.ray.origin, -emitted.ray.direction);
         (*path).light = HIT_NOTHING;
@@ -69,8 +74,21 @@ fn emit_light_path(path: ptr<function, Path>) {
     }
 }
 
-// The logarithm of a ratio without camera paths.
-const ONLY_LIGHT_PATHS: f32 = 0x1p100f;
+// The light at which the path has started.
+fn start_of_light_path(path: ptr<function, Path>) -> u32 {
+    return draw_emitter(random4((*path).pixel, (*path).sample, DIMENSION_EMISSION, settings.seed).x).index;
+}
+
+// The density with which light sampling at a point draws the direction back to that light.
+fn density_of_sampling(light_index: u32, from_point: vec3<f32>, to_light: vec3<f32>) -> f32 {
+    let light = lights[light_index];
+    if is_delta_light(light.code) {
+        return light_probability(light_index, from_point) * direction_to_delta_light(light.code, from_point).pdf;
+    }
+    var hit = hit_at(light.code, 0.0);
+    hit.instance = light.instance;
+    return light_density(hit, from_point, to_light);
+}
 
 // Ends a light path. One whose walk took too many steps is counted.
 fn end_light_path(path: ptr<function, Path>) {

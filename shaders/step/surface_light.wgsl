@@ -7,7 +7,6 @@
 //@ use choice/probe
 //@ use choice/shading
 //@ use choice/both_sides
-//@ use choice/density_ratio
 //@ use choice/tint
 //@ use scene/responses
 //@ use step/light
@@ -23,9 +22,8 @@ fn sample_light_at_surface(
     u: f32,
 ) {
     // Non-specular materials sample lights, on the side from which the ray comes.
-    let is_replaced = light_paths_replace_samples(path, evaluated);
-    let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated) && !is_replaced;
-    let probes = bsdf.event == SCATTERED && !is_replaced && sends_probe(path, bsdf.lobe);
+    let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated);
+    let probes = bsdf.event == SCATTERED && sends_probe(path, bsdf.lobe);
     var sampled = LightResponse(Response(), 0.0, 1.0);
     // One call serves both, because compilers inline the functions of all kinds of lights at each call.
     if samples_lights || probes {

@@ -77,8 +77,8 @@ pub struct Features {
     pub lights: u32,
     /// A surface that can be specular, if light paths can be traced to such.
     pub light_paths: Option<String>,
-    /// Whether light paths start at every light and are aimed at all that can be specular.
-    pub light_paths_find_all: bool,
+    /// The index of the first light without size.
+    pub first_delta_light: u32,
     /// The number of boxes at which light paths are aimed.
     pub aims: u32,
     /// The solid angle of the lights at which light paths start, seen from these boxes, in sr: that of one light with the power of all of them, by which

@@ -56,7 +56,6 @@ impl Builder<'_> {
     /// Adds the tables of light paths, if the scene has lights at which they can start, and something specular.
     pub fn add_light_paths(&mut self, primitives: &[Primitive<'_>], lights: &[LightBounds], starts: &[Start]) {
         let (mut solid, mut panes, mut reason) = (Vec::new(), Vec::new(), None);
-        let mut finds_all = starts.iter().all(|start| start.is_possible);
         // Once for each material, since a roughness may be an image, whose least texel counts.
         let aimed: Vec<bool> = self.scene.materials.iter().map(|(_, m)| is_aimed_at(m, &self.scene.bitmaps)).collect();
         // The primitives of each kind so far.
@@ -69,9 +68,7 @@ impl Builder<'_> {
                 continue;
             }
             let (name, material) = &self.scene.materials[primitive.material as usize];
-            if primitive.shape.large_sphere().is_some() {
-                finds_all = false;
-            } else {
+            if primitive.shape.large_sphere().is_none() {
                 reason.get_or_insert_with(|| format!("\"{name}\" at {}", self.scene.material_location(name)));
                 let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
                 let is_pane = matches!(material, Material::ThinDielectric { .. });
@@ -108,13 +105,12 @@ impl Builder<'_> {
             self.flat.features.solid_angle_of_lights = powers.iter().sum::<f64>().powi(2) / squares;
             self.flat.features.aims = aims.len() as u32;
             self.flat.features.light_paths = reason;
-            self.flat.features.light_paths_find_all = finds_all;
             self.flat.aims = aims.iter().map(Aim::on_device).collect();
         }
     }
 }
 
-/// Whether a surface can be the first event of a light path: a specular one, or a near mirror (shaders/scene/near_mirrors).
+/// Whether light paths are aimed at a surface: a specular one, or a near mirror, which has narrow lobes alone.
 fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
     let lobes = material.lobes(bitmaps);
     let varies = material.has_extension(ExtensionKind::Roughness);

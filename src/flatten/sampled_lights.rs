@@ -100,6 +100,7 @@ impl Builder<'_> {
                 starts.push(Start { code, area, is_possible });
             }
         }
+        self.flat.features.first_delta_light = lights.len() as u32;
         // Lights with a position come first, as the tree requires.
         let (positional, at_infinity): (Vec<_>, Vec<_>) =
             delta_lights.into_iter().partition(|moving| moving.light.position.is_some());

@@ -153,9 +153,8 @@ pub(super) fn decide(
     let emitting_surface = first_reason(&features.emitters);
     let emitting_sky = reason_of(&features.emitting_sky);
     let delta_light = reason_of(&features.delta_lights);
-    // Lights with a size, which BSDF sampling can hit.
-    let extended = emitting_surface.clone().or(emitting_sky.clone());
-    let any_light = extended.clone().or(delta_light.clone()).unwrap_or(Reason::EveryRender);
+    let any_light = first_reason([&features.emitting_sky, &features.delta_lights]);
+    let any_light = emitting_surface.clone().or(any_light).unwrap_or(Reason::EveryRender);
     let light = if_so(features.lights > 0, any_light);
     let medium = if_so(features.crosses_media(), first_reason(&features.boundaries).unwrap_or(Reason::EveryRender));
     let surface = materials.first().map(|kind| kind.why.clone());
@@ -173,9 +172,8 @@ pub(super) fn decide(
     };
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
-    // A specular lobe may hide lights with a size. Any other narrow lobe may hide all lights.
     let any_narrow = first_reason(&features.narrow).or(reason_of(&features.narrow_media));
-    let hidden = any_narrow.or(extended.clone().and(first_reason(&features.specular)));
+    let hidden = any_narrow.or(first_reason(&features.specular));
     let probed = light.clone().and(hidden);
     let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
     let sends_probe = probed.clone().and(of_first(&features.narrow).or(of_first(&features.specular)));
@@ -564,7 +562,7 @@ pub(super) fn decide(
         ("splat_sums", (FILM_SUMS + options.aov.count()) as u32),
         ("lights", features.lights),
         ("aims", features.aims),
-        ("light_paths_find_all", u32::from(features.light_paths_find_all)),
+        ("first_delta_light", features.first_delta_light),
         ("path_sums", options.aov.count().max(1) as u32),
         ("queues", materials.len() as u32),
         ("queue", queue),

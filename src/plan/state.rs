@@ -79,7 +79,7 @@ impl PathField {
 const MOST_PATH_BYTES: u64 = 168;
 const MOST_BYTES_OF_AOVS: u64 = 80;
 /// What light paths add.
-const MOST_BYTES_OF_LIGHT_PATHS: u64 = 24;
+const MOST_BYTES_OF_LIGHT_PATHS: u64 = 36;
 
 /// The most bytes of a path's state in any scene with these channels.
 pub fn most_path_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
@@ -115,15 +115,16 @@ pub struct Needs {
 /// The member of a path that holds the sums of `--aov`.
 const AOV: &str = "aov";
 
-/// The members of a path that are no fields: structs, whose members are fields; the history, which is packed with the depth; and what panes
-/// let pass of a shadow ray, from its walk to its light;
+/// The members of a path that are no fields: structs, whose members are fields; the history, which is packed with the depth; what panes
+/// let pass of a shadow ray, from its walk to its light; the densities of that light's direction by all techniques of camera paths;
 /// what a light path keeps between its event and the film, and the light paths that an invocation has started.
-const OTHER_MEMBERS: [(&str, &str); 9] = [
+const OTHER_MEMBERS: [(&str, &str); 10] = [
     ("ray", "Ray"),
     ("shadow", "Ray"),
     ("sum", "Compensated"),
     ("history", "u32"),
     ("transmittance", "vec3<f32>"),
+    ("light_density", "f32"),
     ("film_point", "vec2<f32>"),
     ("film_choice", "vec2<f32>"),
     ("lens_distance", "f32"),
@@ -210,6 +211,14 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             Float,
             "the density of light paths over that of the path, as a logarithm",
         ),
+        word(
+            &words(&needs.light_paths),
+            "radiance",
+            "narrow_share",
+            Float,
+            "the share of light paths that may begin with the last event",
+        ),
+        word(&words(&needs.light_paths), "radiance", "bin", Word, "the bin in which a light path's light is counted"),
         vector(
             &words(&needs.light_absorption),
             "radiance",
@@ -235,6 +244,13 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "probe",
             Float,
             "the weight of that ray as a probe for light of narrow lobes",
+        ),
+        word(
+            &staged(&needs.light_paths),
+            "light_weight",
+            "light_ratio",
+            Float,
+            "the density of light paths over that of the ray to the light, as a logarithm",
         ),
         word(&events, "hit", "t", Float, "distance to what the ray has hit"),
         word(&always, "run", "counts", Word, "samples of the run, accepted and rejected"),

@@ -129,8 +129,8 @@ fn under_a_sky(lamp: f64) -> String {
     other(sky, above, "(0, 3, 0)", lamp)
 }
 
-/// By default, small lights have light paths, which find what narrow lobes hide: nothing of it counts as hidden. A narrow layer over a matt body and
-/// fog are left to probes.
+/// By default, small lights have light paths. What they bring of the light that narrow lobes hide is what probes find: both are known to 10 %. The narrow
+/// layer of a matt body and fog have no light paths.
 #[test]
 fn light_paths_find_what_narrow_lobes_hide() {
     let is_found = |name: &str| !name.contains("ior: 5") && !name.contains("metallic: 0.5") && !name.contains("fog");
@@ -138,7 +138,8 @@ fn light_paths_find_what_narrow_lobes_hide() {
         let request = Request::spp(64).mis().sobol().roulette().with(|options| options.light_paths = LightPaths::Auto);
         let shot = render_scene(&scene(&text), &request);
         let hidden = shot.outcome.totals.hidden_light();
-        assert!((hidden.probed(), hidden.found()) == (0.0, 0.0), "{name}: {hidden:?}");
+        assert!((0.7..1.4).contains(&(hidden.found() / hidden.probed())), "{name}: {hidden:?}");
+        assert!(!shot.film.verdict(0.05).lacks_light(), "{name}: {hidden:?}");
     }
 }
 
@@ -312,8 +313,7 @@ fn no_narrow_lobe_hides_a_lamp_in_silence() {
     }
 }
 
-/// A light without size behind a polished mirror is in the image's expectation, and the image that has not found it is unreliable. What a perfect
-/// mirror takes of it is never in the image: the scene has a warning instead.
+/// A light without size behind a mirror: the image that has not found it is unreliable. What a perfect mirror takes of it is found by light paths alone.
 #[test]
 fn lights_without_size_are_probed_where_paths_can_find_them() {
     let with_bulb = |mirror: &str| {
@@ -325,7 +325,7 @@ fn lights_without_size_are_probed_where_paths_can_find_them() {
     let wider = counted(&with_bulb("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0.099)"), 1024);
     assert!((0.7..1.4).contains(&(wider.found / wider.probed)), "{wider:?}");
     let smooth = counted(&with_bulb(MIRROR), 64);
-    assert_eq!(smooth, Counted { probed: 0.0, found: 0.0, missing: 0.0 });
+    assert!(smooth.probed > 0.0 && smooth.found == 0.0 && smooth.missing == 0.75 * smooth.probed, "{smooth:?}");
 }
 
 /// The report, without what always differs. Of the scenes that ship, tests/unchanged.rs holds what is counted.

@@ -81,7 +81,7 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         light_paths: Some("a test".to_string()),
         solid_angle_of_lights: 0.0,
         aims: 3,
-        light_paths_find_all: true,
+        first_delta_light: 0,
         not_sampled: Some(NotSampled { lights: 1, total: 2, reason: "a test".to_string() }),
     };
     let features = Features {

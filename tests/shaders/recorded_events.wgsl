@@ -5,7 +5,7 @@
 // The events of a light path, which a camera path follows backwards.
 
 struct RecordedEvent {
-    // What was hit, and where.
+    // What was hit, or IN_MEDIUM, and where.
     code: u32,
     point: vec3<f32>,
     // The direction of light before the event.
@@ -16,12 +16,14 @@ struct RecordedEvent {
 }
 
 const MOST_EVENTS: u32 = 16u;
+const IN_MEDIUM: u32 = 0xfffffff0u;
 var<private> recorded: array<RecordedEvent, MOST_EVENTS>;
 // The events of the light path so far; which path it is, and its light. A dispatch may begin in the middle of a path.
 var<private> recorded_events: u32;
 var<private> recorded_path: vec2<u32>;
 var<private> recorded_light: u32;
-// The events that the camera path still has to follow.
+// Whether a camera path is following them, and how many it still has to follow.
+var<private> is_following: bool;
 var<private> events_to_follow: u32;
 // What the light path's density is over that of the camera path, as a logarithm.
 var<private> log_ratio_at_lens: f32;
@@ -36,6 +38,12 @@ fn record_event_of_light(path: ptr<function, Path>, drawn: Scatter) {
         recorded_path = vec2<u32>((*path).pixel, (*path).sample);
     }
     recorded[number] = RecordedEvent((*path).status, hit_point(path), (*path).ray.direction, drawn.lobe, drawn.weight);
+    recorded_events = number + 1u;
+}
+
+fn record_event_in_medium(path: ptr<function, Path>, point: vec3<f32>, albedo: vec3<f32>) {
+    let number = (*path).depth - FIRST_LIGHT_EVENT;
+    recorded[number] = RecordedEvent(IN_MEDIUM, point, (*path).ray.direction, LOBE_WIDE, albedo);
     recorded_events = number + 1u;
 }
 
