@@ -32,6 +32,9 @@ fn log_of_density(density: f32) -> f32 {
     return log2(max(density, LEAST_DENSITY));
 }
 
+// Whether a material has a narrow lobe. If none has, light paths begin with specular events alone, whose light is not sampled.
+const NARROW_LOBES: bool = ${narrow_lobes}u == 1u;
+
 fn has_ratio(log_ratio: f32) -> bool {
     return log_ratio > 0.5 * NO_RATIO;
 }
@@ -74,7 +77,7 @@ fn follow_ratio(
     // One call for two directions: first that to the light, then that of the BSDF sample.
     var of_light: ReverseEvent;
     var of_sample: ReverseEvent;
-    for (var i = 0u; i < 2u + settings.zero; i++) {
+    for (var i = select(1u, 0u, NARROW_LOBES); i < 2u + settings.zero; i++) {
         let incoming = -select(to_light, bsdf.direction, i == 1u);
         let frame = shading_frame(hit, surface, incoming);
         let reverse = interaction_at(hit, surface, frame, evaluated, incoming);
@@ -85,7 +88,7 @@ fn follow_ratio(
     }
     let cos_camera = abs(dot(to_camera, surface.normal));
     let points = points_of_event(evaluated, hit);
-    if (*path).light != NO_LIGHT && !is_first && has_ratio(before) && of_light.is_kept {
+    if NARROW_LOBES && (*path).light != NO_LIGHT && !is_first && has_ratio(before) && of_light.is_kept {
         let density = log_of_density(of_light.response.pdf * of_light.response.narrow) - log_of_density(cos_camera);
         let cos_light = abs(dot(to_light, surface.normal));
         (*path).light_ratio = before + density + log_of_density(cos_light) - log_of_density((*path).light_density / points);
@@ -130,7 +133,7 @@ fn weigh_beside_light_paths(path: ptr<function, Path>, hit: Hit, surface: Surfac
 
 // 1 - W for the light of the path's shadow ray, which is hit here.
 fn weigh_sample_beside_light_paths(path: ptr<function, Path>, hit: Hit) -> f32 {
-    if !has_ratio((*path).light_ratio) || hit.code == HIT_NOTHING {
+    if !NARROW_LOBES || !has_ratio((*path).light_ratio) || hit.code == HIT_NOTHING {
         return 1.0;
     }
     let shadow = (*path).shadow;

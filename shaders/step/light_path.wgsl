@@ -107,13 +107,13 @@ fn scatter_light_path(path: ptr<function, Path>) {
                 (*path).log_ratio = ONLY_LIGHT_PATHS;
             }
         }
-    } else if drawn.event == SCATTERED && (!is_first || drawn.lobe == LOBE_NARROW) && of_sample.is_kept {
+    } else if drawn.event == SCATTERED && (!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW)) && of_sample.is_kept {
         let cos_camera = abs(dot(drawn.direction, surface.normal));
         let pdf = of_light.response.pdf * select(1.0, of_light.response.narrow, is_first);
         throughput = (*path).throughput * of_sample.response.value * (cos_camera / (cos_light * pdf));
         let from_light = log_of_density(pdf) - log_of_density(cos_camera);
         var from_camera = log_of_density(of_sample.response.pdf);
-        if is_first {
+        if NARROW_LOBES && is_first {
             from_camera = log_of_both_densities(path, of_sample, points_of_event(evaluated, hit), to_light);
         }
         (*path).log_ratio += from_light + log_of_density(cos_light) - from_camera;

@@ -278,6 +278,7 @@ pub(super) fn decide(
 
     // Light paths end at lights that camera paths find too, or at lights without size.
     let light_paths = reason_of(&features.light_paths).filter(|_| options.light_paths.count() > 0);
+    let sampled_ratio = light_paths.clone().and(first_reason(&features.narrow));
     let light_absorption = light_paths.clone().and(first_reason(&features.absorbing));
     let any_aov = if_so(!options.aov.is_empty(), option(&given_aov));
     let needs = Needs {
@@ -287,6 +288,7 @@ pub(super) fn decide(
         emitting_mesh: emitting_mesh.clone(),
         probed: probed.clone(),
         light_paths: light_paths.clone(),
+        sampled_ratio: sampled_ratio.clone(),
         light_absorption: light_absorption.clone(),
         event: event.clone(),
         sampled_light: sampled_light.clone(),
@@ -563,6 +565,7 @@ pub(super) fn decide(
         ("lights", features.lights),
         ("aims", features.aims),
         ("first_delta_light", features.first_delta_light),
+        ("narrow_lobes", u32::from(features.narrow.iter().any(Option::is_some))),
         ("path_sums", options.aov.count().max(1) as u32),
         ("queues", materials.len() as u32),
         ("queue", queue),

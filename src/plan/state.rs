@@ -99,6 +99,8 @@ pub struct Needs {
     pub probed: Option<Reason>,
     /// Light paths are traced.
     pub light_paths: Option<Reason>,
+    /// They find light that is sampled at narrow lobes.
+    pub sampled_ratio: Option<Reason>,
     /// A solid absorbs their light.
     pub light_absorption: Option<Reason>,
     /// There is a surface or a medium.
@@ -246,7 +248,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "the weight of that ray as a probe for light of narrow lobes",
         ),
         word(
-            &staged(&needs.light_paths),
+            &staged(&needs.sampled_ratio),
             "light_weight",
             "light_ratio",
             Float,

@@ -4,6 +4,7 @@
 mod common;
 
 mod fuzz;
+mod hidden_light;
 mod long;
 mod long_paths;
 mod soak;
