@@ -34,9 +34,10 @@ use crate::aov::SceneSpace;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{ExtensionKind, Lobe, microfacets, sheen};
+use crate::material::{Emitted, ExtensionKind, Lobe, microfacets, sheen};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
+use crate::shape::mesh::{Mesh, MeshShape};
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
 use crate::threads::join;
 use builder::Builder;
@@ -145,15 +146,18 @@ pub fn flatten_with(
     }
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
-    let brightest = brightest(scene, &used).max(brightest_reflection(&finder, view.eye, extent));
-    let search = Search::new(scene, &finder, &view, extent, brightest > 0.0);
+    let reflection = brightest_reflection(&finder, view.eye, extent);
+    let emissions = emissions(scene, &finder, &used);
+    let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(reflection));
+    let search = Search::new(scene, &finder, &view, extent, brightest > 0.0, &emissions);
     let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
     let to_scene = SceneSpace::new(camera.look_from, view.to_space.rotation.transpose(), length_exponent);
-    let mut flat = DeviceScene { features, radiance_exponent, space: to_scene, ..DeviceScene::default() };
+    let mut flat =
+        DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
     if brightest == 0.0 {
         let at = scene.location(&[Step::Field("background")]);
         flat.warnings.push(format!(
@@ -172,6 +176,7 @@ pub fn flatten_with(
         hierarchies,
         materials: vec![0; scene.materials.len()],
         framed: scene.materials.iter().map(|(_, material)| material.framed()).collect(),
+        shows_emission: emissions.iter().map(Emitted::is_seen).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         motions: None,
@@ -354,15 +359,41 @@ fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     lights.into_iter().take(MOST_DELTA_LIGHTS).map(reflection).fold(0.0, f64::max)
 }
 
-/// The largest component of the radiance of the background and of the materials that objects have.
-fn brightest(scene: &Scene, used: &[bool]) -> f64 {
+/// What the materials emit that objects have; nothing of the others.
+fn emissions(scene: &Scene, finder: &Finder<'_>, used: &[bool]) -> Vec<Emitted> {
+    let materials = scene.materials.iter().enumerate().zip(used);
+    let emitted = materials.map(|((number, (_, material)), used)| match used {
+        true => material.model().most_emitted(&scene.bitmaps, || largest_of_vertices(finder, number)),
+        false => Emitted::default(),
+    });
+    emitted.collect()
+}
+
+/// The largest component of the radiance of the background and of emissions: its root mean square over paths that meet it, and what a path
+/// carries. A path meets a surface of coverage a with the probability a, so that the first is √a of the second.
+fn brightest(scene: &Scene, emissions: &[Emitted]) -> [f64; 2] {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
     };
-    let used = scene.materials.iter().zip(used).filter(|(_, used)| **used);
-    let emitted =
-        used.filter_map(|((_, material), _)| Some(material.model().emission()?.slot.texture.brightest(&scene.bitmaps)));
-    emitted.fold(sky, f64::max)
+    let seen = emissions.iter().filter(|emitted| emitted.is_seen());
+    seen.fold([sky; 2], |[mean, most], &Emitted { radiance, coverage }| {
+        [mean.max(radiance * coverage.sqrt()), most.max(radiance)]
+    })
+}
+
+/// The largest alpha and the largest colour that the vertices of a material's objects have; 1 for a shape without.
+fn largest_of_vertices(finder: &Finder<'_>, material: usize) -> [f64; 2] {
+    let own = finder.primitives.iter().filter(|primitive| primitive.material as usize == material);
+    let meshes: HashMap<_, _> =
+        own.map(|primitive| (primitive.shape.mesh().map(|shape| shape.number), primitive.shape.mesh())).collect();
+    let largest =
+        |codes: &mut dyn Iterator<Item = u16>| f64::from(codes.max().unwrap_or(u16::MAX)) / f64::from(u16::MAX);
+    let of_mesh = |shape: &MeshShape<'_>| {
+        let Mesh { alphas, colours, .. } = shape.mesh;
+        [largest(&mut alphas.iter().copied()), largest(&mut colours.iter().flatten().copied())]
+    };
+    let all = meshes.into_values().map(|shape| shape.map_or([1.0; 2], of_mesh));
+    all.fold([0.0; 2], |[a, b], [alpha, colour]| [alpha.max(a), colour.max(b)])
 }

@@ -42,6 +42,8 @@ pub struct Builder<'a> {
     pub materials: Vec<u32>,
     /// The slots of each of the scene's materials that have frames. On every object, each has its own frame, in this order.
     pub framed: Vec<Vec<Slot<'a>>>,
+    /// Of each of the scene's materials, whether anything that it emits shows.
+    pub shows_emission: Vec<bool>,
     /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
@@ -246,7 +248,9 @@ impl Builder<'_> {
                 let is_textured = extension.slot.is_textured();
                 frame += u32::from(extension.slot.has_frame());
                 self.flat.features.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
-                self.add_row(name, row, Some(extension.slot), radiance_scale);
+                // What no coverage shows may be too bright for f32 in the unit of what shows.
+                let brightness = if self.shows_emission[number] { radiance_scale } else { 0.0 };
+                self.add_row(name, row, Some(extension.slot), brightness);
             }
             if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {
                 *extensions = own;

@@ -48,6 +48,7 @@ impl Builder<'_> {
             counts[kind] += 1;
             if let Some((radiance, two_sided)) = emissions[primitive.material as usize]
                 && radiance > 0.0
+                && self.shows_emission[primitive.material as usize]
             {
                 groups.push(self.group(primitive, index, radiance, two_sided));
             }

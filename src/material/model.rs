@@ -10,6 +10,9 @@ use crate::texture::{Colour, Texture, Use};
 /// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
 pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
 
+/// How much larger a kernel may find an interpolated number, relative to it.
+const ROUNDING: f32 = 1.0 / (1u32 << 20) as f32;
+
 /// The properties that all materials of a kind share.
 #[derive(Debug)]
 pub struct MaterialKind {
@@ -255,6 +258,22 @@ pub struct Emission<'a> {
     pub two_sided: bool,
 }
 
+/// The most that a material emits.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Emitted {
+    /// The largest component of the radiance.
+    pub radiance: f64,
+    /// The largest coverage of the surface.
+    pub coverage: f64,
+}
+
+impl Emitted {
+    /// Whether paths can meet it.
+    pub fn is_seen(&self) -> bool {
+        self.radiance > 0.0 && self.coverage > 0.0
+    }
+}
+
 impl<'a> Model<'a> {
     /// Adds an emission to a material that scatters.
     pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
@@ -454,6 +473,24 @@ impl<'a> Model<'a> {
             let Extension { slot, parameter, .. } = *emission_extension()?;
             Some(Emission { slot, two_sided: parameter != 0.0 })
         })
+    }
+
+    /// The most that it emits. `of_vertices` gives the largest alpha and colour of the vertices of its objects.
+    pub fn most_emitted(&self, bitmaps: &Bitmaps, of_vertices: impl Fn() -> [f64; 2]) -> Emitted {
+        let Some(emission) = self.emission() else { return Emitted::default() };
+        let find = |kind| self.extensions.iter().find(|extension| extension.kind == kind);
+        let reads = [ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission].map(|kind| find(kind).is_some());
+        let largest = if reads.contains(&true) { of_vertices() } else { [1.0; 2] };
+        let [alpha, colour] = [0, 1].map(|i| if reads[i] { largest[i] } else { 1.0 });
+        let coverage = find(ExtensionKind::Alpha).map_or(1.0, |extension| {
+            let alpha = (alpha * extension.slot.texture.brightest(bitmaps)) as f32;
+            match extension.parameter {
+                // Kernels round an alpha between texels.
+                cutoff if cutoff >= 0.0 => f64::from(u8::from(alpha * (1.0 + ROUNDING) >= cutoff)),
+                _ => f64::from(alpha),
+            }
+        });
+        Emitted { radiance: colour * emission.slot.texture.brightest(bitmaps), coverage }
     }
 
     /// Its textures, also plain ones: its own first, then those of its extensions in their order.

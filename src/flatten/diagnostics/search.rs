@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::flatten::finder::{Finder, Primitive};
 use crate::flatten::view::View;
+use crate::material::Emitted;
 use crate::scene::{Material, Object, Scene};
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
@@ -25,16 +26,20 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub fn new(scene: &'a Scene, finder: &'a Finder<'a>, view: &'a View<'a>, extent: f64, is_lit: bool) -> Search<'a> {
-        let role = |(_, material): &(String, Material)| {
-            let emission = material.model().emission();
-            Role {
-                transmissive: material.is_transmissive(),
-                light: emission.is_some_and(|emission| emission.slot.texture.brightest(&scene.bitmaps) > 0.0),
-                one_sided: emission.is_some_and(|emission| !emission.two_sided),
-            }
+    pub fn new(
+        scene: &'a Scene,
+        finder: &'a Finder<'a>,
+        view: &'a View<'a>,
+        extent: f64,
+        is_lit: bool,
+        emissions: &[Emitted],
+    ) -> Search<'a> {
+        let role = |((_, material), emitted): (&(String, Material), &Emitted)| Role {
+            transmissive: material.is_transmissive(),
+            light: emitted.is_seen(),
+            one_sided: material.model().emission().is_some_and(|emission| !emission.two_sided),
         };
-        let roles = scene.materials.iter().map(role).collect();
+        let roles = scene.materials.iter().zip(emissions).map(role).collect();
         Search { scene, finder, view, extent, is_lit, roles }
     }
 
