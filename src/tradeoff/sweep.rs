@@ -13,7 +13,7 @@ use crate::film::Film;
 use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
-use crate::options::{Class, OptionSpec, RenderOptions};
+use crate::options::{Class, LightPaths, OptionSpec, RenderOptions};
 use crate::plan::{Plan, Tuning};
 use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
@@ -152,6 +152,8 @@ struct Effect {
     nodes: Vec<data::Node>,
     radiance_exponent: i32,
     brightest: f64,
+    /// Their number is in no shader.
+    light_paths: LightPaths,
 }
 
 impl Effect {
@@ -164,7 +166,7 @@ impl Effect {
         let nodes = if walks { plan.scene.nodes.clone() } else { Vec::new() };
         let settings = data::Settings { max_depth, indirect_limit, root, ..plan.scene.settings };
         let DeviceScene { radiance_exponent, brightest, .. } = *plan.scene;
-        Effect { shaders, settings, nodes, radiance_exponent, brightest }
+        Effect { shaders, settings, nodes, radiance_exponent, brightest, light_paths: plan.options.light_paths }
     }
 }
 
