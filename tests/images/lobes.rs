@@ -74,7 +74,7 @@ fn lobes_add_no_light() {
 }
 
 /// A film without a thickness reflects as the bare base does, also where its thickness varies: by Schlick's approximation from air to the base. By
-/// that from the film to the base a dark metal would reflect a third more at 80 degrees.
+/// that from the film to the base a dark metal would reflect a fifth more at 80 degrees.
 #[test]
 fn a_film_without_thickness_is_none() {
     let cosine = 80f64.to_radians().cos();
@@ -107,7 +107,7 @@ fn a_film_without_thickness_is_none() {
         assert!(is_between(mean(3), mean(0), mean(4)), "{base}");
         // The control: at 0.03 nm it reflects as the film does.
         if base.contains("metallic: 1") {
-            assert!(mean(4) > 1.33 * mean(0), "{base}");
+            assert!(mean(4) > 1.15 * mean(0), "{base}");
         }
     }
 }
