@@ -34,7 +34,7 @@ use crate::aov::SceneSpace;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{Emitted, ExtensionKind, Lobe, microfacets, sheen};
+use crate::material::{Emitted, ExtensionKind, Lobe, Model, Vertices, microfacets, sheen};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
 use crate::shape::mesh::{Mesh, MeshShape};
@@ -89,10 +89,11 @@ pub fn flatten_with(
     let mut finder = Finder::new(scene, &meshes, view.eye);
     let world = Placement::resting(view.to_space);
     scene.objects.iter().for_each(|object| finder.add(object, &world));
+    let models = models(scene, &finder);
     // Of materials that are smooth panes: whether they have textures.
-    let panes = scene.materials.iter().map(|(_, material)| {
+    let panes = scene.materials.iter().zip(&models).map(|((_, material), model)| {
         let is_pane = material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular);
-        is_pane.then(|| !material.textures().is_empty())
+        is_pane.then(|| model.slots().any(|slot| slot.is_textured()))
     });
     let panes: Vec<Option<bool>> = panes.collect();
     for primitive in &finder.primitives {
@@ -105,7 +106,7 @@ pub fn flatten_with(
             features.pane_textures |= is_textured;
             features.panes[primitive.shape.number()].get_or_insert_with(at_object);
         }
-        if KINDS[primitive.shape.number()].encloses() && scene.materials[primitive.material as usize].1.has_alpha() {
+        if KINDS[primitive.shape.number()].encloses() && models[primitive.material as usize].has_alpha() {
             features.alpha_bodies[primitive.shape.number()].get_or_insert_with(at_object);
             features.alpha_on_bodies = true;
         }
@@ -116,7 +117,7 @@ pub fn flatten_with(
         let number = primitive.material as usize;
         if !std::mem::replace(&mut used[number], true) {
             let (name, material) = &scene.materials[number];
-            require_material(&mut features, scene, name, material);
+            require_material(&mut features, scene, name, material, &models[number]);
         }
     }
     finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
@@ -147,7 +148,7 @@ pub fn flatten_with(
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
     let reflection = brightest_reflection(&finder, view.eye, extent);
-    let emissions = emissions(scene, &finder, &used);
+    let emissions = emissions(scene, &finder, &models, &used);
     let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(reflection));
     let search = Search::new(scene, &finder, &view, extent, brightest > 0.0, &emissions);
     let length_exponent = binary_exponent(extent);
@@ -175,7 +176,8 @@ pub fn flatten_with(
         around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],
-        framed: scene.materials.iter().map(|(_, material)| material.framed()).collect(),
+        framed: models.iter().map(Model::framed).collect(),
+        models,
         shows_emission: emissions.iter().map(Emitted::is_seen).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
@@ -238,11 +240,10 @@ pub fn flatten_with(
 }
 
 /// Records the features that a material on an object requires.
-fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
+fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material, model: &Model<'_>) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    let number = material.number();
+    let number = material.number_on_device();
     features.materials[number].get_or_insert_with(at_material);
-    let model = material.model();
     for lobe in material.lobes(&scene.bitmaps) {
         let kinds = match lobe {
             Lobe::Wide => &mut features.non_specular,
@@ -359,11 +360,23 @@ fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     lights.into_iter().take(MOST_DELTA_LIGHTS).map(reflection).fold(0.0, f64::max)
 }
 
+/// The properties of the materials on the objects that have them.
+fn models<'a>(scene: &'a Scene, finder: &Finder<'_>) -> Vec<Model<'a>> {
+    let mut vertices = vec![Vertices::default(); scene.materials.len()];
+    for primitive in &finder.primitives {
+        if let Some(MeshShape { mesh, .. }) = primitive.shape.mesh() {
+            let own = &mut vertices[primitive.material as usize];
+            own.colours |= !mesh.colours.is_empty();
+            own.alphas |= !mesh.alphas.is_empty();
+        }
+    }
+    scene.materials.iter().zip(vertices).map(|((_, material), vertices)| material.model_on(vertices)).collect()
+}
+
 /// What the materials emit that objects have; nothing of the others.
-fn emissions(scene: &Scene, finder: &Finder<'_>, used: &[bool]) -> Vec<Emitted> {
-    let materials = scene.materials.iter().enumerate().zip(used);
-    let emitted = materials.map(|((number, (_, material)), used)| match used {
-        true => material.model().most_emitted(&scene.bitmaps, || largest_of_vertices(finder, number)),
+fn emissions(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>], used: &[bool]) -> Vec<Emitted> {
+    let emitted = models.iter().enumerate().zip(used).map(|((number, model), used)| match used {
+        true => model.most_emitted(&scene.bitmaps, || largest_of_vertices(finder, number)),
         false => Emitted::default(),
     });
     emitted.collect()

@@ -18,10 +18,10 @@ use crate::bitmap::Bitmaps;
 use crate::error::Result;
 use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
-use crate::texture::{Texture, Use};
+use crate::texture::{Colour, Texture, Use};
 
-use declared::is_zero;
 pub use declared::{MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS, Material};
+use declared::{is_white, is_zero};
 use model::{Along, Coat, Film, lobes_of_roughness};
 pub use model::{
     EXTENSIONS, Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE,
@@ -40,9 +40,22 @@ kinds! {
     ThinDielectric => thin_dielectric::KIND,
 }
 
+/// What the vertices have of the meshes that have a material.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vertices {
+    pub colours: bool,
+    pub alphas: bool,
+}
+
 impl Material {
-    /// The properties of the material.
+    /// The properties of the material on meshes whose vertices have all that it reads.
     pub fn model(&self) -> Model<'_> {
+        self.model_on(Vertices { colours: true, alphas: true })
+    }
+
+    /// The properties of the material on objects whose vertices have this. What has no effect is not part of them, so that no kernel has code
+    /// for it.
+    pub fn model_on(&self, vertices: Vertices) -> Model<'_> {
         match self {
             Material::Lambertian {
                 albedo,
@@ -55,8 +68,10 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let model = lambertian::model(albedo).emissive(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
-                let model = model.coloured_by_vertices(*vertex_colors).emissive_by_vertices(*vertex_emission);
+                let model = lambertian::model(albedo).emissive(emission);
+                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha && vertices.alphas);
+                let model = model.coloured_by_vertices(*vertex_colors && vertices.colours);
+                let model = model.emissive_by_vertices(*vertex_emission && vertices.colours);
                 model.bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
@@ -77,8 +92,12 @@ impl Material {
                 normal_scale,
             } => {
                 let model = conductor::model(albedo.as_ref(), *eta, *k, roughness);
-                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
+                let is_mirror = is_smooth(roughness, *anisotropy);
+                let model = model.scattering_many_times(*multiscatter && !is_mirror).bumped(normal, *normal_scale);
                 model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
+            }
+            Material::RoughDielectric { ior, transmittance, absorption, dispersion, .. } if self.is_smooth_glass() => {
+                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
             }
             Material::RoughDielectric {
                 ior,
@@ -136,14 +155,23 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
+                let is_metal = is_white(metallic);
+                let film = Film {
+                    share: iridescence,
+                    ior: *iridescence_ior,
+                    thickness: iridescence_thickness_texture,
+                    least: *iridescence_thickness_min,
+                    most: *iridescence_thickness,
+                };
                 let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
-                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
-                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
-                let model = model.layered(specular, specular_color, !is_zero(iridescence)).transmitting(
-                    transmission,
-                    &dielectric::model(*ior).on_device,
-                    *solid,
-                );
+                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha && vertices.alphas);
+                let model = model.coloured_by_vertices(*vertex_colors && vertices.colours);
+                let is_mirror = is_smooth(roughness, *anisotropy);
+                let model = model.scattering_many_times(*multiscatter && !is_mirror).bumped(normal, *normal_scale);
+                let mut model = model.layered(specular, specular_color, film.is_there());
+                if !is_metal {
+                    model = model.transmitting(transmission, &dielectric::model(*ior).on_device, *solid);
+                }
                 let coat = Coat {
                     share: coat,
                     roughness: coat_roughness,
@@ -152,17 +180,13 @@ impl Material {
                     normal_scale: *coat_normal_scale,
                 };
                 let model = model.coated(coat).sheened(sheen, sheen_roughness);
-                let film = Film {
-                    share: iridescence,
-                    ior: *iridescence_ior,
-                    thickness: iridescence_thickness_texture,
-                    least: *iridescence_thickness_min,
-                    most: *iridescence_thickness,
-                };
-                let model = model.filmed(film).translucent(diffuse_transmission, diffuse_transmission_color);
+                let mut model = model.filmed(film);
+                if !is_metal {
+                    model = model.translucent(diffuse_transmission, diffuse_transmission_color);
+                }
                 let model = model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture);
                 let has_inside = *solid && !is_zero(transmission);
-                let model = model.dispersing(*ior, if has_inside { *dispersion } else { 0.0 });
+                let model = model.dispersing(*ior, if has_inside && !is_metal { *dispersion } else { 0.0 });
                 let lacks = (absorption.is_some() && !has_inside)
                     .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
                 let disperses_nothing = (*dispersion != 0.0 && !has_inside).then_some(
@@ -173,9 +197,19 @@ impl Material {
         }
     }
 
-    /// Whether it lets light pass straight on somewhere.
-    pub fn has_alpha(&self) -> bool {
-        self.has_extension(ExtensionKind::Alpha)
+    /// The index of the kind that kernels know it as: a rough glass that is smooth is a `Dielectric`.
+    pub fn number_on_device(&self) -> usize {
+        let is_dielectric = |kind: &MaterialKind| kind.shader == dielectric::KIND.shader;
+        let smooth = Material::KINDS.iter().position(is_dielectric).filter(|_| self.is_smooth_glass());
+        smooth.unwrap_or_else(|| self.number())
+    }
+
+    fn is_smooth_glass(&self) -> bool {
+        let Material::RoughDielectric { ior, roughness, anisotropy, normal, normal_scale, .. } = self else {
+            return false;
+        };
+        let is_smooth = |roughness: Colour| rough_dielectric::lobes(*ior, roughness.x, *anisotropy) == [Lobe::Specular];
+        roughness.plain().is_some_and(is_smooth) && (normal.is_none() || *normal_scale == 0.0)
     }
 
     /// Whether light passes it.
@@ -185,7 +219,7 @@ impl Material {
     }
 
     pub fn has_extension(&self, kind: ExtensionKind) -> bool {
-        self.model().extensions.iter().any(|extension| extension.kind == kind)
+        self.model().has(kind)
     }
 
     /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
@@ -236,11 +270,6 @@ impl Material {
         self.model().slots().filter(Slot::is_textured).map(|slot| slot.texture).collect()
     }
 
-    /// The slots that have a frame on objects, in the order of the frames.
-    pub fn framed(&self) -> Vec<Slot<'_>> {
-        self.model().slots().filter(Slot::has_frame).collect()
-    }
-
     /// Refuses invalid values; `at` is the path of the material.
     pub fn check(&self, at: &ValuePath) -> Result<()> {
         let at = at.variant(self.name());
@@ -262,6 +291,11 @@ impl Material {
         let of_number = model.warning.iter().map(|(field, warning)| at.field(field.name).warning(warning));
         of_number.chain(model.slots().filter_map(|slot| slot.warning(&at, bitmaps))).collect()
     }
+}
+
+/// Whether microfacets are a mirror everywhere.
+fn is_smooth(roughness: &Texture, anisotropy: f64) -> bool {
+    roughness.plain().is_some_and(|roughness| conductor::lobe(roughness.x, anisotropy) == Lobe::Specular)
 }
 
 /// The shader files of the kinds of material, under shaders/material. Kernels switch on the indices.

@@ -7,6 +7,10 @@ use crate::source::ValuePath;
 use crate::source::form::Field;
 use crate::texture::{Colour, Texture, Use};
 
+/// The warning about an emission of 0.
+const EMITS_NOTHING: &str =
+    "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface";
+
 /// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
 pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
 
@@ -251,6 +255,18 @@ pub struct Film<'a> {
     pub most: f64,
 }
 
+impl Film<'_> {
+    /// Whether it is anywhere: a film without a thickness is none (shaders/material/thin_film), and one of the index of air has no boundary.
+    pub fn is_there(&self) -> bool {
+        let thickness = |share: f64| self.least + share * (self.most - self.least);
+        let is_thick = match self.thickness.plain() {
+            Some(share) => thickness(share.x) > 0.0,
+            None => self.least.max(self.most) > 0.0,
+        };
+        !is_zero(self.share) && self.ior != 1.0 && is_thick
+    }
+}
+
 /// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
@@ -277,8 +293,12 @@ impl Emitted {
 impl<'a> Model<'a> {
     /// Adds an emission to a material that scatters.
     pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
-        let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
-        self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));
+        let Some(texture) = emission else { return self };
+        let slot = Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
+        match is_zero(texture) {
+            true => self.warning = Some((slot.field, EMITS_NOTHING.to_owned())),
+            false => self.extensions.push(Extension::emission(slot, true)),
+        }
         self
     }
 
@@ -286,24 +306,26 @@ impl<'a> Model<'a> {
     /// light where its alpha is at least that, and none elsewhere.
     pub fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>, of_vertices: bool) -> Model<'a> {
         let least = cutoff.unwrap_or(1.0);
-        let stops_all = !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least);
+        if least == 0.0 || !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least) {
+            return self;
+        }
         let slot = Slot { field: &lambertian::FIELDS.alpha, usage: Use::Share, texture: alpha };
         let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
-        self.extensions.extend((!stops_all).then_some(Extension::new(ExtensionKind::Alpha, slot, parameter)));
+        self.extensions.push(Extension::new(ExtensionKind::Alpha, slot, parameter));
         self.flagged(&lambertian::FIELDS.vertex_alpha, ExtensionKind::VertexAlpha, of_vertices)
     }
 
     /// Lets each surface of a clear solid pass this share of light.
     pub fn tinted(mut self, transmittance: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &dielectric::FIELDS.transmittance, usage: Use::Albedo, texture };
-        self.slot = transmittance.as_ref().map(slot);
+        self.slot = transmittance.as_ref().filter(|texture| !is_white(texture)).map(slot);
         self.on_device.colour = [1.0; 3];
         self
     }
 
     /// Makes a clear solid absorb this much per scene unit.
     pub fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
-        self.absorption = absorption;
+        self.absorption = absorption.filter(|absorption| *absorption != Colour::ZERO);
         self
     }
 
@@ -320,7 +342,8 @@ impl<'a> Model<'a> {
 
     /// Multiplies the emitted radiance by the colours of a mesh's vertices.
     pub fn emissive_by_vertices(self, does: bool) -> Model<'a> {
-        self.flagged(&lambertian::FIELDS.vertex_emission, ExtensionKind::VertexEmission, does)
+        let emits = self.emission().is_some();
+        self.flagged(&lambertian::FIELDS.vertex_emission, ExtensionKind::VertexEmission, does && emits)
     }
 
     /// Makes up for light that the microfacets scatter more than once.
@@ -332,7 +355,7 @@ impl<'a> Model<'a> {
     pub fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.normal, usage: Use::Normal, texture };
         let map = |texture| Extension::new(ExtensionKind::Normal, slot(texture), scale as f32);
-        self.extensions.extend(normal.as_ref().map(map));
+        self.extensions.extend(normal.as_ref().filter(|_| scale != 0.0).map(map));
         self
     }
 
@@ -375,7 +398,7 @@ impl<'a> Model<'a> {
         self.extensions.extend(varying);
         let slot = |texture| Slot { field: &pbr::FIELDS.coat_normal, usage: Use::Normal, texture };
         let map = |texture| Extension::new(ExtensionKind::CoatNormal, slot(texture), coat.normal_scale as f32);
-        self.extensions.extend(coat.normal.as_ref().map(map));
+        self.extensions.extend(coat.normal.as_ref().filter(|_| coat.normal_scale != 0.0).map(map));
         self
     }
 
@@ -410,7 +433,7 @@ impl<'a> Model<'a> {
 
     /// Adds a thin film.
     pub fn filmed(mut self, film: Film<'a>) -> Model<'a> {
-        if is_zero(film.share) {
+        if !film.is_there() {
             return self;
         }
         let slot = Slot { field: &pbr::FIELDS.iridescence, usage: Use::Share, texture: film.share };
@@ -446,7 +469,7 @@ impl<'a> Model<'a> {
     /// Gives glass of this index one for each channel. A `dispersion` is 20 over the Abbe number, and the indices of blue and red differ
     /// from that of green by (ior - 1) / 40 of it (KHR_materials_dispersion).
     pub fn dispersing(mut self, ior: f64, dispersion: f64) -> Model<'a> {
-        if dispersion == 0.0 {
+        if dispersion == 0.0 || ior == 1.0 {
             return self;
         }
         if ior < 1.0 {
@@ -475,14 +498,23 @@ impl<'a> Model<'a> {
         })
     }
 
+    pub fn has(&self, kind: ExtensionKind) -> bool {
+        self.extensions.iter().any(|extension| extension.kind == kind)
+    }
+
+    /// Whether it lets light pass straight on somewhere.
+    pub fn has_alpha(&self) -> bool {
+        self.has(ExtensionKind::Alpha)
+    }
+
     /// The most that it emits. `of_vertices` gives the largest alpha and colour of the vertices of its objects.
     pub fn most_emitted(&self, bitmaps: &Bitmaps, of_vertices: impl Fn() -> [f64; 2]) -> Emitted {
         let Some(emission) = self.emission() else { return Emitted::default() };
-        let find = |kind| self.extensions.iter().find(|extension| extension.kind == kind);
-        let reads = [ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission].map(|kind| find(kind).is_some());
+        let reads = [ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission].map(|kind| self.has(kind));
         let largest = if reads.contains(&true) { of_vertices() } else { [1.0; 2] };
         let [alpha, colour] = [0, 1].map(|i| if reads[i] { largest[i] } else { 1.0 });
-        let coverage = find(ExtensionKind::Alpha).map_or(1.0, |extension| {
+        let own_alpha = self.extensions.iter().find(|extension| extension.kind == ExtensionKind::Alpha);
+        let coverage = own_alpha.map_or(1.0, |extension| {
             let alpha = (alpha * extension.slot.texture.brightest(bitmaps)) as f32;
             match extension.parameter {
                 // Kernels round an alpha between texels.
@@ -496,6 +528,11 @@ impl<'a> Model<'a> {
     /// Its textures, also plain ones: its own first, then those of its extensions in their order.
     pub fn slots(&self) -> impl Iterator<Item = Slot<'a>> + use<'a, '_> {
         self.slot.into_iter().chain(self.extensions.iter().map(|extension| extension.slot))
+    }
+
+    /// The slots that have a frame on objects, in the order of the frames.
+    pub fn framed(&self) -> Vec<Slot<'a>> {
+        self.slots().filter(Slot::has_frame).collect()
     }
 }
 
@@ -524,10 +561,7 @@ impl Slot<'_> {
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
                  is intended",
             ),
-            Use::Radiance => (
-                self.texture.brightest(bitmaps) == 0.0,
-                "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
-            ),
+            Use::Radiance => (self.texture.brightest(bitmaps) == 0.0, EMITS_NOTHING),
         };
         is_odd.then(|| at.field(self.field.name).warning(message))
     }
