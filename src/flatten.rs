@@ -166,6 +166,7 @@ pub fn flatten_with(
              object a DiffuseLight"
         ));
     }
+    flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
     let mut builder = Builder {
         scene,
@@ -380,6 +381,20 @@ fn emissions(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>], used: &[b
         false => Emitted::default(),
     });
     emitted.collect()
+}
+
+/// The warnings about emissions that no alpha shows.
+fn hidden_emissions(scene: &Scene, emissions: &[Emitted]) -> Vec<String> {
+    let hidden = scene.materials.iter().zip(emissions);
+    let hidden = hidden.filter(|(_, emitted)| emitted.radiance > 0.0 && emitted.coverage == 0.0);
+    let warning = |((name, material), _): (&(String, Material), _)| {
+        let message = "this emission shows nowhere, because the alpha is 0 or below alpha_cutoff on all of the surface: raise the alpha, or \
+                       remove the emission";
+        let top = scene.top();
+        let materials = top.field("materials");
+        materials.key(name).variant(material.name()).field("emission").warning(message)
+    };
+    hidden.map(warning).collect()
 }
 
 /// The largest component of the radiance of the background and of emissions: its root mean square over paths that meet it, and what a path

@@ -34,10 +34,15 @@ impl<'a> Search<'a> {
         is_lit: bool,
         emissions: &[Emitted],
     ) -> Search<'a> {
-        let role = |((_, material), emitted): (&(String, Material), &Emitted)| Role {
-            transmissive: material.is_transmissive(),
-            light: emitted.is_seen(),
-            one_sided: material.model().emission().is_some_and(|emission| !emission.two_sided),
+        let role = |((_, material), emitted): (&(String, Material), &Emitted)| {
+            let model = material.model();
+            let transmissive = material.is_transmissive();
+            Role {
+                transmissive,
+                opaque: !transmissive && !model.has_alpha(),
+                light: emitted.is_seen(),
+                one_sided: model.emission().is_some_and(|emission| !emission.two_sided),
+            }
         };
         let roles = scene.materials.iter().zip(emissions).map(role).collect();
         Search { scene, finder, view, extent, is_lit, roles }
@@ -64,7 +69,7 @@ impl<'a> Search<'a> {
     pub fn new_body(&self, object: &'a Object, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
         let bounds =
             shape.bounding_shape(&ObjectTransform { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
-        let role = Role { transmissive: true, light: false, one_sided: false };
+        let role = Role { transmissive: true, opaque: false, light: false, one_sided: false };
         Body { object, shape, to_world, material: 0, role, bounds, position: bounds.position() }
     }
 }
@@ -93,6 +98,8 @@ impl Body<'_> {
 pub struct Role {
     /// Rays pass through the object.
     pub transmissive: bool,
+    /// No ray passes, not by an alpha either.
+    pub opaque: bool,
     pub light: bool,
     pub one_sided: bool,
 }
