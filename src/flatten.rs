@@ -371,7 +371,7 @@ fn models<'a>(scene: &'a Scene, finder: &Finder<'_>) -> Vec<Model<'a>> {
             own.alphas |= !mesh.alphas.is_empty();
         }
     }
-    scene.materials.iter().zip(vertices).map(|((_, material), vertices)| material.model_on(vertices)).collect()
+    scene.materials.iter().zip(vertices).map(|((_, material), vertices)| material.model_on_device(vertices)).collect()
 }
 
 /// What the materials emit that objects have; nothing of the others.

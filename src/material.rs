@@ -20,12 +20,12 @@ use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
 use crate::texture::{Colour, Texture, Use};
 
+use declared::is_zero;
 pub use declared::{MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS, Material};
-use declared::{is_white, is_zero};
 use model::{Along, Coat, Film, lobes_of_roughness};
 pub use model::{
     EXTENSIONS, Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE,
-    Slot,
+    Slot, Vertices,
 };
 
 kinds! {
@@ -40,22 +40,9 @@ kinds! {
     ThinDielectric => thin_dielectric::KIND,
 }
 
-/// What the vertices have of the meshes that have a material.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Vertices {
-    pub colours: bool,
-    pub alphas: bool,
-}
-
 impl Material {
-    /// The properties of the material on meshes whose vertices have all that it reads.
+    /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
-        self.model_on(Vertices { colours: true, alphas: true })
-    }
-
-    /// The properties of the material on objects whose vertices have this. What has no effect is not part of them, so that no kernel has code
-    /// for it.
-    pub fn model_on(&self, vertices: Vertices) -> Model<'_> {
         match self {
             Material::Lambertian {
                 albedo,
@@ -68,10 +55,8 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let model = lambertian::model(albedo).emissive(emission);
-                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha && vertices.alphas);
-                let model = model.coloured_by_vertices(*vertex_colors && vertices.colours);
-                let model = model.emissive_by_vertices(*vertex_emission && vertices.colours);
+                let model = lambertian::model(albedo).emissive(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
+                let model = model.coloured_by_vertices(*vertex_colors).emissive_by_vertices(*vertex_emission);
                 model.bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
@@ -92,12 +77,8 @@ impl Material {
                 normal_scale,
             } => {
                 let model = conductor::model(albedo.as_ref(), *eta, *k, roughness);
-                let is_mirror = is_smooth(roughness, *anisotropy);
-                let model = model.scattering_many_times(*multiscatter && !is_mirror).bumped(normal, *normal_scale);
+                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
                 model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
-            }
-            Material::RoughDielectric { ior, transmittance, absorption, dispersion, .. } if self.is_smooth_glass() => {
-                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
             }
             Material::RoughDielectric {
                 ior,
@@ -155,23 +136,14 @@ impl Material {
                 normal,
                 normal_scale,
             } => {
-                let is_metal = is_white(metallic);
-                let film = Film {
-                    share: iridescence,
-                    ior: *iridescence_ior,
-                    thickness: iridescence_thickness_texture,
-                    least: *iridescence_thickness_min,
-                    most: *iridescence_thickness,
-                };
                 let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
-                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha && vertices.alphas);
-                let model = model.coloured_by_vertices(*vertex_colors && vertices.colours);
-                let is_mirror = is_smooth(roughness, *anisotropy);
-                let model = model.scattering_many_times(*multiscatter && !is_mirror).bumped(normal, *normal_scale);
-                let mut model = model.layered(specular, specular_color, film.is_there());
-                if !is_metal {
-                    model = model.transmitting(transmission, &dielectric::model(*ior).on_device, *solid);
-                }
+                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
+                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
+                let model = model.layered(specular, specular_color, !is_zero(iridescence)).transmitting(
+                    transmission,
+                    &dielectric::model(*ior).on_device,
+                    *solid,
+                );
                 let coat = Coat {
                     share: coat,
                     roughness: coat_roughness,
@@ -180,13 +152,17 @@ impl Material {
                     normal_scale: *coat_normal_scale,
                 };
                 let model = model.coated(coat).sheened(sheen, sheen_roughness);
-                let mut model = model.filmed(film);
-                if !is_metal {
-                    model = model.translucent(diffuse_transmission, diffuse_transmission_color);
-                }
+                let film = Film {
+                    share: iridescence,
+                    ior: *iridescence_ior,
+                    thickness: iridescence_thickness_texture,
+                    least: *iridescence_thickness_min,
+                    most: *iridescence_thickness,
+                };
+                let model = model.filmed(film).translucent(diffuse_transmission, diffuse_transmission_color);
                 let model = model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture);
                 let has_inside = *solid && !is_zero(transmission);
-                let model = model.dispersing(*ior, if has_inside && !is_metal { *dispersion } else { 0.0 });
+                let model = model.dispersing(*ior, if has_inside { *dispersion } else { 0.0 });
                 let lacks = (absorption.is_some() && !has_inside)
                     .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
                 let disperses_nothing = (*dispersion != 0.0 && !has_inside).then_some(
@@ -195,6 +171,21 @@ impl Material {
                 Model { lacks: lacks.or(disperses_nothing), ..model.absorbing(*absorption) }
             }
         }
+    }
+
+    /// What kernels need of the material on objects whose vertices have this: nothing that changes nothing.
+    pub fn model_on_device(&self, vertices: Vertices) -> Model<'_> {
+        let model = match self {
+            Material::RoughDielectric { ior, transmittance, absorption, dispersion, .. } if self.is_smooth_glass() => {
+                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
+            }
+            _ => self.model(),
+        };
+        let metallic = match self {
+            Material::Pbr { metallic, .. } => metallic.plain().map(|metallic| metallic.x),
+            _ => None,
+        };
+        model.without_neutral(vertices, metallic)
     }
 
     /// The index of the kind that kernels know it as: a rough glass that is smooth is a `Dielectric`.
@@ -291,11 +282,6 @@ impl Material {
         let of_number = model.warning.iter().map(|(field, warning)| at.field(field.name).warning(warning));
         of_number.chain(model.slots().filter_map(|slot| slot.warning(&at, bitmaps))).collect()
     }
-}
-
-/// Whether microfacets are a mirror everywhere.
-fn is_smooth(roughness: &Texture, anisotropy: f64) -> bool {
-    roughness.plain().is_some_and(|roughness| conductor::lobe(roughness.x, anisotropy) == Lobe::Specular)
 }
 
 /// The shader files of the kinds of material, under shaders/material. Kernels switch on the indices.

@@ -7,10 +7,6 @@ use crate::source::ValuePath;
 use crate::source::form::Field;
 use crate::texture::{Colour, Texture, Use};
 
-/// The warning about an emission of 0.
-const EMITS_NOTHING: &str =
-    "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface";
-
 /// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
 pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
 
@@ -255,23 +251,18 @@ pub struct Film<'a> {
     pub most: f64,
 }
 
-impl Film<'_> {
-    /// Whether it is anywhere: a film without a thickness is none (shaders/material/thin_film), and one of the index of air has no boundary.
-    pub fn is_there(&self) -> bool {
-        let thickness = |share: f64| self.least + share * (self.most - self.least);
-        let is_thick = match self.thickness.plain() {
-            Some(share) => thickness(share.x) > 0.0,
-            None => self.least.max(self.most) > 0.0,
-        };
-        !is_zero(self.share) && self.ior != 1.0 && is_thick
-    }
-}
-
 /// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
     pub slot: Slot<'a>,
     pub two_sided: bool,
+}
+
+/// What the vertices have of the meshes that have a material.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vertices {
+    pub colours: bool,
+    pub alphas: bool,
 }
 
 /// The most that a material emits.
@@ -293,12 +284,8 @@ impl Emitted {
 impl<'a> Model<'a> {
     /// Adds an emission to a material that scatters.
     pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
-        let Some(texture) = emission else { return self };
-        let slot = Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
-        match is_zero(texture) {
-            true => self.warning = Some((slot.field, EMITS_NOTHING.to_owned())),
-            false => self.extensions.push(Extension::emission(slot, true)),
-        }
+        let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
+        self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));
         self
     }
 
@@ -306,26 +293,24 @@ impl<'a> Model<'a> {
     /// light where its alpha is at least that, and none elsewhere.
     pub fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>, of_vertices: bool) -> Model<'a> {
         let least = cutoff.unwrap_or(1.0);
-        if least == 0.0 || !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least) {
-            return self;
-        }
+        let stops_all = !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least);
         let slot = Slot { field: &lambertian::FIELDS.alpha, usage: Use::Share, texture: alpha };
         let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
-        self.extensions.push(Extension::new(ExtensionKind::Alpha, slot, parameter));
+        self.extensions.extend((!stops_all).then_some(Extension::new(ExtensionKind::Alpha, slot, parameter)));
         self.flagged(&lambertian::FIELDS.vertex_alpha, ExtensionKind::VertexAlpha, of_vertices)
     }
 
     /// Lets each surface of a clear solid pass this share of light.
     pub fn tinted(mut self, transmittance: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &dielectric::FIELDS.transmittance, usage: Use::Albedo, texture };
-        self.slot = transmittance.as_ref().filter(|texture| !is_white(texture)).map(slot);
+        self.slot = transmittance.as_ref().map(slot);
         self.on_device.colour = [1.0; 3];
         self
     }
 
     /// Makes a clear solid absorb this much per scene unit.
     pub fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
-        self.absorption = absorption.filter(|absorption| *absorption != Colour::ZERO);
+        self.absorption = absorption;
         self
     }
 
@@ -342,8 +327,7 @@ impl<'a> Model<'a> {
 
     /// Multiplies the emitted radiance by the colours of a mesh's vertices.
     pub fn emissive_by_vertices(self, does: bool) -> Model<'a> {
-        let emits = self.emission().is_some();
-        self.flagged(&lambertian::FIELDS.vertex_emission, ExtensionKind::VertexEmission, does && emits)
+        self.flagged(&lambertian::FIELDS.vertex_emission, ExtensionKind::VertexEmission, does)
     }
 
     /// Makes up for light that the microfacets scatter more than once.
@@ -355,7 +339,7 @@ impl<'a> Model<'a> {
     pub fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.normal, usage: Use::Normal, texture };
         let map = |texture| Extension::new(ExtensionKind::Normal, slot(texture), scale as f32);
-        self.extensions.extend(normal.as_ref().filter(|_| scale != 0.0).map(map));
+        self.extensions.extend(normal.as_ref().map(map));
         self
     }
 
@@ -398,7 +382,7 @@ impl<'a> Model<'a> {
         self.extensions.extend(varying);
         let slot = |texture| Slot { field: &pbr::FIELDS.coat_normal, usage: Use::Normal, texture };
         let map = |texture| Extension::new(ExtensionKind::CoatNormal, slot(texture), coat.normal_scale as f32);
-        self.extensions.extend(coat.normal.as_ref().filter(|_| coat.normal_scale != 0.0).map(map));
+        self.extensions.extend(coat.normal.as_ref().map(map));
         self
     }
 
@@ -433,7 +417,7 @@ impl<'a> Model<'a> {
 
     /// Adds a thin film.
     pub fn filmed(mut self, film: Film<'a>) -> Model<'a> {
-        if !film.is_there() {
+        if is_zero(film.share) {
             return self;
         }
         let slot = Slot { field: &pbr::FIELDS.iridescence, usage: Use::Share, texture: film.share };
@@ -469,7 +453,7 @@ impl<'a> Model<'a> {
     /// Gives glass of this index one for each channel. A `dispersion` is 20 over the Abbe number, and the indices of blue and red differ
     /// from that of green by (ior - 1) / 40 of it (KHR_materials_dispersion).
     pub fn dispersing(mut self, ior: f64, dispersion: f64) -> Model<'a> {
-        if dispersion == 0.0 || ior == 1.0 {
+        if dispersion == 0.0 {
             return self;
         }
         if ior < 1.0 {
@@ -499,7 +483,60 @@ impl<'a> Model<'a> {
     }
 
     pub fn has(&self, kind: ExtensionKind) -> bool {
-        self.extensions.iter().any(|extension| extension.kind == kind)
+        self.find(kind).is_some()
+    }
+
+    fn find(&self, kind: ExtensionKind) -> Option<&Extension<'a>> {
+        self.extensions.iter().find(|extension| extension.kind == kind)
+    }
+
+    /// The model without what changes nothing on objects whose vertices have this. `metallic` is the share of metal, if it is one number.
+    pub fn without_neutral(mut self, vertices: Vertices, metallic: Option<f64>) -> Model<'a> {
+        self.absorption = self.absorption.filter(|absorption| *absorption != Colour::ZERO);
+        self.slot = self
+            .slot
+            .filter(|slot| slot.field.name != dielectric::FIELDS.transmittance.name || !is_white(slot.texture));
+        self.extensions.retain(|extension| match extension.kind {
+            ExtensionKind::Emission => !is_zero(extension.slot.texture),
+            ExtensionKind::VertexColours | ExtensionKind::VertexEmission => vertices.colours,
+            ExtensionKind::VertexAlpha => vertices.alphas,
+            ExtensionKind::Normal | ExtensionKind::CoatNormal => extension.parameter != 0.0,
+            ExtensionKind::Transmission
+            | ExtensionKind::DiffuseTransmission
+            | ExtensionKind::DiffuseTransmissionShare => metallic != Some(1.0),
+            ExtensionKind::Dispersion => extension.parameter != 0.0 && metallic != Some(1.0),
+            _ => true,
+        });
+        let alpha_of_vertices = self.has(ExtensionKind::VertexAlpha);
+        let lets_pass = self.find(ExtensionKind::Alpha).is_some_and(|alpha| {
+            let least = if alpha.parameter >= 0.0 { alpha.parameter } else { 1.0 };
+            match alpha.slot.texture.plain() {
+                Some(plain) if !alpha_of_vertices => (plain.x as f32) < least,
+                _ => least > 0.0,
+            }
+        });
+        let emits = self.emission().is_some();
+        let [is_rough, is_brushed] = [ExtensionKind::Roughness, ExtensionKind::Anisotropy].map(|kind| self.has(kind));
+        let is_mirror = self.on_device.parameter < LEAST_ROUGHNESS && !is_rough && !is_brushed;
+        // A film without a thickness is none (shaders/material/thin_film), and one of the index of air has no boundary.
+        let has_film = self.find(ExtensionKind::Iridescence).is_some_and(|film| {
+            let thickness =
+                self.find(ExtensionKind::IridescenceThickness).map_or(film.contrasts, |film| film.contrasts);
+            film.parameter != 1.0 && thickness != [0.0; 2]
+        });
+        let share = self.has(ExtensionKind::SpecularShare);
+        let has_layer = self
+            .find(ExtensionKind::Specular)
+            .is_some_and(|layer| has_film || share || layer.parameter != 1.0 || !is_white(layer.slot.texture));
+        self.extensions.retain(|extension| match extension.kind {
+            ExtensionKind::Alpha | ExtensionKind::VertexAlpha => lets_pass,
+            ExtensionKind::VertexEmission => emits,
+            ExtensionKind::Multiscatter => !is_mirror,
+            ExtensionKind::Iridescence | ExtensionKind::IridescenceThickness => has_film,
+            ExtensionKind::Specular => has_layer,
+            _ => true,
+        });
+        self
     }
 
     /// Whether it lets light pass straight on somewhere.
@@ -513,8 +550,7 @@ impl<'a> Model<'a> {
         let reads = [ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission].map(|kind| self.has(kind));
         let largest = if reads.contains(&true) { of_vertices() } else { [1.0; 2] };
         let [alpha, colour] = [0, 1].map(|i| if reads[i] { largest[i] } else { 1.0 });
-        let own_alpha = self.extensions.iter().find(|extension| extension.kind == ExtensionKind::Alpha);
-        let coverage = own_alpha.map_or(1.0, |extension| {
+        let coverage = self.find(ExtensionKind::Alpha).map_or(1.0, |extension| {
             let alpha = (alpha * extension.slot.texture.brightest(bitmaps)) as f32;
             match extension.parameter {
                 // Kernels round an alpha between texels.
@@ -561,7 +597,10 @@ impl Slot<'_> {
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
                  is intended",
             ),
-            Use::Radiance => (self.texture.brightest(bitmaps) == 0.0, EMITS_NOTHING),
+            Use::Radiance => (
+                self.texture.brightest(bitmaps) == 0.0,
+                "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
+            ),
         };
         is_odd.then(|| at.field(self.field.name).warning(message))
     }
