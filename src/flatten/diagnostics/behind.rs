@@ -123,7 +123,7 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
             // The other sides of a box are behind the one.
             behind.extend(wall.bounds.corners().into_iter().filter(|p| face.height(*p) < -STANDS * search.extent));
             let around = |points: Vec<DVec3>| {
-                let Aabb { min, max } = Aabb::around(points.into_iter());
+                let Aabb { min, max } = Aabb::around(points);
                 corners((min, max))
             };
             let before = around(before);
