@@ -34,9 +34,10 @@ use crate::aov::SceneSpace;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{ExtensionKind, Lobe, microfacets, sheen};
+use crate::material::{Emitted, ExtensionKind, Lobe, Model, Vertices, microfacets, sheen};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Material, Object, Scene, Step};
+use crate::shape::mesh::{Mesh, MeshShape};
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
 use crate::threads::join;
 use builder::Builder;
@@ -88,10 +89,11 @@ pub fn flatten_with(
     let mut finder = Finder::new(scene, &meshes, view.eye);
     let world = Placement::resting(view.to_space);
     scene.objects.iter().for_each(|object| finder.add(object, &world));
+    let models = models(scene, &finder);
     // Of materials that are smooth panes: whether they have textures.
-    let panes = scene.materials.iter().map(|(_, material)| {
+    let panes = scene.materials.iter().zip(&models).map(|((_, material), model)| {
         let is_pane = material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular);
-        is_pane.then(|| !material.textures().is_empty())
+        is_pane.then(|| model.slots().any(|slot| slot.is_textured()))
     });
     let panes: Vec<Option<bool>> = panes.collect();
     for primitive in &finder.primitives {
@@ -104,7 +106,7 @@ pub fn flatten_with(
             features.pane_textures |= is_textured;
             features.panes[primitive.shape.number()].get_or_insert_with(at_object);
         }
-        if KINDS[primitive.shape.number()].encloses() && scene.materials[primitive.material as usize].1.has_alpha() {
+        if KINDS[primitive.shape.number()].encloses() && models[primitive.material as usize].has_alpha() {
             features.alpha_bodies[primitive.shape.number()].get_or_insert_with(at_object);
             features.alpha_on_bodies = true;
         }
@@ -115,7 +117,7 @@ pub fn flatten_with(
         let number = primitive.material as usize;
         if !std::mem::replace(&mut used[number], true) {
             let (name, material) = &scene.materials[number];
-            require_material(&mut features, scene, name, material);
+            require_material(&mut features, scene, name, material, &models[number]);
         }
     }
     finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
@@ -145,15 +147,18 @@ pub fn flatten_with(
     }
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
-    let brightest = brightest(scene, &used).max(brightest_reflection(&finder, view.eye, extent));
-    let search = Search::new(scene, &finder, &view, extent, brightest > 0.0);
+    let reflection = brightest_reflection(&finder, view.eye, extent);
+    let emissions = emissions(scene, &finder, &models, &used);
+    let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(reflection));
+    let search = Search::new(scene, &finder, &view, extent, brightest > 0.0, &emissions);
     let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
     let to_scene = SceneSpace::new(camera.look_from, view.to_space.rotation.transpose(), length_exponent);
-    let mut flat = DeviceScene { features, radiance_exponent, space: to_scene, ..DeviceScene::default() };
+    let mut flat =
+        DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
     if brightest == 0.0 {
         let at = scene.location(&[Step::Field("background")]);
         flat.warnings.push(format!(
@@ -161,6 +166,7 @@ pub fn flatten_with(
              object a DiffuseLight"
         ));
     }
+    flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
     let mut builder = Builder {
         scene,
@@ -171,7 +177,9 @@ pub fn flatten_with(
         around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],
-        framed: scene.materials.iter().map(|(_, material)| material.framed()).collect(),
+        framed: models.iter().map(Model::framed).collect(),
+        models,
+        shows_emission: emissions.iter().map(Emitted::is_seen).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         motions: None,
@@ -233,11 +241,10 @@ pub fn flatten_with(
 }
 
 /// Records the features that a material on an object requires.
-fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
+fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material, model: &Model<'_>) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    let number = material.number();
+    let number = material.number_on_device();
     features.materials[number].get_or_insert_with(at_material);
-    let model = material.model();
     for lobe in material.lobes(&scene.bitmaps) {
         let kinds = match lobe {
             Lobe::Wide => &mut features.non_specular,
@@ -354,15 +361,67 @@ fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     lights.into_iter().take(MOST_DELTA_LIGHTS).map(reflection).fold(0.0, f64::max)
 }
 
-/// The largest component of the radiance of the background and of the materials that objects have.
-fn brightest(scene: &Scene, used: &[bool]) -> f64 {
+/// The properties of the materials on the objects that have them.
+fn models<'a>(scene: &'a Scene, finder: &Finder<'_>) -> Vec<Model<'a>> {
+    let mut vertices = vec![Vertices::default(); scene.materials.len()];
+    for primitive in &finder.primitives {
+        if let Some(MeshShape { mesh, .. }) = primitive.shape.mesh() {
+            let own = &mut vertices[primitive.material as usize];
+            own.colours |= !mesh.colours.is_empty();
+            own.alphas |= !mesh.alphas.is_empty();
+        }
+    }
+    scene.materials.iter().zip(vertices).map(|((_, material), vertices)| material.model_on_device(vertices)).collect()
+}
+
+/// What the materials emit that objects have; nothing of the others.
+fn emissions(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>], used: &[bool]) -> Vec<Emitted> {
+    let emitted = models.iter().enumerate().zip(used).map(|((number, model), used)| match used {
+        true => model.most_emitted(&scene.bitmaps, || largest_of_vertices(finder, number)),
+        false => Emitted::default(),
+    });
+    emitted.collect()
+}
+
+/// The warnings about emissions that no alpha shows.
+fn hidden_emissions(scene: &Scene, emissions: &[Emitted]) -> Vec<String> {
+    let hidden = scene.materials.iter().zip(emissions);
+    let hidden = hidden.filter(|(_, emitted)| emitted.radiance > 0.0 && emitted.coverage == 0.0);
+    let warning = |((name, material), _): (&(String, Material), _)| {
+        let message = "this emission shows nowhere, because the alpha is 0 or below alpha_cutoff on all of the surface: raise the alpha, or \
+                       remove the emission";
+        let top = scene.top();
+        let materials = top.field("materials");
+        materials.key(name).variant(material.name()).field("emission").warning(message)
+    };
+    hidden.map(warning).collect()
+}
+
+/// The largest component of the radiance of the background and of emissions: its root mean square over paths that meet it, and what a path
+/// carries. A path meets a surface of coverage a with the probability a, so that the first is √a of the second.
+fn brightest(scene: &Scene, emissions: &[Emitted]) -> [f64; 2] {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
     };
-    let used = scene.materials.iter().zip(used).filter(|(_, used)| **used);
-    let emitted =
-        used.filter_map(|((_, material), _)| Some(material.model().emission()?.slot.texture.brightest(&scene.bitmaps)));
-    emitted.fold(sky, f64::max)
+    let seen = emissions.iter().filter(|emitted| emitted.is_seen());
+    seen.fold([sky; 2], |[mean, most], &Emitted { radiance, coverage }| {
+        [mean.max(radiance * coverage.sqrt()), most.max(radiance)]
+    })
+}
+
+/// The largest alpha and the largest colour that the vertices of a material's objects have; 1 for a shape without.
+fn largest_of_vertices(finder: &Finder<'_>, material: usize) -> [f64; 2] {
+    let own = finder.primitives.iter().filter(|primitive| primitive.material as usize == material);
+    let meshes: HashMap<_, _> =
+        own.map(|primitive| (primitive.shape.mesh().map(|shape| shape.number), primitive.shape.mesh())).collect();
+    let largest =
+        |codes: &mut dyn Iterator<Item = u16>| f64::from(codes.max().unwrap_or(u16::MAX)) / f64::from(u16::MAX);
+    let of_mesh = |shape: &MeshShape<'_>| {
+        let Mesh { alphas, colours, .. } = shape.mesh;
+        [largest(&mut alphas.iter().copied()), largest(&mut colours.iter().flatten().copied())]
+    };
+    let all = meshes.into_values().map(|shape| shape.map_or([1.0; 2], of_mesh));
+    all.fold([0.0; 2], |[a, b], [alpha, colour]| [alpha.max(a), colour.max(b)])
 }

@@ -18,13 +18,14 @@ use crate::bitmap::Bitmaps;
 use crate::error::Result;
 use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
-use crate::texture::{Texture, Use};
+use crate::texture::{Colour, Texture, Use};
 
 use declared::is_zero;
 pub use declared::{MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS, Material};
 use model::{Along, Coat, Film, lobes_of_roughness};
 pub use model::{
-    EXTENSIONS, Emission, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
+    EXTENSIONS, Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE,
+    Slot, Vertices,
 };
 
 kinds! {
@@ -172,9 +173,34 @@ impl Material {
         }
     }
 
-    /// Whether it lets light pass straight on somewhere.
-    pub fn has_alpha(&self) -> bool {
-        self.has_extension(ExtensionKind::Alpha)
+    /// What kernels need of the material on objects whose vertices have this: nothing that changes nothing.
+    pub fn model_on_device(&self, vertices: Vertices) -> Model<'_> {
+        let model = match self {
+            Material::RoughDielectric { ior, transmittance, absorption, dispersion, .. } if self.is_smooth_glass() => {
+                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
+            }
+            _ => self.model(),
+        };
+        let metallic = match self {
+            Material::Pbr { metallic, .. } => metallic.plain().map(|metallic| metallic.x),
+            _ => None,
+        };
+        model.without_neutral(vertices, metallic)
+    }
+
+    /// The index of the kind that kernels know it as: a rough glass that is smooth is a `Dielectric`.
+    pub fn number_on_device(&self) -> usize {
+        let is_dielectric = |kind: &MaterialKind| kind.shader == dielectric::KIND.shader;
+        let smooth = Material::KINDS.iter().position(is_dielectric).filter(|_| self.is_smooth_glass());
+        smooth.unwrap_or_else(|| self.number())
+    }
+
+    fn is_smooth_glass(&self) -> bool {
+        let Material::RoughDielectric { ior, roughness, anisotropy, normal, normal_scale, .. } = self else {
+            return false;
+        };
+        let is_smooth = |roughness: Colour| rough_dielectric::lobes(*ior, roughness.x, *anisotropy) == [Lobe::Specular];
+        roughness.plain().is_some_and(is_smooth) && (normal.is_none() || *normal_scale == 0.0)
     }
 
     /// Whether light passes it.
@@ -184,7 +210,7 @@ impl Material {
     }
 
     pub fn has_extension(&self, kind: ExtensionKind) -> bool {
-        self.model().extensions.iter().any(|extension| extension.kind == kind)
+        self.model().has(kind)
     }
 
     /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
@@ -233,11 +259,6 @@ impl Material {
     /// Its textures that are no plain colour: its own, and those of its extensions.
     pub fn textures(&self) -> Vec<&Texture> {
         self.model().slots().filter(Slot::is_textured).map(|slot| slot.texture).collect()
-    }
-
-    /// The slots that have a frame on objects, in the order of the frames.
-    pub fn framed(&self) -> Vec<Slot<'_>> {
-        self.model().slots().filter(Slot::has_frame).collect()
     }
 
     /// Refuses invalid values; `at` is the path of the material.

@@ -7,5 +7,6 @@ pub mod flip;
 mod grid;
 pub mod images;
 pub mod pixels;
+mod shift;
 pub mod student;
 pub mod verdict;

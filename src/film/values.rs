@@ -13,7 +13,8 @@ const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 impl Film {
     /// A channel of a pixel, in scene units; `f32::MAX` if the sum has left its range.
     ///
-    /// The albedo and the normal are means over all samples; samples without a surface count as 0. The depth and the position are means over
+    /// The albedo and the normal are means over all samples; samples without a surface count as 0. An albedo above 1, which white bases have
+    /// where glTF's formulas return too much light, is 1, because denoisers expect that. The depth and the position are means over
     /// the samples that hit a surface; without any, the depth is `f32::MAX` and the position 0. Objects and materials are those of the
     /// pixel's sample 0, numbered from 1; 0 is none. The indirect radiance is the radiance minus the direct one.
     pub fn channel(&self, index: usize, channel: &Channel) -> f32 {
@@ -30,7 +31,7 @@ impl Film {
         let radiance = exp2(self.exponent);
         let direct = || channels.mean(index, Sum::Direct, samples).map(|direct| direct[component]);
         Some(match aov {
-            Aov::Albedo => channels.mean(index, Sum::Albedo, all)?[component],
+            Aov::Albedo => channels.mean(index, Sum::Albedo, all)?[component].min(1.0),
             Aov::Normal => space.direction(channels.mean(index, Sum::Normal, all)?)[component],
             Aov::Depth => match hits()? {
                 0.0 => f64::from(NO_DEPTH),

@@ -14,7 +14,7 @@ use super::swept::swept;
 use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
-use crate::material::{Extension, ExtensionKind, Slot};
+use crate::material::{Extension, ExtensionKind, Model, Slot};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
@@ -40,8 +40,12 @@ pub struct Builder<'a> {
     pub tables: Vec<Vec<Table>>,
     /// The index in the table of each of the scene's materials that an object uses.
     pub materials: Vec<u32>,
+    /// The properties of each of the scene's materials.
+    pub models: Vec<Model<'a>>,
     /// The slots of each of the scene's materials that have frames. On every object, each has its own frame, in this order.
     pub framed: Vec<Vec<Slot<'a>>>,
+    /// Of each of the scene's materials, whether anything that it emits shows.
+    pub shows_emission: Vec<bool>,
     /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
@@ -197,11 +201,11 @@ impl Builder<'_> {
     pub fn add_materials(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
         for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
-            let model = material.model();
-            let row = data::Material { kind: material.number() as u32, ..model.on_device };
+            let Model { slot, on_device, second_part, .. } = self.models[number];
+            let row = data::Material { kind: material.number_on_device() as u32, ..on_device };
             self.materials[number] = self.flat.materials.len() as u32;
-            self.add_row(name, row, model.slot, radiance_scale);
-            if let Some(second) = model.second_part {
+            self.add_row(name, row, slot, radiance_scale);
+            if let Some(second) = second_part {
                 self.add_row(name, second, None, radiance_scale);
             }
         }
@@ -227,14 +231,15 @@ impl Builder<'_> {
     pub fn add_extensions(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
         let mut extensions = vec![data::Extension::NONE; self.flat.materials.len()];
-        for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
-            let model = material.model();
+        for (number, (name, _)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+            let model = &self.models[number];
             let light = model.light().map(|light| Extension::emission(light.slot, light.two_sided));
+            let all: Vec<Extension<'_>> = model.extensions.iter().copied().chain(light).collect();
             let mut own = data::Extension::NONE;
             own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
             let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.has_frame())) };
-            for extension in model.extensions.iter().copied().chain(light) {
+            for extension in all {
                 *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
                 let row = data::Material {
                     kind: frame,
@@ -246,7 +251,9 @@ impl Builder<'_> {
                 let is_textured = extension.slot.is_textured();
                 frame += u32::from(extension.slot.has_frame());
                 self.flat.features.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
-                self.add_row(name, row, Some(extension.slot), radiance_scale);
+                // What no coverage shows may be too bright for f32 in the unit of what shows.
+                let brightness = if self.shows_emission[number] { radiance_scale } else { 0.0 };
+                self.add_row(name, row, Some(extension.slot), brightness);
             }
             if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {
                 *extensions = own;

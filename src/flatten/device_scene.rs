@@ -54,6 +54,8 @@ pub struct DeviceScene {
     pub primitives: u32,
     /// The scene's radiance is the device's radiance times 2 to this exponent.
     pub radiance_exponent: i32,
+    /// The most radiance that a path carries from a surface or the background, in the scene's units.
+    pub brightest: f64,
     /// The map from render space to the scene.
     pub space: SceneSpace,
     /// Warnings about the scene, each with a location in the file, the number and a remedy.

@@ -3,6 +3,7 @@
 //! The search runs while the hierarchies are built, in O(n log n). Of each kind it reports the worst case, and the number of the others.
 //! Lengths are in scene units. Positions are relative to the camera, along the axes of render space.
 
+mod behind;
 mod coincident;
 mod duplicates;
 mod lost_lights;
@@ -18,5 +19,6 @@ pub fn warnings(search: &Search<'_>) -> Vec<String> {
     found.push(duplicates::search(search));
     found.extend(coincident::search(search));
     found.extend(lost_lights::search(search));
+    found.push(behind::search(search));
     found.into_iter().filter_map(|worst| worst.text(search.scene)).collect()
 }

@@ -48,6 +48,7 @@ impl Builder<'_> {
             counts[kind] += 1;
             if let Some((radiance, two_sided)) = emissions[primitive.material as usize]
                 && radiance > 0.0
+                && self.shows_emission[primitive.material as usize]
             {
                 groups.push(self.group(primitive, index, radiance, two_sided));
             }
@@ -169,7 +170,7 @@ impl Builder<'_> {
         let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
         let has_alpha = |group: &LightGroup<'_>| {
             KINDS[group.primitive.shape.number()].encloses()
-                && self.scene.materials[group.primitive.material as usize].1.has_alpha()
+                && self.models[group.primitive.material as usize].has_alpha()
         };
         let (left, others): (Vec<_>, Vec<_>) = groups.into_iter().partition(has_alpha);
         if let Some(first) = left.first() {

@@ -10,6 +10,9 @@ use crate::texture::{Colour, Texture, Use};
 /// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
 pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
 
+/// How much larger a kernel may find an interpolated number, relative to it.
+const ROUNDING: f32 = 1.0 / (1u32 << 20) as f32;
+
 /// The properties that all materials of a kind share.
 #[derive(Debug)]
 pub struct MaterialKind {
@@ -255,6 +258,29 @@ pub struct Emission<'a> {
     pub two_sided: bool,
 }
 
+/// What the vertices have of the meshes that have a material.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vertices {
+    pub colours: bool,
+    pub alphas: bool,
+}
+
+/// The most that a material emits.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Emitted {
+    /// The largest component of the radiance.
+    pub radiance: f64,
+    /// The largest coverage of the surface.
+    pub coverage: f64,
+}
+
+impl Emitted {
+    /// Whether paths can meet it.
+    pub fn is_seen(&self) -> bool {
+        self.radiance > 0.0 && self.coverage > 0.0
+    }
+}
+
 impl<'a> Model<'a> {
     /// Adds an emission to a material that scatters.
     pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
@@ -456,9 +482,93 @@ impl<'a> Model<'a> {
         })
     }
 
+    pub fn has(&self, kind: ExtensionKind) -> bool {
+        self.find(kind).is_some()
+    }
+
+    fn find(&self, kind: ExtensionKind) -> Option<&Extension<'a>> {
+        self.extensions.iter().find(|extension| extension.kind == kind)
+    }
+
+    /// The model without what changes nothing on objects whose vertices have this. `metallic` is the share of metal, if it is one number.
+    pub fn without_neutral(mut self, vertices: Vertices, metallic: Option<f64>) -> Model<'a> {
+        self.absorption = self.absorption.filter(|absorption| *absorption != Colour::ZERO);
+        self.slot = self
+            .slot
+            .filter(|slot| slot.field.name != dielectric::FIELDS.transmittance.name || !is_white(slot.texture));
+        self.extensions.retain(|extension| match extension.kind {
+            ExtensionKind::Emission => !is_zero(extension.slot.texture),
+            ExtensionKind::VertexColours | ExtensionKind::VertexEmission => vertices.colours,
+            ExtensionKind::VertexAlpha => vertices.alphas,
+            ExtensionKind::Normal | ExtensionKind::CoatNormal => extension.parameter != 0.0,
+            ExtensionKind::Transmission
+            | ExtensionKind::DiffuseTransmission
+            | ExtensionKind::DiffuseTransmissionShare => metallic != Some(1.0),
+            ExtensionKind::Dispersion => extension.parameter != 0.0 && metallic != Some(1.0),
+            _ => true,
+        });
+        let alpha_of_vertices = self.has(ExtensionKind::VertexAlpha);
+        let lets_pass = self.find(ExtensionKind::Alpha).is_some_and(|alpha| {
+            let least = if alpha.parameter >= 0.0 { alpha.parameter } else { 1.0 };
+            match alpha.slot.texture.plain() {
+                Some(plain) if !alpha_of_vertices => (plain.x as f32) < least,
+                _ => least > 0.0,
+            }
+        });
+        let emits = self.emission().is_some();
+        let [is_rough, is_brushed] = [ExtensionKind::Roughness, ExtensionKind::Anisotropy].map(|kind| self.has(kind));
+        let is_mirror = self.on_device.parameter < LEAST_ROUGHNESS && !is_rough && !is_brushed;
+        // A film without a thickness is none (shaders/material/thin_film), and one of the index of air has no boundary.
+        let has_film = self.find(ExtensionKind::Iridescence).is_some_and(|film| {
+            let thickness =
+                self.find(ExtensionKind::IridescenceThickness).map_or(film.contrasts, |film| film.contrasts);
+            film.parameter != 1.0 && thickness != [0.0; 2]
+        });
+        let share = self.has(ExtensionKind::SpecularShare);
+        let has_layer = self
+            .find(ExtensionKind::Specular)
+            .is_some_and(|layer| has_film || share || layer.parameter != 1.0 || !is_white(layer.slot.texture));
+        self.extensions.retain(|extension| match extension.kind {
+            ExtensionKind::Alpha | ExtensionKind::VertexAlpha => lets_pass,
+            ExtensionKind::VertexEmission => emits,
+            ExtensionKind::Multiscatter => !is_mirror,
+            ExtensionKind::Iridescence | ExtensionKind::IridescenceThickness => has_film,
+            ExtensionKind::Specular => has_layer,
+            _ => true,
+        });
+        self
+    }
+
+    /// Whether it lets light pass straight on somewhere.
+    pub fn has_alpha(&self) -> bool {
+        self.has(ExtensionKind::Alpha)
+    }
+
+    /// The most that it emits. `of_vertices` gives the largest alpha and colour of the vertices of its objects.
+    pub fn most_emitted(&self, bitmaps: &Bitmaps, of_vertices: impl Fn() -> [f64; 2]) -> Emitted {
+        let Some(emission) = self.emission() else { return Emitted::default() };
+        let reads = [ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission].map(|kind| self.has(kind));
+        let largest = if reads.contains(&true) { of_vertices() } else { [1.0; 2] };
+        let [alpha, colour] = [0, 1].map(|i| if reads[i] { largest[i] } else { 1.0 });
+        let coverage = self.find(ExtensionKind::Alpha).map_or(1.0, |extension| {
+            let alpha = (alpha * extension.slot.texture.brightest(bitmaps)) as f32;
+            match extension.parameter {
+                // Kernels round an alpha between texels.
+                cutoff if cutoff >= 0.0 => f64::from(u8::from(alpha * (1.0 + ROUNDING) >= cutoff)),
+                _ => f64::from(alpha),
+            }
+        });
+        Emitted { radiance: colour * emission.slot.texture.brightest(bitmaps), coverage }
+    }
+
     /// Its textures, also plain ones: its own first, then those of its extensions in their order.
     pub fn slots(&self) -> impl Iterator<Item = Slot<'a>> + use<'a, '_> {
         self.slot.into_iter().chain(self.extensions.iter().map(|extension| extension.slot))
+    }
+
+    /// The slots that have a frame on objects, in the order of the frames.
+    pub fn framed(&self) -> Vec<Slot<'a>> {
+        self.slots().filter(Slot::has_frame).collect()
     }
 }
 

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use super::estimate::{LEVEL, corrected};
 use super::grid::Grid;
 use super::images::{Images, QUANTITIES, Quantity, SampleVariances};
-use super::student;
+use super::{shift, student};
 use crate::data::SampleVariance;
 
 /// The shares of the false alarms of both tests.
@@ -52,7 +52,8 @@ pub enum Pixels {
     /// The pixel with the smallest p-value. `visible` is the relative difference from which on a single pixel shows, in the median over
     /// pixels; infinite if there are too few samples to know its noise.
     Tested { most: Single, visible: f64 },
-    /// The noise of single pixels is unknown. The pixel with the largest difference, with a p-value of 1; none if all are equal.
+    /// The noise of single pixels is unknown. The pixel with the largest difference, with the p-value of a shift of all of them; none if all
+    /// are equal.
     Untested(Option<Single>),
 }
 
@@ -61,7 +62,7 @@ impl Pixels {
     pub fn p(&self) -> f64 {
         match self {
             Pixels::Shared { most, .. } | Pixels::Tested { most, .. } => most.p,
-            Pixels::Untested(_) => 1.0,
+            Pixels::Untested(most) => most.map_or(1.0, |most| most.p),
         }
     }
 }
@@ -72,7 +73,9 @@ pub(super) fn pixels(images: &Images<'_>, grid: &Grid) -> Pixels {
         return shared;
     }
     let tested = images.sample_variances.and_then(|sample_variances| beyond(images, grid, sample_variances));
-    tested.unwrap_or_else(|| Pixels::Untested(most_different(images).map(|(single, _)| single)))
+    tested.unwrap_or_else(|| {
+        Pixels::Untested(most_different(images).map(|(single, _)| Single { p: shift::p(images, grid), ..single }))
+    })
 }
 
 fn differs(images: &Images<'_>, pixel: usize) -> bool {

@@ -56,6 +56,13 @@ fn of_pixels(difference: &Difference, luminance: &MeanDifference) -> String {
             format!("; in half of the pixels, one alone would show from {visible} % on")
         }
         Pixels::Tested { .. } => "; with so few samples, no single pixel would show".to_string(),
+        Pixels::Untested(Some(most)) if most.p < LEVEL => {
+            let p = probability(most.p);
+            return format!(
+                "A is {} and differs along the edges as if it were shifted, p = {p}; the mean of the image is within noise",
+                of_pixel(most)
+            );
+        }
         Pixels::Untested(Some(most)) => {
             let [x, y] = most.at;
             format!("; single pixels are not tested: the largest difference is {} in ({x}, {y})", size(most))
@@ -224,6 +231,11 @@ mod tests {
             of(Pixels::Tested { most: Single { reference: 0.0, ..most }, visible: 0.3 }),
             "A is brighter by 50 in pixel (24, 39), p = 3e-8; the mean of the image is within noise"
         );
+        assert_eq!(
+            of(Pixels::Untested(Some(most))),
+            "A is brighter by 9900 % in pixel (24, 39) and differs along the edges as if it were shifted, p = 3e-8; the mean of the image is \
+             within noise"
+        );
         // The sentence says from which difference on noise does not hide it.
         let noise = "A differs by noise only, p = 0.41: less than 0.01 would be a difference; ";
         let within = Single { p: 0.5, ..most };
@@ -237,7 +249,7 @@ mod tests {
                 "with so few samples, no single pixel would show",
             ),
             (
-                Pixels::Untested(Some(most)),
+                Pixels::Untested(Some(within)),
                 "single pixels are not tested: the largest difference is 9900 % in (24, 39)",
             ),
         ] {

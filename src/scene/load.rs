@@ -22,7 +22,6 @@ use super::types::*;
 use super::write::relative;
 use super::{gltf, image_files, mesh_files, validate};
 use crate::error::{Error, Result};
-use crate::material::ExtensionKind;
 use crate::printable::one_line;
 use crate::shape::Aabb;
 use crate::source::{MOST_VALUES, Source};
@@ -317,16 +316,7 @@ fn of_gltf(
 
 /// Whether anything in the scene other than the background emits light: a light without size, or a surface.
 fn emits(scene: &Scene) -> bool {
-    let shines = |material: &Material| {
-        let model = material.model();
-        let brightest = |texture: &Texture| texture.brightest(&scene.bitmaps);
-        let is_there =
-            model.extensions.iter().filter(|extension| extension.kind == ExtensionKind::Alpha).all(|extension| {
-                let (alpha, cutoff) = (brightest(extension.slot.texture), f64::from(extension.parameter));
-                alpha >= cutoff && (alpha > 0.0 || cutoff >= 0.0)
-            });
-        is_there && model.emission().is_some_and(|emission| brightest(emission.slot.texture) > 0.0)
-    };
+    let shines = |material: &Material| material.model().most_emitted(&scene.bitmaps, || [1.0; 2]).is_seen();
     let shining = scene.materials.iter().filter(|(_, material)| shines(material));
     let shining: HashSet<&str> = shining.map(|(name, _)| name.as_str()).collect();
     let mut found = false;

@@ -84,7 +84,7 @@ impl Scene {
     }
 
     /// The top of the scene file, where the checks start.
-    pub(super) fn top(&self) -> ValuePath<'_> {
+    pub(crate) fn top(&self) -> ValuePath<'_> {
         ValuePath::top(&self.source)
     }
 }

@@ -27,6 +27,33 @@ impl Scene {
             let message = "there are 0 objects, so that the image shows only the background: add objects";
             warnings.push(top.field("objects").warning(message));
         }
+        let camera = top.field("camera");
+        let focus = self.camera.focus_distance.unwrap_or((self.camera.look_at - self.camera.look_from).length());
+        let radius = 0.5 * self.camera.aperture;
+        if focus < radius {
+            let message = format!(
+                "the lens has a radius of {radius} and is in focus at {focus}, which is within it, so that nothing is sharp: write the distance of \
+                 what shall be sharp, or an aperture below {}",
+                2.0 * focus
+            );
+            warnings.push(camera.field("focus_distance").warning(&message));
+        }
+        let (open, close) = self.camera.shutter;
+        let is_shut = open == close;
+        let no_motion = |first: f64, last: f64| {
+            format!(
+                "the shutter opens and closes at {open}, so that all of this is at rest in the image: write a camera.shutter of times such as \
+                 ({first}, {last})"
+            )
+        };
+        let keys = &self.camera.moving;
+        if let [first, .., last] = keys.as_slice()
+            && is_shut
+            && keys.windows(2).any(|keys| keys[0].1 != keys[1].1)
+        {
+            warnings.push(camera.field("moving").warning(&no_motion(first.0, last.0)));
+        }
+        let mut at_rest: Vec<String> = Vec::new();
         let mut reported = HashSet::new();
         self.visit_objects(&mut |at, object| match object {
             Object::Medium { density: 0.0, .. } => {
@@ -49,9 +76,22 @@ impl Scene {
                 for (index, (_, by)) in keys.iter().enumerate() {
                     warnings.extend(angles(&keys_field.index(index).index(1), by));
                 }
+                if let [first, .., last] = keys.as_slice()
+                    && is_shut
+                    && keys.windows(2).any(|keys| keys[0].1 != keys[1].1)
+                {
+                    at_rest.push(keys_field.warning(&no_motion(first.0, last.0)));
+                }
+            }
+            Object::SpotLight { outer: 0.0, .. } => {
+                let message = "an outer angle of 0 has no cone, so that it emits no light: write an angle above 0";
+                warnings.push(at.field("outer").warning(message));
             }
             _ => {}
         });
+        let more = at_rest.len().saturating_sub(1);
+        let more = if more > 0 { format!(" (and {more} more like it)") } else { String::new() };
+        warnings.extend(at_rest.into_iter().next().map(|first| first + &more));
         warnings
     }
 }

@@ -10,10 +10,10 @@ use crate::data;
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::flatten::flatten;
+use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
-use crate::options::{Class, OptionSpec, RenderOptions};
+use crate::options::{Class, LightPaths, OptionSpec, RenderOptions};
 use crate::plan::{Plan, Tuning};
 use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
@@ -151,6 +151,9 @@ struct Effect {
     settings: data::Settings,
     nodes: Vec<data::Node>,
     radiance_exponent: i32,
+    brightest: f64,
+    /// Their number is in no shader.
+    light_paths: LightPaths,
 }
 
 impl Effect {
@@ -162,7 +165,8 @@ impl Effect {
         let root = if walks { plan.scene.settings.root } else { 0 };
         let nodes = if walks { plan.scene.nodes.clone() } else { Vec::new() };
         let settings = data::Settings { max_depth, indirect_limit, root, ..plan.scene.settings };
-        Effect { shaders, settings, nodes, radiance_exponent: plan.scene.radiance_exponent }
+        let DeviceScene { radiance_exponent, brightest, .. } = *plan.scene;
+        Effect { shaders, settings, nodes, radiance_exponent, brightest, light_paths: plan.options.light_paths }
     }
 }
 
@@ -223,7 +227,7 @@ impl<'a> Sweep<'a> {
 
     /// An upper bound of the scene's radiance, in its own units.
     pub fn brightest(&self) -> f64 {
-        self.defaults.as_ref().map_or(0.0, |defaults| 2f64.powi(defaults.radiance_exponent))
+        self.defaults.as_ref().map_or(0.0, |defaults| defaults.brightest)
     }
 
     /// An empty sweep of the same scene with the same seed.

@@ -289,6 +289,79 @@ fn noise_that_neighbours_share_is_called_noise() {
     assert!(alarms <= 7, "{alarms} of 100");
 }
 
+/// Discs of random sizes and brightness, seen from this many pixels to the right and below, without noise.
+fn discs(random: &mut Random, (width, height): (usize, usize), count: usize) -> impl Fn(f64, f64) -> Vec<f64> {
+    let disc = |random: &mut Random| {
+        let at = [random.uniform() * width as f64, random.uniform() * height as f64];
+        (at, 2.0 + 8.0 * random.uniform(), 0.1 + random.uniform())
+    };
+    let discs: Vec<_> = (0..count).map(|_| disc(random)).collect();
+    move |right: f64, down: f64| {
+        let value = |pixel: usize| {
+            let (x, y) = ((pixel % width) as f64 + right, (pixel / width) as f64 + down);
+            let inside = |(at, radius, bright): &([f64; 2], f64, f64)| {
+                bright * (radius - (x - at[0]).hypot(y - at[1]) + 0.5).clamp(0.0, 1.0)
+            };
+            0.3 + discs.iter().map(inside).sum::<f64>()
+        };
+        (0..width * height).map(value).collect()
+    }
+}
+
+/// Without variances of samples, an image that is shifted is found by its edges, and noise is not called a shift: noise of single pixels, rare
+/// bright noise, and noise that neighbours share; of like images, and of one against the truth.
+#[test]
+fn a_shift_is_found_and_noise_is_no_shift() {
+    let size = SIZE;
+    let mut random = Random(21);
+    // The noise of a pixel, relative to its value, of mean 0.
+    type Noise = fn(&mut Random, usize, usize) -> Vec<f64>;
+    let even: Noise = |random, width, height| (0..width * height).map(|_| 0.1 * random.normal()).collect();
+    let rare: Noise =
+        |random, width, height| (0..width * height).map(|_| 0.1 * (poisson(random, 0.1) / 0.1 - 1.0)).collect();
+    let shared: Noise = |random, width, height| {
+        let own: Vec<f64> = (0..width * height).map(|_| 0.1 * random.normal()).collect();
+        let near = |pixel: usize, i: usize| {
+            own[(pixel / width + i / 3) % height * width + (pixel % width + i % 3) % width] / 3.0
+        };
+        (0..width * height).map(|pixel| (0..9).map(|i| near(pixel, i)).sum()).collect()
+    };
+    for (name, noise) in [("even", even), ("rare", rare), ("shared", shared)] {
+        let mut picture = |values: &[f64], is_noisy: bool| -> Vec<[f32; 3]> {
+            let noise = noise(&mut random, size.0, size.1);
+            let value = |(value, noise): (&f64, f64)| [(value * if is_noisy { 1.0 + noise } else { 1.0 }) as f32; 3];
+            values.iter().zip(noise).map(value).collect()
+        };
+        let judge = |a: &[[f32; 3]], b: &[[f32; 3]]| {
+            let images = Images { width: size.0, height: size.1, a, b, variances: None, sample_variances: None };
+            difference(&images).expect("all is finite")
+        };
+        let mut of_discs = Random(22);
+        let (mut alarms, mut found) = (0, [0; 4]);
+        const PAIRS: usize = 100;
+        for pair in 0..PAIRS {
+            let image = discs(&mut of_discs, size, 30);
+            let a = picture(&image(0.0, 0.0), true);
+            let b = picture(&image(0.0, 0.0), pair % 2 == 0);
+            alarms += usize::from(judge(&a, &b).pixels.p() < LEVEL);
+            for ((right, down), found) in [(1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (0.5, 0.0)].into_iter().zip(&mut found)
+            {
+                let shifted = judge(&picture(&image(right, down), true), &b);
+                let words = verdict(&shifted);
+                assert!(
+                    words.contains("noise only") || words.contains("brighter") || words.contains("darker"),
+                    "{words}"
+                );
+                *found += usize::from(shifted.pixels.p() < LEVEL && !words.contains("noise only"));
+            }
+        }
+        println!("{name}: {alarms} alarms, {found:?} shifts found of {PAIRS}");
+        // A twelfth of the level.
+        assert!(alarms <= allowed(PAIRS, LEVEL / 12.0), "{name}: {alarms} of {PAIRS}");
+        assert!(found[..3].iter().all(|found| *found >= PAIRS * 19 / 20), "{name}: {found:?} of {PAIRS}");
+    }
+}
+
 /// No size and no values make it fail; what cannot be known is not claimed.
 #[test]
 fn any_images_have_a_verdict() {

@@ -352,6 +352,164 @@ fn asker(report: &Report, feature: &str) -> String {
     found.unwrap_or_else(|| panic!("no {feature} in {:?}", report.features)).1.clone()
 }
 
+/// Everything that decides the image: the kernels' texts, and the tables that they read.
+fn inputs(text: &str, folder: &Path) -> (String, String) {
+    let scene = Scene::parse(text, &folder.join("neutral.ron")).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let flat = flat(&scene, FeatureSet::Scene);
+    let plans = classes().map(|class| {
+        let (plan, report) = planned(&flat, &class, class.tuning.scatter);
+        let texts: Vec<_> = plan.kernels().into_iter().map(|kernel| kernel.linked.text.as_str()).collect();
+        format!("{}\n{}", report.text(), texts.join("\n"))
+    });
+    let DeviceScene { features, settings, shapes, materials, extensions, textures, frames, motions, lights, .. } =
+        &flat;
+    let tables =
+        format!("{features:#?}{settings:#?}{materials:#?}{extensions:#?}{textures:#?}{frames:#?}{motions:?}{lights:?}");
+    let shapes = format!("{:?}{:?}{:?}{:?}", shapes.spheres, shapes.quads, shapes.instances, shapes.cuboids);
+    (plans.join("\n"), format!("{tables}{shapes}{}", flat.radiance_exponent))
+}
+
+/// A value that changes nothing links nothing: neither the plan nor a table of the scene differs from that of the scene without it, so that the
+/// image has the same bytes.
+#[test]
+fn neutral_values_need_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    image::RgbImage::from_pixel(4, 4, image::Rgb([99, 128, 255])).save(folder.path().join("n.png")).expect("an image");
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    std::fs::write(folder.path().join("flat.obj"), mesh).expect("a mesh is written");
+    let scene = |material: &str, objects: &str, camera: &str| {
+        let all = format!(
+            "Quad(corner: (0, 3, 0), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"), Mesh(path: \"flat.obj\", material: \"grey\"),
+            Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"), Box(min: (2, 0, 0), max: (3, 1, 1), material: \"other\"){objects}"
+        );
+        let materials = format!(
+            "{material},
+            \"other\": Pbr(base_color: Rgb(0.2, 0.3, 0.4)), \"lamp\": DiffuseLight(emit: Rgb(9, 9, 9))"
+        );
+        SPHERE
+            .replace("Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", &materials)
+            .replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", &all)
+            .replace("vertical_fov: 50", &format!("vertical_fov: 50{camera}"))
+    };
+    let nothing = "(0, 0, 0)";
+    let white = "Rgb(1, 1, 1)";
+    let image = "Image(path: \"n.png\")";
+    let all_glass = "base_color: Rgb(0.9, 0.8, 0.7), metallic: 0, roughness: 0.3, transmission: 1, solid: true";
+    // A material with fields that change nothing, and the same without.
+    let materials = [
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", format!(", emission: Rgb{nothing}")),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", ", alpha: 1".into()),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", ", alpha: 0.7, alpha_cutoff: 0.6".into()),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", format!(", alpha: {image}, alpha_cutoff: 0, vertex_alpha: true")),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", ", vertex_colors: true, vertex_alpha: true".into()),
+        (
+            "Lambertian(albedo: Rgb(0.5, 0.4, 0.3)",
+            ", emission: Rgb(1, 1, 1)",
+            ", emission: Rgb(1, 1, 1), vertex_emission: true".into(),
+        ),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", ", vertex_emission: true".into()),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", "", format!(", normal: {image}, normal_scale: 0")),
+        ("Metal(albedo: Rgb(0.5, 0.4, 0.3)", "", ", fuzz: 0".into()),
+        ("Dielectric(ior: 1.5", "", format!(", transmittance: {white}")),
+        ("Dielectric(ior: 1.5", "", format!(", absorption: {nothing}")),
+        ("Dielectric(ior: 1.5", "", ", dispersion: 0".into()),
+        ("Dielectric(ior: 1", "", ", dispersion: 3".into()),
+        ("Conductor(albedo: Rgb(0.5, 0.4, 0.3)", "", ", roughness: 0, multiscatter: true".into()),
+        ("Conductor(albedo: Rgb(0.5, 0.4, 0.3), roughness: 0.3", "", ", anisotropy: 0, anisotropy_rotation: 30".into()),
+        ("Conductor(albedo: Rgb(0.5, 0.4, 0.3), roughness: 0.3", "", format!(", anisotropy_texture: {image}")),
+        ("ThinDielectric(ior: 1.5", "", format!(", transmittance: {white}, roughness: 0")),
+        (
+            "RoughDielectric(ior: 1.5, roughness: 0.3",
+            "",
+            format!(", transmittance: {white}, absorption: {nothing}, dispersion: 0"),
+        ),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", format!(", emission: Rgb{nothing}, alpha: 1, multiscatter: false")),
+        ("Pbr(roughness: 0, metallic: 0.4", "", ", multiscatter: true".into()),
+        (
+            "Pbr(roughness: 0.3, metallic: 0.4",
+            "",
+            format!(", specular: 1, specular_color: {white}, transmission: 0, solid: true"),
+        ),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", format!(", coat: 0, coat_roughness: {image}, coat_normal: {image}")),
+        ("Pbr(roughness: 0.3, metallic: 0.4, coat: 1", "", format!(", coat_normal: {image}, coat_normal_scale: 0")),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", format!(", sheen: Rgb{nothing}, sheen_roughness: {image}")),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", ", iridescence: 0, iridescence_thickness: 300".into()),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", ", iridescence: 1, iridescence_thickness: 0".into()),
+        (
+            "Pbr(roughness: 0.3, metallic: 0.4",
+            "",
+            format!(
+                ", iridescence: 1, iridescence_thickness: 0, iridescence_thickness_min: 0, iridescence_thickness_texture: {image}"
+            ),
+        ),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", ", iridescence: 1, iridescence_ior: 1".into()),
+        (
+            "Pbr(roughness: 0.3, metallic: 0.4",
+            "",
+            format!(", diffuse_transmission: 0, diffuse_transmission_color: {image}"),
+        ),
+        ("Pbr(roughness: 0.3, metallic: 0.4", "", ", anisotropy: 0, vertex_colors: true, vertex_alpha: true".into()),
+        ("Pbr(roughness: 0.3, metallic: 1", "", ", transmission: 0.5, solid: true, dispersion: 3".into()),
+        ("Pbr(roughness: 0.3, metallic: 1", "", ", diffuse_transmission: 0.5".into()),
+    ];
+    for (material, without, with) in &materials {
+        let [(plan, tables), (other_plan, other_tables)] =
+            [without, with.as_str()].map(|more| inputs(&scene(&format!("{material}{more})"), "", ""), folder.path()));
+        assert_eq!(first_difference(&other_plan, &plan), None, "{material}{with})");
+        assert_eq!(first_difference(&other_tables, &tables), None, "{material}{with})");
+    }
+    let rough = |kind: &str, more: &str| inputs(&scene(&format!("{kind}(ior: 1.5{more})"), "", ""), folder.path());
+    let glass = format!(", transmittance: Rgb(0.9, 0.8, 0.7), absorption: (1, 2, 3), dispersion: 4");
+    for (more, neutral) in
+        [("", ", roughness: 0"), ("", ", roughness: 9e-4, anisotropy: 0, anisotropy_rotation: 9"), (glass.as_str(), "")]
+    {
+        let [(plan, tables), (other_plan, other_tables)] =
+            [rough("Dielectric", more), rough("RoughDielectric", &format!("{neutral}{more}"))];
+        assert_eq!(first_difference(&other_plan, &plan), None, "{neutral}{more}");
+        assert_eq!(first_difference(&other_tables, &tables), None, "{neutral}{more}");
+    }
+    let grey = "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))";
+    let of_objects = |objects: &str, camera: &str| inputs(&scene(grey, objects, camera), folder.path());
+    for (objects, camera) in [
+        (
+            ", Medium(boundary: Sphere(center: (0, 0, 0), radius: 9), density: 0, albedo: Rgb(1, 1, 1), anisotropy: 0.99)",
+            "",
+        ),
+        (", PointLight(at: (0, 5, 0), intensity: (0, 0, 0))", ""),
+        (", SpotLight(at: (0, 5, 0), towards: (0, 0, 0), intensity: (0, 0, 0), outer: 20)", ""),
+        (", DirectionalLight(direction: (0, -1, 0), irradiance: (0, 0, 0))", ""),
+        (", Group([])", ""),
+        ("", ", aperture: 0"),
+        ("", ", shutter: (0.5, 0.5)"),
+        ("", ", shutter: (0, 1)"),
+        (
+            "",
+            ", shutter: (0, 1), moving: [(0, (look_from: (0, 0, 3), look_at: (0, 0, 0))), (1, (look_from: (0, 0, 3), look_at: (0, 0, 0)))]",
+        ),
+    ] {
+        let [(plan, tables), (other_plan, other_tables)] = [of_objects("", ""), of_objects(objects, camera)];
+        assert_eq!(first_difference(&other_plan, &plan), None, "{objects}{camera}");
+        assert_eq!(first_difference(&other_tables, &tables), None, "{objects}{camera}");
+    }
+    // The control: fields that change something differ in both.
+    for (material, with) in [
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", ", emission: Rgb(0, 0, 1e-30)"),
+        ("Lambertian(albedo: Rgb(0.5, 0.4, 0.3)", ", alpha: 0.999"),
+        ("Dielectric(ior: 1.5", ", transmittance: Rgb(1, 1, 0.999)"),
+        ("Dielectric(ior: 1.5", ", absorption: (0, 0, 1e-9)"),
+        ("RoughDielectric(ior: 1.5", ", roughness: 0.001"),
+        ("Conductor(albedo: Rgb(0.5, 0.4, 0.3), roughness: 0.3", ", multiscatter: true"),
+        ("Pbr(roughness: 0.3, metallic: 0.4", ", iridescence: 1, iridescence_thickness: 0.001"),
+        ("Pbr(roughness: 0.3, metallic: 0.999", ", transmission: 0.5"),
+        (&format!("Pbr({all_glass}"), ", dispersion: 0.01"),
+    ] {
+        let [(plan, tables), (other_plan, other_tables)] =
+            ["", with].map(|more| inputs(&scene(&format!("{material}{more})"), "", ""), folder.path()));
+        assert!(first_difference(&other_plan, &plan).is_some(), "{material}{with}");
+        assert!(first_difference(&other_tables, &tables).is_some(), "{material}{with}");
+    }
+}
+
 /// The reason is the object itself, however deep in others, and of meshes the one that is smooth.
 #[test]
 fn objects_ask_for_what_they_are() {

@@ -212,8 +212,11 @@ fn the_declarations_are_those_that_are_read() {
 
 /// A scene around an example of a form.
 fn around(group: &str, form: &Form) -> String {
-    let [mut image, mut camera, mut render] =
-        ["(width: 32, height: 18)", "(look_from: (0, 1, 8), look_at: (0, 1, 0), vertical_fov: 30)", "()"];
+    let [mut image, mut camera, mut render] = [
+        "(width: 32, height: 18)",
+        "(look_from: (0, 1, 8), look_at: (0, 1, 0), vertical_fov: 30, shutter: (0, 1))",
+        "()",
+    ];
     let [mut background, mut material, mut object] =
         ["Solid((1, 1, 1))", "Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", ""].map(str::to_owned);
     let camera_of_key;

@@ -49,6 +49,39 @@ fn sheets_let_the_rest_of_the_light_pass() {
     }
 }
 
+/// What no alpha shows sets no unit, is no light, and is none of what the image holds, however bright it is.
+#[test]
+fn an_emission_that_no_alpha_shows_is_as_none() {
+    let materials = |emission: &str| {
+        [
+            format!("Lambertian(albedo: Rgb(0, 0, 0), emission: {emission}, alpha: 0)"),
+            format!("Pbr(emission: {emission}, alpha: Checker(scale: 1, even: (0, 0, 0), odd: (0, 0, 0)))"),
+            format!("Lambertian(albedo: Rgb(0.5, 0.5, 0.5), emission: {emission}, alpha: 0.49, alpha_cutoff: 0.5)"),
+            format!("Lambertian(albedo: Rgb(0.5, 0.5, 0.5), emission: {emission}, alpha: 0, alpha_cutoff: 1e-3)"),
+        ]
+    };
+    let lamp = "Quad(corner: (-1, -1, 2), u: (2, 0, 0), v: (0, 2, 0), material: \"lamp\"),
+        Quad(corner: (-4, -4, -2), u: (8, 0, 0), v: (0, 8, 0), material: \"wall\"),";
+    for more in ["", "Sphere(center: (0, 0, 0), radius: 1, material: \"sheet\"),"] {
+        for (bright, dim) in materials("Rgb(1e30, 1e30, 1e30)").iter().zip(materials("Rgb(1e-9, 1e-9, 1e-9)")) {
+            let of = |material: &str| {
+                let text = sheets(material, 2, 4, &format!("{lamp}{more}"));
+                let text = text.replace("{\"sheet\"", "{\"wall\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"sheet\"");
+                // A sky that is far darker than f32 holds beside the emission.
+                scene(&text.replace("Solid((1, 2, 3))", "Solid((1e-20, 2e-20, 3e-20))"))
+            };
+            for request in [Request::spp(64), Request::spp(64).mis().sobol()] {
+                let [bright, dim] = [bright, &dim].map(|material| render(&of(material), &request));
+                assert!(bright.mean_of_all().value[0] > 0.1, "{:?}", bright.mean_of_all().value);
+                assert_eq!(bright.picture.rgb, dim.picture.rgb, "{more}");
+            }
+        }
+    }
+    // The control: where it shows, it does.
+    let half = materials("Rgb(1e30, 1e30, 1e30)")[2].replace("0.49", "0.5");
+    assert!(render(&scene(&sheets(&half, 1, 0, "")), &Request::spp(1)).picture.rgb[0][0] > 0.99e30);
+}
+
 /// Of a body, a ray from outside passes both sides, and one from inside passes one.
 #[test]
 fn bodies_let_the_rest_of_the_light_pass_on_both_sides() {

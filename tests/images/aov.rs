@@ -87,6 +87,28 @@ fn a_wall_has_its_depth_its_position_and_its_normal() {
     }
 }
 
+/// Denoisers expect an albedo of at most 1. A white base returns more at 80 degrees by glTF's formula, under a film too; a darker one does not.
+#[test]
+fn an_albedo_is_at_most_1() {
+    let albedo = |base: &str| {
+        let text = wall("", "", "(1, 1, 1)")
+            .replace("look_from: (100, 20, 7)", "look_from: (60.6, 20, 7)")
+            .replace("Lambertian(albedo: Rgb(0.8, 0.4, 0.2))", &format!("Pbr({base}, metallic: 0, roughness: 0.5)"));
+        let film = render(&scene(&text), &with_channels(Request::spp(64), "albedo,normal")).film;
+        // The light that comes back from a white sky is the albedo, and is not limited.
+        let light = film.develop().rgb.iter().map(|rgb| f64::from(rgb[0])).collect::<Vec<_>>();
+        (channel(&film, "albedo.R"), light)
+    };
+    for more in ["", ", iridescence: 1", ", coat: 0.1"] {
+        let (white, light) = albedo(&format!("base_color: Rgb(1, 1, 1){more}"));
+        assert!(white.iter().all(|albedo| *albedo <= 1.0) && white.contains(&1.0), "{more}: {white:?}");
+        // The control: nearly all of it is there, and more would be.
+        assert!(light.iter().any(|light| *light > 1.02), "{more}: {light:?}");
+        let (grey, _) = albedo(&format!("base_color: Rgb(0.5, 0.5, 0.5){more}"));
+        assert!(grey.iter().all(|albedo| *albedo < 1.0), "{more}: {grey:?}");
+    }
+}
+
 /// The normal of a ball in a pixel, by a quadrature in f64 over the pixel: the mean over rays that hit, times their share.
 fn normal_of_ball(column: usize, row: usize) -> [f64; 3] {
     const STEPS: usize = 64;

@@ -73,6 +73,45 @@ fn lobes_add_no_light() {
     assert!(most > 0.98, "{most}");
 }
 
+/// A film without a thickness reflects as the bare base does, also where its thickness varies: by Schlick's approximation from air to the base. By
+/// that from the film to the base a dark metal would reflect a fifth more at 80 degrees.
+#[test]
+fn a_film_without_thickness_is_none() {
+    let cosine = 80f64.to_radians().cos();
+    let nothing = "Checker(scale: 1, even: (0, 0, 0), odd: (0, 0, 0))";
+    for base in [
+        "base_color: Rgb(0.4, 0.3, 0.2), metallic: 1, roughness: 0",
+        "base_color: Rgb(0, 0, 0), metallic: 0, roughness: 0.1",
+        "base_color: Rgb(1, 1, 1), metallic: 0, roughness: 0, transmission: 1, solid: true",
+    ] {
+        let film = |more: &str| format!("Pbr({base}, iridescence: 1, {more})");
+        let of_thickness = |least: f64, most: f64| {
+            film(&format!(
+                "iridescence_thickness_min: {least}, iridescence_thickness: {most}, iridescence_thickness_texture: {nothing}"
+            ))
+        };
+        let materials = [
+            format!("Pbr({base})"),
+            film("iridescence_thickness: 0"),
+            of_thickness(0.0, 400.0),
+            of_thickness(0.01, 400.0),
+            of_thickness(0.03, 400.0),
+            film("iridescence_thickness: 0.03"),
+        ];
+        let found = in_a_furnace(&materials, cosine, 256);
+        let mean = |i: usize| found[i].0[2];
+        println!("{base}: {:?}", (0..materials.len()).map(mean).collect::<Vec<_>>());
+        let near = |a: usize, b: usize| (mean(a) - mean(b)).abs() <= 1e-5 + 4.9 * found[a].1[2].hypot(found[b].1[2]);
+        assert!(near(0, 1) && near(0, 2) && near(4, 5), "{base}");
+        let is_between = |x: f64, a: f64, b: f64| x >= a.min(b) - 0.01 && x <= a.max(b) + 0.01;
+        assert!(is_between(mean(3), mean(0), mean(4)), "{base}");
+        // The control: at 0.03 nm it reflects as the film does.
+        if base.contains("metallic: 1") {
+            assert!(mean(4) > 1.15 * mean(0), "{base}");
+        }
+    }
+}
+
 /// A coat over a surface that emits and reflects nothing: e (1 - F) of it, beside what the coat reflects of black.
 #[test]
 fn emission_has_the_coat_around_it() {

@@ -3,7 +3,7 @@
 use crate::common::device;
 use crate::common::sweeps::{ROOM, SKY, judged, lamp, measure, plant, scene, unbiased};
 
-use gpu_rt::options::{CLAMP, LightPaths, RenderOptions, SIZE};
+use gpu_rt::options::{CLAMP, LIGHT_PATHS, LightPaths, RenderOptions, SIZE};
 use gpu_rt::tradeoff::extent::FullSize;
 use gpu_rt::tradeoff::judge::{judge, recommended};
 use gpu_rt::tradeoff::replicates::{Pixels, Weights, squared_bias};
@@ -173,6 +173,27 @@ fn a_bias_against_what_is_not_known_is_not_known() {
         assert!(clamp.verdict().contains("unreliable: the image that its bias refers to is not known well"));
     }
     assert!(recommended(&found).iter().all(Option::is_none));
+}
+
+/// The number of light paths is in no shader, and has an effect all the same. That which `auto` decides has none of its own.
+#[test]
+fn each_number_of_light_paths_is_a_setting() {
+    let point = "PointLight(at: (0, 1.7, 0), intensity: (9, 8, 7))";
+    let small = "Sphere(center: (0, 1.7, 0), radius: 0.01, material: \"lamp\")";
+    for (text, same_as_auto) in [(CAUSTIC.to_string(), "1"), (CAUSTIC.replace(small, point), "4")] {
+        let scene = scene(&text);
+        let defaults = unbiased(&scene).remove(0);
+        let mut sweep = Sweep::new(device::software(), &scene, (24, 24), 0);
+        sweep.add(defaults.clone()).expect("it compiles");
+        for (value, count) in [("1", 1), ("4", 4), ("8", 8)] {
+            let options = RenderOptions { light_paths: LightPaths::Count(count), ..RenderOptions::default() };
+            let setting = Setting { option: Some(&LIGHT_PATHS), value: value.into(), options, ..defaults.clone() };
+            sweep.add(setting).expect("it compiles");
+        }
+        let left: Vec<_> = sweep.unmeasured.iter().map(|left| left.setting.value.as_str()).collect();
+        assert_eq!(left, [same_as_auto]);
+        assert_eq!(sweep.subjects.len(), 3);
+    }
 }
 
 /// The loss of detail that images of all pixels show is that of images of fewer pixels.

@@ -577,6 +577,159 @@ fn lights_that_no_path_reaches() {
     assert_silent(&with(&beyond.replace("-8", "-6.5"), room, "grey"));
 }
 
+/// Each straight way from the lamp to the rest goes through the floor, and not if either of both reaches beyond it, or the floor lets light pass.
+#[test]
+fn lights_behind_a_floor() {
+    let floor = "Quad(corner: (-9, 0, -9), u: (18, 0, 0), v: (0, 0, 18), material: \"grey\"),";
+    let ball = "Sphere(center: (0.5, 1, 0), radius: 1, material: \"grey\"),";
+    let with = |light: &str, floor: &str, more: &str| scene(ABOVE, &format!("§{light}\n{floor}{more}"));
+    let lamps = [
+        ("Sphere(center: (0, -1.5, 0), radius: 0.5, material: \"lamp\"),", "Sphere"),
+        ("Quad(corner: (-1, -0.1, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\"),", "Quad"),
+        ("PointLight(at: (0, -1, 0), intensity: (5, 5, 5)),", "PointLight"),
+        ("DirectionalLight(direction: (0.1, 1, 0), irradiance: (5, 5, 5)),", "DirectionalLight"),
+    ];
+    let disk = "Disk(center: (0, 0, 0), normal: (0, -1, 0), radius: 14, material: \"grey\"),";
+    let slab = "Box(min: (-9, -0.05, -9), max: (9, 0, 9), material: \"grey\"),";
+    for (lamp, kind) in lamps {
+        for (floor, name) in [(floor, "quad"), (disk, "disk"), (slab, "box")] {
+            let words = [&*format!("behind the opaque {name} at"), "x.ron:13:", "move the light to that side"];
+            assert_warns(&with(lamp, floor, ball), &format!("objects[0].{kind}"), &words);
+        }
+        for (floor, more) in [
+            (floor.to_string(), ball.replace("0.5, 1, 0", "0.5, 0.9, 0")),
+            (floor.to_string(), ball.replace("0.5, 1, 0", "30, 1, 0")),
+            (floor.replace("(-9, 0, -9), u: (18", "(-9, 0, -9), u: (9.2"), ball.to_string()),
+            (
+                floor.to_string(),
+                format!(
+                    "Medium(boundary: {} density: 0.1, albedo: Rgb(1, 1, 1)),",
+                    ball.replace(", material: \"grey\"", "").replace("0.5, 1, 0", "0, 0, 0")
+                ),
+            ),
+        ] {
+            assert_silent(&with(lamp, &floor, &more));
+        }
+        // Beside glass, lights without size have another warning.
+        if !kind.ends_with("Light") {
+            assert_silent(&with(lamp, &floor.replace("grey", "clear"), ball));
+        }
+        let cut_out = "\"grey\": Lambertian(alpha: 0.9, ";
+        assert_silent(&with(lamp, floor, ball).replace("\"grey\": Lambertian(", cut_out));
+    }
+    // What stands beside the lamp does not matter, if it is hidden too; one above the floor is lit.
+    let beside = "Sphere(center: (2, -2, 0), radius: 1, material: \"grey\"),";
+    assert_warns(
+        &with(lamps[0].0, floor, &format!("{ball}{beside}")),
+        "objects[0].Sphere",
+        &["behind the opaque quad"],
+    );
+    assert_silent(&with(&lamps[0].0.replace("-1.5", "1.5"), floor, ""));
+    // Light reaches the far side of a wall past its edge.
+    assert_silent(&with(
+        "PointLight(at: (0, -90, 0), intensity: (5, 5, 5)),",
+        floor,
+        &ball.replace("0.5, 1, 0", "12, 9, 0"),
+    ));
+}
+
+#[test]
+fn spot_lights_that_aim_at_nothing() {
+    let floor = "Quad(corner: (-9, 0, -9), u: (18, 0, 0), v: (0, 0, 18), material: \"grey\"),";
+    let ball = "Sphere(center: (3, 1, 0), radius: 1, material: \"grey\"),";
+    let spot = |towards: &str, outer: f64| {
+        format!("§SpotLight(at: (0, 3, 0), towards: {towards}, intensity: (5, 5, 5), outer: {outer}),\n")
+    };
+    let words = ["no object is in the cone", "aim it by towards"];
+    for (towards, outer) in [("(0, 9, 0)", 45.0), ("(9, 9, 0)", 40.0), ("(-9, 3, 0)", 1.0), ("(0, 9, 0)", 89.0)] {
+        let of = |objects: &str| scene(ABOVE, &format!("{}{objects}", spot(towards, outer)));
+        assert_warns(&of(&format!("{floor}{ball}")), "objects[0].SpotLight", &words);
+        let fog = "Medium(boundary: Sphere(center: (0, 3, 0), radius: 9), density: 0.1, albedo: Rgb(1, 1, 1)),";
+        assert_silent(&of(&format!("{floor}{fog}")));
+    }
+    for (towards, outer) in [("(0, 0, 0)", 1.0), ("(3, 2.1, 0)", 1.0), ("(9, 3, 0)", 25.0), ("(0, 9, 0)", 120.0)] {
+        assert_silent(&scene(ABOVE, &format!("{}{floor}{ball}", spot(towards, outer))));
+    }
+    // The limits of the angle: a ball seen at 33.7 degrees below the horizon, of a radius of 16.1.
+    let [near, far] = [17.3, 17.9].map(|outer| scene(ABOVE, &format!("{}{ball}", spot("(9, 3, 0)", outer))));
+    assert_warns(&near, "objects[0].SpotLight", &words);
+    assert_silent(&far);
+    let moving = ball
+        .replace("Sphere", "Moving(keys: [(0, [Translate((0, 0, 0))]), (1, [Translate((0, 9, 0))])], object: Sphere");
+    let moving = moving.replace("\"grey\")", "\"grey\"))");
+    let open = ABOVE.replace("40)", "40, shutter: (0, 1))");
+    assert_silent(&scene(&open, &format!("{}{moving}", spot("(9, 9, 0)", 5.0))));
+}
+
+/// Warnings of single values, and no others.
+fn said(text: &str) -> Vec<String> {
+    let scene = Scene::parse(&unmarked(text), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    scene.warnings().into_iter().filter(|text| !text.contains("no object uses this material")).collect()
+}
+
+#[test]
+fn emission_motion_and_focus_that_do_not_show() {
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+    // An emission that no alpha shows.
+    let with = |fields: &str| {
+        scene(BEFORE, ball).replace("\"grey\": Lambertian(", &format!("\"grey\": Lambertian({fields}, "))
+    };
+    for fields in [
+        "emission: §Rgb(5, 5, 5), alpha: 0",
+        "emission: §Rgb(5, 5, 5), alpha: 0.3, alpha_cutoff: 0.5",
+        "emission: §Rgb(5, 5, 5), alpha: Checker(scale: 1, even: (0.3, 0.3, 0.3), odd: (0, 0, 0)), alpha_cutoff: 0.31",
+    ] {
+        assert_warns(&with(fields), "materials[\"grey\"].Lambertian.emission", &["shows nowhere", "raise the alpha"]);
+    }
+    for fields in [
+        "emission: Rgb(5, 5, 5), alpha: 0.001",
+        "emission: Rgb(5, 5, 5), alpha: Checker(scale: 1, even: (0.3, 0.3, 0.3), odd: (0, 0, 0)), alpha_cutoff: 0.3",
+        "alpha: 0",
+    ] {
+        assert_silent(&with(fields));
+    }
+    // Motion while the shutter is shut. A camera and objects that only seem to move have no warning.
+    let assert_said = |text: &str, field: &str, words: &[&str]| {
+        let found = said(text);
+        let [warning] = &found[..] else { panic!("expected one warning: {found:#?}\n{text}") };
+        fault(warning, &root().join("x.ron"), text, field, words).unwrap_or_else(|fault| panic!("{fault}"));
+    };
+    let moving = |to: f64| {
+        let keys = format!("§[(2, [Translate((0, 0, 0))]), (3.5, [Translate(({to}, 0, 0))])]");
+        format!("Moving(keys: {keys}, object: Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")),")
+    };
+    let shutter = |times: &str| BEFORE.replace("40)", &format!("40, shutter: {times})"));
+    for times in ["(0, 0)", "(2.5, 2.5)"] {
+        let text = scene(&shutter(times), &moving(1.0));
+        assert_said(&text, "objects[0].Moving.keys", &["the shutter opens and closes at", "such as (2, 3.5)"]);
+        assert!(said(&scene(&shutter(times), &moving(0.0))).is_empty());
+        let two = scene(&shutter(times), &(moving(1.0) + &moving(2.0).replace('§', "")));
+        assert_said(&two, "objects[0].Moving.keys", &["(and 1 more like it)"]);
+    }
+    assert!(said(&scene(&shutter("(2, 3)"), &moving(1.0))).is_empty());
+    let keys = "[(0, (look_from: (0, 0, 5), look_at: (0, 0, 0))), (1, (look_from: (0, 1, 5), look_at: (0, 0, 0)))]";
+    let camera = |shutter: &str| BEFORE.replace("40)", &format!("40, shutter: {shutter}, moving: §{keys})"));
+    assert_said(&scene(&camera("(0.5, 0.5)"), ball), "camera.moving", &["such as (0, 1)"]);
+    assert!(said(&scene(&camera("(0, 0.5)"), ball)).is_empty());
+    assert!(said(&scene(&camera("(0, 0)").replace("0, 1, 5", "0, 0, 5"), ball)).is_empty());
+    // A lens that is in focus within itself, and a spot light without a cone.
+    let lens = |aperture: f64, focus: &str| BEFORE.replace("40)", &format!("40, aperture: {aperture}{focus})"));
+    assert_said(
+        &scene(&lens(2.0, ", focus_distance: §0.9"), ball),
+        "camera.focus_distance",
+        &["radius of 1", "in focus at 0.9", "below 1.8"],
+    );
+    assert!(said(&scene(&lens(2.0, ", focus_distance: 1.1"), ball)).is_empty());
+    assert!(said(&scene(&lens(9.9, ""), ball)).is_empty());
+    assert_eq!(said(&scene(&lens(10.1, ""), ball)).len(), 1);
+    let spot = |outer: &str| {
+        format!("SpotLight(at: (0, 3, 0), towards: (0, 0, 0), intensity: (5, 5, 5), outer: §{outer}), {ball}")
+    };
+    assert_said(&scene(BEFORE, &spot("0")), "objects[0].SpotLight.outer", &["no cone", "above 0"]);
+    assert_silent(&scene(BEFORE, &spot("0")).replace('§', ""));
+    assert!(said(&scene(BEFORE, &spot("1e-3"))).is_empty());
+}
+
 #[test]
 fn lights_behind_meshes() {
     let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));

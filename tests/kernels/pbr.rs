@@ -48,9 +48,15 @@ pub fn layer(row: &In, cosine: f64) -> [f64; 3] {
     f0.map(|f0| f0 + (f90 - f0) * (1.0 - cosine).powi(5))
 }
 
+/// The film's share of the surface: none where it has no thickness.
+pub fn film_share(row: &In) -> f64 {
+    let x = (f64::from(row.lobes.film_thickness) / 0.03).clamp(0.0, 1.0);
+    f64::from(row.lobes.film) * x * x * (3.0 - 2.0 * x)
+}
+
 /// A reflectance with the film's share of the surface.
 pub fn with_film(row: &In, reflectance: [f64; 3], (f0, f90): ([f64; 3], f64), cosine: f64) -> [f64; 3] {
-    let share = f64::from(row.lobes.film);
+    let share = film_share(row);
     if share == 0.0 || f90 == 0.0 {
         return reflectance;
     }

@@ -19,8 +19,8 @@ use crate::common::rows::glass;
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, exact, rounded, unit};
 use crate::pbr::{
-    Formula, NO_LAYER, RINGS, SECTORS, body, brightness, cell, ends_of_layer, formula, hemisphere, layer_with_film,
-    metal_with_film, pbr, rows, share_of_facets, share_of_far_side, with_film,
+    Formula, NO_LAYER, RINGS, SECTORS, body, brightness, cell, ends_of_layer, film_share, formula, hemisphere,
+    layer_with_film, metal_with_film, pbr, rows, share_of_facets, share_of_far_side, with_film,
 };
 use crate::rough::{boundary_response, fresnel_of_a_pane, pane_response};
 use crate::thin_film::off as thin_film_off;
@@ -205,7 +205,7 @@ fn with_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
 /// What film and dispersion change of plain glass: factors of the value and of the density, and by how much f32 may move them. The row's own index
 /// is that of the channel which is followed (`of_glass`).
 fn split_of_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> (Bsdf, f64) {
-    if row.lobes.film == 0.0 && row.lobes.dispersion == 0.0 {
+    if film_share(row) == 0.0 && row.lobes.dispersion == 0.0 {
         return (Bsdf { value: [1.0; 3], pdf: 1.0, ..Bsdf::default() }, 0.0);
     }
     let is_solid = row.lobes.ior > 0.0;
@@ -230,11 +230,11 @@ fn split_of_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> (Bs
             true => (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt(),
             false => cosine,
         };
-        if plain >= 1.0 || row.lobes.film == 0.0 {
+        if plain >= 1.0 || film_share(row) == 0.0 {
             return (all, plain, plain);
         }
         let film = with_film(row, [0.0; 3], ends_of_layer(row), outside);
-        let share = if row.f90 == 0.0 { 0.0 } else { f64::from(row.lobes.film) };
+        let share = if row.f90 == 0.0 { 0.0 } else { film_share(row) };
         let with = |c: usize, plain: f64| (1.0 - share) * plain + film[c];
         let chance = (0..3).map(|c| with(c, plain)).fold(0.0, f64::max);
         ([0, 1, 2].map(|c| with(c, all[c])), chance, plain)
@@ -498,7 +498,7 @@ fn sheened(i: usize, row: In) -> In {
 
 fn filmed(i: usize, row: In) -> In {
     let film = [1.0, 0.4, 0.0][i % 3];
-    let (film_ior, film_thickness) = ([1.3, 2.0, 1.1][i / 3 % 3], [400.0, 0.0, 150.0, 1200.0][i / 2 % 4]);
+    let (film_ior, film_thickness) = ([1.3, 2.0, 1.1][i / 3 % 3], [400.0, 0.0, 150.0, 0.012, 1200.0][i / 2 % 5]);
     In { coat_normal: row.normal, lobes: Lobes { film, film_ior, film_thickness, ..row.lobes }, ..row }
 }
 
@@ -648,6 +648,11 @@ fn a_film_reflects_in_place_of_the_base_and_its_glass() {
         631,
         &[
             ("material/thin_film", "share * film;", "0.97 * share * film;"),
+            (
+                "material/thin_film",
+                "return hit.lobes.film * smoothstep(0.0, 0.03, hit.lobes.film_thickness);",
+                "return hit.lobes.film;",
+            ),
             ("material/thin_film", "max(max(film.x, film.y), film.z)", "film.x"),
             ("material/thin_film", "colour / chance, chance", "under.colour, chance"),
             (

@@ -1,6 +1,8 @@
-//! Finds light that cannot reach the camera: a one-sided light with nothing on its emitting side; a closed light around the camera
+//! Finds light that cannot reach the camera: a one-sided light with nothing on its emitting side; a spot light that aims at nothing; a closed light around the camera
 //! that emits outwards; a closed opaque object around either a light or the camera, with the other one outside; and a closed room around
 //! the camera that only the background and directional lights light.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
@@ -9,6 +11,7 @@ use super::within::{Within, is_outside_in_front};
 use crate::flatten::finder::MovingLight;
 use crate::scene::Object;
 use crate::shape::{BoundingShape, normal};
+use crate::texture::Colour;
 
 /// The most lights that the search tests.
 const MOST_LIGHTS: usize = 4096;
@@ -16,7 +19,7 @@ const MOST_LIGHTS: usize = 4096;
 const MOST_TESTS: usize = 1 << 22;
 
 pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
-    let mut found = vec![turned_away(search)];
+    let mut found = vec![turned_away(search), astray(search)];
     found.extend(enclosed(search));
     found
 }
@@ -51,6 +54,52 @@ fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
     worst
 }
 
+/// Spot lights with nothing in their cone. An object that moves counts as in it.
+fn astray<'a>(search: &Search<'a>) -> Worst<'a> {
+    let mut worst = Worst::default();
+    let (primitives, eye) = (&search.finder.primitives, search.view.eye);
+    if primitives.iter().any(|primitive| !primitive.motion.is_empty()) {
+        return worst;
+    }
+    // As many lights as all bodies leave time for.
+    let most = MOST_TESTS / primitives.len().max(1);
+    for MovingLight { object, light, motion } in search.finder.lights.iter().take(most) {
+        let (Some(at), (axis, Some(angle))) = (light.position, light.cone()) else { continue };
+        // Without a cone or an intensity it has other warnings.
+        let is_dark = light.colour == Colour::ZERO || matches!(object, Object::SpotLight { outer: 0.0, .. });
+        if is_dark || !motion.is_empty() {
+            continue;
+        }
+        let mut bodies = search.bodies().chain(search.boundaries());
+        if !bodies.any(|body| may_light(at - eye, axis, angle, &body.bounds)) {
+            let message = "no object is in the cone of this light, so that it lights nothing: aim it by towards, or widen its outer angle";
+            worst.add(0.0, || diagnostic(object, message.to_string()));
+        }
+    }
+    worst
+}
+
+/// Whether a cone may reach a body: false if a plane that touches the cone has the body on its other side.
+fn may_light(apex: DVec3, axis: DVec3, angle: f64, bounds: &BoundingShape) -> bool {
+    let (center, radius) = bounds.ball();
+    let to_body = center - apex;
+    if let BoundingShape::Ball { .. } = bounds {
+        let distance = to_body.length();
+        return distance <= radius || to_body.angle_between(axis) - (radius / distance).asin() <= angle;
+    }
+    if angle >= FRAC_PI_2 {
+        return true;
+    }
+    let (x, y) = axis.any_orthonormal_pair();
+    const AROUND: usize = 64;
+    let sides = (0..AROUND).map(|i| {
+        let (sine, cosine) = (TAU * i as f64 / AROUND as f64).sin_cos();
+        angle.cos() * (cosine * x + sine * y) - angle.sin() * axis
+    });
+    let corners = bounds.corners();
+    !sides.chain([-axis]).any(|outward| corners.iter().all(|p| outward.dot(*p - apex) > 0.0))
+}
+
 /// A light, as a ball.
 struct Light<'a> {
     object: &'a Object,
@@ -74,7 +123,7 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
     }
     let lens = search.view.lens_radius();
     let (mut within, mut tests) = (Within::default(), MOST_TESTS);
-    for wall in search.bodies().filter(|body| !body.role.transmissive) {
+    for wall in search.bodies().filter(|body| body.role.opaque) {
         let Some(depth) = within.depth(&wall, DVec3::ZERO) else { continue };
         let (camera_is_inside, camera_is_outside) = (depth > lens, depth < -lens);
         let word = wall.word();

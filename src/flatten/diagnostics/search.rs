@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::flatten::finder::{Finder, Primitive};
 use crate::flatten::view::View;
+use crate::material::Emitted;
 use crate::scene::{Material, Object, Scene};
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
@@ -25,16 +26,25 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub fn new(scene: &'a Scene, finder: &'a Finder<'a>, view: &'a View<'a>, extent: f64, is_lit: bool) -> Search<'a> {
-        let role = |(_, material): &(String, Material)| {
-            let emission = material.model().emission();
+    pub fn new(
+        scene: &'a Scene,
+        finder: &'a Finder<'a>,
+        view: &'a View<'a>,
+        extent: f64,
+        is_lit: bool,
+        emissions: &[Emitted],
+    ) -> Search<'a> {
+        let role = |((_, material), emitted): (&(String, Material), &Emitted)| {
+            let model = material.model();
+            let transmissive = material.is_transmissive();
             Role {
-                transmissive: material.is_transmissive(),
-                light: emission.is_some_and(|emission| emission.slot.texture.brightest(&scene.bitmaps) > 0.0),
-                one_sided: emission.is_some_and(|emission| !emission.two_sided),
+                transmissive,
+                opaque: !transmissive && !model.has_alpha(),
+                light: emitted.is_seen(),
+                one_sided: model.emission().is_some_and(|emission| !emission.two_sided),
             }
         };
-        let roles = scene.materials.iter().map(role).collect();
+        let roles = scene.materials.iter().zip(emissions).map(role).collect();
         Search { scene, finder, view, extent, is_lit, roles }
     }
 
@@ -59,7 +69,7 @@ impl<'a> Search<'a> {
     pub fn new_body(&self, object: &'a Object, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
         let bounds =
             shape.bounding_shape(&ObjectTransform { to_world, space: RenderSpace { eye: self.view.eye, scale: 1.0 } });
-        let role = Role { transmissive: true, light: false, one_sided: false };
+        let role = Role { transmissive: true, opaque: false, light: false, one_sided: false };
         Body { object, shape, to_world, material: 0, role, bounds, position: bounds.position() }
     }
 }
@@ -88,6 +98,8 @@ impl Body<'_> {
 pub struct Role {
     /// Rays pass through the object.
     pub transmissive: bool,
+    /// No ray passes, not by an alpha either.
+    pub opaque: bool,
     pub light: bool,
     pub one_sided: bool,
 }
