@@ -1,5 +1,3 @@
-//@ use data/light
-//@ use bind/lights
 // Parts of flat lights whose radiance varies. A shape has coordinates in the unit square, such that equal areas there are equal areas of the
 // shape; those of a triangle are the weights of its second and third corner. A part is a cell of a grid over the square. Its code has
 // the column and the row in 11 bits each, and the exponents of the numbers of columns and rows in 4 bits each. The cells of triangles are
@@ -17,20 +15,10 @@ fn cell_of_part(part: u32) -> PartCell {
     return PartCell(vec2<f32>(vec2<u32>(part, part >> 11u) & vec2<u32>(0x7ffu)) * size, size, ((part >> 30u) & 1u) != 0u);
 }
 
-// The index of the light that is the part of a shape with this point. `parts` is the shape's entry.
-fn part_at(parts: Light, coordinates: vec2<f32>, is_triangle: bool) -> u32 {
-    // A point on the last edge belongs to the cell before it.
-    let at = coordinates * (1.0 - 0x1p-20f);
-    let last = parts.trail + parts.instance - 1u;
-    var index = parts.trail;
-    while index < last {
-        let cell = cell_of_part(lights[index].part);
-        let within = (at - cell.low) / cell.size;
-        let is_above = is_triangle && within.x + within.y > 1.0;
-        if all(within >= vec2<f32>(0.0)) && all(within < vec2<f32>(1.0)) && is_above == cell.is_above {
-            break;
-        }
-        index += 1u;
-    }
-    return index;
+// Whether a part has this point.
+fn part_holds(part: u32, at: vec2<f32>, is_triangle: bool) -> bool {
+    let cell = cell_of_part(part);
+    let within = (at - cell.low) / cell.size;
+    let is_above = is_triangle && within.x + within.y > 1.0;
+    return all(within >= vec2<f32>(0.0)) && all(within < vec2<f32>(1.0)) && is_above == cell.is_above;
 }

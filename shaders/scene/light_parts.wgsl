@@ -7,7 +7,7 @@
 //@ use light/${name}_parts
 //@ end
 //@ if parted_mesh
-//@ use light/triangle_parts
+//@ use scene/face_parts
 //@ end
 // Lights that are parts of their shapes.
 
@@ -30,7 +30,14 @@ fn part_at_hit(index: u32, hit: Hit, local: vec3<f32>) -> u32 {
         //@ end
         default: {}
     }
-    return part_at(lights[index], coordinates, primitive_kind(hit.code) == KIND_TRIANGLE);
+    // A point on the last edge belongs to the cell before it.
+    let at = coordinates * (1.0 - 0x1p-20f);
+    let last = lights[index].trail + lights[index].instance - 1u;
+    var part = lights[index].trail;
+    while part < last && !part_holds(lights[part].part, at, primitive_kind(hit.code) == KIND_TRIANGLE) {
+        part += 1u;
+    }
+    return part;
 }
 
 // The part of its shape that a light is.

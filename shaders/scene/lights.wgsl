@@ -153,7 +153,8 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
-// The number of the light that a ray hit. The sky has a number of its own, and lights without size are numbered separately.
+// The number of the light that a ray hit; the parts of a shape have one together. The sky has a number of its own, and lights without size
+// are numbered separately.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     if is_delta_light(hit.code) {
@@ -181,14 +182,10 @@ fn light_at(hit: Hit, local: vec3<f32>) -> u32 {
     return part_at_hit(number_of_light(hit), hit, local);
 }
 
-// The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction.
-fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
-    //@ if parted_light
-    let index = light_at(hit, light_surface_at(hit, Ray(from_point, direction)).local);
-    //@ else
-    let index = number_of_light(hit);
-    //@ end
-    return density_of_light(index, hit.code, hit.instance, from_point, direction);
+// The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction. `local` is
+// that of the surface.
+fn light_density(hit: Hit, local: vec3<f32>, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    return density_of_light(light_at(hit, local), hit.code, hit.instance, from_point, direction);
 }
 
 // The same, for the light of this index, code and instance.

@@ -58,13 +58,13 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
     }
 }
 
-// The MIS weight of a light that BSDF sampling hit; 1 if light sampling cannot sample it.
-fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
+// The MIS weight of a light that BSDF sampling hit; 1 if light sampling cannot sample it. `local` is that of the surface.
+fn mis_weight(path: ptr<function, Path>, hit: Hit, local: vec3<f32>) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {
         return 1.0;
     }
-    return power_heuristic(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
+    return power_heuristic(pdf, light_density(hit, local, (*path).ray.origin, (*path).ray.direction));
 }
 
 // The hit of the shadow ray on its light. Hits beyond it do not matter.

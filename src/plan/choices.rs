@@ -354,8 +354,7 @@ pub(super) fn decide(
         ("moving_mesh", moving_mesh),
         // Every ray tests all primitives.
         ("brute_force", brute_force),
-        // Lights are cut into parts, and faces of meshes among them.
-        ("parted_light", parted_light.clone()),
+        // Faces of meshes are cut into parts as lights.
         ("parted_mesh", parted_mesh.clone()),
         // Faces of meshes are sampled as lights.
         ("emitting_mesh", emitting_mesh),
@@ -477,7 +476,7 @@ pub(super) fn decide(
         ("light_choice", usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" })),
         ("light_parts", either(&parted_light, "scene/light_parts", "null/light_parts")),
         ("light_crossings", either(&crossed_light, "scene/light_crossings", "null/light_crossings")),
-        ("face_parts", either(&parted_mesh, "light/triangle_parts", "null/face_parts")),
+        ("face_parts", either(&parted_mesh, "scene/face_parts", "null/face_parts")),
         ("delta_lights", either(&delta_light, "scene/delta_lights", "null/delta_lights")),
         ("sky_light", either(&emitting_sky, "scene/sky_light", "null/sky_light")),
         ("light_surfaces", either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces")),

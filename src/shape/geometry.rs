@@ -22,7 +22,7 @@ pub struct ShapeKind {
     pub table: Table,
     /// Its properties as a medium's boundary, if it can be one.
     pub boundary: Option<Boundary>,
-    /// Whether it is cut into parts as a light whose radiance varies. Parts then have a file under shaders/light, and of a mesh its faces do.
+    /// Whether it is cut into parts as a light whose radiance varies. Its parts then have a file under shaders/light, and the faces of meshes one under shaders/scene.
     pub has_parts: bool,
 }
 

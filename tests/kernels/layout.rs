@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use gpu_rt::data;
-use gpu_rt::flatten::{Features, MATERIALS, NotSampled};
+use gpu_rt::flatten::{Features, MATERIALS, NotSampled, PRIMITIVES};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Lobe, Material};
@@ -105,6 +105,9 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         tinted: features.tinted.map(on),
         absorbing: features.absorbing.map(on),
         emitters: features.emitters.map(on),
+        parted: std::array::from_fn(|i| {
+            ["quad", "triangle", "disk"].contains(&PRIMITIVES[i]).then(|| "a test".to_string())
+        }),
         backgrounds: features.backgrounds.map(on),
         ..features
     };

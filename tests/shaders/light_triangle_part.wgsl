@@ -1,5 +1,5 @@
 //@ use light/triangle
-//@ use light/triangle_parts
+//@ use scene/face_parts
 //@ use geometry/slab
 // A part of a triangle behind the names that test/light calls.
 struct TrianglePart {
