@@ -2,7 +2,7 @@
 //!
 //! A light that is sampled uniformly in its area, with the mean radiance of each part as the probability of the part, has the second moment
 //! `P Σ a q² / m` (own derivation): the sum is over the parts, with `a` the area of a part, `m` its mean luminance and `q²` that of
-//! its squares; `P` is the sum of `a m`. It is at least `P²`, which no variance is left of. So the part with the largest excess
+//! its squares; `P` is the sum of `a m`. It is at least `P²`, which leaves no variance. So the part with the largest excess
 //! `a (q² / m - m)` is cut first.
 
 use std::f64::consts::TAU;
@@ -290,14 +290,68 @@ mod tests {
         (Texture::Image { path: "hot".to_string(), tint: Colour::ONE, channel: None, uv_set: 0 }, bitmaps)
     }
 
+    fn outlines() -> [Outline; 3] {
+        let quad = Outline::new(&Shape::Quad(Quad { corner: DVec3::ZERO, u: DVec3::X, v: DVec3::Y }), 0, 0);
+        let quad = quad.expect("it is flat");
+        let of = |coordinates| Outline { coordinates, ..quad };
+        [of(Coordinates::Quad), of(Coordinates::Triangle), of(Coordinates::Disk)]
+    }
+
+    /// Whether a part has a point, as in shaders/light/parts.
+    fn holds(part: Part, at: DVec2, is_triangle: bool) -> bool {
+        let within = (at - part.low()) / part.size();
+        let is_above = is_triangle && within.x + within.y > 1.0;
+        within.cmpge(DVec2::ZERO).all() && within.cmplt(DVec2::ONE).all() && is_above == part.is_above
+    }
+
+    /// Each point is in one part, the parts of one texel have its light, and what does not vary is not cut.
     #[test]
-    fn dump() {
-        let (texture, bitmaps) = hot(64, 64, (41, 20));
-        let quad = Shape::Quad(Quad { corner: DVec3::ZERO, u: DVec3::X, v: DVec3::Y });
+    fn parts_tile_the_shape_and_isolate_a_hot_texel() {
+        let even = Bitmap::of_floats(8, 8, [[3.0; 3]; 64]);
+        let even = Luminance::Image(super::super::luminance::Sums::new(&even, Colour::ONE, false).expect("texels"));
+        // Of a triangle, the texel is below the diagonal.
+        let (texture, bitmaps) = hot(64, 64, (20, 45));
         let luminance = Luminance::new(&texture, &bitmaps, false).expect("it varies");
-        let outline = Outline::new(&quad, 0, 0).expect("it is flat");
-        for (part, mean) in outline.parts(&luminance, 3, 64) {
-            println!("{:?} {:?} {mean} {}", part.low() * 64.0, part.size() * 64.0, mean * part.share());
+        for outline in outlines() {
+            let is_triangle = outline.coordinates == Coordinates::Triangle;
+            assert_eq!(outline.parts(&even, 3, 64).len(), 1);
+            let parts = outline.parts(&luminance, 3, 64);
+            assert!(parts.len() > 16 && parts.len() <= 64, "{} parts", parts.len());
+            let shares: f64 = parts.iter().map(|(part, _)| part.share()).sum();
+            assert!((shares - 1.0).abs() < 1e-12, "{shares}");
+            for number in 0..4096 {
+                let at = DVec2::new(f64::from(number % 64) + 0.37, f64::from(number / 64) + 0.41) / 64.0;
+                let holding = parts.iter().filter(|(part, _)| holds(*part, at, is_triangle)).count();
+                assert_eq!(holding, usize::from(!is_triangle || at.x + at.y < 1.0), "{at}");
+            }
+            // Most of the power is in parts that together are a thousandth of the shape.
+            let power = |bright: bool| -> f64 {
+                let those = parts.iter().filter(|(_, mean)| !bright || *mean > 1.0);
+                those.map(|(part, mean)| part.share() * mean).sum()
+            };
+            let bright: f64 = parts.iter().filter(|(_, mean)| *mean > 1.0).map(|(part, _)| part.share()).sum();
+            assert!(power(true) > 0.8 * power(false) && bright < 4e-3, "{} of {}, {bright}", power(true), power(false));
+            let [one, other] = [(3, 4), (1, 64)].map(|(depth, most)| outline.parts(&luminance, depth, most).len());
+            assert!(one <= 4 && other == 1, "{one} {other}");
+        }
+    }
+
+    /// The box around a part has all of its points.
+    #[test]
+    fn boxes_are_around_parts_of_disks() {
+        let [.., disk] = outlines();
+        for exponents in [[0, 0], [1, 0], [0, 1], [2, 1], [1, 3], [3, 2]] {
+            for cell in 0..1 << (exponents[0] + exponents[1]) {
+                let cell = [cell % (1 << exponents[0]), cell >> exponents[0]];
+                let part = Part { exponents, cell, is_above: false };
+                let points = disk.points(part);
+                for number in 0..81 {
+                    let at = part.low() + part.size() * DVec2::new(f64::from(number % 9), f64::from(number / 9)) / 8.0;
+                    let point = 0.5 + 0.5 * at.x.sqrt() * DVec2::from_angle(TAU * (at.y - 0.5));
+                    let within = point.cmpge(points[0] - 1e-9).all() && point.cmple(points[2] + 1e-9).all();
+                    assert!(within, "{part:?} {point} {points:?}");
+                }
+            }
         }
     }
 }

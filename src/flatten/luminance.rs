@@ -11,6 +11,9 @@ const MOST_BINS: usize = 1024;
 /// Of what is looked at in points, such as a checker: the least luminance of an area, as a share of the texture's mean.
 const LEAST_OF_POINTS: f64 = 1.0 / 16.0;
 
+/// The rounding error of a sum over part of an image, as a share of that over all: a few for each bin along an edge.
+const ROUNDING: f64 = (4 * MOST_BINS) as f64 * f64::EPSILON;
+
 /// A texture whose luminance varies.
 pub enum Luminance<'a> {
     Image(Sums),
@@ -37,7 +40,7 @@ impl<'a> Luminance<'a> {
         }
     }
 
-    /// The mean over an area. It is 0 only where the area emits nothing.
+    /// The mean over an area. It is 0 only where the area emits nothing, or nearly nothing of what the texture does.
     pub fn mean(&self, area: &Area) -> f64 {
         match self {
             Luminance::Image(sums) => sums.mean(area.low, area.high),
@@ -107,7 +110,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn new(bitmap: &Bitmap, tint: Colour, wraps: bool) -> Option<Sums> {
+    pub fn new(bitmap: &Bitmap, tint: Colour, wraps: bool) -> Option<Sums> {
         let (width, height) = (bitmap.width as usize, bitmap.height as usize);
         if bitmap.is_empty() {
             return None;
@@ -157,9 +160,12 @@ impl Sums {
         if !self.wraps {
             (low, high) = (low.max(DVec2::ZERO), high.min(size));
         }
-        let sum = self.up_to(high.x, high.y) - self.up_to(low.x, high.y) - self.up_to(high.x, low.y)
-            + self.up_to(low.x, low.y);
-        (sum / (high - low).element_product()).max(0.0)
+        let corners = [(high.x, high.y), (low.x, low.y), (low.x, high.y), (high.x, low.y)];
+        let [full, before, left, below] = corners.map(|(x, y)| self.up_to(x, y));
+        let sum = full + before - left - below;
+        // What rounding leaves of sums that cancel each other is no light.
+        let rounding = ROUNDING * full.abs().max(before.abs()).max(left.abs()).max(below.abs());
+        if sum > rounding { sum / (high - low).element_product() } else { 0.0 }
     }
 }
 

@@ -219,12 +219,13 @@ impl Builder<'_> {
                 .next_if_eq(&face)
                 .and_then(|face| Outline::new(&primitive.shape, face, emission.slot.texture.uv_set()));
             let parts = outline.as_ref().map(|outline| outline.parts(luminance, depth, most)).unwrap_or_default();
+            let power: f64 = parts.iter().map(|(part, mean)| part.share() * mean).sum();
+            let parts = if power > 0.0 { parts } else { Vec::new() };
             counts.push(parts.len().max(1));
             let (Some(outline), 2..) = (outline, parts.len()) else {
                 lights.push(light);
                 continue;
             };
-            let power: f64 = parts.iter().map(|(part, mean)| part.share() * mean).sum();
             lights.extend(parts.into_iter().map(|(part, mean)| PartLight {
                 emitter: Emitter {
                     around: outline.bounds(part, &to_render),
