@@ -27,6 +27,9 @@ pub const HIT_NOTHING: u32 = 0xffff_ffff;
 pub const SLOT_IDLE: u32 = 0xffff_fffd;
 /// Instead of a primitive's index among the lights: it emits, and is not sampled.
 pub const NOT_SAMPLED: u32 = 0x8000_0000;
+/// `Light::part` of an entry that stands for the parts of its shape, and of a convex body whose sides both emit and let light pass.
+pub const PARTS: u32 = 0xffff_ffff;
+pub const CROSSED: u32 = 0x8000_0000;
 /// In the order of an object: it moves.
 pub const MOVES: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
@@ -329,7 +332,7 @@ device_struct!(
         code: u32,
         instance: u32,
         trail: u32,
-        padding: u32,
+        part: u32,
     }
 );
 

@@ -1,4 +1,4 @@
-// A light that can be sampled: an emitting primitive, a face of an emitting mesh, a light without size, or the sky.
+// A light that can be sampled: an emitting primitive, a face of an emitting mesh, a part of one of these, a light without size, or the sky.
 struct Light {
     // Code of the primitive or of the light without size (data/primitive). HIT_NOTHING stands for the sky.
     code: u32,
@@ -7,7 +7,19 @@ struct Light {
     // The way from the tree's root to this light (scene/light_tree), one bit per level, the lowest first: 1
     // for the second node of a pair.
     trail: u32,
-    padding: u32,
+    // The part of its shape that it is (light/parts), 0 for all of it; or one of the values below.
+    part: u32,
+}
+
+// The entry is no light: its shape is cut into parts. They are the lights from `trail` on, and `instance` is their number.
+const PARTS: u32 = 0xffffffffu;
+// A convex body that emits on both sides, and lets light pass: a ray from outside may find it where it enters or where it leaves.
+const CROSSED: u32 = 0x80000000u;
+
+// Where a shadow ray meets a light: the side of a convex body as in Hit, and the probability of this choice.
+struct LightCrossing {
+    instance: u32,
+    share: f32,
 }
 
 // A light without size.

@@ -27,14 +27,20 @@ fn point_of_light(light: Light, u: vec2<f32>) -> LightPoint {
     let index = primitive_index(light.code);
     let pose = pose_at(light.code, light.instance);
     switch primitive_kind(light.code) {
-        //@ each emitter
+        //@ each whole_emitter
         case ${number}u: {
             return ${name}_light_point(moved_${name}(${name}s[index], pose), u);
         }
         //@ end
+        //@ each parted_emitter
+        case ${number}u: {
+            return ${name}_part_point(moved_${name}(${name}s[index], pose), light.part, u);
+        }
+        //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
+            let face = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
+            let corners = part_of_triangle(face, light.part);
             return triangle_light_point(corners.a, corners.b, corners.c, u);
         }
         //@ end
@@ -93,7 +99,7 @@ fn emit_light(u: vec4<f32>, v: vec2<f32>) -> EmittedRay {
 
 // The density over the cosine with which emit_light draws the reverse of a ray that hit a light; 0 if it never does.
 fn density_of_emission(hit: Hit, surface: Surface, incoming: vec3<f32>) -> f32 {
-    let index = number_of_light(hit);
+    let index = light_at(hit, surface.local);
     let direction = -incoming;
     let cosine = abs(dot(surface.normal, direction));
     if index >= LIGHTS || !(cosine > 0.0) || !leaves_light(hit.code, surface.normal, direction) {

@@ -3,6 +3,8 @@
 //@ use data/primitive
 //@ use data/ray
 //@ use data/surface
+//@ use choice/crossings
+//@ use choice/light_crossings
 //@ use choice/surface_radiance
 //@ use scene/lights
 //@ if emitting_mesh
@@ -45,10 +47,10 @@ fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
     // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
     var limit = hit_at(code, select(distance_to_light(code, light_ray.pose, light_ray.ray), t, t != NO_HIT));
     limit.instance = light_ray.instance;
-    return limit;
+    return limit_at_crossing(limit, instance, light_ray.pose, shadow);
 }
 
 fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
     let surface = light_surface_at(hit, ray);
-    return surface_radiance(hit, surface, ray);
+    return surface_radiance(hit, surface, ray_to_hit(hit, surface.pose, ray).ray);
 }

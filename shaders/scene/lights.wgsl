@@ -6,15 +6,22 @@
 //@ use light/sample
 //@ use scene/at_run_time
 //@ use choice/pose
+//@ use choice/crossings
 //@ use choice/light_choice
+//@ use choice/light_crossings
+//@ use choice/light_parts
 //@ each emitter
 //@ use light/${name}
 //@ use geometry/${name}
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
+//@ each parted_emitter
+//@ use light/${name}_parts
+//@ end
 //@ if emitting_mesh
 //@ use light/triangle
+//@ use choice/face_parts
 //@ use choice/moved_instance
 //@ use scene/meshes
 //@ end
@@ -33,14 +40,20 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     }
     let pose = pose_at(light.code, light.instance);
     switch primitive_kind(light.code) {
-        //@ each emitter
+        //@ each whole_emitter
         case ${number}u: {
             return ${name}_light_sample(from_point, moved_${name}(${name}s[index], pose), u.xy);
         }
         //@ end
+        //@ each parted_emitter
+        case ${number}u: {
+            return ${name}_part_sample(from_point, moved_${name}(${name}s[index], pose), light.part, u.xy);
+        }
+        //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
+            let face = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
+            let corners = part_of_triangle(face, light.part);
             return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
         }
         //@ end
@@ -75,10 +88,11 @@ fn light_hit_distance(code: u32, pose: Pose, ray: Ray, inverse: vec3<f32>) -> f3
 fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
     let index = primitive_index(hit.code);
     let pose = pose_at(hit.code, hit.instance);
+    let to_hit = ray_to_hit(hit, pose, ray);
     switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_at_rest(in_pose(${name}_surface(ray, hit.t, moved_${name}(${name}s[index], pose)), pose), ${name}s[index]);
+            return ${name}_at_rest(in_pose(${name}_surface(to_hit.ray, to_hit.t, moved_${name}(${name}s[index], pose)), pose), ${name}s[index]);
         }
         //@ end
         //@ if emitting_mesh
@@ -139,7 +153,8 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
-// The number of the light that a ray hit. The sky has a number of its own, and lights without size are numbered separately.
+// The number of the light that a ray hit; the parts of a shape have one together. The sky has a number of its own, and lights without size
+// are numbered separately.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     if is_delta_light(hit.code) {
@@ -162,25 +177,38 @@ fn number_of_light(hit: Hit) -> u32 {
     }
 }
 
-// The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction.
-fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let index = primitive_index(hit.code);
-    let pose = pose_at(hit.code, hit.instance);
-    var light = at_run_time(0u);
+// The index of the light that a ray hit in the table of lights: that of a part where its shape is cut. `local` is that of the surface.
+fn light_at(hit: Hit, local: vec3<f32>) -> u32 {
+    return part_at_hit(number_of_light(hit), hit, local);
+}
+
+// The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction. `local` is
+// that of the surface.
+fn light_density(hit: Hit, local: vec3<f32>, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    return density_of_light(light_at(hit, local), hit.code, hit.instance, from_point, direction);
+}
+
+// The same, for the light of this index, code and instance.
+fn density_of_light(index: u32, code: u32, instance: u32, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let of_kind = primitive_index(code);
+    let pose = pose_at(code, instance);
+    let part = part_of_light(index);
     var pdf = 0.0;
-    switch primitive_kind(hit.code) {
-        //@ each emitter
+    switch primitive_kind(code) {
+        //@ each whole_emitter
         case ${number}u: {
-            let shape = moved_${name}(${name}s[index], pose);
-            light = shape.light;
-            pdf = ${name}_light_pdf(from_point, direction, shape);
+            pdf = ${name}_light_pdf(from_point, direction, moved_${name}(${name}s[of_kind], pose));
+        }
+        //@ end
+        //@ each parted_emitter
+        case ${number}u: {
+            pdf = ${name}_part_pdf(from_point, direction, moved_${name}(${name}s[of_kind], pose), part);
         }
         //@ end
         //@ if emitting_mesh
         case KIND_TRIANGLE: {
-            let instance = moved_instance(instances[at_run_time(hit.instance)], pose);
-            let corners = corners_in_render_space(instance, index);
-            light = instance.to_light + index;
+            let face = corners_in_render_space(moved_instance(instances[at_run_time(instance)], pose), of_kind);
+            let corners = part_of_triangle(face, part);
             pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
         }
         //@ end
@@ -188,5 +216,5 @@ fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
             return 0.0;
         }
     }
-    return probability_of_light(light, from_point) * pdf;
+    return probability_of_light(index, from_point) * pdf * share_of_crossing(index, Ray(from_point, direction));
 }

@@ -14,7 +14,7 @@ fn weight_of_emission(path: ptr<function, Path>, hit: Hit, surface: Surface, rad
         return 1.0;
     }
     let throughput = (*path).throughput;
-    let weight = mis_weight(path, hit);
+    let weight = mis_weight(path, hit, surface.local);
     let contribution = select(throughput * radiance * weight, throughput * weight * radiance, event == EMITTED);
     record_found_light(path, hit, radiance, contribution);
     return weigh_beside_light_paths(path, hit, surface, weight);

@@ -11,6 +11,7 @@
 //@ use choice/probe
 //@ use choice/aov_direct
 //@ use choice/delta_lights
+//@ use choice/light_crossings
 //@ use choice/light_surfaces
 //@ use choice/light_coverage
 //@ use choice/sky_light
@@ -26,6 +27,8 @@ struct LightSample {
     direction: vec3<f32>,
     // The joint pdf of light and direction; 0 if no light can be sampled.
     pdf: f32,
+    // The uniform number that chooses one of the two sides of a body.
+    u: f32,
 }
 
 fn sample_light(path: ptr<function, Path>, from_point: vec3<f32>) -> LightSample {
@@ -33,35 +36,37 @@ fn sample_light(path: ptr<function, Path>, from_point: vec3<f32>) -> LightSample
     let choice = choose_light(from_point, u.xw);
     let light = lights[choice.index];
     let sample = direction_to_light(light, from_point, u.yzw);
-    return LightSample(choice.index, sample.direction, choice.probability * sample.pdf);
+    return LightSample(choice.index, sample.direction, choice.probability * sample.pdf, u.y);
 }
 
 // Stores a shadow ray to the light. `response` is BSDF times cosine, or the phase function. `pdf` is the pdf with which BSDF
 // sampling draws the same direction. It never hits a light without size, whose MIS weight is 1.
 fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
     let light = lights[light_sample.light];
+    let crossing = light_crossing(light, Ray(origin, light_sample.direction), light_sample.u);
+    let light_pdf = light_sample.pdf * crossing.share;
     let scattered = (*path).throughput * response;
-    var weight = scattered * (power_heuristic(light_sample.pdf, pdf) / light_sample.pdf);
+    var weight = scattered * (power_heuristic(light_pdf, pdf) / light_pdf);
     if is_delta_light(light.code) {
-        weight = scattered * intensity_of_delta_light(light.code, light_sample.direction) / light_sample.pdf;
+        weight = scattered * intensity_of_delta_light(light.code, light_sample.direction) / light_pdf;
     }
-    (*path).light_density = light_sample.pdf + select(pdf, 0.0, is_delta_light(light.code));
-    weigh_probe(path, light_sample.pdf);
-    if light_sample.pdf > 0.0 && (any(weight > vec3<f32>(0.0)) || is_probe(path)) {
+    (*path).light_density = light_pdf + select(pdf, 0.0, is_delta_light(light.code));
+    weigh_probe(path, light_pdf);
+    if light_pdf > 0.0 && (any(weight > vec3<f32>(0.0)) || is_probe(path)) {
         (*path).shadow = Ray(origin, light_sample.direction);
         (*path).light = light.code;
-        (*path).light_instance = light.instance;
+        (*path).light_instance = crossing.instance;
         (*path).light_weight = weight_of_light(weight, (*path).depth);
     }
 }
 
-// The MIS weight of a light that BSDF sampling hit; 1 if light sampling cannot sample it.
-fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
+// The MIS weight of a light that BSDF sampling hit; 1 if light sampling cannot sample it. `local` is that of the surface.
+fn mis_weight(path: ptr<function, Path>, hit: Hit, local: vec3<f32>) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {
         return 1.0;
     }
-    return power_heuristic(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
+    return power_heuristic(pdf, light_density(hit, local, (*path).ray.origin, (*path).ray.direction));
 }
 
 // The hit of the shadow ray on its light. Hits beyond it do not matter.

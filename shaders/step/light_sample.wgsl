@@ -85,9 +85,7 @@ fn density_of_sampling(light_index: u32, from_point: vec3<f32>, to_light: vec3<f
     if is_delta_light(light.code) {
         return light_probability(light_index, from_point) * direction_to_delta_light(light.code, from_point).pdf;
     }
-    var hit = hit_at(light.code, 0.0);
-    hit.instance = light.instance;
-    return light_density(hit, from_point, to_light);
+    return density_of_light(light_index, light.code, light.instance, from_point, to_light);
 }
 
 // Ends a light path. One whose walk took too many steps is counted.

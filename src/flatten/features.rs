@@ -3,6 +3,7 @@
 use crate::bitmap::FORMATS;
 use crate::material::{EXTENSIONS, ExtensionKind, Lobe, MATERIALS, Material};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
+use crate::shape::KINDS;
 use crate::texture::TEXTURES;
 
 pub use crate::shape::{BOUNDARIES, PRIMITIVES};
@@ -64,6 +65,10 @@ pub struct Features {
     pub textured_media: Option<String>,
     /// Kinds of primitive that are sampled as lights, by the indices of `PRIMITIVES`.
     pub emitters: [Option<String>; PRIMITIVES.len()],
+    /// Those of them whose lights are cut into parts.
+    pub parted: [Option<String>; PRIMITIVES.len()],
+    /// Convex bodies that emit on both sides and have an alpha.
+    pub crossed_lights: Option<String>,
     /// Sampled lights whose radiance is a texture.
     pub textured_lights: Option<String>,
     /// Lights without size that are sampled, and those of them that are directional.
@@ -158,7 +163,8 @@ impl Features {
         [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
         [&mut self.moving_media, &mut self.moving_camera].into_iter().for_each(add);
         if sample_lights {
-            add(&mut self.textured_lights);
+            [&mut self.textured_lights, &mut self.crossed_lights].into_iter().for_each(add);
+            KINDS.iter().zip(&mut self.parted).filter(|(kind, _)| kind.has_parts).for_each(|(_, used)| add(used));
             [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
             add(&mut self.moving_lights);
             for (lobe, used) in [

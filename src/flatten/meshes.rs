@@ -128,7 +128,7 @@ impl Builder<'_> {
 }
 
 /// A set of a mesh's texture coordinates.
-fn uvs_of(mesh: &Mesh, uv_set: u32) -> &[Vec2] {
+pub(super) fn uvs_of(mesh: &Mesh, uv_set: u32) -> &[Vec2] {
     match uv_set.checked_sub(1) {
         None => &mesh.uvs,
         Some(further) => mesh.further_uvs.get(further as usize).map_or(&[], Vec::as_slice),

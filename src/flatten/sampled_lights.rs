@@ -1,5 +1,6 @@
 //! Selects the lights that are sampled: all emitters whose surface or directions can be sampled.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
@@ -7,11 +8,13 @@ use glam::{DMat3, DVec3};
 use super::builder::Builder;
 use super::features::{NotSampled, PRIMITIVES};
 use super::finder::{MovingLight, Primitive};
+use super::light_parts::{Outline, depth_for, most_parts};
 use super::light_paths::Start;
 use super::light_tree::{LightBounds, LightKind, LightTree};
+use super::luminance::Luminance;
 use super::motion::in_space;
 use super::swept::{changes_size, largest_scale, largest_turn, swept};
-use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
+use crate::data::{self, CROSSED, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
 use crate::light_distribution::SkyDistribution;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap};
@@ -20,15 +23,28 @@ use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform};
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
 
+/// The part of a light that is all of its shape.
+const WHOLE: u32 = 0;
+
 /// A primitive that emits. It is one light, or one light for each face of a mesh.
 struct LightGroup<'a> {
     primitive: &'a Primitive<'a>,
     /// Its index among the primitives of its kind.
     index: u32,
-    /// The lights, each with its intensity (`LightBounds::intensity`).
-    emitters: Vec<(Emitter, f64)>,
+    emitters: Vec<PartLight>,
     two_sided: bool,
     /// The sum of the intensities of its lights.
+    intensity: f64,
+    /// The luminance of its mean emission.
+    radiance: f64,
+    /// If a light of it is cut into parts: the number of parts of each.
+    parts: Option<Vec<usize>>,
+}
+
+/// A light, and its intensity (`LightBounds::intensity`).
+struct PartLight {
+    emitter: Emitter,
+    part: u32,
     intensity: f64,
 }
 
@@ -56,8 +72,9 @@ impl Builder<'_> {
         let sky = self.add_sky();
         let delta_lights: Vec<_> =
             delta_lights.iter().filter(|moving| moving.light.brightness(self.space) > 0.0).collect();
-        let groups = self.drop_bodies_with_alpha(groups);
-        let groups = self.drop_faintest(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
+        let most = MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len();
+        let mut groups = self.drop_faintest(groups, most);
+        self.cut_lights(&mut groups, most);
         let of_delta = delta_lights.iter().map(|moving| moving.light.brightness(self.space));
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
         // The scene has no light.
@@ -66,7 +83,8 @@ impl Builder<'_> {
             return;
         }
         let (mut bounds, mut lights, mut starts) = (Vec::new(), Vec::new(), Vec::new());
-        for group in groups {
+        let mut cut = Vec::new();
+        for mut group in groups {
             let material = group.primitive.material;
             let (name, own) = &materials[material as usize];
             let reason = || format!("\"{name}\" at {}", self.scene.material_location(name));
@@ -74,12 +92,22 @@ impl Builder<'_> {
             if own.model().emission().is_some_and(|emission| emission.slot.is_textured()) {
                 self.flat.features.textured_lights.get_or_insert_with(reason);
             }
-            self.set_light(&group, lights.len() as u32);
+            if group.emitters.iter().any(|light| light.part == CROSSED) {
+                self.flat.features.crossed_lights.get_or_insert_with(reason);
+            }
+            match group.parts.take() {
+                None => self.set_light(&group, lights.len() as u32),
+                Some(parts) => {
+                    self.flat.features.parted[group.primitive.shape.number()].get_or_insert_with(reason);
+                    cut.push((group.primitive, group.index, lights.len(), parts));
+                }
+            }
             let steps = in_space(&group.primitive.motion, self.space);
             // Light paths start with a density that is the same at all times.
             let is_possible = group.primitive.shape.large_sphere().is_none() && !changes_size(&steps);
             let turn = largest_turn(&steps);
-            for (Emitter { code, instance, around, normal, area }, intensity) in group.emitters {
+            for PartLight { emitter, part, intensity } in group.emitters {
+                let Emitter { code, instance, around, normal, area } = emitter;
                 let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, turn.min(PI)));
                 let half = 0.5 * (around.max - around.min);
                 let around = match steps.is_empty() {
@@ -97,7 +125,7 @@ impl Builder<'_> {
                     kind: LightKind::Positional,
                     intensity,
                 });
-                lights.push((code, instance));
+                lights.push((code, instance, part));
                 starts.push(Start { code, area, is_possible });
             }
         }
@@ -108,19 +136,110 @@ impl Builder<'_> {
         for light in positional.into_iter().chain(at_infinity) {
             let code = primitive_code(KIND_DELTA_LIGHT, self.flat.delta_lights.len() as u32);
             bounds.push(self.add_delta_light(light, radiance_scale));
-            lights.push((code, data::NO_INSTANCE));
+            lights.push((code, data::NO_INSTANCE, WHOLE));
             starts.push(Start { code, area: 0.0, is_possible: true });
         }
         bounds.extend(sky.map(infinite_light));
         starts.extend(sky.map(|_| Start { code: HIT_NOTHING, area: 0.0, is_possible: false }));
         self.add_light_paths(primitives, &bounds, &starts);
         let tree = LightTree::new(&bounds);
-        let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };
-        let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE));
+        let light = |((code, instance, part), trail)| data::Light { code, instance, trail, part };
+        let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE, WHOLE));
         self.flat.lights = lights.into_iter().chain(of_sky).zip(tree.trails).map(light).collect();
         self.flat.light_nodes = tree.nodes;
         self.flat.features.lights = self.flat.lights.len() as u32;
         self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
+        cut.into_iter().for_each(|(primitive, index, first, parts)| self.add_parts(primitive, index, first, &parts));
+    }
+
+    /// Adds entries that stand for the parts of a primitive's lights, which are lights from `first` on.
+    fn add_parts(&mut self, primitive: &Primitive<'_>, index: u32, first: usize, parts: &[usize]) {
+        self.set_light_of(primitive, index, self.flat.lights.len() as u32);
+        let mut next = first as u32;
+        self.flat.lights.extend(parts.iter().map(|count| {
+            let trail = next;
+            next += *count as u32;
+            data::Light { code: HIT_NOTHING, instance: *count as u32, trail, part: data::PARTS }
+        }));
+    }
+
+    /// Gives each flat light whose radiance is a texture the mean luminance of its own part of that, and cuts it into parts where it varies.
+    fn cut_lights(&self, groups: &mut [LightGroup<'_>], most: usize) {
+        let slot_of = |group: &LightGroup<'_>| {
+            let slot = self.scene.materials[group.primitive.material as usize].1.model().emission()?.slot;
+            let can_be_cut = KINDS[group.primitive.shape.number()].has_parts && slot.is_textured();
+            can_be_cut.then_some((slot.texture, group.primitive.shape.mesh().is_some()))
+        };
+        let textured: usize = groups.iter().filter(|group| slot_of(group).is_some()).map(|g| g.emitters.len()).sum();
+        let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
+        let depth = depth_for(textured);
+        let mut known = BTreeMap::new();
+        let mut varying = 0;
+        for (number, group) in groups.iter_mut().enumerate() {
+            let Some((texture, wraps)) = slot_of(group) else { continue };
+            let luminance = known
+                .entry((group.primitive.material, wraps))
+                .or_insert_with(|| (Luminance::new(texture, &self.scene.bitmaps, wraps), Vec::new()));
+            let (Some(luminance), in_groups) = luminance else { continue };
+            let radiance = group.radiance;
+            let mut varies = Vec::new();
+            for (face, light) in group.emitters.iter_mut().enumerate() {
+                let Some(outline) = Outline::new(&group.primitive.shape, face, texture.uv_set()) else { continue };
+                let (mean, is_uneven) = outline.mean(luminance, depth);
+                light.intensity *= mean / radiance;
+                varies.extend(is_uneven.then_some(face));
+            }
+            varying += varies.len();
+            in_groups.push((number, varies));
+        }
+        let most = most_parts(varying, most - total);
+        for (luminance, in_groups) in known.into_values() {
+            let Some(luminance) = luminance else { continue };
+            for (number, varies) in in_groups {
+                self.cut_group(&mut groups[number], &luminance, &varies, depth, most);
+            }
+        }
+        groups.iter_mut().for_each(|group| group.intensity = group.emitters.iter().map(|light| light.intensity).sum());
+    }
+
+    /// Cuts these of the lights of a primitive into parts, at most so many each.
+    fn cut_group(
+        &self,
+        group: &mut LightGroup<'_>,
+        luminance: &Luminance<'_>,
+        varies: &[usize],
+        depth: u32,
+        most: usize,
+    ) {
+        let primitive = group.primitive;
+        let Some(emission) = self.scene.materials[primitive.material as usize].1.model().emission() else { return };
+        let to_render = ObjectTransform { to_world: &primitive.to_world, space: self.space };
+        let mut varies = varies.iter().copied().peekable();
+        let (mut lights, mut counts) = (Vec::new(), Vec::new());
+        for (face, light) in std::mem::take(&mut group.emitters).into_iter().enumerate() {
+            let outline = varies
+                .next_if_eq(&face)
+                .and_then(|face| Outline::new(&primitive.shape, face, emission.slot.texture.uv_set()));
+            let parts = outline.as_ref().map(|outline| outline.parts(luminance, depth, most)).unwrap_or_default();
+            let power: f64 = parts.iter().map(|(part, mean)| part.share() * mean).sum();
+            let parts = if power > 0.0 { parts } else { Vec::new() };
+            counts.push(parts.len().max(1));
+            let (Some(outline), 2..) = (outline, parts.len()) else {
+                lights.push(light);
+                continue;
+            };
+            lights.extend(parts.into_iter().map(|(part, mean)| PartLight {
+                emitter: Emitter {
+                    around: outline.bounds(part, &to_render),
+                    area: part.share() * light.emitter.area,
+                    ..light.emitter
+                },
+                part: part.code(),
+                intensity: light.intensity * part.share() * mean / power,
+            }));
+        }
+        group.emitters = lights;
+        group.parts = counts.iter().any(|count| *count > 1).then_some(counts);
     }
 
     /// Adds a light without size to its table.
@@ -163,25 +282,6 @@ impl Builder<'_> {
         self.flat.sky = sky.cells;
         // A surface sees at most half of the sky.
         Some(0.5 * integral_over_directions(bitmap))
-    }
-
-    /// Leaves out spheres and boxes with an alpha: their inner sides emit too, which no sample of a light shows.
-    fn drop_bodies_with_alpha<'a>(&mut self, groups: Vec<LightGroup<'a>>) -> Vec<LightGroup<'a>> {
-        let total: usize = groups.iter().map(|group| group.emitters.len()).sum();
-        let has_alpha = |group: &LightGroup<'_>| {
-            KINDS[group.primitive.shape.number()].encloses()
-                && self.models[group.primitive.material as usize].has_alpha()
-        };
-        let (left, others): (Vec<_>, Vec<_>) = groups.into_iter().partition(has_alpha);
-        if let Some(first) = left.first() {
-            let (name, _) = &self.scene.materials[first.primitive.material as usize];
-            let at = self.scene.material_location(name);
-            let reason = format!("\"{name}\" at {at}: a sphere or a box with an alpha is not sampled");
-            self.flat.features.not_sampled =
-                Some(NotSampled { lights: left.len() as u64, total: total as u64, reason });
-        }
-        left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
-        others
     }
 
     /// Leaves out primitives with all their lights until at most `most` lights remain, first the primitives whose lights have the
@@ -227,9 +327,12 @@ impl Builder<'_> {
 
     /// Stores the index of its first light in a primitive, or that it is not sampled.
     fn set_light(&mut self, group: &LightGroup<'_>, light: u32) {
-        let shape = &group.primitive.shape;
-        let layout = self.layout_of(shape);
-        shape.set_light(&mut self.flat.shapes, group.index as usize, layout, light);
+        self.set_light_of(group.primitive, group.index, light);
+    }
+
+    fn set_light_of(&mut self, primitive: &Primitive<'_>, index: u32, light: u32) {
+        let layout = self.layout_of(&primitive.shape);
+        primitive.shape.set_light(&mut self.flat.shapes, index as usize, layout, light);
     }
 
     /// The lights of a primitive. `radiance` is the luminance of its mean emission.
@@ -244,15 +347,19 @@ impl Builder<'_> {
         let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
         let code = primitive.shape.code(index as usize);
         let scale = largest_scale(&primitive.motion);
+        let lets_pass = KINDS[primitive.shape.number()].encloses()
+            && self.models[primitive.material as usize].has_alpha();
+        let part = if lets_pass && two_sided { CROSSED } else { WHOLE };
         let emitters = primitive.shape.emitters(&at, index, code, layout).into_iter().map(|emitter| {
             let normal = emitter.normal.and_then(DVec3::try_normalize);
             // The mean projected area of a convex body is a quarter of its surface (Cauchy).
             let projected_area = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
-            (Emitter { normal, ..emitter }, radiance * projected_area * scale * scale)
+            let intensity = radiance * projected_area * scale * scale;
+            PartLight { emitter: Emitter { normal, ..emitter }, part, intensity }
         });
-        let emitters: Vec<(Emitter, f64)> = emitters.collect();
-        let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
-        LightGroup { primitive, index, emitters, two_sided, intensity }
+        let emitters: Vec<PartLight> = emitters.collect();
+        let intensity = emitters.iter().map(|light| light.intensity).sum();
+        LightGroup { primitive, index, emitters, two_sided, intensity, radiance, parts: None }
     }
 }
 

@@ -35,8 +35,7 @@ declare! {
             /// The radiance that it emits beside what it reflects, on both sides.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
-            /// The share of light that it stops; the rest passes straight on, as if the surface were not there. A sphere or a box with an alpha
-            /// and an emission is no light that is sampled.
+            /// The share of light that it stops; the rest passes straight on, as if the surface were not there.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = SHARE.or("1");
             /// With it, the surface stops all light where its alpha is at least this, and none elsewhere.

@@ -139,6 +139,11 @@ pub(super) fn decide(
     let (mesh, primitive) = split_meshes(entries(PRIMITIVES, &features.primitives));
     let (moving_mesh, moving) = split_meshes(entries(PRIMITIVES, &features.motions));
     let (emitting_mesh, emitter) = split_meshes(entries(PRIMITIVES, &features.emitters));
+    let (parted_mesh, parted) = split_meshes(entries(PRIMITIVES, &features.parted));
+    let has_parts = |kind: &Entry| parted.iter().any(|other| other.number == kind.number);
+    let (parted_emitter, whole_emitter): (Vec<_>, Vec<_>) = emitter.iter().cloned().partition(has_parts);
+    let parted_light = first_reason(&features.parted);
+    let crossed_light = reason_of(&features.crossed_lights);
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries);
     let boundaries = boundaries.filter_map(|((name, kind), used)| Some((*name, *kind, reason_of(used)?)));
     let (mesh_boundary, convex_boundary) = split_meshes(closed(boundaries));
@@ -285,7 +290,7 @@ pub(super) fn decide(
         is_staged: !fused,
         light: light.clone(),
         instance: mesh.clone().or(body.clone()),
-        emitting_mesh: emitting_mesh.clone(),
+        light_instance: emitting_mesh.clone().or(crossed_light.clone()),
         probed: probed.clone(),
         light_paths: light_paths.clone(),
         sampled_ratio: sampled_ratio.clone(),
@@ -349,6 +354,8 @@ pub(super) fn decide(
         ("moving_mesh", moving_mesh),
         // Every ray tests all primitives.
         ("brute_force", brute_force),
+        // Faces of meshes are cut into parts as lights.
+        ("parted_mesh", parted_mesh.clone()),
         // Faces of meshes are sampled as lights.
         ("emitting_mesh", emitting_mesh),
         // The film has channels of `--aov`.
@@ -467,6 +474,9 @@ pub(super) fn decide(
         ("sampled_light", either(&sampled_light, "step/sampled_light", "null/sampled_light")),
         // Kinds of lights.
         ("light_choice", usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" })),
+        ("light_parts", either(&parted_light, "scene/light_parts", "null/light_parts")),
+        ("light_crossings", either(&crossed_light, "scene/light_crossings", "null/light_crossings")),
+        ("face_parts", either(&parted_mesh, "scene/face_parts", "null/face_parts")),
         ("delta_lights", either(&delta_light, "scene/delta_lights", "null/delta_lights")),
         ("sky_light", either(&emitting_sky, "scene/sky_light", "null/sky_light")),
         ("light_surfaces", either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces")),
@@ -504,6 +514,9 @@ pub(super) fn decide(
         ("moving", moving),
         // The kinds of primitive that are sampled as lights, but for faces of meshes.
         ("emitter", emitter),
+        // Those of them whose lights are cut into parts, and the others.
+        ("parted_emitter", parted_emitter),
+        ("whole_emitter", whole_emitter),
         // The kinds of boundary of media, but for meshes.
         ("convex_boundary", convex_boundary),
         // The materials that can be smooth panes, and the kinds of primitive with one that a ray leaves again.
@@ -556,8 +569,9 @@ pub(super) fn decide(
         ),
         // The iterations that count for passing a pane: those of the longest texture, or some for its material.
         ("pane_steps", if features.pane_textures { 384 } else { 8 }),
-        // Seven octaves of noise over eight corners, for each texture of a material, five at least, and one of a light.
-        ("iterations_of_shading", 64 * (extension_count.max(5) + 1)),
+        // Seven octaves of noise over eight corners, for each texture of a material, five at least, and one of a light; and the parts of a
+        // light.
+        ("iterations_of_shading", 64 * (extension_count.max(5) + 1 + u32::from(parted_light.is_some()))),
         ("run_length", RUN_LENGTH),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count() + splat_sums) as u32),

@@ -253,6 +253,9 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.push(one("textured medium", &features.textured_media, "scene/textured_medium"));
     all.extend(kinds(PRIMITIVES, &features.emitters, "light", " light"));
     all.push(one("textured light", &features.textured_lights, "scene/textured_light"));
+    let parted = features.parted.iter().max_by_key(|used| used.is_some());
+    all.extend(parted.map(|parted| one("light in parts", parted, "scene/light_parts")));
+    all.push(one("light with two sides and an alpha", &features.crossed_lights, "scene/light_crossings"));
     all.push(one("delta light", &features.delta_lights, "light/delta"));
     all.push(one("sky light", &features.emitting_sky, "light/sky"));
     all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));

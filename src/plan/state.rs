@@ -95,7 +95,8 @@ pub struct Needs {
     pub light: Option<Reason>,
     /// A hit has the instance of a mesh, or the side of a body.
     pub instance: Option<Reason>,
-    pub emitting_mesh: Option<Reason>,
+    /// A light has the instance of a mesh, or the side of a body.
+    pub light_instance: Option<Reason>,
     pub probed: Option<Reason>,
     /// Light paths are traced.
     pub light_paths: Option<Reason>,
@@ -161,7 +162,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     // Fields that only separate stages pass on.
     let staged = |why| words(why).filter(|_| needs.is_staged).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
     let (lights, instances, mesh_lights) =
-        (staged(&needs.light), staged(&needs.instance), staged(&needs.emitting_mesh));
+        (staged(&needs.light), staged(&needs.instance), staged(&needs.light_instance));
     // Without a surface or a medium no stage needs the distance.
     let events = (needs.is_staged && needs.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
     let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {

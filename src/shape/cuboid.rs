@@ -16,6 +16,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a side", "")],
     table: table!(cuboids of data::Cuboid, "boxes"),
     boundary: Some(Boundary { name: "cuboid", is_convex: true, words: "a" }),
+    has_parts: false,
 };
 
 #[derive(Clone, Copy)]

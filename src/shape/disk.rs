@@ -19,6 +19,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a diameter", "radius")],
     table: table!(disks of data::Quad, "disks"),
     boundary: None,
+    has_parts: true,
 };
 
 #[derive(Clone, Copy)]
@@ -31,7 +32,7 @@ pub struct Disk {
 
 impl Disk {
     /// The square around it, along the axes of its texture coordinates.
-    fn square(&self) -> Quad {
+    pub fn square(&self) -> Quad {
         let normal = self.normal.normalize();
         let up = if parallel(normal, DVec3::Y) { DVec3::NEG_Z } else { DVec3::Y.reject_from_normalized(normal) };
         let v = self.radius * up.normalize();

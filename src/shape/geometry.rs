@@ -22,6 +22,8 @@ pub struct ShapeKind {
     pub table: Table,
     /// Its properties as a medium's boundary, if it can be one.
     pub boundary: Option<Boundary>,
+    /// Whether it is cut into parts as a light whose radiance varies. Its parts then have a file under shaders/light, and the faces of meshes one under shaders/scene.
+    pub has_parts: bool,
 }
 
 impl ShapeKind {
@@ -109,6 +111,7 @@ pub struct Element {
 }
 
 /// A surface that can be sampled as a light.
+#[derive(Clone, Copy)]
 pub struct Emitter {
     pub code: u32,
     /// Of a triangle, the instance of its mesh.

@@ -22,6 +22,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: sphere::KIND.sizes,
     table: table!(large_spheres of data::LargeSphere, "spheres that are large against their distance from the camera"),
     boundary: Some(Boundary { name: "large_sphere", is_convex: true, words: "a" }),
+    has_parts: false,
 };
 
 /// A sphere is a large sphere if its radius is more than this many times its distance from the camera. As `data::Sphere`, its

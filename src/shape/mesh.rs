@@ -20,6 +20,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a size", "")],
     table: table!(instances of data::Instance, "where meshes stand"),
     boundary: Some(Boundary { name: "mesh", is_convex: false, words: "a closed" }),
+    has_parts: true,
 };
 
 /// The end of a warning that says why a mesh has no texture coordinates, although its file has some.

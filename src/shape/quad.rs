@@ -16,6 +16,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("an edge", "u"), ("an edge", "v")],
     table: table!(quads of data::Quad, "quads"),
     boundary: None,
+    has_parts: true,
 };
 
 #[derive(Clone, Copy)]

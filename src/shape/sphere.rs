@@ -18,6 +18,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a radius", "radius")],
     table: table!(spheres of data::Sphere, "spheres"),
     boundary: Some(Boundary { name: "sphere", is_convex: true, words: "a" }),
+    has_parts: false,
 };
 
 #[derive(Clone, Copy)]

@@ -12,6 +12,39 @@ use super::vectors::{U, decades, exact, rounded, unit};
 /// root mean square with a probability of 99.9 %.
 pub const DRAWS: usize = 1 << 16;
 
+/// A cell of the square of a shape's coordinates, as light/parts has it.
+#[derive(Clone, Copy, Debug)]
+pub struct PartCell {
+    pub exponents: [u32; 2],
+    pub cell: [u32; 2],
+    /// Of a triangle: the half above the diagonal.
+    pub is_above: bool,
+}
+
+impl PartCell {
+    pub fn code(&self) -> u32 {
+        let [[i, j], [x, y]] = [self.cell, self.exponents];
+        i | j << 11 | x << 22 | y << 26 | u32::from(self.is_above) << 30
+    }
+
+    pub fn size(&self) -> [f64; 2] {
+        self.exponents.map(|exponent| 0.5f64.powi(exponent as i32))
+    }
+
+    pub fn low(&self) -> [f64; 2] {
+        let size = self.size();
+        [0, 1].map(|axis| f64::from(self.cell[axis]) * size[axis])
+    }
+}
+
+/// Cells of several sizes: all of the shape, and parts of it.
+pub const CELLS: [PartCell; 4] = [
+    PartCell { exponents: [0, 0], cell: [0, 0], is_above: false },
+    PartCell { exponents: [1, 1], cell: [0, 1], is_above: false },
+    PartCell { exponents: [2, 2], cell: [1, 1], is_above: true },
+    PartCell { exponents: [2, 2], cell: [2, 0], is_above: false },
+];
+
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct In {
@@ -39,6 +72,9 @@ pub const LARGE_SPHERE: Kind = ("large_sphere", "LargeSphere");
 pub const TRIANGLE: Kind = ("triangle", "Triangle");
 pub const QUAD: Kind = ("quad", "Quad");
 pub const DISK: Kind = ("disk", "Quad");
+pub const QUAD_PART: Kind = ("quad_part", "Quad");
+pub const DISK_PART: Kind = ("disk_part", "Quad");
+pub const TRIANGLE_PART: Kind = ("triangle_part", "TrianglePart");
 pub const CUBOID: Kind = ("cuboid", "Cuboid");
 
 pub fn kernel((shape, name): Kind, draws: usize, replaced: &[(&str, &str)]) -> Kernel {

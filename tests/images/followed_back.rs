@@ -117,7 +117,7 @@ fn follow(text: &str, plant: Option<(&str, &str, &str)>) -> Followed {
             "    if is_following {
                 let index = start_of_light_path(path);
                 let to_light = -recorded[0].incoming;
-                return LightSample(index, to_light, density_of_sampling(index, from_point, to_light));
+                return LightSample(index, to_light, density_of_sampling(index, from_point, to_light), u.y);
             }
             let choice = choose_light",
         ),

@@ -29,6 +29,7 @@ mod narrow_lobes;
 mod normal_maps;
 mod numbers;
 mod panes;
+mod parted_lights;
 mod recipe;
 mod references;
 mod same_bytes;

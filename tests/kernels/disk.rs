@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use gpu_rt::data::Quad;
 
-use crate::common::light_kernel::{self, DISK, DRAWS, Out as Drawn, at_ends, draws};
+use crate::common::light_kernel::{self, CELLS, DISK, DISK_PART, DRAWS, Out as Drawn, at_ends, draws};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::{Random, one_sample_t, sidak, uniform_in_cells};
 use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
@@ -214,4 +214,53 @@ fn directions_towards_a_disk_are_uniform_in_its_area() {
         let length = exact(out.direction).length();
         assert!(out.pdf == out.again && (out.pdf == 0.0 || (length - 1.0).abs() < 1e-6), "{row:?} {out:?}");
     }
+}
+
+/// Points of a part are uniform in its own area, and the pdf is 1 over that. Planted: the part is larger by 1 %.
+#[test]
+fn directions_towards_parts_of_a_disk_are_uniform_in_their_area() {
+    let mut random = Random(33);
+    let mut disks = disks(&mut random, CELLS.len());
+    disks.iter_mut().zip(CELLS).for_each(|(disk, cell)| disk.light = cell.code());
+    let rows = views(&mut random, &disks);
+    let found = draws(DISK_PART, &rows, &disks, &[]);
+    let wrong = |larger: f64| {
+        let mut wrong = [0; 2];
+        for (row, found) in rows.iter().zip(found.chunks(DRAWS)) {
+            let (square, cell) = (&disks[row.shape as usize], CELLS[row.shape as usize]);
+            let (center, normal, radius) = circle(square);
+            let from = exact(row.from);
+            let (low, [x, y]) = (cell.low(), cell.size());
+            let (right, up) = (exact(square.u).normalize(), exact(square.v).normalize());
+            let height = (center - from).dot(normal);
+            let (mut points, mut pdf_is_right, mut worst) = (Vec::new(), true, 0.0f64);
+            for out in found {
+                let direction = exact(out.direction).normalize();
+                let cosine = direction.dot(normal);
+                let distance = height / cosine;
+                let area = larger * PI * radius * radius * x * y;
+                let pdf = distance * distance / (cosine.abs() * area);
+                let error =
+                    8.0 * U * (distance.abs() + 3.0 * radius) / height.abs() + 12.0 * U / cosine.abs() + 16.0 * U;
+                worst = worst.max(error).max(4.0 * U * distance.abs() / radius);
+                pdf_is_right &= (f64::from(out.pdf) / pdf - 1.0).abs() < error && out.pdf == out.again;
+                let offset = from + distance * direction - center;
+                let turns = offset.dot(up).atan2(offset.dot(right)) / TAU + 0.5;
+                let share = |value: f64| (value / larger).clamp(0.0, 1.0 - U);
+                points.push((
+                    share((offset.length_squared() / radius.powi(2) - low[0]) / x),
+                    share((turns - low[1]) / y),
+                ));
+            }
+            wrong[0] += usize::from(!pdf_is_right);
+            // Directions that are rounded over the part's edge would fill the cells there.
+            if worst < 2e-5 {
+                wrong[1] += usize::from(uniform_in_cells((31, 17), points.into_iter()) < sidak(ALPHA, rows.len()));
+            }
+        }
+        wrong
+    };
+    assert_eq!(wrong(1.0), [0; 2]);
+    let planted = wrong(1.01);
+    assert!(planted[0] > 50 && planted[1] > 10, "{planted:?}");
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use gpu_rt::data;
-use gpu_rt::flatten::{Features, MATERIALS, NotSampled};
+use gpu_rt::flatten::{Features, MATERIALS, NotSampled, PRIMITIVES};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Lobe, Material};
@@ -64,6 +64,8 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         vertex_tangents: Some("a test".to_string()),
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
+        parted: Default::default(),
+        crossed_lights: Some("a test".to_string()),
         textured_lights: Some("a test".to_string()),
         extensions: Default::default(),
         tinted: Default::default(),
@@ -103,6 +105,9 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
         tinted: features.tinted.map(on),
         absorbing: features.absorbing.map(on),
         emitters: features.emitters.map(on),
+        parted: std::array::from_fn(|i| {
+            ["quad", "triangle", "disk"].contains(&PRIMITIVES[i]).then(|| "a test".to_string())
+        }),
         backgrounds: features.backgrounds.map(on),
         ..features
     };
@@ -290,6 +295,8 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("LIGHT_NODE_SKY", data::LIGHT_NODE_SKY),
         ("MOVES", data::MOVES),
         ("NOT_SAMPLED", data::NOT_SAMPLED),
+        ("PARTS", data::PARTS),
+        ("CROSSED", data::CROSSED),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
         ("LIGHT_BINS", data::LIGHT_BINS as u32),

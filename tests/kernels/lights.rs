@@ -10,7 +10,8 @@ use gpu_rt::light_distribution as host;
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::light_kernel::{
-    CUBOID, DRAWS, In, Kind, Out, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, at_ends, cone, draws, spheres,
+    CELLS, CUBOID, DRAWS, In, Kind, Out, QUAD, QUAD_PART, SHARES, SPHERE, TRIANGLE, TRIANGLE_PART, Triangle, at_ends,
+    cone, draws, spheres,
 };
 use crate::common::stats::{Random, chi_square, one_sample_t, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -390,6 +391,52 @@ fn a_quads_directions_are_uniform_and_light_as_lambert_says() {
     let planted = compare(QUAD, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
     assert!(planted[0] > 20 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
     ends_are_numbers(QUAD, &awkward(&own_flats(&cases), &mut Random(691)), &shapes);
+}
+
+/// The part of a light, and its row in the table of shapes changed so that it has this part.
+fn in_parts<S>(cases: &mut [Case], shapes: &mut [S], set: fn(&mut S, u32)) {
+    shapes.iter_mut().zip(CELLS).for_each(|(shape, cell)| set(shape, cell.code()));
+    for case in cases {
+        let cell = CELLS[case.row.shape as usize];
+        let (low, [x, y]) = (cell.low(), cell.size());
+        let Flat { a, along, across, triangle } = case.flats[0];
+        // The second coordinate of a triangle is the weight of its third corner.
+        let second = if triangle { along + across } else { across };
+        let is_above = triangle && cell.is_above;
+        let first = if is_above { [low[0] + x, low[1] + y] } else { low };
+        let side = if is_above { -1.0 } else { 1.0 };
+        let (along, second) = (side * x * along, side * y * second);
+        let across = if triangle { second - along } else { second };
+        let a = a
+            + first[0] * case.flats[0].along
+            + first[1] * (if triangle { case.flats[0].along } else { DVec3::ZERO } + case.flats[0].across);
+        case.flats = vec![Flat { a, along, across, triangle }];
+        // A part is at least a quarter of its shape along each edge, and the shape's edges are rounded.
+        case.steps = 12.0;
+    }
+}
+
+/// Directions to a part are uniform in its own solid angle. Planted: a part that is larger by 1 % along an edge, and the cell beside it.
+#[test]
+fn directions_to_parts_are_uniform_and_light_as_lambert_says() {
+    let (mut cases, mut triangles, _) = flats(true, 720);
+    in_parts(&mut cases, &mut triangles, |shape, part| shape.padding0 = f32::from_bits(part));
+    assert_eq!(compare(TRIANGLE_PART, &cases, &triangles, &[]), [0; 3]);
+    let (mut of_quads, _, mut quads) = flats(false, 730);
+    in_parts(&mut of_quads, &mut quads, |shape, part| shape.light = part);
+    assert_eq!(compare(QUAD_PART, &of_quads, &quads, &[]), [0; 3]);
+    for (case, factor) in [(0, 1.01), (1, 1.0)] {
+        let change = |case_of: &Case| {
+            let flat = case_of.flats[0];
+            let a = if case == 1 { flat.a + 0.5 * flat.along } else { flat.a };
+            Case { row: case_of.row, flats: vec![Flat { a, along: factor * flat.along, ..flat }], ..*case_of }
+        };
+        let (moved, of_moved): (Vec<_>, Vec<_>) =
+            (cases.iter().map(change).collect(), of_quads.iter().map(change).collect());
+        for planted in [compare(TRIANGLE_PART, &moved, &triangles, &[]), compare(QUAD_PART, &of_moved, &quads, &[])] {
+            assert!(planted[0] > 50, "{case}: {planted:?}");
+        }
+    }
 }
 
 /// Boxes of all sizes, some flat and some long, turned any way, and what looks at them from outside.

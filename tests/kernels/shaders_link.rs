@@ -165,6 +165,18 @@ fn holed(features: Features, shapes: usize) -> Features {
     Features { alpha_bodies: on(shapes), ..features }
 }
 
+/// Cuts the lights of these shapes into parts, and samples bodies with an alpha on both sides.
+fn parted(features: Features, shapes: usize) -> Features {
+    let has_parts = |i: usize| shapes >> i & 1 == 1 && ["quad", "triangle", "disk"].contains(&PRIMITIVES[i]);
+    let is_body = |i: usize| shapes >> i & 1 == 1 && BOUNDARIES.iter().any(|(name, _)| *name == PRIMITIVES[i]);
+    let crosses = features.alpha_bodies.iter().any(Option::is_some) && (0..PRIMITIVES.len()).any(is_body);
+    Features {
+        parted: std::array::from_fn(|i| has_parts(i).then(|| "a test".to_string())),
+        crossed_lights: crosses.then(|| "a test".to_string()),
+        ..features
+    }
+}
+
 /// Has so many lights that one is chosen by the tree.
 fn many_lights(features: Features) -> Features {
     Features { lights: 2, sky_light: 1, ..features }
@@ -348,6 +360,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     // Surfaces with an alpha: of each kind, sampled as lights and beside them, with textures and in media.
     for set in (0..PRIMITIVES.len()).map(|i| 1 << i) {
         let own = covered(features(set, 1, 0, SOLID, false));
+        let bodies = holed(lit(emissive(own.clone()), set, false), set);
+        found.extend([parted(bodies.clone(), set), parted(many_lights(bodies), set)]);
         found.extend([
             own.clone(),
             emissive(own.clone()),
@@ -423,7 +437,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let alone = paned(features(set, pane, 0, SOLID, false), set);
         let full = paned(covered(features(set, materials, textures, IMAGE, false)), set);
         let holes = holed(covered(lit(features(set, materials, textures, IMAGE, false), set, true)), set);
-        found.extend([holes.clone(), paned(holes, set)]);
+        found.extend([parted(holes.clone(), set), holes.clone(), paned(holes, set)]);
         let mapped = paned(with_extension(features(set, pane, textures, SOLID, false), ExtensionKind::Normal), set);
         if set != primitives {
             let beside = paned(features(set, materials, 0, SOLID, false), set);
@@ -488,7 +502,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     let traced = |features: Features| Features { light_paths: Some("a test".to_string()), aims: 3, ..features };
     for (number, emitters) in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]).enumerate() {
         let surfaces = features(emitters, materials, textures, SOLID, number % 2 == 1);
-        let glass = coloured(lit(surfaces, emitters, false), true, number % 2 == 0);
+        let glass = parted(coloured(lit(surfaces, emitters, false), true, number % 2 == 0), emitters);
         let filter = [Filter::Box, Filter::Tent, Filter::Gauss, Filter::Mitchell][number % 4];
         let options = RenderOptions { filter, light_paths: LightPaths::Count(8), ..RenderOptions::default() };
         let fog = delta_lit(with_media(glass.clone(), 1, number % 2 == 0), true);
@@ -823,6 +837,9 @@ const CHOICES: &[(&str, &str)] = &[
     ("splat_filter", "filter"),
     ("filter_value", "filter"),
     ("light_choice", "scene"),
+    ("light_parts", "scene"),
+    ("face_parts", "scene"),
+    ("light_crossings", "scene"),
     ("delta_lights", "scene"),
     ("sky_light", "scene"),
     ("light_surfaces", "scene"),

@@ -104,7 +104,7 @@ fn follow_back(light: ptr<function, Path>) {
             return;
         }
         let hit = path_hit(&path);
-        let power = mis_weight(&path, hit);
+        let power = mis_weight(&path, hit, surface_at(hit, path.ray).local);
         let of_bsdf = weigh_beside_light_paths(&path, hit, surface_at(hit, path.ray), power) / power;
         weight_error = max(weight_error, abs(of_light_path + of_bsdf - 1.0));
         // A surface that emits and scatters adds its light to the radiance.

@@ -1,0 +1,215 @@
+//! Lights whose radiance varies, which are cut into parts; and bodies with an alpha that emit on both sides: one expectation with and without light
+//! sampling, and with light paths.
+
+use std::path::Path;
+
+use gpu_rt::flatten::{DeviceScene, flatten};
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::scene::Scene;
+use image::{DynamicImage, Rgb, Rgb32FImage, RgbImage, Rgba, RgbaImage};
+use serde_json::json;
+
+use crate::common::gltf::{glb, square};
+use crate::common::kernel::Overlay;
+use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene_in, worst_difference};
+
+const ALPHA: f64 = 1e-6;
+const ROUNDING: f64 = 1e-5;
+
+/// A folder with images of 8 x 8 texels, half of them black or dim; a sheet whose texture coordinates go beyond the image; and a glTF file with a
+/// texture transform.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let texel = |x: u32, y: u32| match (3 * x + 5 * y) % 8 {
+        0 => [6.0, 5.0, 4.0],
+        1 | 2 => [0.5, 1.5, 3.0],
+        3..6 => [0.05, 0.05, 0.1],
+        _ => [0.0; 3],
+    };
+    let blobs = Rgb32FImage::from_fn(8, 8, |x, y| Rgb(texel(x, y)));
+    DynamicImage::from(blobs).save(folder.path().join("blobs.hdr")).expect("it is written");
+    let codes = RgbImage::from_fn(8, 8, |x, y| Rgb(texel(x, y).map(|value: f32| (42.0 * value) as u8)));
+    codes.save(folder.path().join("codes.png")).expect("it is written");
+    let holes = RgbaImage::from_fn(8, 8, |x, y| Rgba([200, 200, 200, if (x + y) % 3 == 0 { 30 } else { 200 }]));
+    holes.save(folder.path().join("holes.png")).expect("it is written");
+    let sheet = "v -1 0 -1\nv 1 0.3 -1\nv 1.2 0.2 1\nv -0.9 -0.2 1.1\n\
+                 vt -0.3 0.1\nvt 1.6 0.2\nvt 1.5 1.7\nvt -0.2 1.3\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+    std::fs::write(folder.path().join("sheet.obj"), sheet).expect("it is written");
+    let transform = json!({"offset": [0.3, -0.2], "scale": [1.5, 0.75], "rotation": 0.4});
+    let material = json!({"name": "one", "doubleSided": true, "emissiveFactor": [1, 1, 1],
+        "emissiveTexture": {"index": 0, "extensions": {"KHR_texture_transform": transform}},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}});
+    let uvs = ("TEXCOORD_0", 2, [0.0f32, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0].as_slice());
+    let (json, binary) = square(&[uvs], &material, &["codes.png"]);
+    std::fs::write(folder.path().join("square.glb"), glb(&json, &binary)).expect("it is written");
+    folder
+}
+
+/// A room of grey walls, open to the front, with these lamps.
+fn room(folder: &Path, camera: &str, lamps: &str) -> Scene {
+    let image = "Image(path: \"blobs.hdr\")";
+    scene_in(
+        folder,
+        &format!(
+            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38{camera}),
+            background: Solid((0, 0, 0)),
+            materials: {{
+                \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
+                \"lamp\": DiffuseLight(emit: {image}, two_sided: false),
+                \"both\": DiffuseLight(emit: {image}),
+                \"matt\": Lambertian(albedo: Rgb(0.5, 0.6, 0.7), emission: {image}),
+                \"pbr\": Pbr(base_color: Rgb(0.5, 0.6, 0.7), metallic: 0, roughness: 0.6, emission: {image}),
+                \"checker\": DiffuseLight(emit: Checker(scale: 0.3, even: (0, 0, 0), odd: (3, 2, 1))),
+                \"marble\": DiffuseLight(emit: Marble(scale: 9)), \"noise\": DiffuseLight(emit: Noise(scale: 5)),
+                \"veil\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: {image}, alpha: Image(path: \"holes.png\", channel: A)),
+                \"glass\": Dielectric(ior: 1.5), \"mirror\": Metal(albedo: Rgb(0.9, 0.8, 0.7), fuzz: 0),
+            }},
+            objects: [
+                Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+                Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
+                Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"), {lamps}
+            ], render: (samples: 512, max_depth: 4))"
+        ),
+    )
+}
+
+/// Lamps that are cut into parts, by name, with the camera's shutter.
+const LAMPS: [(&str, &str, &str); 5] = [
+    (
+        "quads",
+        "",
+        "Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"lamp\"),
+         Quad(corner: (-0.9, 0.3, -0.8), u: (0.7, 0, 0), v: (0.1, 0.6, 0.2), material: \"pbr\"),
+         Transformed(by: [Scale(0.5), RotateY(40), Translate((0.6, 0.8, 0))],
+             object: Quad(corner: (-1, 0, 0), u: (1.5, 0, 0), v: (0, 0.8, 0), material: \"both\")),
+         Quad(corner: (0.3, 0.1, 0.3), u: (0.4, 0, 0), v: (0, 0.3, 0.1), material: \"matt\"),",
+    ),
+    (
+        "disks",
+        "",
+        "Disk(center: (0, 1.9, 0), normal: (0.1, -1, 0.2), radius: 0.7, material: \"lamp\"),
+         Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"both\"),
+         Transformed(by: [Scale(0.4), RotateX(30), Translate((0.6, 0.5, 0))],
+             object: Disk(center: (0, 0, 0), normal: (-1, 0, 1), radius: 1, material: \"pbr\")),
+         Disk(center: (0.2, 0.9, -0.7), normal: (0, 0, 1), radius: 0.2, material: \"veil\"),",
+    ),
+    (
+        "faces",
+        "",
+        "Transformed(by: [Scale(0.6), RotateX(10), Translate((0, 1.8, 0))], object: Mesh(path: \"sheet.obj\", material: \"lamp\")),
+         Transformed(by: [Scale(0.3), RotateZ(60), Translate((-0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"both\")),
+         Transformed(by: [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"pbr\")),
+         Transformed(by: [Scale(0.3), RotateX(-30), Translate((0, 0.4, 0.2))], object: Gltf(path: \"square.glb\")),",
+    ),
+    (
+        "solid textures",
+        "",
+        "Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"checker\"),
+         Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"marble\"),
+         Transformed(by: [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"checker\")),
+         Quad(corner: (0.3, 0.1, 0.3), u: (0.4, 0, 0), v: (0, 0.3, 0.1), material: \"noise\"),",
+    ),
+    (
+        "lamps that move",
+        ", shutter: (0, 1)",
+        "Moving(keys: [(0, [RotateX(0), Translate((0, 0, 0))]), (1, [RotateX(20), Translate((0.2, -0.2, 0))])],
+             object: Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"lamp\")),
+         Moving(keys: [(0, [Scale(1), Translate((0, 0, 0))]), (1, [Scale(0.6), Translate((0.4, 0.2, 0))])],
+             object: Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"both\")),
+         Moving(keys: [(0, [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))]), (1, [Scale(0.3), RotateZ(80), Translate((0.5, 0.7, 0.1))])],
+             object: Mesh(path: \"sheet.obj\", material: \"pbr\")),",
+    ),
+];
+
+fn flat(scene: &Scene) -> DeviceScene {
+    flatten(scene, (16, 16), &RenderOptions::default()).expect("it flattens")
+}
+
+fn same(name: &str, a: &Shot, b: &Shot) {
+    same_expectation(a, b, ROUNDING, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
+}
+
+/// Renders with another text of a module, and asserts that the expectation is another one.
+fn find(name: &str, scene: &Scene, expected: &Shot, request: &Request, (module, line, by): (&str, &str, &str)) {
+    let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));
+    let found = render_planted(scene, request, &planted);
+    let worst = worst_difference(expected, &found, ROUNDING);
+    println!("{name}: {by}: {:.1} standard errors, {}", worst.z, worst.tile);
+    assert!(same_expectation(expected, &found, ROUNDING, ALPHA).is_err(), "{name}: {by} is not found");
+}
+
+/// Planted: what the ray hit is the part beside it; light that is sampled where a lamp was when the shutter opened; and 3 % more light.
+#[test]
+fn parts_of_lights_change_no_expectation() {
+    let folder = folder();
+    for (name, camera, lamps) in LAMPS {
+        let scene = room(folder.path(), camera, lamps);
+        let lights = flat(&scene).features.lights;
+        assert!(lights > 60, "{name}: {lights} lights");
+        let bsdf = render(&scene, &Request::spp(8192).seed(1).sobol());
+        let mis = Request::spp(2048).seed(2).mis();
+        let shot = render(&scene, &mis);
+        same(name, &bsdf, &shot);
+        let sobol = render(&scene, &mis.clone().seed(3).sobol().scatter(Scatter::Linked));
+        same(name, &bsdf, &sobol);
+        let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.03 * v));
+        assert!(same_expectation(&bsdf, &brighter, ROUNDING, ALPHA).is_err(), "{name}: 3 % more light is not found");
+        let planted = match name {
+            "lamps that move" => {
+                ("scene/lights", "moved_${name}(${name}s[index], pose), light.part", "${name}s[index], light.part")
+            }
+            _ => (
+                "scene/light_parts",
+                "    return part;\n",
+                "    return select(part + 1u, lights[index].trail, part == last);\n",
+            ),
+        };
+        find(name, &scene, &bsdf, &mis, planted);
+    }
+}
+
+/// Light paths start at parts, beside glass and a mirror.
+#[test]
+fn light_paths_from_parts_change_no_expectation() {
+    let folder = folder();
+    let glass = "Sphere(center: (-0.1, 0.9, 0.2), radius: 0.3, material: \"glass\"),
+        Quad(corner: (0.95, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"mirror\"),";
+    for (name, camera, lamps) in LAMPS {
+        let scene = room(folder.path(), camera, &format!("{lamps}{glass}"));
+        let alone = render(&scene, &Request::spp(1024).seed(1).mis());
+        let both = Request::spp(512).seed(2).mis().light_paths(8);
+        let shot = render(&scene, &both);
+        assert!(shot.film.totals().light_paths[0] > 0, "{name}: no light path was traced");
+        same(name, &alone, &shot);
+    }
+}
+
+/// One texel of 64 x 64 has most of the light: its parts are found by light sampling, and the variance falls.
+#[test]
+fn a_hot_texel_is_sampled() {
+    let folder = folder();
+    let hot =
+        Rgb32FImage::from_fn(64, 64, |x, y| Rgb(if (x, y) == (41, 20) { [900.0, 700.0, 500.0] } else { [0.02; 3] }));
+    DynamicImage::from(hot).save(folder.path().join("blobs.hdr")).expect("it is written");
+    for (name, lamp) in [
+        ("quad", "Quad(corner: (-0.6, 2.2, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"lamp\"),"),
+        ("disk", "Disk(center: (0, 2.2, 0), normal: (0.1, -1, 0.2), radius: 0.7, material: \"lamp\"),"),
+        (
+            "faces",
+            "Transformed(by: [Scale(0.6), RotateX(10), Translate((0, 2.2, 0))], object: Mesh(path: \"sheet.obj\", material: \"lamp\")),",
+        ),
+    ] {
+        let scene = room(folder.path(), "", lamp);
+        assert!(flat(&scene).features.lights > 16, "{name} is not cut");
+        let request = Request::spp(1024).seed(1).mis().depth(1);
+        let parts = render(&scene, &request).mean_of_all();
+        // A point that is uniform in the area of the lamp has a radiance with this relative variance alone: the texel is a tent of four texels,
+        // whose square is 4/9 of its peak's.
+        let (hot, texels, rest) = (700.0, 64.0 * 64.0, 0.02);
+        let uniform = hot * hot / texels * (4.0 / 9.0) / (hot / texels + rest as f64).powi(2);
+        let samples = 1024.0 * 256.0;
+        let found = parts.variance[1] / parts.value[1].powi(2) * samples;
+        println!("{name}: relative variance {found:.3} of a sample, {uniform:.0} without parts");
+        assert!(found < 0.02 * uniform, "{name}: {found}");
+    }
+}
