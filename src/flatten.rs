@@ -5,12 +5,14 @@
 //! (`view`). Emission is also scaled by a power of two.
 
 mod builder;
+mod coverage;
 mod cuts;
 mod device_scene;
 mod diagnostics;
 mod features;
 mod finder;
 mod hierarchies;
+mod lamps_in_view;
 mod light_paths;
 mod light_tree;
 mod media;
@@ -42,6 +44,7 @@ use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
 use finder::{Finder, MovingLight, WorldMedium, extent};
+use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
 use view::View;
@@ -60,7 +63,7 @@ const MAX_NODES: usize = 1 << 26;
 const MOST_MEDIA: usize = 1024;
 
 /// Flattens a scene for an image of `size` pixels. It reads only the options that change tables: the integrator, the build of the
-/// hierarchies, and the features.
+/// hierarchies, the features, and the filter.
 ///
 /// # Errors
 /// `Error::Scene` if there are more primitives or nodes than codes can number, or more media than a ray can cross.
@@ -162,6 +165,7 @@ pub fn flatten_with(
         ));
     }
     flat.settings = view.settings(&space);
+    flat.lamps = lamps_in_view(scene, &view, options.filter, &finder, radiance_scale);
     let mut builder = Builder {
         scene,
         layouts: vec![None; meshes.len()],
@@ -194,6 +198,8 @@ pub fn flatten_with(
     }
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
+    builder.flat.not_sampled =
+        if sample_lights { radiance_scale * brightest_of_plain_sky(&scene.background) } else { 1.0 };
     // The warnings are searched for while the hierarchies are built.
     let (warnings, ()) = join(
         || diagnostics::warnings(&search),
@@ -354,12 +360,20 @@ fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     lights.into_iter().take(MOST_DELTA_LIGHTS).map(reflection).fold(0.0, f64::max)
 }
 
+/// The largest component of the radiance of a sky that is never sampled as a light: any but an image.
+fn brightest_of_plain_sky(background: &Background) -> f64 {
+    match background {
+        Background::Solid(colour) => colour.max_element(),
+        Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
+        Background::Image { .. } => 0.0,
+    }
+}
+
 /// The largest component of the radiance of the background and of the materials that objects have.
 fn brightest(scene: &Scene, used: &[bool]) -> f64 {
     let sky = match &scene.background {
-        Background::Solid(colour) => colour.max_element(),
-        Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
+        plain => brightest_of_plain_sky(plain),
     };
     let used = scene.materials.iter().zip(used).filter(|(_, used)| **used);
     let emitted =
