@@ -26,7 +26,7 @@ pub use words::{sample_variance_of, word_names};
 use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
-use lamps::Expected;
+use lamps::LampErrors;
 use pixel::Pixel;
 
 /// The value of [`Picture::variance`] if the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -358,9 +358,7 @@ impl Film {
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
         let (mut total, mut pixels) = (0.0, 0u64);
         let (mut usual, mut rare) = (NoiseSum::default(), NoiseSum::default());
-        // The same, with what is expected of the edges of lamps in place of what has been measured there.
-        let Expected { pixels: expected, mut noise } = self.expected_of_lamps(floor);
-        for (index, estimate) in self.estimates().enumerate() {
+        for estimate in self.estimates() {
             if estimate.pixel.rejected > 0 && !estimate.pixel.has_halves() {
                 continue;
             }
@@ -380,25 +378,27 @@ impl Film {
             total += weighted(v, own);
             let degrees = estimate.degrees(self.sampler);
             usual.add(weighted(v, mean), degrees, weighted(samples, mean));
-            if !expected.contains(&index) {
-                noise.add(weighted(v, mean), degrees, weighted(samples, mean));
-            }
             rare.add(weighted(v, darker), degrees, weighted(samples, darker));
             pixels += 1;
         }
         if pixels == 0 {
             return None;
         }
+        let LampErrors { missing, expected } = self.errors_of_lamps(floor);
         let error = |total: f64| (total / pixels as f64).sqrt();
-        if total == 0.0 && usual.largest.is_empty() && noise.expected[0] == 0.0 {
+        if total == 0.0 && usual.largest.is_empty() && missing == 0.0 {
             return Some(ErrorEstimate { value: 0.0, bound: 0.0, against_better: 0.0, reliable: true });
         }
         let (bound, degrees) = usual.bound(level);
         let alike = usual.total <= MOST_ACROSS * MOST_ACROSS * total;
         let bound = if alike { bound } else { bound.max(rare.bound(level).0) };
-        let reliable = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
-        let bound = if noise.expected[0] > 0.0 { bound.max(noise.bound(level).0) } else { bound };
-        let bound = bound.max(total);
+        let is_known = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
+        let reliable = is_known && total + missing <= MOST_ACROSS * MOST_ACROSS * total;
+        let bound = bound.max(total) + missing;
+        let bound = match expected[0] > 0.0 {
+            true => bound.max(NoiseSum { expected, ..usual.clone() }.bound(level).0),
+            false => bound,
+        };
         Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(usual.total), reliable })
     }
 }

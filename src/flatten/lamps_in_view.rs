@@ -57,7 +57,8 @@ pub fn lamps_in_view(
     let shutter = scene.camera.shutter;
     let is_moving = !scene.camera.moving.is_empty() && shutter.0 < shutter.1;
     let several = is_moving || view.lens_radius() > 0.0;
-    let eyes = (0..if several { MOST_VIEWS } else { 1 }).map(|number| Eye::new(scene, view, Moment::new(number, several)));
+    let eyes =
+        (0..if several { MOST_VIEWS } else { 1 }).map(|number| Eye::new(scene, view, Moment::new(number, several)));
     let mut projection = Projection {
         eyes: eyes.collect(),
         size: view.size,
@@ -195,7 +196,10 @@ impl Projection {
         let eye = |view: usize| &self.eyes[if self.eyes.len() > 1 { view } else { 0 }];
         let with_view = |view: usize, see: &mut dyn FnMut(&Eye, &ObjectTransform)| {
             let to_world = at_time(to_world, motion, Moment::new(view, several).time);
-            see(eye(view), &ObjectTransform { to_world: &to_world, space: RenderSpace { eye: eye(view).position, scale: 1.0 } });
+            see(
+                eye(view),
+                &ObjectTransform { to_world: &to_world, space: RenderSpace { eye: eye(view).position, scale: 1.0 } },
+            );
         };
         let bounds = |view: usize| {
             let mut found = None;
@@ -239,7 +243,14 @@ impl Projection {
             });
         }
         for (middle, share) in coverage.cells() {
-            self.spread(middle, share, coverage.stride, if cells_of_pixel == CELLS { self.filter } else { Filter::Box }, lamp.radiance, number);
+            self.spread(
+                middle,
+                share,
+                coverage.stride,
+                if cells_of_pixel == CELLS { self.filter } else { Filter::Box },
+                lamp.radiance,
+                number,
+            );
         }
     }
 
@@ -256,7 +267,11 @@ impl Projection {
                     continue;
                 }
                 let pixel = y as u32 * self.size.0 + x as u32;
-                let into = self.pixels.entry((pixel, stride)).or_insert(LampPixel { pixel, count: stride as f32, ..LampPixel::default() });
+                let into = self.pixels.entry((pixel, stride)).or_insert(LampPixel {
+                    pixel,
+                    count: stride as f32,
+                    ..LampPixel::default()
+                });
                 let share = share * weight.abs();
                 let brightest = |square: Rgb<f32>| square.into_iter().fold(0.0, f32::max);
                 let square = radiance.to_array().map(|l| (share * of_weight * l * l) as f32);
@@ -286,7 +301,9 @@ fn filter_value(filter: Filter, DVec2 { x, y }: DVec2) -> f64 {
     match filter {
         Filter::Box => 1.0,
         Filter::Tent => (1.0 - x.abs()).max(0.0) * (1.0 - y.abs()).max(0.0),
-        Filter::Gauss if x * x + y * y < 2.25 => (-2.0 * (x * x + y * y)).exp() * (2.0 / (PI * 0.988_891_003_461_775_7)),
+        Filter::Gauss if x * x + y * y < 2.25 => {
+            (-2.0 * (x * x + y * y)).exp() * (2.0 / (PI * 0.988_891_003_461_775_7))
+        }
         Filter::Gauss => 0.0,
         Filter::Mitchell => mitchell(x.abs()) * mitchell(y.abs()),
     }
@@ -305,4 +322,123 @@ fn at_time(to_world: &Similarity, motion: &[MotionStep], time: f64) -> Similarit
     let scale = axes[0].length();
     let rotation = DMat3::from_cols(axes[0] / scale, axes[1] / scale, axes[2] / scale);
     Similarity { scale, rotation, translation }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::flatten::flatten;
+    use crate::options::RenderOptions;
+
+    /// The pixels of 32 x 18 that these lamps cover. A camera at the origin looks along -z; a pixel is 1/18 wide at distance 1.
+    fn seen(camera: &str, filter: Filter, objects: &str) -> Vec<LampPixel> {
+        let text = format!(
+            "Scene(image: (width: 32, height: 18),
+            camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 53.13010235415598{camera}),
+            background: Solid((0, 0, 0)),
+            materials: {{ \"lamp\": DiffuseLight(emit: Rgb(8, 4, 2)), \"down\": DiffuseLight(emit: Rgb(8, 4, 2), two_sided: false) }},
+            objects: [{objects}])"
+        );
+        let scene = Scene::parse(&text, Path::new("test.ron")).unwrap();
+        flatten(&scene, (32, 18), &RenderOptions { filter, ..RenderOptions::default() }).unwrap().lamps
+    }
+
+    /// The area of the lamps in pixels, those without noise left out.
+    fn area(pixels: &[LampPixel]) -> f64 {
+        pixels.iter().map(|pixel| f64::from(pixel.count * pixel.mean[0])).sum::<f64>()
+    }
+
+    const SMALL: f64 = 0.4 / 18.0;
+
+    fn near(found: f64, expected: f64, share: f64) {
+        assert!((found / expected - 1.0).abs() < share, "{found} {expected}");
+    }
+
+    /// Each shape has its area on the film: in pixels a² for a cube's front of 10 a at distance 10. The radiance is in units of 8, as that is the
+    /// largest, and a power of two.
+    #[test]
+    fn shapes_cover_their_area() {
+        let a = 10.0 * SMALL;
+        let half = 0.5 * a;
+        let square = 0.4f64 * 0.4;
+        let unit = 0.5;
+        let quad = format!("Quad(corner: (-{half}, -{half}, -10), u: ({a}, 0, 0), v: (0, {a}, 0), material: \"lamp\")");
+        let ball = format!("Sphere(center: (0.3, 0.2, -10), radius: {half}, material: \"lamp\")");
+        let disk = format!("Disk(center: (0.3, 0.2, -10), normal: (0, 0, 1), radius: {half}, material: \"down\")");
+        let cube = format!("Box(min: (-{half}, -{half}, -11), max: ({half}, {half}, -10), material: \"lamp\")");
+        for (object, expected) in [(&quad, 1.0), (&ball, 0.25 * PI), (&disk, 0.25 * PI), (&cube, 1.0)] {
+            let pixels = seen("", Filter::Box, object);
+            near(area(&pixels), unit * square * expected, 0.01);
+            for pixel in &pixels {
+                let [r, g, b] = pixel.mean;
+                assert_eq!((g, b, pixel.count), (0.5 * r, 0.25 * r, 1.0));
+                near(f64::from(pixel.mean[0]), unit * f64::from(pixel.share), 1e-5);
+                near(f64::from(pixel.square[0]), unit * unit * f64::from(pixel.share), 1e-5);
+            }
+            // A filter moves light to other pixels. The weights of Mitchell and Netravali's have either sign.
+            for filter in [Filter::Tent, Filter::Gauss, Filter::Mitchell] {
+                let pixels = seen("", filter, object);
+                near(area(&pixels), unit * square * expected, 0.03);
+                assert_eq!(pixels.iter().any(|pixel| pixel.mean[0] < 0.0), filter == Filter::Mitchell);
+                let share: f64 = pixels.iter().map(|pixel| f64::from(pixel.share)).sum();
+                near(share, square * expected, 0.03);
+            }
+            // In motion and out of focus too. The camera moves along with nothing.
+            let moving = format!(
+                "Moving(keys: [(0, [Translate((-2, 0, 0))]), (1, [Translate((2, 0.5, 0))])], object: {object})"
+            );
+            let pixels = seen(", shutter: (0, 1)", Filter::Box, &moving);
+            near(area(&pixels), unit * square * expected, 0.03);
+            assert!(pixels.len() > 7 && pixels.iter().all(|pixel| pixel.share < 0.15), "{pixels:?}");
+            let pixels = seen(", aperture: 0.5, focus_distance: 2", Filter::Box, object);
+            near(area(&pixels), unit * square * expected, 0.05);
+            assert!(pixels.len() > 9);
+        }
+    }
+
+    /// What the camera cannot see, and what covers all of the image, has no edges in it.
+    #[test]
+    fn lamps_without_edges_in_the_image_cover_no_pixel_in_part() {
+        for object in [
+            "Sphere(center: (0, 0, 10), radius: 1, material: \"lamp\")",
+            "Sphere(center: (0, 0, 0.1), radius: 1, material: \"lamp\")",
+            "Sphere(center: (40, 0, -10), radius: 1, material: \"lamp\")",
+            "Sphere(center: (0, 0, -2000002), radius: 2000000, material: \"lamp\")",
+            "Quad(corner: (-1, 1, -1), u: (2, 0, 0), v: (0, 0, -2), material: \"lamp\"), Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"lamp\")",
+            "Quad(corner: (-1000, -1000, -1), u: (2000, 0, 0), v: (0, 2000, 0), material: \"lamp\")",
+            "Quad(corner: (-1, -1, -1), u: (0, 2, 0), v: (2, 0, 0), material: \"down\")",
+        ] {
+            let found = seen("", Filter::Box, object);
+            let is_ceiling = object.contains("Box");
+            assert!(found.is_empty() || is_ceiling, "{object}: {found:?}");
+        }
+    }
+
+    /// A quad that reaches behind the camera is cut; a lamp at a great distance is as exact as a near one.
+    #[test]
+    fn lamps_around_the_camera_and_far_ones_are_projected() {
+        let road = "Quad(corner: (-1, -1, 5), u: (2, 0, 0), v: (0, 0, -50), material: \"lamp\")";
+        let found = seen("", Filter::Box, road);
+        assert!(found.len() > 18 && found.iter().all(|pixel| pixel.pixel / 32 >= 9), "{}", found.len());
+        let far = format!("Sphere(center: (3e5, 2e5, -1e6), radius: {}, material: \"lamp\")", 1e6 * 0.5 * SMALL);
+        near(area(&seen("", Filter::Box, &far)), 0.5 * 0.16 * 0.25 * PI, 0.1);
+    }
+
+    /// Very many lamps take a bounded time; lamps behind each other cover a pixel once.
+    #[test]
+    fn very_many_lamps_are_projected_in_seconds() {
+        let number = |i: usize, step: f64| (0.5 + step * i as f64).fract() - 0.5;
+        let ball = |i: usize| {
+            let (x, y) = (18.0 * number(i, 0.618_033_988), 10.0 * number(i, 0.414_213_562));
+            format!("Sphere(center: ({x}, {y}, -10), radius: 0.02, material: \"lamp\"),")
+        };
+        let many: String = (0..20_000).map(ball).collect();
+        let start = Instant::now();
+        let found = seen(", aperture: 0.1", Filter::Mitchell, &many);
+        assert!(found.iter().all(|pixel| pixel.share <= 1.0) && found.len() > 300, "{}", found.len());
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    }
 }
