@@ -394,11 +394,8 @@ impl Film {
         let bound = if alike { bound } else { bound.max(rare.bound(level).0) };
         let is_known = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
         let reliable = is_known && total + missing <= MOST_ACROSS * MOST_ACROSS * total;
-        let bound = bound.max(total) + missing;
-        let bound = match expected[0] > 0.0 {
-            true => bound.max(NoiseSum { expected, ..usual.clone() }.bound(level).0),
-            false => bound,
-        };
+        let with_expected = NoiseSum { expected, ..usual.clone() };
+        let bound = bound.max(total).max(with_expected.bound(level).0) + missing;
         Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(usual.total), reliable })
     }
 }

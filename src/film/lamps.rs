@@ -56,8 +56,8 @@ impl Film {
     /// of it if k = 0. These samples alone have the variance k/N (1 - k/N) L², from which k follows. If other noise adds to that, k is too
     /// large, and that noise is in the measured error. Nothing is missing if k/N > c: then the measured error has it.
     ///
-    /// On average over images, independent samples have the squared error c (1 - c) L² / N. Where less than one of them should see the lamp,
-    /// nearly all of that is from the few images in which one does. In the others it is c² L², the smaller of the two.
+    /// On average over images, independent samples have the squared error c (1 - c) L² / N. That is what is expected of the pixels, unless less
+    /// than one sample should see the lamp: then nearly all of it is from the few images in which one does, and these measure it.
     pub(super) fn errors_of_lamps(&self, floor: f64) -> LampErrors {
         let visible = self.visible_lamps();
         let mut errors = LampErrors::default();
@@ -78,11 +78,11 @@ impl Film {
                 let found = 0.5 - (0.25 - (variances[c] * samples / (of_lamp * of_lamp)).min(0.25)).sqrt();
                 let rest = (means[c] - found * of_lamp).max(0.0);
                 missing[c] = (mean * (1.0 - found / share).max(0.0)).powi(2);
-                expected[c] = ((square - mean * mean).max(0.0) / samples).min(mean * mean);
+                expected[c] = (square - mean * mean).max(0.0) / samples;
                 weights[c] = 1.0 / ((mean + rest) * (mean + rest) + floor);
             }
             let (count, visible) = (f64::from(lamp.count), visible.get(&lamp.lamp).copied().unwrap_or(1.0));
-            let expected = visible * weighted(expected, weights);
+            let expected = if share * samples < 1.0 { 0.0 } else { visible * weighted(expected, weights) };
             errors.missing += count * visible * weighted(missing, weights);
             errors.expected[0] += count * expected;
             errors.expected[1] += 2.0 * count * expected * expected;
@@ -181,7 +181,8 @@ mod tests {
         for (found, samples) in missing.into_iter().zip([3.0, 2.0, 1.0]) {
             assert!((found / lacks(samples) - 1.0).abs() < 0.2, "{missing:?}");
         }
-        assert!(missing[3] < 0.01 && missing[4] == 0.0, "{missing:?}");
+        // The samples of one run say k/8 (1 - k/8) for 2k/16 (1 - 2k/16).
+        assert!(missing[3] < 0.02 && missing[4] < 0.005, "{missing:?}");
     }
 
     /// A lamp that should be seen by many samples and is seen by none is hidden.
