@@ -26,7 +26,6 @@ pub use words::{sample_variance_of, word_names};
 use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
-use lamps::LampErrors;
 use pixel::Pixel;
 
 /// The value of [`Picture::variance`] if the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -384,7 +383,8 @@ impl Film {
         if pixels == 0 {
             return None;
         }
-        let LampErrors { missing, expected } = self.errors_of_lamps(floor);
+        let of_lamps = self.errors_of_lamps(floor);
+        let (missing, expected) = (of_lamps.missing, of_lamps.expected);
         let error = |total: f64| (total / pixels as f64).sqrt();
         if total == 0.0 && usual.largest.is_empty() && missing == 0.0 {
             return Some(ErrorEstimate { value: 0.0, bound: 0.0, against_better: 0.0, reliable: true });
