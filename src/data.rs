@@ -3,6 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// The bit of a primitive's code that distinguishes it from a BVH node's index.
 pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
@@ -81,6 +82,38 @@ pub struct SampleVariance {
     /// The degrees of freedom of this estimate.
     pub degrees: u32,
     pub samples: u32,
+}
+
+/// A pixel that lamps cover in part, as the camera would see them if nothing hid them. Radiance is in device units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "LampPixelNumbers", into = "LampPixelNumbers")]
+pub struct LampPixel {
+    /// The pixel's index.
+    pub pixel: u32,
+    /// How many pixels it stands for.
+    pub count: f32,
+    /// The lamp that adds most.
+    pub lamp: u32,
+    /// The share of its samples that see a lamp.
+    pub share: f32,
+    /// The mean of the radiance that its samples see of lamps, and of the square.
+    pub mean: Rgb<f32>,
+    pub square: Rgb<f32>,
+}
+
+/// Its members in their order, without names: files may have a thousand of them.
+type LampPixelNumbers = (u32, f32, u32, f32, Rgb<f32>, Rgb<f32>);
+
+impl From<LampPixel> for LampPixelNumbers {
+    fn from(LampPixel { pixel, count, lamp, share, mean, square }: LampPixel) -> LampPixelNumbers {
+        (pixel, count, lamp, share, mean, square)
+    }
+}
+
+impl From<LampPixelNumbers> for LampPixel {
+    fn from((pixel, count, lamp, share, mean, square): LampPixelNumbers) -> LampPixel {
+        LampPixel { pixel, count, lamp, share, mean, square }
+    }
 }
 
 /// The code of the primitive at this index among its kind.

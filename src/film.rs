@@ -6,6 +6,7 @@
 mod channels;
 mod estimate;
 mod floats;
+mod lamps;
 mod pixel;
 mod totals;
 mod values;
@@ -13,7 +14,7 @@ mod verdict;
 mod words;
 
 use crate::aov::{Aovs, SceneSpace};
-use crate::data::{PixelTotals, Rgb, Sampler, luminance};
+use crate::data::{LampPixel, PixelTotals, Rgb, Sampler, luminance};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
@@ -61,8 +62,10 @@ const DEGREES_OF_SAMPLES: f64 = 4.0;
 pub struct Film {
     exponent: i32,
     sampler: Sampler,
-    /// Whether its paths sample lights, or find them by BSDF sampling alone.
-    samples_lights: bool,
+    /// The largest radiance, in device units, of what its paths do not sample as a light: they find it by BSDF sampling alone.
+    not_sampled: f64,
+    /// The pixels that lamps cover in part, for the bound of the error.
+    lamps: Vec<LampPixel>,
     /// The part of the image that the pixels are of.
     frame: Frame,
     pixels: Vec<Pixel>,
@@ -108,12 +111,17 @@ impl Film {
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::full((width, height));
         let (channels, totals) = (Channels::default(), Totals::default());
-        Ok(Film { exponent, sampler, samples_lights: true, frame, pixels, channels, totals })
+        Ok(Film { exponent, sampler, not_sampled: 0.0, lamps: Vec::new(), frame, pixels, channels, totals })
     }
 
-    /// Sets whether the paths sample lights, as by default, or find them by BSDF sampling alone.
-    pub fn sampling_lights(self, samples_lights: bool) -> Film {
-        Film { samples_lights, ..self }
+    /// Sets the largest radiance, in device units, of what the paths do not sample as a light, and find by BSDF sampling alone. By default it is 0.
+    pub fn not_sampling(self, radiance: f64) -> Film {
+        Film { not_sampled: radiance, ..self }
+    }
+
+    /// The largest radiance, in device units, of what the paths do not sample as a light.
+    pub fn not_sampled(&self) -> f64 {
+        self.not_sampled
     }
 
     /// Adds channels of `--aov` to an empty film. `space` maps the kernels' space to the scene's.
@@ -235,6 +243,10 @@ impl Film {
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
         self.channels.add(&other.channels);
         self.totals += other.totals;
+        self.not_sampled = self.not_sampled.max(other.not_sampled);
+        if self.lamps.is_empty() {
+            self.lamps.clone_from(&other.lamps);
+        }
         Ok(())
     }
 
@@ -371,15 +383,19 @@ impl Film {
         if pixels == 0 {
             return None;
         }
+        let of_lamps = self.errors_of_lamps(floor);
+        let (missing, expected) = (of_lamps.missing, of_lamps.expected);
         let error = |total: f64| (total / pixels as f64).sqrt();
-        if total == 0.0 && usual.largest.is_empty() {
+        if total == 0.0 && usual.largest.is_empty() && missing == 0.0 {
             return Some(ErrorEstimate { value: 0.0, bound: 0.0, against_better: 0.0, reliable: true });
         }
         let (bound, degrees) = usual.bound(level);
         let alike = usual.total <= MOST_ACROSS * MOST_ACROSS * total;
         let bound = if alike { bound } else { bound.max(rare.bound(level).0) };
-        let reliable = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
-        let bound = bound.max(total);
+        let is_known = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
+        let reliable = is_known && total + missing <= MOST_ACROSS * MOST_ACROSS * total;
+        let with_expected = NoiseSum { expected, ..usual.clone() };
+        let bound = bound.max(total).max(with_expected.bound(level).0) + missing;
         Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(usual.total), reliable })
     }
 }
@@ -398,6 +414,8 @@ struct NoiseSum {
     /// The pixels with the largest w, the largest first: w, x, and the part of the variance. No more pixels than these can have more than
     /// [`MOST_OF_HALVES`] each.
     largest: Vec<Rgb<f64>>,
+    /// What is not measured but known: its sum, and the variance of the image's own squared errors there.
+    expected: [f64; 2],
 }
 
 impl NoiseSum {
@@ -424,13 +442,14 @@ impl NoiseSum {
             of_samples = [of_samples[0] + w, of_samples[1] + 2.0 * w * w];
             of_halves = [(of_halves[0] - x).max(0.0), (of_halves[1] - variance).max(0.0)];
         }
-        let total = of_samples[0] + of_halves[0];
+        let total = of_samples[0] + of_halves[0] + self.expected[0];
         // T² overestimates (E T)² by the variance of T, which is subtracted for pixels that count by halves.
         let degrees = |of_samples: f64| match of_samples + of_halves[1] {
             variance if variance > 0.0 => (2.0 * (total * total - of_halves[1]) / variance).max(0.0),
             _ => f64::INFINITY,
         };
-        let (of_image, of_estimate) = (degrees(of_samples[1]), degrees(of_samples[1] / DEGREES_OF_SAMPLES));
+        let of_image = degrees(of_samples[1] + self.expected[1]);
+        let of_estimate = degrees(of_samples[1] / DEGREES_OF_SAMPLES);
         (total * upper_fisher(of_image, of_estimate, level), of_estimate)
     }
 }

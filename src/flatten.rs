@@ -5,12 +5,14 @@
 //! (`view`). Emission is also scaled by a power of two.
 
 mod builder;
+mod coverage;
 mod cuts;
 mod device_scene;
 mod diagnostics;
 mod features;
 mod finder;
 mod hierarchies;
+mod lamps_in_view;
 mod light_parts;
 mod light_paths;
 mod light_tree;
@@ -45,6 +47,7 @@ use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
 use finder::{Finder, MovingLight, WorldMedium, extent};
+use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
 use view::View;
@@ -63,7 +66,7 @@ const MAX_NODES: usize = 1 << 26;
 const MOST_MEDIA: usize = 1024;
 
 /// Flattens a scene for an image of `size` pixels. It reads only the options that change tables: the integrator, the build of the
-/// hierarchies, and the features.
+/// hierarchies, the features, and the filter.
 ///
 /// # Errors
 /// `Error::Scene` if there are more primitives or nodes than codes can number, or more media than a ray can cross.
@@ -170,6 +173,7 @@ pub fn flatten_with(
     }
     flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
+    flat.lamps = lamps_in_view(scene, &view, options.filter, &finder, radiance_scale);
     let mut builder = Builder {
         scene,
         layouts: vec![None; meshes.len()],
@@ -204,6 +208,8 @@ pub fn flatten_with(
     }
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
+    builder.flat.not_sampled =
+        if sample_lights { radiance_scale * brightest_of_plain_sky(&scene.background) } else { 1.0 };
     // The warnings are searched for while the hierarchies are built.
     let (warnings, ()) = join(
         || diagnostics::warnings(&search),
@@ -399,13 +405,21 @@ fn hidden_emissions(scene: &Scene, emissions: &[Emitted]) -> Vec<String> {
     hidden.map(warning).collect()
 }
 
+/// The largest component of the radiance of a sky that is never sampled as a light: any but an image.
+fn brightest_of_plain_sky(background: &Background) -> f64 {
+    match background {
+        Background::Solid(colour) => colour.max_element(),
+        Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
+        Background::Image { .. } => 0.0,
+    }
+}
+
 /// The largest component of the radiance of the background and of emissions: its root mean square over paths that meet it, and what a path
 /// carries. A path meets a surface of coverage a with the probability a, so that the first is √a of the second.
 fn brightest(scene: &Scene, emissions: &[Emitted]) -> [f64; 2] {
     let sky = match &scene.background {
-        Background::Solid(colour) => colour.max_element(),
-        Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
+        plain => brightest_of_plain_sky(plain),
     };
     let seen = emissions.iter().filter(|emitted| emitted.is_seen());
     seen.fold([sky; 2], |[mean, most], &Emitted { radiance, coverage }| {

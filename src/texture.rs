@@ -231,6 +231,11 @@ impl Bitmap {
     pub fn brightest(&self, tint: Colour) -> f64 {
         self.texels().map(|texel| largest(tint, texel)).fold(0.0, f64::max)
     }
+
+    /// The largest red, green and blue of all texels.
+    fn largest_channels(&self) -> Colour {
+        self.texels().map(|texel| DVec3::from_array(texel.map(f64::from))).fold(DVec3::ZERO, DVec3::max)
+    }
 }
 
 impl Texture {
@@ -339,11 +344,18 @@ impl Texture {
 
     /// The largest channel of all its colours.
     pub fn brightest(&self, bitmaps: &Bitmaps) -> f64 {
+        self.largest_channels(bitmaps).max_element()
+    }
+
+    /// The largest red, green and blue of all its colours.
+    pub fn largest_channels(&self, bitmaps: &Bitmaps) -> Colour {
         match self {
-            Texture::Rgb(r, g, b) => r.max(*g).max(*b),
-            Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
-            Texture::Image { tint, .. } => self.bitmap(bitmaps).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
-            Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
+            Texture::Rgb(r, g, b) => DVec3::new(*r, *g, *b),
+            Texture::Checker { even, odd, .. } => even.max(*odd),
+            Texture::Image { tint, .. } => {
+                self.bitmap(bitmaps).map_or(DVec3::ZERO, |bitmap| *tint * bitmap.largest_channels())
+            }
+            Texture::Noise { .. } | Texture::Marble { .. } => DVec3::ONE,
         }
     }
 

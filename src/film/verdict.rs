@@ -13,7 +13,7 @@ pub struct Verdict {
     pub error: Option<ErrorEstimate>,
     /// Light that narrow lobes hide from light sampling.
     pub hidden: HiddenLight,
-    /// The most light that no path has found, if lights are not sampled; else 0.
+    /// The most light that no path has found, of what is not sampled as a light.
     pub unfound: f64,
     /// The most light that `max_depth` has cut off.
     pub cut: f64,
@@ -24,9 +24,8 @@ impl Film {
     pub fn verdict(&self, level: f64) -> Verdict {
         let light = self.mean_radiance() * self.totals.paths as f64;
         let share = if light > 0.0 { 1.0 / light } else { 0.0 };
-        // A path carries at most the largest radiance of the scene, which is at most 1 in device units. If k such paths are expected, the
-        // probability of none is e^-k.
-        let unfound = if self.samples_lights { 0.0 } else { level.recip().ln() * share };
+        // A path carries at most the largest radiance of what is not sampled. If k such paths are expected, the probability of none is e^-k.
+        let unfound = level.recip().ln() * self.not_sampled * share;
         let (error, hidden) = (self.error_estimate(level), self.totals.hidden_light().times(share));
         Verdict { error, hidden, unfound, cut: self.totals.too_deep().throughput * share }
     }
@@ -62,8 +61,8 @@ impl Verdict {
         }
         if self.lacks_light() && self.unfound > self.hidden.missing() {
             reasons.push(format!(
-                "--integrator bsdf finds lights by chance: up to {} % of the image's light may be missing, from the brightest light. Raise \
-                 --spp, or use --integrator mis",
+                "light that is not sampled (a sky without an image, lights beyond the limit, all with --integrator bsdf) is found by chance: up \
+                 to {} % of the image's light may be missing, from the brightest of it. Raise --spp",
                 percent(self.unfound)
             ));
         } else if self.lacks_light() {

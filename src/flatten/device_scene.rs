@@ -58,6 +58,10 @@ pub struct DeviceScene {
     pub brightest: f64,
     /// The map from render space to the scene.
     pub space: SceneSpace,
+    /// The pixels that lamps cover in part.
+    pub lamps: Vec<data::LampPixel>,
+    /// The largest radiance, in device units, of what is not sampled as a light.
+    pub not_sampled: f64,
     /// Warnings about the scene, each with a location in the file, the number and a remedy.
     pub warnings: Vec<String>,
 }

@@ -18,7 +18,7 @@ use crate::data::{self, CROSSED, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, lum
 use crate::light_distribution::SkyDistribution;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap};
-use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform};
+use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, exp2};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
@@ -284,6 +284,18 @@ impl Builder<'_> {
         Some(0.5 * integral_over_directions(bitmap))
     }
 
+    /// Notes that these are not sampled.
+    fn leave_out(&mut self, groups: &[LightGroup<'_>]) {
+        for group in groups {
+            self.set_light(group, NOT_SAMPLED);
+            let (_, material) = &self.scene.materials[group.primitive.material as usize];
+            let texture = material.model().emission().map(|emission| emission.slot.texture);
+            let brightest = texture.map_or(0.0, |texture| texture.brightest(&self.scene.bitmaps));
+            let scale = exp2(-self.flat.radiance_exponent);
+            self.flat.not_sampled = self.flat.not_sampled.max(scale * brightest);
+        }
+    }
+
     /// Leaves out primitives with all their lights until at most `most` lights remain, first the primitives whose lights have the
     /// lowest mean intensity. Only BSDF sampling finds these, as a warning says.
     fn drop_faintest<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
@@ -302,7 +314,7 @@ impl Builder<'_> {
         }
         let (fitting, left): (Vec<_>, Vec<_>) = groups.into_iter().zip(taken).partition(|(_, taken)| *taken);
         let left: Vec<LightGroup<'_>> = left.into_iter().map(|(group, _)| group).collect();
-        left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
+        self.leave_out(&left);
         if let Some(first) = left.first() {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
             let location = self.scene.material_location(name);

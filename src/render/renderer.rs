@@ -15,7 +15,7 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
-use crate::options::{Integrator, RenderOptions};
+use crate::options::RenderOptions;
 use crate::plan::Plan;
 use crate::threads::each;
 
@@ -115,6 +115,6 @@ impl<'a> Renderer<'a> {
 /// As of [`Film::with_sampler`], [`Film::with_aovs`] and [`Film::with_light_paths`].
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?;
-    let film = film.sampling_lights(options.integrator == Integrator::Mis).with_aovs(&options.aov, scene.space)?;
-    film.with_light_paths(scene.light_paths(options).count() > 0)
+    let film = film.not_sampling(scene.not_sampled).with_aovs(&options.aov, scene.space)?;
+    Ok(film.with_light_paths(scene.light_paths(options).count() > 0)?.with_lamps(&scene.lamps))
 }

@@ -89,6 +89,14 @@ impl Geometry for Cuboid {
         tables.cuboids[index].light = light;
     }
 
+    fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {
+        // The bits of a corner's number are its coordinates.
+        let corners = Aabb { min: self.min, max: self.max }.corners().map(|p| at.point(p));
+        const FACES: [[usize; 4]; 6] =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        FACES.iter().for_each(|face| add(&face.map(|corner| corners[corner])));
+    }
+
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         let half = 0.5 * at.scale() * (self.max - self.min);
         BoundingShape::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }

@@ -86,7 +86,24 @@ impl Geometry for Disk {
         tables.disks[index].light = light;
     }
 
+    fn faces(&self, at: &ObjectTransform, corners: u32, add: &mut dyn FnMut(&[DVec3])) {
+        let normal = at.to_world.vector(self.normal).normalize_or_zero();
+        add(&self::corners(at.point(self.center), normal, self.radius * at.scale(), corners));
+    }
+
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         self.square().bounding_shape(at)
     }
+}
+
+/// The corners of a polygon in the place of a disk, with its area.
+pub(super) fn corners(center: DVec3, normal: DVec3, radius: f64, count: u32) -> Vec<DVec3> {
+    let (u, v) = normal.any_orthonormal_pair();
+    let turn = 2.0 * PI / f64::from(count);
+    let radius = radius * (turn / turn.sin()).sqrt();
+    let corner = |i: u32| {
+        let (sine, cosine) = (turn * f64::from(i)).sin_cos();
+        center + radius * (cosine * u + sine * v)
+    };
+    (0..count).map(corner).collect()
 }

@@ -142,6 +142,10 @@ pub trait Geometry {
     /// Writes into its element the index of its first light among all lights, or `NOT_SAMPLED`.
     fn set_light(&self, tables: &mut Tables, index: usize, layout: MeshLayout, light: u32);
 
+    /// Calls `add` with flat convex polygons that cover what is seen of it from the origin of the space. From their fronts, their corners are
+    /// counter-clockwise. A round one has so many corners. A shape that is huge for the origin may have none.
+    fn faces(&self, at: &ObjectTransform, corners: u32, add: &mut dyn FnMut(&[DVec3]));
+
     /// A simple bounding volume, for the warnings about sizes and distances.
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape;
 }

@@ -132,6 +132,8 @@ impl Geometry for LargeSphere {
         tables.large_spheres[index].light = light;
     }
 
+    fn faces(&self, _: &ObjectTransform, _: u32, _: &mut dyn FnMut(&[DVec3])) {}
+
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         self.sphere.bounding_shape(at)
     }

@@ -204,6 +204,11 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         };
     }
 
+    fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {
+        let position = |corner: u32| self.mesh.positions.get(corner as usize).map_or(DVec3::ZERO, |p| at.point(*p));
+        self.mesh.triangles.iter().for_each(|triangle| add(&triangle.map(position)));
+    }
+
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         let half = 0.5 * at.scale() * (self.around.max - self.around.min);
         BoundingShape::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }

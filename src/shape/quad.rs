@@ -94,6 +94,11 @@ impl Geometry for Quad {
         tables.quads[index].light = light;
     }
 
+    fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {
+        let Quad { corner, u, v } = *self;
+        add(&[corner, corner + u, corner + u + v, corner + v].map(|p| at.point(p)));
+    }
+
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {
         BoundingShape::Parallelogram { corner: at.point(self.corner), u: at.vector(self.u), v: at.vector(self.v) }
     }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
+use super::disk;
 use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
 use super::space::{Aabb, ObjectTransform, error_bound, padded};
 use crate::data;
@@ -66,6 +67,16 @@ impl Geometry for Sphere {
 
     fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
         tables.spheres[index].light = light;
+    }
+
+    /// The disk within the circle at which lines from the origin touch the sphere.
+    fn faces(&self, at: &ObjectTransform, corners: u32, add: &mut dyn FnMut(&[DVec3])) {
+        let (center, radius) = (at.point(self.center), at.scale() * self.radius);
+        let sine = radius / center.length();
+        if sine < 1.0 {
+            let cosine = (1.0 - sine * sine).sqrt();
+            add(&disk::corners((center * cosine) * cosine, -center.normalize_or_zero(), radius * cosine, corners));
+        }
     }
 
     fn bounding_shape(&self, at: &ObjectTransform) -> BoundingShape {

@@ -262,7 +262,7 @@ pub fn render_job(
 ) -> (Film, Outcome) {
     let flat = flatten(scene, job.size, options).expect("the scene flattens");
     let film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
-    let mut film = film.sampling_lights(options.integrator == Integrator::Mis);
+    let mut film = film.not_sampling(flat.not_sampled).with_lamps(&flat.lamps);
     let outcome = render_flat(&flat, options, job, &mut film, change, watch);
     (film, outcome)
 }

@@ -19,6 +19,7 @@ mod followed_back;
 mod gltf_extensions;
 mod in_memory;
 mod instances;
+mod lamps_in_view;
 mod large_spheres;
 mod layers;
 mod light_paths;

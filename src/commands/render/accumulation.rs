@@ -104,14 +104,14 @@ impl Accumulation {
     pub fn begin(request: &Request<'_>, earlier: Option<&State>, devices: &[Device]) -> Result<Accumulation> {
         let mut begun = match earlier {
             Some(state) => {
-                let mut film = state.film()?;
+                let mut film = state.film()?.not_sampling(request.flat.not_sampled).with_lamps(&request.flat.lamps);
                 add_film(&request.image, state, &mut film)?;
                 let State { samples, looks: checks, devices, .. } = state.clone();
                 Accumulation { film, samples, checks, devices }
             }
             None => {
                 let film = empty_film(&request.flat, request.job.size, &request.args.options)?;
-                Accumulation::new(film.of_part(request.frame))
+                Accumulation::new(film.of_part(request.frame).with_lamps(&request.flat.lamps))
             }
         };
         let names = devices.iter().map(|device| &device.name);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::attribute::{Attribute, CHECKSUM, STATE, checksum, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
-use crate::data::{SampleVariance, Sampler};
+use crate::data::{LampPixel, SampleVariance, Sampler};
 use crate::error::{Error, Result};
 use crate::film::{Film, Totals, sample_variance_of, word_names};
 use crate::identity::Identity;
@@ -40,6 +40,12 @@ pub struct State {
     pub space: Option<SceneSpace>,
     /// Whether the film has sums of light paths.
     pub light_paths: bool,
+    /// The largest radiance of what is not sampled as a light, in device units. States of before do not have it.
+    #[serde(default)]
+    not_sampled: Option<f64>,
+    /// The pixels that lamps cover in part. States of before do not have them.
+    #[serde(default)]
+    lamps: Vec<LampPixel>,
     pub totals: Totals,
     /// The checksum of all words of all pixels.
     checksum: u32,
@@ -62,6 +68,8 @@ impl State {
             sampler: film.sampler(),
             space: film.space(),
             light_paths: film.has_light_paths(),
+            not_sampled: Some(film.not_sampled()),
+            lamps: film.lamps().to_vec(),
             totals: film.totals(),
             checksum: 0,
         }
@@ -70,8 +78,10 @@ impl State {
     /// An empty film for it.
     pub fn film(&self) -> Result<Film> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
-        let film = film.of_part(self.frame());
-        let film = film.sampling_lights(self.identity.samples_lights());
+        // Before that was noted: the brightest of all, if lights were not sampled.
+        let brightest = if self.identity.samples_lights() { 0.0 } else { 1.0 };
+        let film = film.of_part(self.frame()).not_sampling(self.not_sampled.unwrap_or(brightest));
+        let film = film.having_lamps(self.lamps.clone());
         let film = film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())?;
         film.with_light_paths(self.light_paths)
     }
