@@ -208,8 +208,8 @@ pub fn flatten_with(
     }
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
-    builder.flat.not_sampled =
-        if sample_lights { radiance_scale * brightest_of_plain_sky(&scene.background) } else { 1.0 };
+    let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };
+    builder.flat.not_sampled = radiance_scale * not_sampled;
     // The warnings are searched for while the hierarchies are built.
     let (warnings, ()) = join(
         || diagnostics::warnings(&search),

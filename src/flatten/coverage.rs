@@ -118,7 +118,9 @@ mod tests {
     fn both_sides_of_a_surface_cover_a_pixel_once() {
         let square = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)].map(|(x, y)| DVec2::new(x, y));
         let mut coverage = Coverage::new((DVec2::ZERO, DVec2::ONE), 1, 1);
-        [true, false].map(|is_front| coverage.add(&square, is_front, 1.0));
+        for is_front in [true, false] {
+            coverage.add(&square, is_front, 1.0);
+        }
         assert_eq!(covered(&coverage), 0.25);
         coverage.add(&square, true, 9.0);
         assert_eq!(covered(&coverage), 1.0);
