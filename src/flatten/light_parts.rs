@@ -181,7 +181,10 @@ impl Outline {
             Coordinates::Quad | Coordinates::Disk => {
                 let cell = |number: u32| Part {
                     exponents: part.exponents.map(|exponent| exponent + depth),
-                    cell: [part.cell[0] << depth | number % (1 << depth), part.cell[1] << depth | number >> depth],
+                    cell: [
+                        (part.cell[0] << depth) | (number % (1 << depth)),
+                        (part.cell[1] << depth) | (number >> depth),
+                    ],
                     is_above: false,
                 };
                 (0..1 << (2 * depth)).map(cell).collect()
