@@ -173,11 +173,30 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         words += &format!(" (without {})", pixels.broken_words());
         tell(&format!("warning: {}: left out", pixels.broken_words()));
     }
+    // The stated error is that of the picture, and says nothing of other layers.
+    let reliable = [&a, &b].map(|image| image.reliable().filter(|_| args.layer.is_none()));
+    words += unreliable_words(reliable);
     match args.json {
-        true => print_json(&report(args, &errors, &difference, &pixels, &words))?,
+        true => print_json(&report(args, &errors, &difference, &pixels, reliable, &words))?,
         false => print_table(&errors, &difference, &pixels, &words)?,
     }
     check(&args.fail_above, &errors, &pixels)
+}
+
+/// The sentence that follows the verdict if a file calls its own error unreliable.
+fn unreliable_words(reliable: [Option<bool>; 2]) -> &'static str {
+    match reliable.map(|reliable| reliable == Some(false)) {
+        [false, false] => "",
+        [true, false] => {
+            ". A's header calls its error unreliable: A may lack light, and then has more error than its noise shows"
+        }
+        [false, true] => {
+            ". B's header calls its error unreliable: B may lack light, and then has more error than its noise shows"
+        }
+        [true, true] => {
+            ". Both headers call their errors unreliable: A and B may lack light, and then have more error than their noise shows"
+        }
+    }
 }
 
 /// The variances of the samples of each pixel, as the state in the file says; none without a state that can be read.
@@ -271,7 +290,14 @@ fn mean_json(mean: &MeanDifference, p: f64) -> Value {
     })
 }
 
-fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: &Pixels, words: &str) -> Value {
+fn report(
+    args: &CompareArgs,
+    errors: &Errors,
+    difference: &Difference,
+    pixels: &Pixels,
+    reliable: [Option<bool>; 2],
+    words: &str,
+) -> Value {
     let [(mean, _), colours @ ..] = &difference.means;
     let relative = |value: f64| (mean.reference > 0.0).then(|| value / mean.reference);
     let colours = colours.iter().zip(&QUANTITIES[1..]);
@@ -329,6 +355,8 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
         "identical": difference.identical,
         "p": difference.p,
         "level": LEVEL,
+        "image_reliable": reliable[0],
+        "reference_reliable": reliable[1],
         "pixels": {
             "compared": pixels.count - pixels.not_finite[2],
             "not_finite": {"image": pixels.not_finite[0], "reference": pixels.not_finite[1]},

@@ -14,7 +14,7 @@ use super::signals::Signals;
 use super::target::{open_device, tell_driver};
 use crate::cli::{PathArgs, SceneArgs, duration};
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::{Film, Verdict};
 use crate::identity::Identity;
 use crate::job::{Frame, Goal, Job, Size};
 use crate::metrics::error as metrics;
@@ -24,7 +24,7 @@ use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, Width, svg};
 use crate::plan::Plan;
-use crate::render::{Next, Outcome, Renderer, Snapshot, empty_film};
+use crate::render::{NOISE_LEVEL, Next, Outcome, Renderer, Snapshot, empty_film};
 
 #[derive(Debug, Args)]
 pub struct ConvergeArgs {
@@ -67,8 +67,14 @@ struct Measurement {
     /// The mean over pixels and channels of the image minus the reference, relative to the mean of the reference; none
     /// if that is black.
     mean_difference: Option<f64>,
-    /// The render's own estimate of its noise (`Film::relative_error`); none if there are few samples.
+    /// The render's own estimate of its noise; none if there are few samples.
     relative_error: Option<f64>,
+    /// Its upper bound, with 95 % confidence. JSON has no infinity: it becomes null.
+    relative_error_bound: Option<f64>,
+    /// Whether the estimate is reliable, as `render` would say.
+    reliable: Option<bool>,
+    #[serde(skip)]
+    verdict: Verdict,
 }
 
 /// Doubles the number of samples on one film again and again, and measures the image each time.
@@ -79,6 +85,12 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     if !args.quiet {
         tell_denoised(&args.reference, &reference);
         tell_colours(&args.reference, reference.colours.as_deref());
+        if reference.reliable() == Some(false) {
+            tell(&format!(
+                "warning: the header of {} calls its error unreliable: it may lack light, and then has more error than its noise shows",
+                args.reference.display()
+            ));
+        }
     }
     let own_error = error_of_reference(&reference);
     let scene = load(&args.scene)?;
@@ -148,11 +160,14 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         return Err(signals.interrupted("there is no sample yet, and nothing has been written"));
     }
     let rows: Vec<Value> = steps.iter().map(|step| json!(step)).collect();
-    atomic::write(&table, csv(COLUMNS, &rows).as_bytes())?;
+    let mut rows_of_table = rows.clone();
+    rows_of_table.iter_mut().for_each(|row| row["reference_reliable"] = json!(reference.reliable()));
+    atomic::write(&table, csv(COLUMNS, &rows_of_table).as_bytes())?;
     let name = name_of(&args.scene.path);
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
-    report(args, &biases, &device.name.to_string(), (&steps, rows), own_error, (&table, &plot))?;
+    let of_reference = (own_error, reference.reliable());
+    report(args, &biases, &device.name.to_string(), (&steps, rows), of_reference, (&table, &plot))?;
     match signals.are_pending() {
         true => Err(signals.interrupted(&format!("{} holds the samples so far", table.display()))),
         false => Ok(()),
@@ -176,6 +191,7 @@ fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Res
     let picture = film.develop();
     let found = |value: Option<f64>| value.filter(|value| value.is_finite());
     let not_numbers = || Error::Usage("expected a reference of finite numbers, found NaN or infinite pixels".into());
+    let verdict = film.verdict(NOISE_LEVEL);
     let mse = found(metrics::mse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?;
     Ok(Measurement {
         samples,
@@ -185,7 +201,10 @@ fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Res
         relative_mse: found(metrics::relative_mse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
         relmse: found(metrics::relmse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
         mean_difference: found(metrics::mean_difference(&picture.rgb, &reference.rgb)),
-        relative_error: film.relative_error(),
+        relative_error: verdict.error.map(|error| error.value),
+        relative_error_bound: verdict.error.map(|error| error.bound),
+        reliable: verdict.reliable(),
+        verdict,
     })
 }
 
@@ -218,18 +237,29 @@ fn drawing<'a>(title: &'a str, steps: &[Measurement], own_error: Option<f64>) ->
     Plot { title, x: "seconds of rendering", y, curves, guide: true, width: Width::Wide }
 }
 
-const COLUMNS: &str = "samples,seconds,mse,rmse,relative_mse,relmse,mean_difference,relative_error";
+const COLUMNS: &str = "samples,seconds,mse,rmse,relative_mse,relmse,mean_difference,relative_error,relative_error_bound,reliable,\
+                       reference_reliable";
 
 fn line(step: &Measurement) -> String {
     format!(
-        "{:>8} {:>10.3} {:>10.3e} {:>13.3e} {:>10.3e} {:>12}",
+        "{:>8} {:>10.3} {:>10.3e} {:>13.3e} {:>10.3e} {:>12}{}",
         step.samples,
         step.seconds,
         step.rmse,
         step.relative_mse,
         step.relmse,
-        step.mean_difference.map_or("-".into(), |off| format!("{:+.3}", 100.0 * off))
+        step.mean_difference.map_or("-".into(), |off| format!("{:+.3}", 100.0 * off)),
+        if step.reliable == Some(false) { " unreliable" } else { "" }
     )
+}
+
+/// Warnings that name the steps whose own error is unreliable, with the reasons of the last of them.
+fn reliability_warnings(steps: &[Measurement]) -> Vec<String> {
+    let unreliable: Vec<&Measurement> = steps.iter().filter(|step| step.reliable == Some(false)).collect();
+    let at = unreliable.iter().map(|step| step.samples.to_string()).collect::<Vec<_>>().join(", ");
+    let reasons = unreliable.last().map_or_else(Vec::new, |step| step.verdict.reasons_unreliable());
+    let warning = |reason| format!("warning: the relative error at {at} samples is unreliable: {reason}");
+    reasons.into_iter().map(warning).collect()
 }
 
 fn report(
@@ -237,7 +267,7 @@ fn report(
     biases: &[String],
     device: &str,
     (steps, rows): (&[Measurement], Vec<Value>),
-    own_error: Option<f64>,
+    (own_error, reference_reliable): (Option<f64>, Option<bool>),
     (table, plot): (&Path, &Path),
 ) -> Result<()> {
     let slope = slope(steps, own_error.unwrap_or(0.0));
@@ -252,6 +282,7 @@ fn report(
             "biases": biases,
             "steps": rows,
             "relative_mse_of_reference": own_error,
+            "reference_reliable": reference_reliable,
             "relative_mse_falls_as": slope.map(|p| -p),
             "csv": path_text(table),
             "plot": path_text(plot),
@@ -260,6 +291,7 @@ fn report(
     if args.quiet {
         return Ok(());
     }
+    reliability_warnings(steps).iter().for_each(|warning| tell(warning));
     if let Some(own) = own_error {
         tell(&format!(
             "the reference's own noise is a relative MSE of {own:.2e}; errors near that say little about the render"

@@ -196,6 +196,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         budget: args.budget.as_secs_f64(),
         seconds: start.elapsed().as_secs_f64(),
         reference: args.reference.as_deref().map(path_text),
+        reference_reliable: reference.as_ref().and_then(|reference| reference.reliable),
         swing: swing(&sweep.clock),
         error_of_truth: truth.as_ref().zip(judged.weights.as_ref()).and_then(|(truth, weights)| truth.error(weights)),
         against_reference: reference.as_ref().and_then(against_defaults),

@@ -7,7 +7,7 @@ use super::{ErrorEstimate, Film, HiddenLight};
 const CONCENTRATION: f64 = 4.0;
 
 /// The stated error of a film, and the light that it may lack, as shares of the image's light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// `None` while it is not known.
     pub error: Option<ErrorEstimate>,

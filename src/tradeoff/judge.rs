@@ -223,7 +223,9 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
     let against_reference = of_defaults.map(|found| (found, shows_more(&found.signed, &found.squared)));
     let differs = against_reference.is_some_and(|(_, differs)| differs);
     let defaults_known = found.first().is_some_and(|(_, defaults)| defaults.reliable);
-    let reference_known = against_reference.is_some_and(|(found, _)| found.noise_error <= RELIABLE * TARGETS[1]);
+    let lacks_light = reference.is_some_and(|reference| reference.reliable == Some(false));
+    let reference_known =
+        !lacks_light && against_reference.is_some_and(|(found, _)| found.noise_error <= RELIABLE * TARGETS[1]);
     let by_reference = differs || (reference_known && !defaults_known);
     let base_known = if by_reference { reference_known } else { defaults_known };
     for (subject, measured) in &mut found {

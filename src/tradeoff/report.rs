@@ -30,6 +30,8 @@ pub struct Findings {
     pub swing: f64,
     /// The reference file; none if the images of the unbiased settings are pooled instead.
     pub reference: Option<String>,
+    /// Whether its error is reliable, if its header says so.
+    pub reference_reliable: Option<bool>,
     /// The relative MSE of the noise of the reference or of the pooled image, if known.
     pub error_of_truth: Option<f64>,
     /// The relative difference of the defaults' mean from the given reference. If the noise of the reference is
@@ -343,6 +345,13 @@ impl Findings {
             lines.extend(reasons.iter().map(|reason| format!("{reason}{so}")));
         }
         lines.extend(self.measured_against());
+        if self.reference_reliable == Some(false) {
+            lines.push(
+                "the header of the reference calls its error unreliable: it may lack light, and then has more error than its noise shows; so no \
+                 bias against it is known"
+                    .to_string(),
+            );
+        }
         if self.interrupted {
             lines.push("interrupted: the report has only the measurements until then".to_string());
         }
@@ -542,6 +551,7 @@ impl Findings {
             "budget": self.budget,
             "seconds": self.seconds,
             "reference": self.reference,
+            "reference_reliable": self.reference_reliable,
             "swing": self.swing,
             "relative_mse_of_reference": self.error_of_truth,
             "defaults_against_reference": self.against_reference.map(|found| json!({

@@ -13,6 +13,8 @@ pub struct Truth {
     pub image: Pixels,
     /// The variance of each value, if known.
     pub variance: Option<Pixels>,
+    /// Whether its error is reliable, if its file says so.
+    pub reliable: Option<bool>,
 }
 
 /// The distance of images from a truth, corrected for the noise of both.
@@ -33,7 +35,11 @@ impl Truth {
         // The variance of a mean of n pixels is an n-th of their mean variance.
         let share = 1.0 / (by as f32 * by as f32);
         let of_mean = |v: &[[f32; 3]]| shrunk(v, file.width, by).iter().map(|p| p.map(|v| v * share)).collect();
-        Truth { image: shrunk(&file.rgb, file.width, by), variance: file.known_variance().map(of_mean) }
+        Truth {
+            image: shrunk(&file.rgb, file.width, by),
+            variance: file.known_variance().map(of_mean),
+            reliable: file.reliable(),
+        }
     }
 
     /// The mean of all images of unbiased settings, weighted by their samples. The images of the subject `without` are
@@ -83,6 +89,7 @@ impl Truth {
         (total > 0.0).then(|| Truth {
             image: pixels().map(mean).collect(),
             variance: (a > 0.0 && b > 0.0).then(|| pixels().map(variance).collect()),
+            reliable: None,
         })
     }
 
@@ -190,7 +197,11 @@ mod tests {
             let pairs = halves[0].iter().zip(&halves[1]);
             pairs.map(|(a, b)| std::array::from_fn(|c| of(a[c], b[c]))).collect()
         };
-        Truth { image: joined(|a, b| 0.5 * (a + b)), variance: Some(joined(|a, b| 0.25 * (a - b) * (a - b))) }
+        Truth {
+            image: joined(|a, b| 0.5 * (a + b)),
+            variance: Some(joined(|a, b| 0.25 * (a - b) * (a - b))),
+            reliable: None,
+        }
     }
 
     #[test]

@@ -60,6 +60,7 @@ fn findings(samples: &[u32]) -> Findings {
         seconds: 50.0,
         swing: 1.0,
         reference: None,
+        reference_reliable: None,
         error_of_truth: None,
         against_reference: None,
         distance: None,
@@ -112,6 +113,16 @@ fn the_answer_and_the_plot_come_first_and_details_are_folded() {
         assert_eq!(folded.matches(words).count(), page.matches(words).count(), "{words}");
         assert!(folded.contains(words), "{words}");
     }
+}
+
+#[test]
+fn an_unreliable_reference_is_a_condition_of_the_measurement() {
+    let says = |reference_reliable: Option<bool>| {
+        let report = Findings { reference: Some("r.exr".into()), reference_reliable, ..findings(&[4, 16, 64]) };
+        assert_eq!(report.json()["reference_reliable"], serde_json::json!(reference_reliable));
+        html(&report).expect("a page").contains("the header of the reference calls its error unreliable")
+    };
+    assert_eq!([Some(false), Some(true), None].map(says), [true, false, false]);
 }
 
 #[test]

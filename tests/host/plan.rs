@@ -459,9 +459,9 @@ fn neutral_values_need_nothing() {
         assert_eq!(first_difference(&other_tables, &tables), None, "{material}{with})");
     }
     let rough = |kind: &str, more: &str| inputs(&scene(&format!("{kind}(ior: 1.5{more})"), "", ""), folder.path());
-    let glass = format!(", transmittance: Rgb(0.9, 0.8, 0.7), absorption: (1, 2, 3), dispersion: 4");
+    let glass = ", transmittance: Rgb(0.9, 0.8, 0.7), absorption: (1, 2, 3), dispersion: 4";
     for (more, neutral) in
-        [("", ", roughness: 0"), ("", ", roughness: 9e-4, anisotropy: 0, anisotropy_rotation: 9"), (glass.as_str(), "")]
+        [("", ", roughness: 0"), ("", ", roughness: 9e-4, anisotropy: 0, anisotropy_rotation: 9"), (glass, "")]
     {
         let [(plan, tables), (other_plan, other_tables)] =
             [rough("Dielectric", more), rough("RoughDielectric", &format!("{neutral}{more}"))];

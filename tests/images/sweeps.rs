@@ -1,6 +1,7 @@
 //! What a sweep over settings says of them: planted biases are found, noise is not called a bias, and what paths seldom meet is not known.
 
 use crate::common::device;
+use crate::common::render::{Request, render};
 use crate::common::sweeps::{ROOM, SKY, judged, lamp, measure, plant, scene, unbiased};
 
 use gpu_rt::options::{CLAMP, LIGHT_PATHS, LightPaths, RenderOptions, SIZE};
@@ -173,6 +174,14 @@ fn a_bias_against_what_is_not_known_is_not_known() {
         assert!(clamp.verdict().contains("unreliable: the image that its bias refers to is not known well"));
     }
     assert!(recommended(&found).iter().all(Option::is_none));
+    // A reference with little noise makes biases known, unless its header calls its error unreliable.
+    let request = Request { options: RenderOptions::default(), ..Request::spp(1024).seed(9).size(24, 24) };
+    let picture = render(&scene, &request).picture;
+    for (reliable, known) in [(None, true), (Some(true), true), (Some(false), false)] {
+        let (image, variance) = (picture.rgb.clone(), Some(picture.variance.clone()));
+        let found = judged(&mut sweep, Some(&Truth { image, variance, reliable })).measured;
+        assert!(found[1..].iter().all(|clamp| clamp.bias_known == known), "{reliable:?}: {found:?}");
+    }
 }
 
 /// The number of light paths is in no shader, and has an effect all the same. That which `auto` decides has none of its own.

@@ -510,7 +510,19 @@ fn converge_measures_the_images_that_render_writes() {
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(
         rows[0],
-        ["samples", "seconds", "mse", "rmse", "relative_mse", "relmse", "mean_difference", "relative_error"]
+        [
+            "samples",
+            "seconds",
+            "mse",
+            "rmse",
+            "relative_mse",
+            "relmse",
+            "mean_difference",
+            "relative_error",
+            "relative_error_bound",
+            "reliable",
+            "reference_reliable"
+        ]
     );
     let samples: Vec<&str> = rows[1..].iter().map(|row| row[0]).collect();
     assert_eq!(samples, ["1", "2", "4", "8", "16", "24"]);
@@ -564,6 +576,7 @@ fn rendered_pair(sandbox: &Sandbox) {
             variance: image.variance.expect("variances"),
             samples: image.samples.expect("samples"),
             rejected: image.rejected.expect("rejected samples"),
+            verdict: None,
         };
         gpu_rt::output::exr::write_exr(&sandbox.work().join(name), &picture, &[]).expect("it is written");
     };
@@ -576,19 +589,8 @@ fn rendered_pair(sandbox: &Sandbox) {
 #[test]
 fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
     let sandbox = Sandbox::new();
-    let text = |emit: &str| {
-        format!(
-            "(image: (width: 64, height: 48), render: (samples: 64, max_depth: 8),
-              camera: (look_from: (0, 2, 5), look_at: (0, 0, 0), vertical_fov: 40), background: Solid((0.2, 0.2, 0.2)),
-              materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb({emit})) }},
-              objects: [
-                  Quad(corner: (-4, 0, 4), u: (8, 0, 0), v: (0, 0, -8), material: \"grey\"),
-                  Sphere(center: (0, 3, 0), radius: 0.001, material: \"lamp\"),
-              ])"
-        )
-    };
-    sandbox.scene("bright.ron", &text("1e6, 1e6, 1e6"));
-    sandbox.scene("faint.ron", &text("1, 1, 1"));
+    sandbox.scene("bright.ron", &under_a_small_lamp("1e6, 1e6, 1e6"));
+    sandbox.scene("faint.ron", &under_a_small_lamp("1, 1, 1"));
     for (scene, integrator, reliable) in
         [("bright", "bsdf", false), ("bright", "mis", true), ("faint", "bsdf", true), ("faint", "mis", true)]
     {
@@ -607,6 +609,83 @@ fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
         // A joined image has the same verdict.
         let joined = sandbox.says(&format!("merge {scene}.exr -o joined.exr --json")).exits(0).json();
         assert_eq!(joined["reliable"], reliable, "{joined}");
+    }
+}
+
+fn under_a_small_lamp(emit: &str) -> String {
+    format!(
+        "(image: (width: 64, height: 48), render: (samples: 64, max_depth: 8),
+          camera: (look_from: (0, 2, 5), look_at: (0, 0, 0), vertical_fov: 40), background: Solid((0.2, 0.2, 0.2)),
+          materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb({emit})) }},
+          objects: [
+              Quad(corner: (-4, 0, 4), u: (8, 0, 0), v: (0, 0, -8), material: \"grey\"),
+              Sphere(center: (0, 3, 0), radius: 0.001, material: \"lamp\"),
+          ])"
+    )
+}
+
+/// Images that lack the light of a lamp, as `--integrator bsdf` makes them, and images of light sampling, which have it. The latter are the
+/// control: of them no command says that they are unreliable.
+#[test]
+fn commands_that_read_an_image_say_that_its_error_is_unreliable() {
+    let sandbox = Sandbox::new();
+    sandbox.scene("lamp.ron", &under_a_small_lamp("1e6, 1e6, 1e6"));
+    for (name, integrator, seed) in [("dark", "bsdf", 1), ("dark2", "bsdf", 2), ("lit", "mis", 1), ("lit2", "mis", 2)] {
+        let line = format!("render ../scenes/lamp.ron --integrator {integrator} --seed {seed} -o {name}.exr --device");
+        sandbox.says(&format!("{line} {}", software())).exits(0);
+    }
+    for (a, b, words) in [
+        ("dark", "dark2", "Both headers call their errors unreliable"),
+        ("dark", "lit", "A's header calls its error unreliable"),
+        ("lit", "dark", "B's header calls its error unreliable"),
+        ("lit", "lit2", ""),
+    ] {
+        let ran = sandbox.says(&format!("compare {a}.exr {b}.exr")).exits(0);
+        let verdict = ran.stdout.lines().last().expect("it has a verdict");
+        assert!(["noise only", "brighter", "darker"].iter().any(|known| verdict.contains(known)), "{verdict}");
+        assert!(verdict.contains(words) && verdict.contains("unreliable") != words.is_empty(), "{verdict}");
+        let json = sandbox.says(&format!("compare {a}.exr {b}.exr --json")).exits(0).json();
+        assert_eq!(json["verdict"], verdict);
+        let reliable = [a, b].map(|name| name.starts_with("lit"));
+        assert_eq!((&json["image_reliable"], &json["reference_reliable"]), (&reliable[0].into(), &reliable[1].into()));
+    }
+    // The stated error is not that of another layer.
+    let layer = sandbox.says("compare dark.exr dark2.exr --layer variance --json").exits(0).json();
+    assert!(layer["image_reliable"].is_null() && !layer["verdict"].as_str().unwrap().contains("unreliable"), "{layer}");
+
+    for (integrator, reference, reliable) in [("bsdf", "lit", [false, true]), ("mis", "dark", [true, false])] {
+        let line =
+            format!("converge ../scenes/lamp.ron --integrator {integrator} --reference {reference}.exr --seed 9");
+        let line = format!("{line} --spp 64 --device {}", software());
+        let ran = sandbox.says(&format!("{line} --json")).exits(0);
+        let json = ran.json();
+        assert_eq!(json["reference_reliable"], reliable[1], "{json}");
+        // Up to eight samples the error is not known.
+        let steps: Vec<_> = json["steps"].as_array().unwrap().iter().map(|step| &step["reliable"]).collect();
+        assert!(steps[..4].iter().all(|known| known.is_null()), "{json}");
+        assert!(steps.len() == 7 && steps[4..].iter().all(|known| **known == reliable[0]), "{json}");
+        let csv = fs::read_to_string(sandbox.work().join("lamp-converge.csv")).expect("the table is there");
+        let cells = format!(",{},{}", reliable[0], reliable[1]);
+        assert!(csv.lines().skip(5).all(|row| row.ends_with(&cells)), "{csv}");
+        let says = |words: &str| ran.stderr.contains(words);
+        let own =
+            "warning: the relative error at 16, 32, 64 samples is unreliable: --integrator bsdf finds lights by chance";
+        assert_eq!(says(own), !reliable[0], "{}", ran.stderr);
+        assert_eq!(says("warning: the header of dark.exr calls its error unreliable"), !reliable[1], "{}", ran.stderr);
+        let table = sandbox.says(&line).exits(0).stdout;
+        assert_eq!(table.lines().filter(|line| line.ends_with(" unreliable")).count(), if reliable[0] { 0 } else { 3 });
+    }
+
+    #[cfg(unix)]
+    for (integrator, reliable) in [("bsdf", false), ("mis", true)] {
+        let options = format!("--integrator {integrator} --device {}", software());
+        let submit = "submit slurm ../scenes/lamp.ron --spp 16 --parts 1 --dry-run -o";
+        sandbox.says(&format!("{submit} {integrator} {options}")).exits(0);
+        let part = format!("-o {integrator}/parts/00-16.exr");
+        sandbox.says(&format!("render ../scenes/lamp.ron --samples 0..16 {part} {options}")).exits(0);
+        let status = sandbox.says(&format!("status {integrator} --error --json")).exits(0);
+        assert_eq!(status.json()["reliable"], reliable, "{status:?}");
+        assert_eq!(status.stderr.contains("warning: the relative error is unreliable"), !reliable, "{status:?}");
     }
 }
 

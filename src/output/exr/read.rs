@@ -49,6 +49,12 @@ impl ExrImage {
         found.map(|(_, words)| words.as_str())
     }
 
+    /// Whether its stated error is reliable, if this program rendered it and knew the error.
+    pub fn reliable(&self) -> Option<bool> {
+        let (_, text) = self.attributes.iter().find(|(name, _)| name == "gpu-rt:reliable")?;
+        text.parse::<i64>().ok().map(|reliable| reliable != 0)
+    }
+
     /// The seed of the render, if this program made the file. Images with the same seed share some noise.
     pub fn seed(&self) -> Option<u32> {
         let (_, text) = self.attributes.iter().find(|(name, _)| name == "gpu-rt:seed")?;
