@@ -502,8 +502,6 @@ pub struct Picture {
     pub samples: Vec<u32>,
     /// Rejected samples.
     pub rejected: Vec<u32>,
-    /// The stated error, of a picture that [`render_scene`](crate::render_scene) has made.
-    pub verdict: Option<Verdict>,
 }
 
 /// A pixel of a [`Picture`].

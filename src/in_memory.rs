@@ -7,7 +7,7 @@ use crate::gpu::device::{Adapters, Device};
 use crate::job::{Goal, Job, MOST_SAMPLES};
 use crate::options::RenderOptions;
 use crate::plan::Plan;
-use crate::render::{NOISE_LEVEL, Next, Renderer, empty_film};
+use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
 
 /// The longest side of an image, in pixels.
@@ -26,7 +26,7 @@ pub struct RenderSettings {
     pub device: Option<String>,
 }
 
-/// The picture of a scene, as `gpu-rt render` makes it, with the error that `render` states.
+/// The picture of a scene, as `gpu-rt render` makes it.
 ///
 /// # Errors
 /// If a setting is out of range, if there is no such device, or if the device fails.
@@ -48,5 +48,5 @@ pub fn render_scene(scene: &Scene, settings: &RenderSettings) -> Result<Picture>
     let plan = Plan::new(&flat, &options, device.class(), &job)?;
     let mut film = empty_film(&flat, size, &options)?;
     Renderer::new(&device, &plan, &job, false)?.run(&job, &mut film, &mut |_, _| Next::GoOn)?;
-    Ok(Picture { verdict: Some(film.verdict(NOISE_LEVEL)), ..film.develop() })
+    Ok(film.develop())
 }

@@ -26,8 +26,6 @@
 //! assert_eq!(picture.rgb.len(), 32 * 18);
 //! assert_eq!(picture.rgb[9 * 32 + 16], [4.0, 2.0, 1.0]);
 //! assert_eq!(picture.rgb[0], [0.5, 0.7, 1.0]);
-//! // Whether its stated error is reliable.
-//! assert_eq!(picture.verdict.and_then(|verdict| verdict.reliable()), Some(true));
 //! # let folder = tempfile::tempdir().expect("a temporary folder");
 //! # let path = folder.path().join("lamp.exr");
 //! gpu_rt::write_exr(&path, &picture, &[])?;
@@ -100,7 +98,7 @@ mod threads;
 pub mod tradeoff;
 
 pub use error::{Error, Location, Result};
-pub use film::{ErrorEstimate, Picture, Verdict};
+pub use film::Picture;
 pub use in_memory::{RenderSettings, render_scene};
 pub use output::exr::{Attribute, write_exr};
 pub use scene::Scene;

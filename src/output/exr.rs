@@ -37,7 +37,6 @@ mod tests {
             variance: (0..count).map(|i| [value(i + 300), 0.0, UNKNOWN_VARIANCE]).collect(),
             samples: (0..count as u32).map(|i| u32::MAX - i).collect(),
             rejected: (0..count as u32).collect(),
-            verdict: None,
         }
     }
 

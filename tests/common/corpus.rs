@@ -29,7 +29,6 @@ pub fn images() -> Vec<(String, Vec<u8>)> {
         variance: vec![[0.1; 3]; 6],
         samples: vec![8; 6],
         rejected: vec![0; 6],
-        verdict: None,
     };
     let attributes = [Attribute::Text("a scene".to_owned()), Attribute::Int(-7), Attribute::Float(0.5)];
     let attributes = ["text", "gpu-rt:seed", "float"].map(str::to_owned).into_iter().zip(attributes);

@@ -8,7 +8,7 @@ use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::Plan;
 use gpu_rt::render::{Next, Renderer};
-use gpu_rt::{Picture, RenderSettings, Scene, render_scene};
+use gpu_rt::{RenderSettings, Scene, render_scene};
 
 const SIZE: (u32, u32) = (12, 9);
 const SAMPLES: u32 = 16;
@@ -29,15 +29,7 @@ fn a_picture_in_memory_is_that_of_the_program() {
         RenderSettings { size: Some(SIZE), samples: Some(SAMPLES), seed: 3, device: Some(index().to_owned()) };
     let request = Request { options: RenderOptions::default(), ..Request::spp(SAMPLES).seed(3).size(SIZE.0, SIZE.1) };
     let picture = render_scene(&lit(), &settings).expect("it renders");
-    let shot = render(&lit(), &request);
-    let verdict = picture.verdict.expect("it has 16 samples");
-    assert_eq!(verdict, shot.film.verdict(0.05));
-    // The control: another seed has another error.
-    assert_ne!(
-        verdict,
-        render(&lit(), &Request { options: RenderOptions::default(), ..request.seed(4) }).film.verdict(0.05)
-    );
-    assert_eq!(Picture { verdict: None, ..picture }, shot.picture);
+    assert_eq!(picture, render(&lit(), &request).picture);
     for settings in [
         RenderSettings { size: Some((0, 9)), ..settings.clone() },
         RenderSettings { size: Some((9, 1 << 17)), ..settings.clone() },

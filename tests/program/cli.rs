@@ -576,7 +576,6 @@ fn rendered_pair(sandbox: &Sandbox) {
             variance: image.variance.expect("variances"),
             samples: image.samples.expect("samples"),
             rejected: image.rejected.expect("rejected samples"),
-            verdict: None,
         };
         gpu_rt::output::exr::write_exr(&sandbox.work().join(name), &picture, &[]).expect("it is written");
     };
