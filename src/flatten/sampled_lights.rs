@@ -359,8 +359,8 @@ impl Builder<'_> {
         let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
         let code = primitive.shape.code(index as usize);
         let scale = largest_scale(&primitive.motion);
-        let lets_pass =
-            KINDS[primitive.shape.number()].encloses() && self.models[primitive.material as usize].has_alpha();
+        let lets_pass = KINDS[primitive.shape.number()].encloses()
+            && self.models[primitive.material as usize].has_alpha();
         let part = if lets_pass && two_sided { CROSSED } else { WHOLE };
         let emitters = primitive.shape.emitters(&at, index, code, layout).into_iter().map(|emitter| {
             let normal = emitter.normal.and_then(DVec3::try_normalize);
