@@ -384,7 +384,7 @@ impl Film {
             return None;
         }
         let of_lamps = self.errors_of_lamps(floor);
-        let (missing, expected) = (of_lamps.missing, of_lamps.expected);
+        let missing = of_lamps.missing;
         let error = |total: f64| (total / pixels as f64).sqrt();
         if total == 0.0 && usual.largest.is_empty() && missing == 0.0 {
             return Some(ErrorEstimate { value: 0.0, bound: 0.0, against_better: 0.0, reliable: true });
@@ -394,8 +394,7 @@ impl Film {
         let bound = if alike { bound } else { bound.max(rare.bound(level).0) };
         let is_known = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
         let reliable = is_known && total + missing <= MOST_ACROSS * MOST_ACROSS * total;
-        let with_expected = NoiseSum { expected, ..usual.clone() };
-        let bound = bound.max(total).max(with_expected.bound(level).0) + missing;
+        let bound = bound.max(total) + missing + of_lamps.excess;
         Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(usual.total), reliable })
     }
 }
@@ -414,8 +413,6 @@ struct NoiseSum {
     /// The pixels with the largest w, the largest first: w, x, and the part of the variance. No more pixels than these can have more than
     /// [`MOST_OF_HALVES`] each.
     largest: Vec<Rgb<f64>>,
-    /// What is not measured but known: its sum, and the variance of the image's own squared errors there.
-    expected: [f64; 2],
 }
 
 impl NoiseSum {
@@ -442,13 +439,13 @@ impl NoiseSum {
             of_samples = [of_samples[0] + w, of_samples[1] + 2.0 * w * w];
             of_halves = [(of_halves[0] - x).max(0.0), (of_halves[1] - variance).max(0.0)];
         }
-        let total = of_samples[0] + of_halves[0] + self.expected[0];
+        let total = of_samples[0] + of_halves[0];
         // T² overestimates (E T)² by the variance of T, which is subtracted for pixels that count by halves.
         let degrees = |of_samples: f64| match of_samples + of_halves[1] {
             variance if variance > 0.0 => (2.0 * (total * total - of_halves[1]) / variance).max(0.0),
             _ => f64::INFINITY,
         };
-        let of_image = degrees(of_samples[1] + self.expected[1]);
+        let of_image = degrees(of_samples[1]);
         let of_estimate = degrees(of_samples[1] / DEGREES_OF_SAMPLES);
         (total * upper_fisher(of_image, of_estimate, level), of_estimate)
     }

@@ -13,10 +13,10 @@ const FEW: f64 = 8.0;
 /// The squared relative errors by lamps, summed over pixels in which few samples see them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LampErrors {
-    /// Of this image, what the pixels lack.
+    /// By what pixels lack.
     pub missing: f64,
-    /// What is to be expected of an image, and the variance of that.
-    pub expected: [f64; 2],
+    /// By what pixels have too much.
+    pub excess: f64,
 }
 
 impl Film {
@@ -54,10 +54,11 @@ impl Film {
     ///
     /// A share c of a pixel's N samples should see the lamp, whose radiance is L. If k of them do, the pixel lacks (c - k/N) L, which is all
     /// of it if k = 0. These samples alone have the variance k/N (1 - k/N) L², from which k follows. If other noise adds to that, k is too
-    /// large, and that noise is in the measured error. Nothing is missing if k/N > c: then the measured error has it.
+    /// large, and that noise is in the measured error.
     ///
-    /// On average over images, independent samples have the squared error c (1 - c) L² / N. Where less than one of them should see the lamp,
-    /// nearly all of that is from the few images in which one does. In the others it is c² L², the smaller of the two.
+    /// If k/N > c, the pixel has (k/N - c) L too much. The halves do not tell: with one such sample each, they agree. Other noise must not count
+    /// as a lamp, so the square is at most 2 V, with V the variance of the pixel's mean by that of its samples. Two samples of a lamp that none
+    /// should see have V = 2 (L/N)², half of the square.
     pub(super) fn errors_of_lamps(&self, floor: f64) -> LampErrors {
         let visible = self.visible_lamps();
         let mut errors = LampErrors::default();
@@ -68,7 +69,7 @@ impl Film {
                 continue;
             }
             let (means, variances) = (estimate.means(), estimate.variances_of_samples());
-            let (mut missing, mut expected, mut weights) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            let (mut missing, mut excess, mut weights) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             for c in 0..3 {
                 let (mean, square) = (f64::from(lamp.mean[c]), f64::from(lamp.square[c]));
                 if square == 0.0 {
@@ -77,15 +78,16 @@ impl Film {
                 let of_lamp = (square / share).sqrt();
                 let found = 0.5 - (0.25 - (variances[c] * samples / (of_lamp * of_lamp)).min(0.25)).sqrt();
                 let rest = (means[c] - found * of_lamp).max(0.0);
-                missing[c] = (mean * (1.0 - found / share).max(0.0)).powi(2);
-                expected[c] = ((square - mean * mean).max(0.0) / samples).min(mean * mean);
+                let lacks = mean * (1.0 - found / share);
+                match found < share {
+                    true => missing[c] = lacks * lacks,
+                    false => excess[c] = (lacks * lacks).min(2.0 * variances[c]),
+                }
                 weights[c] = 1.0 / ((mean + rest) * (mean + rest) + floor);
             }
             let (count, visible) = (f64::from(lamp.count), visible.get(&lamp.lamp).copied().unwrap_or(1.0));
-            let expected = visible * weighted(expected, weights);
             errors.missing += count * visible * weighted(missing, weights);
-            errors.expected[0] += count * expected;
-            errors.expected[1] += 2.0 * count * expected * expected;
+            errors.excess += count * weighted(excess, weights);
         }
         errors
     }
@@ -158,9 +160,7 @@ mod tests {
         let lacks = f64::from(share * RADIANCE);
         let missing = (lacks / (1.0 + lacks)).powi(2) / 1.01;
         let expected = (own.bound.powi(2) + missing / 100.0).sqrt();
-        // What is expected of a pixel alone exceeds the mean by 3.84 in one of twenty, and what is missing is added.
-        let most = (own.bound.powi(2) + 4.84 * missing / 100.0).sqrt();
-        assert!(with.bound >= 0.98 * expected && with.bound < 1.05 * most, "{with:?} {own:?} {expected}");
+        assert!((with.bound / expected - 1.0).abs() < 0.02, "{with:?} {own:?} {expected}");
         assert_eq!((with.value, with.reliable), (own.value, false));
         // If it were a small part of the error, that would be reliable.
         let little = film.clone().having_lamps(vec![lamp(7, 0.0004)]).error_estimate(0.05).expect("it has light");
@@ -185,6 +185,30 @@ mod tests {
         }
         // The samples of one run say k/8 (1 - k/8) for 2k/16 (1 - 2k/16).
         assert!(missing[3] < 0.02 && missing[4] < 0.005, "{missing:?}");
+    }
+
+    /// A lamp that one of a hundred samples should see, and more do.
+    #[test]
+    fn samples_of_a_lamp_that_are_too_many_are_an_excess() {
+        let with = |seen: u32| {
+            let mut all = [0; 100];
+            all[7] = seen;
+            let film = film(all).having_lamps(vec![lamp(7, 0.01)]);
+            film.errors_of_lamps(0.01)
+        };
+        for seen in [1, 2, 4] {
+            let (errors, k) = (with(seen), f64::from(seen));
+            // The variance of a sample, over L², of k that one run of eight has seen.
+            let variance = k * (1.0 - k / 8.0) / 14.0;
+            let found = 0.5 - (0.25 - variance).sqrt();
+            let should = 1.0 + f64::from(RADIANCE) * (k / 16.0 - found + 0.01);
+            // Four are as noise of twice the variance of the mean.
+            let square = if seen < 4 { (found - 0.01).powi(2) } else { 2.0 * variance / 16.0 };
+            let expected = square * (f64::from(RADIANCE) / should).powi(2);
+            assert!((errors.excess / expected - 1.0).abs() < 0.05, "{errors:?} {expected}");
+            assert_eq!(errors.missing, 0.0);
+        }
+        assert_eq!(with(0).excess, 0.0);
     }
 
     /// A lamp that should be seen by many samples and is seen by none is hidden.
