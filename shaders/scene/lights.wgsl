@@ -172,7 +172,7 @@ fn number_of_light(hit: Hit) -> u32 {
         }
         //@ end
         default: {
-            return NUMBER_OF_SKY;
+            return at_run_time(NUMBER_OF_SKY);
         }
     }
 }

@@ -73,8 +73,9 @@ fn light_sampling_changes_no_expectation_where_surfaces_emit_and_scatter() {
     let bsdf = render(&room, &Request::default().seed(1));
     let mis = Request::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let twice = Overlay::new(&[])
-        .rewritten("step/found_light", |own| own.replace("let weight = mis_weight(path, hit);", "let weight = 1.0;"));
+    let twice = Overlay::new(&[]).rewritten("step/found_light", |own| {
+        own.replace("let weight = mis_weight(path, hit, surface.local);", "let weight = 1.0;")
+    });
     let twice = render_planted(&room, &mis, &twice);
     assert!(same_expectation(&bsdf, &twice, 1e-5, ALPHA).is_err(), "light that is counted twice is not found");
 }

@@ -206,7 +206,7 @@ fn a_hot_texel_is_sampled() {
         // A point that is uniform in the area of the lamp has a radiance with this relative variance alone: the texel is a tent of four texels,
         // whose square is 4/9 of its peak's.
         let (hot, texels, rest) = (700.0, 64.0 * 64.0, 0.02);
-        let uniform = hot * hot / texels * (4.0 / 9.0) / (hot / texels + rest).powi(2);
+        let uniform = hot * hot / texels * (4.0 / 9.0) / f64::powi(hot / texels + rest, 2);
         let samples = 1024.0 * 256.0;
         let found = parts.variance[1] / parts.value[1].powi(2) * samples;
         println!("{name}: relative variance {found:.3} of a sample, {uniform:.0} without parts");
