@@ -193,7 +193,7 @@ fn light_paths_and_camera_paths_agree_path_by_path() {
         assert!(found.wrong > 3.0 * ROUNDED * found.all, "{plant:?}: {found:?}");
     }
     for plant in [
-        ("step/light", "light_sample.pdf + select(pdf", "1.02 * light_sample.pdf + select(pdf"),
+        ("step/light", "light_pdf + select(pdf", "1.02 * light_pdf + select(pdf"),
         ("step/light_path", "sampled);", "1.02 * sampled);"),
         (
             "scene/delta_emission",
