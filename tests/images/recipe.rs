@@ -216,7 +216,7 @@ fn ring_shot(camera: &str, objects: &str, scatter: Scatter, shape: &str, light: 
     let modules = [("geometry/disk", shape), ("light/disk", light)];
     let library = With(modules.map(|(name, text)| (name.to_string(), text.to_string())).into());
     let list = |choices: &mut Choices| {
-        for list in ["primitive", "emitter"] {
+        for list in ["primitive", "emitter", "whole_emitter"] {
             let entries = choices.lists.get_mut(list).expect("the plan has the list");
             entries.iter_mut().filter(|entry| entry.name == "disk").for_each(|entry| entry.number = LAST_KIND);
         }
