@@ -445,8 +445,7 @@ impl NoiseSum {
             variance if variance > 0.0 => (2.0 * (total * total - of_halves[1]) / variance).max(0.0),
             _ => f64::INFINITY,
         };
-        let of_image = degrees(of_samples[1]);
-        let of_estimate = degrees(of_samples[1] / DEGREES_OF_SAMPLES);
+        let (of_image, of_estimate) = (degrees(of_samples[1]), degrees(of_samples[1] / DEGREES_OF_SAMPLES));
         (total * upper_fisher(of_image, of_estimate, level), of_estimate)
     }
 }

@@ -173,7 +173,7 @@ pub fn flatten_with(
     }
     flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
-    flat.lamps = lamps_in_view(scene, &view, options.filter, &finder, radiance_scale);
+    flat.lamps = lamps_in_view(scene, &view, options.filter, &finder, &emissions, radiance_scale);
     let mut builder = Builder {
         scene,
         layouts: vec![None; meshes.len()],
@@ -382,7 +382,7 @@ fn models<'a>(scene: &'a Scene, finder: &Finder<'_>) -> Vec<Model<'a>> {
     scene.materials.iter().zip(vertices).map(|((_, material), vertices)| material.model_on_device(vertices)).collect()
 }
 
-/// What the materials emit that objects have; nothing of the others.
+/// The emission of each material that an object has; nothing of the others.
 fn emissions(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>], used: &[bool]) -> Vec<Emitted> {
     let emitted = models.iter().enumerate().zip(used).map(|((number, model), used)| match used {
         true => model.most_emitted(&scene.bitmaps, || largest_of_vertices(finder, number)),

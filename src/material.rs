@@ -173,7 +173,7 @@ impl Material {
         }
     }
 
-    /// What kernels need of the material on objects whose vertices have this: nothing that changes nothing.
+    /// The material as kernels have it, on objects whose vertices have these attributes. Neutral values are left out.
     pub fn model_on_device(&self, vertices: Vertices) -> Model<'_> {
         let model = match self {
             Material::RoughDielectric { ior, transmittance, absorption, dispersion, .. } if self.is_smooth_glass() => {

@@ -22,7 +22,7 @@ fn choose_side(
     facing: vec3<f32>,
     u: f32,
 ) -> LightSide {
-    let chooses = samples_lights && responds_on_both_sides(evaluated) && is_smooth(hit.code);
+    let chooses = samples_lights && points_of_event(evaluated, hit) > 1.0;
     let below = chooses && u < 0.5;
     let facet_point = leave_surface(surface.point, surface.error, -facing, -facing);
     return LightSide(select(point, facet_point, below), chooses, below);

@@ -70,15 +70,14 @@ fn draw_emitter(u: f32) -> AliasChoice {
     return alias_choice(pick, emitters[pick.index]);
 }
 
-// `u` chooses the light, the box, and the point; `v` the direction.
-fn emit_light(u: vec4<f32>, v: vec2<f32>) -> EmittedRay {
-    let choice = draw_emitter(u.x);
+// The ray of a drawn light. `u` chooses the box and the point; `v` the direction.
+fn emit_light(choice: AliasChoice, u: vec3<f32>, v: vec2<f32>) -> EmittedRay {
     let light = lights[choice.index];
     if is_delta_light(light.code) {
-        return emit_from_delta_light(light.code, choice.density, u.y, v);
+        return emit_from_delta_light(light.code, choice.density, u.x, v);
     }
-    let start = point_of_light(light, u.zw);
-    let aim = aim_from(start.point, light.code, u.y, v);
+    let start = point_of_light(light, u.yz);
+    let aim = aim_from(start.point, light.code, u.x, v);
     if !(aim.pdf > 0.0) || dot(start.outward, aim.direction) < 0.0 {
         return no_emission();
     }

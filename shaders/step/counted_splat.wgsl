@@ -5,7 +5,7 @@
 //@ use bind/settings
 //@ use scene/lights
 //@ use step/counted_light
-// What light paths bring to the pixels counts as light that was found in narrow lobes: their first event has one.
+// Light paths begin with a narrow or specular lobe. So their contributions to pixels count as light that was found in one.
 
 // Keeps the bin of the light at which the path starts.
 fn record_start(path: ptr<function, Path>, light_index: u32, radiance: vec3<f32>) {

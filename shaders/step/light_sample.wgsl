@@ -53,7 +53,8 @@ fn emit_light_path(path: ptr<function, Path>) {
     let u = random4((*path).pixel, (*path).sample, DIMENSION_EMISSION, settings.seed);
     let v = random4((*path).pixel, (*path).sample, DIMENSION_EMITTED_DIRECTION, settings.seed);
     begin_time(path);
-    let emitted = emit_light(u, v.xy);
+    let choice = draw_emitter(u.x);
+    let emitted = emit_light(choice, u.yzw, v.xy);
     (*path).light_paths[half_of_light_path(path)] += 1u;
     if !any(emitted.weight > vec3<f32>(0.0)) {
         return;
@@ -66,7 +67,7 @@ fn emit_light_path(path: ptr<function, Path>) {
     (*path).status = RAY_READY;
     absorb_nothing_ahead(path);
     (*path).log_ratio = log2(emitted.density);
-    record_start(path, start_of_light_path(path), emitted.radiance);
+    record_start(path, choice.index, emitted.radiance);
     if emitted.is_parallel {
         (*path).shadow = Ray(emitted.ray.origin, -emitted.ray.direction);
         (*path).light = HIT_NOTHING;

@@ -13,7 +13,8 @@
 // within a cone around the sampled direction. The light that probes find is counted, and the light that paths find through
 // narrow lobes. The counts do not change the image.
 
-// The bits of a path's history. It has an event that is not specular.
+// The bits of a path's history.
+// One of its events was not specular.
 const AFTER_SPREADING: u32 = 1u;
 // The path's ray was drawn from a narrow lobe after such an event.
 const IN_NARROW_LOBE: u32 = 2u;

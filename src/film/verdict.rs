@@ -61,8 +61,8 @@ impl Verdict {
         }
         if self.lacks_light() && self.unfound > self.hidden.missing() {
             reasons.push(format!(
-                "light that is not sampled (a sky without an image, lights beyond the limit, all with --integrator bsdf) is found by chance: up \
-                 to {} % of the image's light may be missing, from the brightest of it. Raise --spp",
+                "light that is not sampled (a sky without an image, lights beyond the limit, all with --integrator bsdf) is found by chance, and \
+                 paths may have missed as much as {} % of the image's light. Raise --spp",
                 percent(self.unfound)
             ));
         } else if self.lacks_light() {

@@ -44,7 +44,7 @@ pub struct Builder<'a> {
     pub models: Vec<Model<'a>>,
     /// The slots of each of the scene's materials that have frames. On every object, each has its own frame, in this order.
     pub framed: Vec<Vec<Slot<'a>>>,
-    /// Of each of the scene's materials, whether anything that it emits shows.
+    /// Whether anything that it emits shows, for each of the scene's materials.
     pub shows_emission: Vec<bool>,
     /// The index of each image's first word, by path and decoding.
     pub images: HashMap<(String, Decoding), u32>,
@@ -251,7 +251,7 @@ impl Builder<'_> {
                 let is_textured = extension.slot.is_textured();
                 frame += u32::from(extension.slot.has_frame());
                 self.flat.features.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
-                // What no coverage shows may be too bright for f32 in the unit of what shows.
+                // An emission that no coverage shows may be too bright for f32 in the unit of those that show.
                 let brightness = if self.shows_emission[number] { radiance_scale } else { 0.0 };
                 self.add_row(name, row, Some(extension.slot), brightness);
             }

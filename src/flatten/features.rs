@@ -65,7 +65,7 @@ pub struct Features {
     pub textured_media: Option<String>,
     /// Kinds of primitive that are sampled as lights, by the indices of `PRIMITIVES`.
     pub emitters: [Option<String>; PRIMITIVES.len()],
-    /// Those of them whose lights are cut into parts.
+    /// Kinds of primitive whose lights are cut into parts.
     pub parted: [Option<String>; PRIMITIVES.len()],
     /// Convex bodies that emit on both sides and have an alpha.
     pub crossed_lights: Option<String>,

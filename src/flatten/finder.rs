@@ -11,7 +11,7 @@ use crate::delta_light::WorldLight;
 use crate::scene::{Object, Scene, Texture};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
-use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
+use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
 
 /// A primitive, with the transform that its texture needs.
 pub struct Primitive<'a> {
@@ -21,6 +21,16 @@ pub struct Primitive<'a> {
     pub to_world: Similarity,
     pub motion: Motion,
     pub material: u32,
+}
+
+/// The primitives, each with its index among those of its kind: that in the table of the kind.
+pub fn with_indices<'p, 'a>(primitives: &'p [Primitive<'a>]) -> impl Iterator<Item = (u32, &'p Primitive<'a>)> {
+    let mut counts = [0; KINDS.len()];
+    primitives.iter().map(move |primitive| {
+        let count = &mut counts[primitive.shape.number()];
+        *count += 1;
+        (*count - 1, primitive)
+    })
 }
 
 /// A medium within its boundary.

@@ -13,6 +13,7 @@ use super::finder::{Finder, Primitive};
 use super::motion::MotionStep;
 use super::view::View;
 use crate::data::{LampPixel, Rgb};
+use crate::material::Emitted;
 use crate::options::Filter;
 use crate::scene::Scene;
 use crate::shape::similarity::Similarity;
@@ -38,10 +39,11 @@ pub fn lamps_in_view(
     view: &View<'_>,
     filter: Filter,
     finder: &Finder<'_>,
+    emissions: &[Emitted],
     radiance_scale: f64,
 ) -> Vec<LampPixel> {
-    let emissions = scene.materials.iter().map(|(_, material)| {
-        let emission = material.model().emission()?;
+    let emissions = scene.materials.iter().zip(emissions).map(|((_, material), emitted)| {
+        let emission = material.model().emission().filter(|_| emitted.is_seen())?;
         let radiance: DVec3 = radiance_scale * emission.slot.texture.largest_channels(&scene.bitmaps);
         (radiance.max_element() > 0.0).then_some((radiance, emission.two_sided))
     });
@@ -182,7 +184,7 @@ struct Projection {
     filter: Filter,
     /// So many cells may be computed for a lamp.
     cells: usize,
-    /// Of the polygon in the place of a circle.
+    /// Corners of the polygon in the place of a circle.
     corners: u32,
     /// By the pixel, and by how many it stands for.
     pixels: HashMap<(u32, usize), LampPixel>,
@@ -339,7 +341,8 @@ mod tests {
             "Scene(image: (width: 32, height: 18),
             camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 53.13010235415598{camera}),
             background: Solid((0, 0, 0)),
-            materials: {{ \"lamp\": DiffuseLight(emit: Rgb(8, 4, 2)), \"down\": DiffuseLight(emit: Rgb(8, 4, 2), two_sided: false) }},
+            materials: {{ \"lamp\": DiffuseLight(emit: Rgb(8, 4, 2)), \"down\": DiffuseLight(emit: Rgb(8, 4, 2), two_sided: false),
+                \"ghost\": Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(8, 4, 2), alpha: Rgb(0, 0, 0)) }},
             objects: [{objects}])"
         );
         let scene = Scene::parse(&text, Path::new("test.ron")).unwrap();
@@ -400,7 +403,7 @@ mod tests {
         }
     }
 
-    /// What the camera cannot see, and what covers all of the image, has no edges in it.
+    /// A lamp that the camera cannot see has no edges in the image, nor one that covers all of it or that no alpha shows.
     #[test]
     fn lamps_without_edges_in_the_image_cover_no_pixel_in_part() {
         for object in [
@@ -411,6 +414,7 @@ mod tests {
             "Quad(corner: (-1, 1, -1), u: (2, 0, 0), v: (0, 0, -2), material: \"lamp\"), Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"lamp\")",
             "Quad(corner: (-1000, -1000, -1), u: (2000, 0, 0), v: (0, 2000, 0), material: \"lamp\")",
             "Quad(corner: (-1, -1, -1), u: (0, 2, 0), v: (2, 0, 0), material: \"down\")",
+            "Quad(corner: (-0.1, -0.1, -1), u: (0.23, 0, 0), v: (0, 0.23, 0), material: \"ghost\")",
         ] {
             let found = seen("", Filter::Box, object);
             let is_ceiling = object.contains("Box");

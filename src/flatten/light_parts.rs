@@ -22,17 +22,17 @@ const EVEN: f64 = 0.05;
 /// The largest exponent of a part's column or row (shaders/light/parts).
 const FINEST: u32 = 11;
 
-/// A part of a shape, by the cell of a grid over the shape's coordinates (shaders/light/parts).
+/// A part of a light, by the cell of a grid over the shape's coordinates (shaders/light/parts).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Part {
+pub struct LightPart {
     /// The numbers of columns and rows are two to the power of these.
     exponents: [u32; 2],
     cell: [u32; 2],
-    /// Of a triangle: it is the half of the cell above the diagonal.
+    /// True of the half of a triangle's cell above the diagonal.
     is_above: bool,
 }
 
-impl Part {
+impl LightPart {
     pub fn code(self) -> u32 {
         let [[i, j], [x, y]] = [self.cell, self.exponents];
         i | j << 11 | x << 22 | y << 26 | u32::from(self.is_above) << 30
@@ -46,13 +46,13 @@ impl Part {
         DVec2::from_array(self.cell.map(f64::from)) * self.size()
     }
 
-    /// Its share of the shape's area.
+    /// The share of the shape's area that the part has.
     pub fn share(self) -> f64 {
         self.size().element_product()
     }
 
-    /// Its two halves along an axis.
-    fn halves(self, axis: usize) -> [Part; 2] {
+    /// Two halves along an axis.
+    fn halves(self, axis: usize) -> [LightPart; 2] {
         [0, 1].map(|side| {
             let mut half = self;
             half.exponents[axis] += 1;
@@ -62,12 +62,12 @@ impl Part {
     }
 
     /// The four triangles of half its size that it consists of.
-    fn quarters(self) -> [Part; 4] {
+    fn quarters(self) -> [LightPart; 4] {
         let above = u32::from(self.is_above);
         [([0, 0], false), ([1, 0], false), ([0, 1], false), ([0, 0], true)].map(|([i, j], is_above)| {
-            // Those of a triangle above the diagonal are these, turned by half a turn.
+            // A triangle above the diagonal has the same four, turned by half a turn.
             let turned = |bit: u32| if self.is_above { 1 - bit } else { bit };
-            Part {
+            LightPart {
                 exponents: self.exponents.map(|exponent| exponent + 1),
                 cell: [2 * self.cell[0] + turned(i), 2 * self.cell[1] + turned(j)],
                 is_above: is_above != (above == 1),
@@ -76,12 +76,12 @@ impl Part {
     }
 }
 
-/// What a shape's coordinates are.
+/// The coordinates of a shape.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Coordinates {
-    /// Those along two edges.
+    /// Shares of two edges.
     Quad,
-    /// Those along two edges, below the diagonal.
+    /// Shares of two edges, below the diagonal.
     Triangle,
     /// The square of the radius, and the turns from the direction opposite to the first edge of the square around the disk.
     Disk,
@@ -97,7 +97,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Of a mesh, that of this face, with this set of texture coordinates.
+    /// The outline of a flat shape; of a mesh, that of this face, with this set of texture coordinates.
     pub fn new(shape: &Shape<'_>, face: usize, uv_set: u32) -> Option<Outline> {
         let of_square = |coordinates, corner, u, v| {
             Some(Outline { coordinates, corner, edges: [u, v], uv: DVec2::ZERO, uv_edges: [DVec2::X, DVec2::Y] })
@@ -126,7 +126,7 @@ impl Outline {
     }
 
     /// Points around a part, as shares of the two edges.
-    fn points(&self, part: Part) -> [DVec2; 4] {
+    fn points(&self, part: LightPart) -> [DVec2; 4] {
         let (low, size) = (part.low(), part.size());
         let high = low + size;
         match self.coordinates {
@@ -136,7 +136,7 @@ impl Outline {
                 [first, first + step.with_y(0.0), first + step.with_x(0.0), first]
             }
             Coordinates::Disk => {
-                // Those of a box around the piece of a ring, which bulges over the corners' chord.
+                // The corners of a box around the piece of a ring, which bulges over the chord between its own.
                 let at = |x: f64, y: f64| x.sqrt() * DVec2::from_angle(TAU * (y - 0.5));
                 let corners = [at(low.x, low.y), at(high.x, low.y), at(low.x, high.y), at(high.x, high.y)];
                 let bulge = high.x.sqrt() * (1.0 - (0.5 * TAU * size.y).min(0.5 * TAU).cos());
@@ -153,11 +153,11 @@ impl Outline {
     }
 
     /// The box around a part in render space.
-    pub fn bounds(&self, part: Part, to_render: &ObjectTransform<'_>) -> Aabb {
+    pub fn bounds(&self, part: LightPart, to_render: &ObjectTransform<'_>) -> Aabb {
         Aabb::around(self.points(part).map(|at| to_render.point(self.point(at))))
     }
 
-    fn area(&self, part: Part) -> Area {
+    fn area(&self, part: LightPart) -> Area {
         let points = self.points(part);
         let uvs = points.map(|at| self.uv + at.x * self.uv_edges[0] + at.y * self.uv_edges[1]);
         let middle = match self.coordinates {
@@ -172,14 +172,14 @@ impl Outline {
     }
 
     /// The mean luminance of each of 4^depth cells of a part: of a triangle in any order, else row by row.
-    fn cells(&self, part: Part, luminance: &Luminance<'_>, depth: u32) -> Vec<f64> {
-        let within: Vec<Part> = match self.coordinates {
+    fn cells(&self, part: LightPart, luminance: &Luminance<'_>, depth: u32) -> Vec<f64> {
+        let within: Vec<LightPart> = match self.coordinates {
             Coordinates::Triangle => {
-                let quarters = |parts: Vec<Part>, _| parts.into_iter().flat_map(Part::quarters).collect();
+                let quarters = |parts: Vec<LightPart>, _| parts.into_iter().flat_map(LightPart::quarters).collect();
                 (0..depth).fold(vec![part], quarters)
             }
             Coordinates::Quad | Coordinates::Disk => {
-                let cell = |number: u32| Part {
+                let cell = |number: u32| LightPart {
                     exponents: part.exponents.map(|exponent| exponent + depth),
                     cell: [
                         (part.cell[0] << depth) | (number % (1 << depth)),
@@ -193,14 +193,14 @@ impl Outline {
         within.into_iter().map(|cell| luminance.mean(&self.area(cell))).collect()
     }
 
-    fn power(&self, part: Part, luminance: &Luminance<'_>, depth: u32) -> Power {
+    fn power(&self, part: LightPart, luminance: &Luminance<'_>, depth: u32) -> Power {
         let cells = self.cells(part, luminance, depth);
         let mean = |sum: f64| sum / cells.len() as f64;
         Power { mean: mean(cells.iter().sum()), of_squares: mean(cells.iter().map(|cell| cell * cell).sum()) }
     }
 
     /// The parts into which one is cut: across the axis along which it varies more, or else across the longer side.
-    fn cut(&self, part: Part, luminance: &Luminance<'_>, depth: u32) -> Vec<Part> {
+    fn cut(&self, part: LightPart, luminance: &Luminance<'_>, depth: u32) -> Vec<LightPart> {
         if self.coordinates == Coordinates::Triangle {
             return part.quarters().to_vec();
         }
@@ -220,15 +220,15 @@ impl Outline {
     }
 
     /// Parts of like radiance, at most this many, with the mean luminance of each.
-    pub fn parts(&self, luminance: &Luminance<'_>, depth: u32, most: usize) -> Vec<(Part, f64)> {
+    pub fn parts(&self, luminance: &Luminance<'_>, depth: u32, most: usize) -> Vec<(LightPart, f64)> {
         let added = if self.coordinates == Coordinates::Triangle { 3 } else { 1 };
         let look = |part| (part, self.power(part, luminance, depth));
-        let mut parts = vec![look(Part::default())];
+        let mut parts = vec![look(LightPart::default())];
         while parts.len() + added <= most.min(MOST_PARTS) {
-            let excess = |(part, power): &(Part, Power)| part.share() * (power.moment() - power.mean);
+            let excess = |(part, power): &(LightPart, Power)| part.share() * (power.moment() - power.mean);
             let all: f64 = parts.iter().map(excess).sum();
             let power: f64 = parts.iter().map(|(part, power)| part.share() * power.mean).sum();
-            let can_be_cut = |part: &Part| part.exponents.iter().any(|exponent| *exponent < FINEST);
+            let can_be_cut = |part: &LightPart| part.exponents.iter().any(|exponent| *exponent < FINEST);
             let numbers = (0..parts.len()).filter(|i| can_be_cut(&parts[*i].0));
             let worst = numbers.max_by(|a, b| excess(&parts[*a]).total_cmp(&excess(&parts[*b])));
             match worst {
@@ -244,7 +244,7 @@ impl Outline {
 
     /// The mean luminance, and whether it varies.
     pub fn mean(&self, luminance: &Luminance<'_>, depth: u32) -> (f64, bool) {
-        let power = self.power(Part::default(), luminance, depth);
+        let power = self.power(LightPart::default(), luminance, depth);
         (power.mean, power.moment() - power.mean > EVEN * power.mean)
     }
 }
@@ -301,7 +301,7 @@ mod tests {
     }
 
     /// Whether a part has a point, as in shaders/light/parts.
-    fn holds(part: Part, at: DVec2, is_triangle: bool) -> bool {
+    fn holds(part: LightPart, at: DVec2, is_triangle: bool) -> bool {
         let within = (at - part.low()) / part.size();
         let is_above = is_triangle && within.x + within.y > 1.0;
         within.cmpge(DVec2::ZERO).all() && within.cmplt(DVec2::ONE).all() && is_above == part.is_above
@@ -311,7 +311,8 @@ mod tests {
     #[test]
     fn parts_tile_the_shape_and_isolate_a_hot_texel() {
         let even = Bitmap::of_floats(8, 8, [[3.0; 3]; 64]);
-        let even = Luminance::Image(super::super::luminance::Sums::new(&even, Colour::ONE, false).expect("texels"));
+        let even =
+            Luminance::Image(super::super::luminance::SummedArea::new(&even, Colour::ONE, false).expect("texels"));
         // Of a triangle, the texel is below the diagonal.
         let (texture, bitmaps) = hot(64, 64, (20, 45));
         let luminance = Luminance::new(&texture, &bitmaps, false).expect("it varies");
@@ -345,7 +346,7 @@ mod tests {
         for exponents in [[0, 0], [1, 0], [0, 1], [2, 1], [1, 3], [3, 2]] {
             for cell in 0..1 << (exponents[0] + exponents[1]) {
                 let cell = [cell % (1 << exponents[0]), cell >> exponents[0]];
-                let part = Part { exponents, cell, is_above: false };
+                let part = LightPart { exponents, cell, is_above: false };
                 let points = disk.points(part);
                 for number in 0..81 {
                     let at = part.low() + part.size() * DVec2::new(f64::from(number % 9), f64::from(number / 9)) / 8.0;

@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::builder::Builder;
-use super::features::PRIMITIVES;
-use super::finder::Primitive;
+use super::finder::{Primitive, with_indices};
 use super::light_tree::{LightBounds, LightKind};
 use super::motion::in_space;
 use super::swept::swept;
@@ -58,15 +57,7 @@ impl Builder<'_> {
         let (mut solid, mut panes, mut reason) = (Vec::new(), Vec::new(), None);
         // Once for each material, since a roughness may be an image, whose least texel counts.
         let aimed: Vec<bool> = self.scene.materials.iter().map(|(_, m)| is_aimed_at(m, &self.scene.bitmaps)).collect();
-        // The primitives of each kind so far.
-        let mut counts = [0; PRIMITIVES.len()];
-        for primitive in primitives {
-            let kind = primitive.shape.number();
-            let index = counts[kind];
-            counts[kind] += 1;
-            if !aimed[primitive.material as usize] {
-                continue;
-            }
+        for (index, primitive) in with_indices(primitives).filter(|(_, primitive)| aimed[primitive.material as usize]) {
             let (name, material) = &self.scene.materials[primitive.material as usize];
             if primitive.shape.large_sphere().is_none() {
                 reason.get_or_insert_with(|| format!("\"{name}\" at {}", self.scene.material_location(name)));
@@ -75,7 +66,7 @@ impl Builder<'_> {
                 let shapes = if is_pane { &mut panes } else { &mut solid };
                 let shape = primitive.shape.bounding_shape(&at);
                 let is_alone = primitive.shape.fills_bounding_shape();
-                let code = if is_alone { primitive.shape.code(index) } else { HIT_NOTHING };
+                let code = if is_alone { primitive.shape.code(index as usize) } else { HIT_NOTHING };
                 let shape = match primitive.motion.is_empty() {
                     true => shape,
                     false => {

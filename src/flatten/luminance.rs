@@ -6,9 +6,9 @@ use crate::bitmap::{Bitmap, Bitmaps};
 use crate::data::luminance;
 use crate::texture::{Colour, Texture};
 
-/// The most columns and rows of [`Sums`]: 8 MiB.
+/// The most columns and rows of [`SummedArea`]: 8 MiB.
 const MOST_BINS: usize = 1024;
-/// Of what is looked at in points, such as a checker: the least luminance of an area, as a share of the texture's mean.
+/// The least luminance of an area of a texture that is evaluated in points, such as a checker, as a share of the texture's mean.
 const LEAST_OF_POINTS: f64 = 1.0 / 16.0;
 
 /// The rounding error of a sum over part of an image, as a share of that over all: a few for each bin along an edge.
@@ -16,7 +16,7 @@ const ROUNDING: f64 = (4 * MOST_BINS) as f64 * f64::EPSILON;
 
 /// A texture whose luminance varies.
 pub enum Luminance<'a> {
-    Image(Sums),
+    Image(SummedArea),
     /// A function of the point in the object's own space, and its mean.
     Solid(&'a Texture, f64),
 }
@@ -33,7 +33,9 @@ impl<'a> Luminance<'a> {
     pub fn new(texture: &'a Texture, bitmaps: &Bitmaps, wraps: bool) -> Option<Luminance<'a>> {
         match texture {
             Texture::Rgb(..) => None,
-            Texture::Image { tint, .. } => Some(Luminance::Image(Sums::new(texture.bitmap(bitmaps)?, *tint, wraps)?)),
+            Texture::Image { tint, .. } => {
+                Some(Luminance::Image(SummedArea::new(texture.bitmap(bitmaps)?, *tint, wraps)?))
+            }
             Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => {
                 Some(Luminance::Solid(texture, texture.mean_luminance(bitmaps)))
             }
@@ -100,7 +102,7 @@ fn pcg4d(v: [u32; 4]) -> [u32; 4] {
 
 /// The luminance of an image, summed over all bins to the left of an edge and below it (Crow, "Summed-Area Tables for Texture Mapping",
 /// SIGGRAPH 1984). A bin is a texel, or some texels of a large image.
-pub struct Sums {
+pub struct SummedArea {
     columns: usize,
     rows: usize,
     /// One more column and one more row than there are bins.
@@ -109,8 +111,8 @@ pub struct Sums {
     wraps: bool,
 }
 
-impl Sums {
-    pub fn new(bitmap: &Bitmap, tint: Colour, wraps: bool) -> Option<Sums> {
+impl SummedArea {
+    pub fn new(bitmap: &Bitmap, tint: Colour, wraps: bool) -> Option<SummedArea> {
         let (width, height) = (bitmap.width as usize, bitmap.height as usize);
         if bitmap.is_empty() {
             return None;
@@ -133,7 +135,7 @@ impl Sums {
                 sums[(row + 1) * stride + column + 1] = sums[row * stride + column + 1] + along;
             }
         }
-        Some(Sums { columns, rows, sums, wraps })
+        Some(SummedArea { columns, rows, sums, wraps })
     }
 
     /// The sum up to a point in bins, within the image.
@@ -163,7 +165,7 @@ impl Sums {
         let corners = [(high.x, high.y), (low.x, low.y), (low.x, high.y), (high.x, low.y)];
         let [full, before, left, below] = corners.map(|(x, y)| self.up_to(x, y));
         let sum = full + before - left - below;
-        // What rounding leaves of sums that cancel each other is no light.
+        // Sums that cancel each other leave rounding, which is no light.
         let rounding = ROUNDING * full.abs().max(before.abs()).max(left.abs()).max(below.abs());
         if sum > rounding { sum / (high - low).element_product() } else { 0.0 }
     }
@@ -173,10 +175,10 @@ impl Sums {
 mod tests {
     use super::*;
 
-    fn image(wraps: bool) -> Sums {
+    fn image(wraps: bool) -> SummedArea {
         // One hot texel at column 3 from the left and row 1 from the top.
         let texels = (0..4 * 8).map(|i| [if i == 8 + 3 { 32.0 } else { 0.0 }; 3]);
-        Sums::new(&Bitmap::of_floats(8, 4, texels), Colour::ONE, wraps).expect("it has texels")
+        SummedArea::new(&Bitmap::of_floats(8, 4, texels), Colour::ONE, wraps).expect("it has texels")
     }
 
     #[test]

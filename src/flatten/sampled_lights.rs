@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::builder::Builder;
-use super::features::{NotSampled, PRIMITIVES};
-use super::finder::{MovingLight, Primitive};
+use super::features::NotSampled;
+use super::finder::{MovingLight, Primitive, with_indices};
 use super::light_parts::{Outline, depth_for, most_parts};
 use super::light_paths::Start;
 use super::light_tree::{LightBounds, LightKind, LightTree};
@@ -55,13 +55,8 @@ impl Builder<'_> {
         let bitmaps = &self.scene.bitmaps;
         let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
         let emissions: Vec<_> = materials.iter().map(|(_, m)| m.model().emission().map(radiance)).collect();
-        // The index of each primitive among its kind, in the order in which they were added.
-        let mut counts = [0u32; PRIMITIVES.len()];
         let mut groups = Vec::new();
-        for primitive in primitives {
-            let kind = primitive.shape.number();
-            let index = counts[kind];
-            counts[kind] += 1;
+        for (index, primitive) in with_indices(primitives) {
             if let Some((radiance, two_sided)) = emissions[primitive.material as usize]
                 && radiance > 0.0
                 && self.shows_emission[primitive.material as usize]

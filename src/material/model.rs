@@ -258,7 +258,7 @@ pub struct Emission<'a> {
     pub two_sided: bool,
 }
 
-/// What the vertices have of the meshes that have a material.
+/// The attributes of vertices that the meshes with a material have.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vertices {
     pub colours: bool,

@@ -16,7 +16,7 @@ const SHARE: f64 = 1.0 / 12.0;
 
 /// Sums over a tile of differences d and gradients g.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct TileSums {
     pixels: f64,
     d: f64,
     g: f64,
@@ -25,7 +25,7 @@ struct Sums {
     gg: f64,
 }
 
-impl Sums {
+impl TileSums {
     fn add(&mut self, d: f64, g: f64) {
         self.pixels += 1.0;
         self.d += d;
@@ -39,7 +39,7 @@ impl Sums {
     fn correlation(&self) -> f64 {
         let spread = self.gg - self.g * self.g / self.pixels;
         let size = (self.dd * spread).sqrt();
-        // What is left of equal gradients is rounding.
+        // Equal gradients leave rounding.
         if size > 0.0 && spread > 1e-9 * self.gg { (self.dg - self.d * self.g / self.pixels) / size } else { 0.0 }
     }
 }
@@ -48,7 +48,7 @@ impl Sums {
 pub(super) fn p(images: &Images<'_>, grid: &Grid) -> f64 {
     let (width, height) = (images.width, images.height);
     let along = |[right, down]: [usize; 2]| {
-        let mut tiles = vec![Sums::default(); grid.tiles()];
+        let mut tiles = vec![TileSums::default(); grid.tiles()];
         for y in down..height.saturating_sub(down) {
             for x in right..width.saturating_sub(right) {
                 let (pixel, step) = (y * width + x, down * width + right);
@@ -59,7 +59,7 @@ pub(super) fn p(images: &Images<'_>, grid: &Grid) -> f64 {
                 }
             }
         }
-        let found: Vec<f64> = tiles.iter().map(Sums::correlation).collect();
+        let found: Vec<f64> = tiles.iter().map(TileSums::correlation).collect();
         let squares: f64 = found.iter().map(|r| r * r).sum();
         let t = if squares > 0.0 { found.iter().sum::<f64>() / squares.sqrt() } else { 0.0 };
         corrected((2.0 * (-0.5 * t * t).exp()).min(1.0), 0.5 * SHARE)

@@ -196,7 +196,7 @@ impl Case {
     }
 }
 
-/// What is found of a case; nothing if it has no direction.
+/// The findings of a case; nothing if it has no direction.
 fn judge(case: &Case, draws: &Kernel, densities: &Kernel) -> Option<Judged> {
     let more = [array("aims", &case.aims)];
     let (grid, share) = case.grid();
@@ -261,7 +261,7 @@ fn light_paths_go_where_their_density_says() {
         let judged = judge(case, &draws, &densities).unwrap_or_else(|| panic!("{name}: no direction"));
         assert!(judged.is_right(threshold), "{name}: {judged:?}");
     }
-    // What stands for a part of the shader, with the number of cases that find it.
+    // Each planted error, with the number of cases that find it.
     let mut found = Vec::new();
     for (module, part, other) in [
         // The box of the lamp forgotten where a box is chosen, or where its weight is summed up.

@@ -6,7 +6,7 @@ use gpu_rt::options::LightPaths;
 use crate::common::render::{Request, render, scene};
 use crate::common::stats::Random;
 
-/// Of images that are called reliable, at most this share may err by more than 1.5 bounds, and by more than five.
+/// The shares of reliable images that may err by more than 1.5 bounds, and by more than five.
 const MOST_BEYOND: [(f64, f64); 2] = [(1.5, 0.01), (5.0, 0.001)];
 
 fn pick<'a, T>(random: &mut Random, of: &'a [T]) -> &'a T {

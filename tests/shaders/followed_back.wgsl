@@ -83,7 +83,7 @@ fn follow_back(light: ptr<function, Path>) {
         return;
     }
     let of_light_path = 1.0 / (1.0 + exp2(-log_ratio_at_lens));
-    // What the light path brings is its share of the pixel, for each sample that the pixel has.
+    // The light path's share of the pixel, for each sample that the pixel has.
     let share = (*light).light_weight * (f32(RUN_LENGTH) / f32(settings.light_paths));
     var weight_error = 0.0;
     // The light by light sampling at the last event, unless that is specular. (A layer of one direction stands over a body that samples lights.)
@@ -95,7 +95,7 @@ fn follow_back(light: ptr<function, Path>) {
         weight_error = abs(of_light_path + of_sample - 1.0);
         brought *= of_sample;
     }
-    // The same by BSDF sampling.
+    // Then the light that BSDF sampling finds.
     if !is_delta_light(recorded_light) {
         path.light = NO_LIGHT;
         trace(&path);

@@ -10,7 +10,7 @@ use crate::shape::{Aabb, BoundingShape, disk, normal};
 
 /// The limit on comparisons of a light with a surface, and of surfaces with all bodies.
 const MOST_TESTS: usize = 1 << 20;
-/// What reaches less far behind a surface than this share of the scene's extent stands on it.
+/// A body that reaches less far behind a surface than this share of the scene's extent stands on it.
 const STANDS: f64 = 1e-9;
 
 /// A flat side of an opaque body. Heights above it are positive on the camera's side.
@@ -82,7 +82,7 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
     let motions = finder.primitives.iter().map(|primitive| &primitive.motion);
     let motions = motions.chain(finder.media.iter().map(|medium| &medium.motion));
     let mut motions = motions.chain(finder.lights.iter().map(|light| &light.motion));
-    // Of what moves, the ways are not known.
+    // The ways of moving objects are not known.
     if !search.is_lit || !search.scene.camera.moving.is_empty() || motions.any(|motion| !motion.is_empty()) {
         return worst;
     }
