@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Film, weighted};
+use super::Film;
+use super::error::weighted;
 use crate::data::{LampPixel, luminance};
 
 /// The most pixels that are kept. If more have the edge of a lamp, each stands for several.

@@ -433,6 +433,45 @@ fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
     }
 }
 
+/// One sample of 4096 is 200 times as bright as the others, and meets one pixel of 64. The pixel's error is relative to light that it should not
+/// have. Its neighbours show that, unless they are as bright, which is planted.
+#[test]
+fn a_lone_bright_sample_counts_with_the_light_around_it() {
+    const FILMS: usize = 100;
+    const SIZE: u32 = 48;
+    let mut random = Random(16);
+    let mean = 1.0 + 199.0 / 4096.0;
+    let (mut below, mut below_together) = (0, 0);
+    for _ in 0..FILMS {
+        let mut pixels: Vec<[[f64; 8]; 8]> = (0..SIZE * SIZE)
+            .map(|_| {
+                [(); 8].map(|_| {
+                    [(); 8].map(|_| if random.uniform() * 4096.0 < 1.0 { 200.0 } else { 1.0 + 0.1 * random.normal() })
+                })
+            })
+            .collect();
+        let holds = |pixels: &[[[f64; 8]; 8]]| {
+            let mut film = Film::with_sampler(SIZE, SIZE, 0, Sampler::Sobol).unwrap();
+            for (pixel, runs) in (0..).zip(pixels) {
+                let runs: Vec<Run> =
+                    (0..).zip(runs).map(|(index, samples)| numbered(index, run_of(pixel, samples))).collect();
+                film.add_runs(&runs);
+            }
+            let truth = error_against(&film, &vec![mean; pixels.len()], 0.01 * mean * mean);
+            usize::from(truth <= film.error_estimate(0.05).expect("there is light").bound)
+        };
+        below += holds(&pixels);
+        let brightness = |runs: &[[f64; 8]; 8]| runs.as_flattened().iter().sum::<f64>();
+        pixels.sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
+        below_together += holds(&pixels);
+    }
+    let covered = |count: usize| count as f64 / FILMS as f64;
+    println!("covered {}, with all bright pixels together {}", covered(below), covered(below_together));
+    // 95 % of 100 has a deviation of 2.2 %: four of them.
+    assert!(covered(below) >= 0.86, "{}", covered(below));
+    assert!(covered(below_together) < 0.8, "{}", covered(below_together));
+}
+
 /// Each pixel shows its error as well as any, but the error is relative to the very path that made it.
 #[test]
 fn many_rare_bright_paths_are_unreliable() {
