@@ -51,7 +51,7 @@ impl Film {
     ///   1/(I² + 0.01 Ī²) over the two halves' I. The noise of the halves makes this too large by about 12 v/I² of itself: 1 % at a
     ///   relative error of 3 %. Half of that weight still comes from the bright half, so the neighbours count too: if at most one of the
     ///   eight is as bright, the pixel may owe its brightness to such a path, whose part in I is √v. Then it has the weight of I - √v, or of
-    ///   the second brightest neighbour, whichever is brighter.
+    ///   the second brightest neighbour, whichever is brighter. Few such pixels would make ν small, so ν is that of the halves' weights.
     /// - **A pixel near 0.** With samples of either sign (`--filter mitchell`), a bright edge makes pixels near 0, whose halves may have
     ///   different signs. The true value may then be 0, and the pixel counts with 1/(0.01 Ī²).
     ///
@@ -70,8 +70,7 @@ impl Film {
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
         let (mut total, mut pixels) = (0.0, 0u64);
-        let mut of_halves = 0.0;
-        let mut sum = NoiseSum::default();
+        let (mut of_halves, mut of_bound) = (NoiseSum::default(), NoiseSum::default());
         let width = self.width() as usize;
         let row_of_means = |row: usize| -> Vec<Rgb<f64>> {
             let pixels = row * width..((row + 1) * width).min(self.pixels.len());
@@ -100,8 +99,9 @@ impl Film {
             let lone = without_lone_light(&rows, column, spread);
             let weights = [0, 1, 2].map(|c| mean[c].max(1.0 / (lone[c] * lone[c] + floor)));
             total += weighted(v, own);
-            of_halves += weighted(v, mean);
-            sum.add(weighted(v, weights), estimate.degrees(self.sampler), weighted(samples, weights));
+            let degrees = estimate.degrees(self.sampler);
+            of_halves.add(weighted(v, mean), degrees, weighted(samples, mean));
+            of_bound.add(weighted(v, weights), degrees, weighted(samples, weights));
             pixels += 1;
         }
         if pixels == 0 {
@@ -110,15 +110,20 @@ impl Film {
         let of_lamps = self.errors_of_lamps(floor);
         let missing = of_lamps.missing;
         let error = |total: f64| (total / pixels as f64).sqrt();
-        if total == 0.0 && sum.largest.is_empty() && missing == 0.0 {
+        if total == 0.0 && of_halves.largest.is_empty() && missing == 0.0 {
             return Some(ErrorEstimate { value: 0.0, bound: 0.0, against_better: 0.0, reliable: true });
         }
-        let (bound, degrees) = sum.bound(level);
-        let alike = of_halves <= MOST_ACROSS * MOST_ACROSS * total;
+        let ((_, degrees), (bound, _)) = (of_halves.bound(level), of_bound.bound(level));
+        let alike = of_halves.total <= MOST_ACROSS * MOST_ACROSS * total;
         let is_known = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
         let reliable = is_known && total + missing <= MOST_ACROSS * MOST_ACROSS * total;
         let bound = bound.max(total) + missing + of_lamps.excess;
-        Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(of_halves), reliable })
+        Some(ErrorEstimate {
+            value: error(total),
+            bound: error(bound),
+            against_better: error(of_halves.total),
+            reliable,
+        })
     }
 }
 
