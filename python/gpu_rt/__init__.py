@@ -384,14 +384,18 @@ def _flags(options: Mapping[str, Any]) -> List[str]:
     return flags
 
 
+def _shell() -> Any:
+    """That of IPython, if it runs us, or None."""
+    return getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+
+
 class _Progress:
     """Shows the lines of the program's progress: on stderr, or in a notebook as a bar if tqdm is there."""
 
     def __init__(self) -> None:
         self._bar: Any = None
         self._tqdm: Any = None
-        shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-        if type(shell).__name__ == "ZMQInteractiveShell":
+        if type(shell := _shell()).__name__ == "ZMQInteractiveShell":
             try:
                 from tqdm.auto import tqdm
 
@@ -496,9 +500,16 @@ def _interrupt_threads(number: int, frame: Any) -> None:
     signal.default_int_handler(number, frame)
 
 
-# Whoever has a handler of his own keeps it.
-if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-    signal.signal(signal.SIGINT, _interrupt_threads)
+def _listen(*_: Any) -> None:
+    """Handles Ctrl-C in place of Python, but whoever has a handler of his own keeps it."""
+    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt_threads)
+
+
+_listen()
+if _shell():
+    # A notebook has Python's handler again before each cell.
+    _shell().events.register("pre_run_cell", _listen)
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_OF_THREADS.clear)
 

@@ -368,6 +368,20 @@ class Stop(InAFolder):
             thread.join(30)
         self.assertEqual(stopped, [True, True])
 
+    def test_ctrl_c_is_heard_in_notebooks_and_handlers_of_others_stay(self):
+        code = (
+            "import signal, sys, types; default, mine = signal.getsignal(signal.SIGINT), lambda *_: None\n"
+            "if 'mine' in sys.argv: signal.signal(signal.SIGINT, mine)\n"
+            "hooks = {}; shell = types.SimpleNamespace(events=types.SimpleNamespace(register=hooks.__setitem__))\n"
+            "sys.modules['IPython'] = types.SimpleNamespace(get_ipython=lambda: shell)\n"
+            "import gpu_rt; heard = [signal.getsignal(signal.SIGINT) is gpu_rt._interrupt_threads]\n"
+            "if 'mine' not in sys.argv: signal.signal(signal.SIGINT, default)\n"
+            "hooks['pre_run_cell'](None); print(*heard, signal.getsignal(signal.SIGINT) is gpu_rt._interrupt_threads)"
+        )
+        for argument, heard in (("", "True True"), ("mine", "False False")):
+            said = subprocess.check_output([sys.executable, "-c", code, argument], text=True)
+            self.assertEqual(said.strip(), heard)
+
     def test_progress_is_on_stderr_and_the_program_does_not_outlive_python(self):
         options = FOREVER | {"quiet": False}
         code = f"import gpu_rt; gpu_rt.render({str(CORNELL)!r}, output='a.exr', **{options})"
