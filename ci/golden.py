@@ -115,5 +115,7 @@ def main(env):
 try:
     main(os.environ)
 except ValueError as error:  # a quotation mark without its other one
+    # What prints the hash has its output taken.
+    sys.stdout = sys.stderr
     annotate("error", f"options, scenes: {error}")
 sys.exit(failed)

@@ -135,6 +135,8 @@ class Action(unittest.TestCase):
             code, said = self.runner.step("Render and compare", scenes=scenes)
             self.assertEqual(code, 1, said)
             self.assertRegex(said, f"(?m)^::error::.*{re.escape(words)}")
+        code, said = self.runner.step("Hash the driver and the scenes", scenes="'a")
+        self.assertEqual((code, said.startswith("::error::")), (1, True), said)
         code, said = self.runner.step("Render and compare", scenes="scenes/box.ron", output="goldens/.")
         self.assertEqual(code, 1, said)
         self.assertIn("::error::output: goldens/. is the folder of the golden images", said)
