@@ -240,7 +240,7 @@ def program() -> str:
         found = shutil.which("gpu-rt", path=folder)
         if found:
             return found
-    raise Error(f"the program gpu-rt is neither in {schemes[0]} nor on PATH: `pip install gpu-rt` installs it")
+    raise Error(f"the program gpu-rt is neither in {schemes[0]} nor on PATH: install the wheel of a release, or run `pip install .` in a clone")
 
 
 def render(
@@ -434,6 +434,7 @@ def _run(
     """Runs the program, and returns the object that it prints by --json. Its failure becomes an exception."""
     line = [program(), command, *arguments, *_flags(options)]
     errors: List[str] = []
+    interrupts = _interrupts
     with tempfile.TemporaryFile() as stdin, tempfile.TemporaryFile() as stdout:
         try:
             stdin.write((text or "").encode())
@@ -449,6 +450,8 @@ def _run(
         in_thread = threading.current_thread() is not threading.main_thread()
         if in_thread:
             _OF_THREADS.add(process)
+            if interrupts != _interrupts:  # while it started
+                _interrupt_all()
         reader = threading.Thread(target=_read, args=(process.stderr, errors, progress), daemon=True)
         reader.start()
         interrupted = False
@@ -484,6 +487,7 @@ def _run(
 
 
 _OF_THREADS: Set[subprocess.Popen] = set()  # the programs that threads wait for, but for the main thread's
+_interrupts = 0  # how often Ctrl-C has come
 
 
 def _interrupt(process: subprocess.Popen) -> None:
@@ -492,11 +496,17 @@ def _interrupt(process: subprocess.Popen) -> None:
         process.send_signal(signal.SIGINT)
 
 
-def _interrupt_threads(number: int, frame: Any) -> None:
-    """Ctrl-C. Python raises KeyboardInterrupt in the main thread alone, and renders in other threads would go on to their end."""
+def _interrupt_all() -> None:
     for process in list(_OF_THREADS):
         _OF_THREADS.discard(process)
         _interrupt(process)
+
+
+def _interrupt_threads(number: int, frame: Any) -> None:
+    """Ctrl-C. Python raises KeyboardInterrupt in the main thread alone, and renders in other threads would go on to their end."""
+    global _interrupts
+    _interrupts += 1
+    _interrupt_all()
     signal.default_int_handler(number, frame)
 
 

@@ -368,6 +368,25 @@ class Stop(InAFolder):
             thread.join(30)
         self.assertEqual(stopped, [True, True])
 
+    def test_ctrl_c_stops_a_render_that_just_starts(self):
+        stopped = []
+
+        def start(*arguments, popen=subprocess.Popen, **options):
+            process = popen(*arguments, **options)
+            self.assertRaises(KeyboardInterrupt, signal.getsignal(signal.SIGINT), signal.SIGINT, None)
+            return process
+
+        def render():
+            with self.assertRaises(gpu_rt.Interrupted) as raised:
+                gpu_rt.render(CORNELL, **FOREVER)
+            stopped.append(raised.exception.image)
+
+        with mock.patch("subprocess.Popen", start):
+            thread = threading.Thread(target=render)
+            thread.start()
+            thread.join(60)
+        self.assertEqual(stopped, [None])
+
     def test_ctrl_c_is_heard_in_notebooks_and_handlers_of_others_stay(self):
         code = (
             "import signal, sys, types; default, mine = signal.getsignal(signal.SIGINT), lambda *_: None\n"
