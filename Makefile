@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn wheel test-python pip blender test-blender bpy quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -56,7 +56,10 @@ EXTENSION = target/bpy/bin/python $$(ls target/bpy/lib/python3.*/site-packages/b
 blender: bpy
 	rm -rf target/blender && mkdir -p target/blender
 	$(EXTENSION) build --source-dir blender/gpu_rt --output-dir target/blender
-	$(EXTENSION) validate target/blender/*.zip
+	@$(MAKE) --no-print-directory validate ZIP="$$(ls target/blender/*.zip)"
+
+validate:
+	$(EXTENSION) validate $(ZIP)
 
 # The extension in Blender's Python module, with this program.
 BLENDER_TESTS ?= test_extension

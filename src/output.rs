@@ -10,6 +10,7 @@ pub mod png;
 pub mod preview;
 pub mod progress;
 pub mod rescue;
+pub mod stdout;
 mod temporary;
 pub mod view_transform;
 pub mod writable;

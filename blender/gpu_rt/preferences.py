@@ -1,4 +1,4 @@
-"""Where the program is: a preference, or else where installers put it."""
+"""Where the program is: a preference, or else in a release's extension, or where installers put it."""
 
 import os
 import shutil
@@ -13,7 +13,7 @@ class GPU_RT_preferences(bpy.types.AddonPreferences):
 
     program: bpy.props.StringProperty(
         name="Program", subtype="FILE_PATH",
-        description="The program gpu-rt. By default it is looked for on PATH, and where cargo and pip install it",
+        description="The program gpu-rt. By default it is that of the extension, or looked for on PATH, and where cargo and pip install it",
     )
 
     def draw(self, context):
@@ -34,6 +34,12 @@ def program():
         if not found:
             raise Failure(f"{chosen} is not a program: set Preferences > Add-ons > gpu-rt > Program")
         return found
+    inside = os.path.join(os.path.dirname(__file__), "bin", "gpu-rt.exe" if os.name == "nt" else "gpu-rt")
+    if os.path.isfile(inside):
+        # Blender unpacks files without their permissions.
+        if not os.access(inside, os.X_OK):
+            os.chmod(inside, 0o755)
+        return inside
     # A desktop starts Blender without the PATH of a shell.
     others = [os.path.expanduser(folder) for folder in ("~/.cargo/bin", "~/.local/bin")]
     found = shutil.which("gpu-rt") or shutil.which("gpu-rt", path=os.pathsep.join(others))

@@ -17,11 +17,12 @@ import sys
 import sysconfig
 import tempfile
 import threading
-import weakref
+from contextlib import contextmanager
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
+from multiprocessing.util import Finalize
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
 import numpy as np
 import OpenEXR
@@ -46,7 +47,7 @@ class Error(Exception):
     """The object that the program had printed by --json; empty if none."""
 
     def __init__(self, message: str, report: Optional[Mapping[str, Any]] = None) -> None:
-        super().__init__(message)
+        super().__init__(_printable(message))
         self.report = dict(report or {})
 
 
@@ -69,7 +70,8 @@ class SceneError(Error):
 
     faults: List[Fault]
 
-    def __init__(self, message: str, faults: Sequence[Fault]) -> None:
+    # All but the message has a default: with that alone, pickle makes the error anew, before it gets its attributes.
+    def __init__(self, message: str, faults: Sequence[Fault] = ()) -> None:
         super().__init__(message)
         self.faults = list(faults)
 
@@ -84,16 +86,16 @@ class Interrupted(KeyboardInterrupt):
 
     image: Optional[Image] = None
 
-    def __init__(self, message: str, report: Mapping[str, Any]) -> None:
+    def __init__(self, message: str, report: Optional[Mapping[str, Any]] = None) -> None:
         super().__init__(message)
-        self.report = dict(report)
+        self.report = dict(report or {})
 
 
-class Image:
-    """An EXR: `numpy.asarray(image)` is its picture, height x width x 3, f32, linear Rec. 709, row 0 on top.
+class Image(np.lib.mixins.NDArrayOperatorsMixin):
+    """An EXR. It behaves as the array of its picture: height x width x 3, f32, linear Rec. 709, row 0 on top.
 
     `image["variance"]` is a layer: height x width x channels, or height x width if it has one channel. The file is read
-    when a layer is first asked for.
+    when a layer is first asked for. Pickled or copied, an image takes all of its file along.
     """
 
     path: Path
@@ -101,13 +103,14 @@ class Image:
     """The object of `render --json` (docs/files.md); empty for a file that this process has not rendered."""
 
     def __init__(self, path: PathLike, report: Optional[Mapping[str, Any]] = None, folder: Optional[str] = None) -> None:
-        """Opens a file. `folder` is a temporary folder that is removed when the image is."""
-        self.path = Path(path)
+        """Opens a file. `folder` is a temporary folder of this process, which is removed when the image is."""
+        self.path = Path(os.path.abspath(_text_of(path)))
         self.report = dict(report or {})
         if folder is not None:
-            weakref.finalize(self, shutil.rmtree, folder, True)
-        if not self.path.is_file():
-            raise Error(f"{self.path}: there is no such file")
+            # Unlike weakref.finalize it works in the process that made it alone, not in its forks, and at the end of a Pool's workers too.
+            Finalize(self, shutil.rmtree, (folder, True), exitpriority=0)
+        if not os.path.isfile(self.path):
+            raise Error(f"{path!s}: there is no such file")
 
     @cached_property
     def layers(self) -> Dict[str, np.ndarray]:
@@ -128,35 +131,65 @@ class Image:
             layers[layer] = np.stack(pixels, axis=-1) if len(pixels) > 1 else pixels[0]
         return layers
 
-    def __getitem__(self, layer: str) -> np.ndarray:
-        """A layer, by its name in the file or as `aov` has it: image["depth"] is image["Z"]. KeyError names those that are there."""
+    def __getitem__(self, layer: Any) -> Any:
+        """A layer, by its name in the file or as `aov` has it: image["depth"] is image["Z"]. KeyError names those that are there.
+
+        What is no name is an index of the picture.
+        """
+        if not isinstance(layer, str):
+            return self["RGB"][layer]
         layer = layer if layer in self.layers else {"normal": "N", "depth": "Z", "position": "P"}.get(layer, layer)
         if layer not in self.layers:
             raise KeyError(f"{self.path.name} has no layer {layer}, but {', '.join(sorted(self.layers))}")
         return self.layers[layer]
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
-        picture = self["RGB"]
-        return np.array(picture, dtype=dtype) if copy else np.asarray(picture, dtype=dtype)
+        # NumPy 1 has no None there, and takes False for it.
+        return np.array(self["RGB"], dtype=dtype, copy=copy)  # type: ignore[arg-type, unused-ignore]
 
-    @property
-    def shape(self) -> Tuple[int, ...]:
-        """(height, width, 3), in pixels."""
-        return self["RGB"].shape
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        if any(isinstance(array, Image) for array in options.get("out", ())):
+            raise Error("an image does not change: numpy.array(image) is a copy that does")
+        return getattr(ufunc, method)(*(np.asarray(array) if isinstance(array, Image) else array for array in inputs), **options)
+
+    __hash__ = object.__hash__  # type: ignore[assignment, unused-ignore]
+
+    def __getattr__(self, name: str) -> Any:
+        """What else an array has: shape is (height, width, 3); mean, dtype, T, …"""
+        if name.startswith("_") or not hasattr(np.ndarray, name):
+            raise AttributeError(f"an Image has no attribute {name}")
+        return getattr(self["RGB"], name)
+
+    def __len__(self) -> int:
+        return len(self["RGB"])
+
+    def __contains__(self, item: Any) -> bool:
+        return item in self.layers if isinstance(item, str) else item in self["RGB"]
+
+    def __reduce__(self) -> Any:
+        try:
+            return _unpickled, (self.path.name, self.path.read_bytes(), self.report)
+        except OSError as error:
+            raise Error(f"{self.path}: cannot be read: {error.strerror}") from None
 
     def save(self, path: PathLike) -> Path:
         """Writes the image: an .exr with all that it holds, also what `resume` needs; or a .png as `develop` makes it."""
-        path = Path(path)
-        if path.suffix.lower() == ".exr":
-            shutil.copyfile(self.path, path)
-        else:
+        path = Path(_text_of(path))
+        if path.suffix.lower() != ".exr":
             self.develop(path)
+            return path
+        try:
+            shutil.copyfile(self.path, path)
+        except shutil.SameFileError:
+            pass
+        except (OSError, ValueError) as error:
+            raise Error(f"{path}: cannot be written: {error}") from None
         return path
 
     def develop(self, path: Optional[PathLike] = None, **options: Any) -> bytes:
         """The bytes of a PNG, which is also written if a path is given. Options: `exposure` in stops, `tonemap`."""
-        with tempfile.TemporaryDirectory() as folder:
-            picture = Path(path) if path is not None else Path(folder, "picture.png")
+        with _folder() as folder:
+            picture = Path(_text_of(path)) if path is not None else Path(folder, "picture.png")
             _run("develop", [str(self.path.absolute()), "-o", str(picture.absolute())], options)
             return picture.read_bytes()
 
@@ -169,6 +202,37 @@ class Image:
         return f"<gpu_rt.Image {self.path}{'' if samples is None else f', {samples} samples per pixel'}>"
 
 
+def _unpickled(name: str, exr: bytes, report: Mapping[str, Any]) -> Image:
+    """An image in a temporary folder of this process."""
+    folder = tempfile.mkdtemp(prefix="gpu-rt-")
+    path = Path(folder, name)
+    path.write_bytes(exr)
+    return Image(path, report, folder)
+
+
+@contextmanager
+def _folder() -> Iterator[str]:
+    """A temporary folder, while it is needed. A fork from another thread leaves it, as it would not that of tempfile."""
+    folder = tempfile.mkdtemp(prefix="gpu-rt-")
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _printable(text: str) -> str:
+    """The text without surrogates, which no file and no terminal takes."""
+    return text.encode(errors="backslashreplace").decode()
+
+
+def _text_of(path: Any) -> str:
+    """A path as text."""
+    try:
+        return os.fsdecode(path)
+    except TypeError:
+        raise Error(f"expected a path, found {path!r}") from None
+
+
 def program() -> str:
     """The path of the program: beside this interpreter, where pip has put it, or else on PATH. Error if it is nowhere."""
     schemes = [sysconfig.get_path("scripts"), sysconfig.get_path("scripts", f"{os.name}_user")]
@@ -176,14 +240,14 @@ def program() -> str:
         found = shutil.which("gpu-rt", path=folder)
         if found:
             return found
-    raise Error(f"the program gpu-rt is neither in {schemes[0]} nor on PATH: `pip install gpu-rt` installs it")
+    raise Error(f"the program gpu-rt is neither in {schemes[0]} nor on PATH: install the wheel of a release, or run `pip install .` in a clone")
 
 
 def render(
     scene: Scene,
     *,
     output: Optional[PathLike] = None,
-    size: Union[str, Sequence[int], None] = None,
+    size: Union[str, int, Sequence[int], None] = None,
     spp: Optional[int] = None,
     time: Union[str, float, None] = None,
     noise: Optional[float] = None,
@@ -199,7 +263,7 @@ def render(
     """Renders a scene by `gpu-rt render`, and returns its image.
 
     `output` is the EXR to write; by default it is in a temporary folder that lives as long as the image. `size` is
-    (width, height) in pixels or "50%". `time` is seconds, or "5m". `noise` is a relative error, such as 0.01. `crop` is
+    (width, height) in pixels, a width alone, or "50%". `time` is seconds, or "5m". `noise` is a relative error, such as 0.01. `crop` is
     (x, y, width, height) in pixels. `samples` is the range of sample indices. `resume` goes on with the render in `output`.
     Other options are those of the program: max_depth=8, integrator="bsdf", sun="30,0", force=True, …
 
@@ -211,19 +275,21 @@ def render(
     for name in ("frames", "watch", "preview"):
         if options.get(name):
             raise TypeError(f"render makes one image; {name} needs the program: gpu-rt render --{name}")
-    if output is not None and Path(output).suffix.lower() != ".exr":
+    if output is not None and Path(output := _text_of(output)).suffix.lower() != ".exr":
         raise Error(f"output: {output} does not end in .exr; Image.save and png= write a PNG")
     scene_argument, text = _scene(scene)
-    if size is not None and not isinstance(size, str):
-        size = "x".join(map(str, size))
-    if isinstance(time, (int, float)):
-        time = f"{time}s"
+    if isinstance(size, (list, tuple, np.ndarray)):
+        size = "x".join(map(str, np.ravel(size)))
+    if isinstance(time, (int, float, np.number)) and not isinstance(time, bool):
+        time = f"{np.format_float_positional(time, trim='-')}s"
     if isinstance(samples, range):
+        if samples.step != 1:
+            raise Error(f"samples: expected indices without gaps, such as range(0, 64), found {samples}")
         samples = f"{samples.start}..{samples.stop}"
     options.update(size=size, spp=spp, time=time, noise=noise, aov=aov, crop=crop, samples=samples)
     options.update(seed=seed, device=device, resume=resume, quiet=quiet)
     folder = tempfile.mkdtemp(prefix="gpu-rt-") if output is None else None
-    path = os.path.join(folder, "image.exr") if folder else os.fspath(output or "")
+    path = os.path.join(folder, "image.exr") if folder else output or ""
     try:
         report = _run("render", [scene_argument, f"--output={path}", "--json"], options, text, None if quiet else _Progress())
     except BaseException as error:
@@ -251,30 +317,47 @@ def compare(
 ) -> Dict[str, Any]:
     """The error of an image against a reference: the object of `gpu-rt compare --json` (docs/files.md).
 
-    They differ by more than noise if `p` is below `level`; `verdict` says so in words. An array is height x width x 3, linear.
+    They differ by more than noise if `p` is below `level`; `verdict` says so in words. An array is height x width x 3, of linear
+    values.
     `heatmap` is a PNG to write. `fail_above` is a mapping such as {"relmse": 0.01}: Error, with its `report`, if a metric is
     above its limit.
     """
-    with tempfile.TemporaryDirectory() as folder:
+    if not isinstance(fail_above or {}, Mapping):
+        raise Error(f'fail_above: expected a mapping such as {{"relmse": 0.01}}, found {fail_above!r}')
+    with _folder() as folder:
         files = []
         for name, pixels in (("image.exr", image), ("reference.exr", reference)):
-            if isinstance(pixels, np.ndarray):
+            if isinstance(pixels, (np.ndarray, list, tuple)):
                 files.append(str(Path(folder, name)))
-                if pixels.ndim != 3 or pixels.shape[2] != 3:
-                    raise Error(f"compare: an array has the shape (height, width, 3), not {pixels.shape}")
-                channels = {"RGB": np.ascontiguousarray(pixels, dtype=np.float32)}
+                channels = {"RGB": _picture(pixels)}
                 OpenEXR.File({"type": OpenEXR.scanlineimage}, channels).write(files[-1])
             else:
-                files.append(str((pixels.path if isinstance(pixels, Image) else Path(pixels)).absolute()))
+                files.append(os.path.abspath(pixels.path if isinstance(pixels, Image) else _text_of(pixels)))
         limits = [f"--fail-above={metric}={value}" for metric, value in (fail_above or {}).items()]
         return _run("compare", [*files, "--json", *limits], {"layer": layer, "heatmap": heatmap})
+
+
+def _picture(pixels: Any) -> np.ndarray:
+    """An array as an EXR has it. Error if that would lose something."""
+    try:
+        array = np.asarray(pixels)
+    except ValueError as error:  # the rows have several lengths
+        raise Error(f"compare: {error}") from None
+    if array.ndim != 3 or array.shape[2] != 3 or array.size == 0:
+        raise Error(f"compare: an array has the shape (height, width, 3) with pixels in it, not {array.shape}")
+    if array.dtype.kind not in "biuf" or np.ma.is_masked(pixels):
+        raise Error(f"compare: expected an array of real numbers without a mask, found {array.dtype}")
+    return np.ascontiguousarray(array, dtype=np.float32)
 
 
 def _scene(scene: Scene) -> Tuple[str, Optional[str]]:
     """The argument that names the scene, and the text for standard input if it is no file."""
     if isinstance(scene, Mapping):
-        return "-", ron.dumps(scene)
-    name = os.fspath(scene)
+        try:
+            return "-", ron.dumps(scene)
+        except (TypeError, RecursionError) as error:
+            raise Error(f"the scene: {error}") from None
+    name = _text_of(scene)
     if isinstance(scene, str) and "(" in scene and not scene.lower().endswith((".ron", ".glb", ".gltf")):
         return "-", scene
     # A name that begins with - is no option.
@@ -285,16 +368,25 @@ def _flags(options: Mapping[str, Any]) -> List[str]:
     """The options as the command line has them. True is a flag, None and False leave it out."""
     flags = []
     for name, value in options.items():
+        if isinstance(value, (np.ndarray, np.generic)):
+            value = value.tolist()
         # These have values on and off: False must not be their default.
         if isinstance(value, bool) and name in ("roulette", "watts", "light_paths", "clamp"):
             value = "on" if value else "off"
         if value is None or value is False:
             continue
         flag = "--" + name.replace("_", "-")
-        if isinstance(value, (list, tuple)):
+        if isinstance(value, (list, tuple, range, set)):
             value = ",".join(map(str, value))
-        flags.append(flag if value is True else f"{flag}={os.fspath(value) if isinstance(value, os.PathLike) else value}")
+        elif isinstance(value, (bytes, os.PathLike)):
+            value = os.fsdecode(value)
+        flags.append(flag if value is True else f"{flag}={value}")
     return flags
+
+
+def _shell() -> Any:
+    """That of IPython, if it runs us, or None."""
+    return getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
 
 
 class _Progress:
@@ -303,8 +395,7 @@ class _Progress:
     def __init__(self) -> None:
         self._bar: Any = None
         self._tqdm: Any = None
-        shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-        if type(shell).__name__ == "ZMQInteractiveShell":
+        if type(shell := _shell()).__name__ == "ZMQInteractiveShell":
             try:
                 from tqdm.auto import tqdm
 
@@ -343,27 +434,39 @@ def _run(
     """Runs the program, and returns the object that it prints by --json. Its failure becomes an exception."""
     line = [program(), command, *arguments, *_flags(options)]
     errors: List[str] = []
+    interrupts = _interrupts
     with tempfile.TemporaryFile() as stdin, tempfile.TemporaryFile() as stdout:
-        stdin.write((text or "").encode())
-        stdin.seek(0)
-        # In a session of its own it gets no Ctrl-C but by us: a second one would end it without its image.
-        process = subprocess.Popen(
-            line, stdin=stdin, stdout=stdout, stderr=subprocess.PIPE, start_new_session=True,
-            preexec_fn=_end_with_parent if _LIBC else None,
-        )
+        try:
+            stdin.write((text or "").encode())
+            stdin.seek(0)
+            # In a session of its own it gets no Ctrl-C but by us: a second one would end it without its image.
+            process = subprocess.Popen(
+                line, stdin=stdin, stdout=stdout, stderr=subprocess.PIPE, start_new_session=True,
+                preexec_fn=_end_with_parent if _LIBC else None,
+            )
+        except (OSError, ValueError) as error:
+            hint = "; expected text without surrogates and null bytes" if isinstance(error, ValueError) else ""
+            raise Error(f"gpu-rt {command} cannot be run: {error}{hint}") from None
+        in_thread = threading.current_thread() is not threading.main_thread()
+        if in_thread:
+            _OF_THREADS.add(process)
+            if interrupts != _interrupts:  # while it started
+                _interrupt_all()
         reader = threading.Thread(target=_read, args=(process.stderr, errors, progress), daemon=True)
         reader.start()
         interrupted = False
         try:
             try:
                 process.wait()
+                interrupted = in_thread and process not in _OF_THREADS
             except BaseException as reason:
-                process.send_signal(signal.SIGINT)
+                _interrupt(process)
                 process.wait()
                 if not isinstance(reason, KeyboardInterrupt):
                     raise
                 interrupted = True
         finally:
+            _OF_THREADS.discard(process)
             if process.poll() is None:
                 process.kill()
             reader.join()
@@ -382,6 +485,43 @@ def _run(
         raise Interrupted(words, report)
     raise SceneError(words, faults) if faults else Error(words, report)
 
+
+_OF_THREADS: Set[subprocess.Popen] = set()  # the programs that threads wait for, but for the main thread's
+_interrupts = 0  # how often Ctrl-C has come
+
+
+def _interrupt(process: subprocess.Popen) -> None:
+    # Windows has no signal to send: its console interrupts the program itself.
+    if os.name == "posix":
+        process.send_signal(signal.SIGINT)
+
+
+def _interrupt_all() -> None:
+    for process in list(_OF_THREADS):
+        _OF_THREADS.discard(process)
+        _interrupt(process)
+
+
+def _interrupt_threads(number: int, frame: Any) -> None:
+    """Ctrl-C. Python raises KeyboardInterrupt in the main thread alone, and renders in other threads would go on to their end."""
+    global _interrupts
+    _interrupts += 1
+    _interrupt_all()
+    signal.default_int_handler(number, frame)
+
+
+def _listen(*_: Any) -> None:
+    """Handles Ctrl-C in place of Python, but whoever has a handler of his own keeps it."""
+    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt_threads)
+
+
+_listen()
+if _shell():
+    # A notebook has Python's handler again before each cell.
+    _shell().events.register("pre_run_cell", _listen)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_OF_THREADS.clear)
 
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h

@@ -1,12 +1,14 @@
 """Writes scenes as the text of a scene file (RON).
 
-A dict with names is a struct, and the dict of materials is a map. A tuple is a tuple, a list a list. The words of scene files
+A dict with names is a struct, and the dict of materials is a map. A tuple is a tuple, a list a list, but for a list of numbers: scene
+files have points and colours as tuples, and no list of numbers. The words of scene files
 that begin with a capital are attributes of this module: `ron.Sphere(center=(0, 1, 0), radius=1, material="glass")`,
 `ron.Rgb(0.7, 0.2, 0.1)`. docs/scene.md lists them.
 """
 
 from __future__ import annotations
 
+import os
 from typing import Any, Mapping
 
 import numpy as np
@@ -47,19 +49,22 @@ def _field(name: str, value: Any) -> str:
 
 
 def _text(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        value = _tuples(value.tolist())
-    elif isinstance(value, np.generic):
-        value = value.item()
+    if isinstance(value, np.longdouble):
+        value = float(value)
+    elif isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
     if isinstance(value, Word):
         return repr(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
-        return repr(value)
+        # Subclasses, such as those of enum, have other forms.
+        return (int if isinstance(value, int) else float).__repr__(value)
+    if isinstance(value, os.PathLike):
+        value = os.fsdecode(value)
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) or isinstance(value, list) and value and all(map(_is_number, value)):
         return f"({', '.join(map(_text, value))})"
     if isinstance(value, list):
         return f"[{', '.join(map(_text, value))}]"
@@ -68,8 +73,5 @@ def _text(value: Any) -> str:
     raise TypeError(f"a scene file has no form for {value!r}")
 
 
-def _tuples(value: Any) -> Any:
-    """The rows of an array as tuples, as scene files have points and colours; more of them are a list."""
-    if isinstance(value, list) and value and isinstance(value[0], list):
-        return [_tuples(row) for row in value]
-    return tuple(value) if isinstance(value, list) else value
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)

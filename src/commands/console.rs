@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use crate::cluster::scripts::line;
 use crate::error::{Error, Result};
 use crate::output::exr::ExrImage;
+use crate::output::stdout;
 use crate::printable::printable;
 use crate::terminal::{columns_of_stderr, columns_of_stdout, fit_to_terminal};
 
@@ -103,7 +104,7 @@ pub fn print_help(help: &clap::Error) -> Result<()> {
 /// What has come of writing on stdout, once all of it is written.
 fn flushed(written: std::io::Result<()>) -> Result<()> {
     use std::io::ErrorKind;
-    match written.and_then(|()| std::io::stdout().flush()) {
+    match written.and_then(|()| std::io::stdout().flush()).and_then(|()| stdout::check()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
         }

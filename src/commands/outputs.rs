@@ -39,6 +39,11 @@ pub fn check_outputs(
             return refuse(path, reason);
         }
     }
+    if stdout.is_some() || images.iter().any(|(_, path, _)| is_standard(path)) {
+        let closed =
+            |reason| Error::File { path: "stdout".into(), action: "write", reason: format!("{reason}; {undone}") };
+        crate::output::stdout::check().map_err(closed)?;
+    }
     for (option, path, formats) in images {
         if let Err(reason) = format_of(path, formats) {
             return refuse(path, format!("{reason} with {option}"));

@@ -5,6 +5,7 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use super::destination::{Destination, folder_of, is_standard};
+use super::stdout;
 use super::temporary::Temporary;
 use crate::error::{Error, Result};
 
@@ -88,6 +89,7 @@ fn replace_stream(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) 
     write(&mut file)?;
     file.rewind()?;
     if is_standard(path) {
+        stdout::check()?;
         let mut stdout = io::stdout().lock();
         io::copy(&mut file, &mut stdout)?;
         return stdout.flush();

@@ -1083,6 +1083,44 @@ fn lost_output_is_a_failure() {
     assert_eq!(sandbox.files(), ["sphere.exr"]);
 }
 
+/// Where stdout is closed, what goes there is lost, which is found before anything is rendered. /dev/null is no closed stdout, however it is opened.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_closed_descriptor_is_a_failure() {
+    let sandbox = Sandbox::new();
+    let run = |words: &str, redirection: &str| {
+        let line = format!("exec \"$0\" {words} {redirection}");
+        let mut shell = std::process::Command::new("sh");
+        let program = sandbox.command(&[]).get_program().to_owned();
+        finish(
+            shell
+                .current_dir(sandbox.work())
+                .args(["-c", &line])
+                .arg(program)
+                .stderr(std::process::Stdio::piped())
+                .spawn()
+                .unwrap(),
+        )
+    };
+    let render = sandbox.render_sphere().join(" ");
+    for (words, undone) in [
+        (format!("{render} --json"), "; nothing has been rendered"),
+        (format!("{render} -o -"), "; nothing has been rendered"),
+        ("check ../scenes/sphere.ron".to_owned(), ""),
+        ("--version".to_owned(), ""),
+    ] {
+        let ran = run(&words, ">&-").exits(1);
+        assert_eq!(ran.last_line(), format!("error: stdout: cannot write: it is closed{undone}"), "{words}");
+        assert_eq!(sandbox.files(), Vec::<String>::new(), "{words}");
+        for open in [">/dev/null", "1<>/dev/null"] {
+            run(&words, open).exits(0);
+        }
+        let _ = fs::remove_file(sandbox.work().join("sphere.exr"));
+    }
+    // What prints nothing loses nothing.
+    run(&render, ">&-").exits(0);
+}
+
 #[test]
 fn plan_writes_shaders_that_naga_takes() {
     let sandbox = Sandbox::new();

@@ -89,6 +89,35 @@ fn a_sequence_writes_a_file_for_each_frame_and_goes_on() {
     crate::common::tables::compare("### `render --frames --json`", &[json]);
 }
 
+/// The pictures of complete frames are made again: for another exposure, and where a kill has left them older than their image. What is denoised
+/// is denoised again only if it is older.
+#[test]
+fn pictures_of_complete_frames_are_made_again() {
+    let sandbox = with_moving();
+    let sequence = "--frames 6..8 -o out.#.exr --png out.#.png --denoise --resume";
+    render(&sandbox, "moving.glb", &format!("{sequence} --spp 8")).exits(0);
+    let read = |name: &str| fs::read(sandbox.work().join(name)).unwrap();
+    let before = ["out.6.exr", "out.6.denoised.exr"].map(read);
+    fs::remove_file(sandbox.work().join("out.6.png")).unwrap();
+    // As a kill leaves it between the image of 16 samples and what is made of it.
+    let more = "--frame 7 --spp 16 -o out.7.exr --resume --aov albedo,normal";
+    render(&sandbox, "moving.glb", more).exits(0);
+    for exposure in ["0", "2"] {
+        let ran = render(&sandbox, "moving.glb", &format!("{sequence} --spp 8 --exposure {exposure} --json")).exits(0);
+        assert!([0, 1].iter().all(|&frame: &usize| ran.json()["frames"][frame]["skipped"] == true), "{}", ran.stdout);
+        for frame in ["6", "7"] {
+            sandbox
+                .says(&format!("denoise out.{frame}.exr -o denoised.exr --png denoised.png --exposure {exposure}"))
+                .exits(0);
+            assert_eq!(read(&format!("out.{frame}.denoised.png")), read("denoised.png"), "{frame} {exposure}");
+            sandbox.says(&format!("develop out.{frame}.exr -o a.png --exposure {exposure}")).exits(0);
+            assert_eq!(read(&format!("out.{frame}.png")), read("a.png"), "{frame} {exposure}");
+        }
+    }
+    assert_eq!(["out.6.exr", "out.6.denoised.exr"].map(read), before);
+    assert_ne!(read("out.6.png"), read("out.6.denoised.png"));
+}
+
 #[test]
 fn sequences_and_frames_that_cannot_be_are_refused() {
     let sandbox = with_moving();

@@ -32,21 +32,22 @@ class Runner:
         for file in self.files.values():
             file.touch()
         self.base = {"HOME": str(home), "GITHUB_ACTION_PATH": str(ROOT), **{name: str(file) for name, file in self.files.items()}}
+        self.base |= {"GITHUB_JOB": "images", "RUNNER_TEMP": str(home)}
         # A software driver may be elsewhere than Debian has it.
         self.base.update({name: os.environ[name] for name in ("VK_DRIVER_FILES", "LD_LIBRARY_PATH") if name in os.environ})
 
-    def step(self, name, **inputs):
-        """The status and the output of the step of this name."""
+    def step(self, name, replaced={}, **inputs):
+        """The status and the output of the step of this name. `replaced` is environment that replaces its own."""
         step = next(step for step in ACTION["runs"]["steps"] if step.get("name") == name)
         given = {key: str(spec.get("default", "")) for key, spec in ACTION["inputs"].items()} | inputs
 
         def value(expression):
-            names = [name.strip() for name in expression[1].split("||")]
-            values = [str(ROOT) if name == "github.action_path" else given[name.removeprefix("inputs.")] for name in names]
-            return next(filter(None, values), "")
+            known = {"github.action_path": str(ROOT), "strategy.job-total": "1", "strategy.job-index": "0"}
+            known |= {f"inputs.{name}": value for name, value in given.items()}
+            return next(filter(None, (known[name.strip()] for name in expression[1].split("||"))), "")
 
         env = self.base | dict(line.split("=", 1) for line in self.files["GITHUB_ENV"].read_text().splitlines())
-        env |= {key: re.sub(r"\$\{\{(.*?)\}\}", value, text) for key, text in step["env"].items()}
+        env |= {key: re.sub(r"\$\{\{(.*?)\}\}", value, text) for key, text in step["env"].items()} | replaced
         env["PATH"] = ":".join([*self.files["GITHUB_PATH"].read_text().split(), SYSTEM_PATH])
         bash = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]]
         ran = subprocess.run(bash, cwd=self.workspace, env=env, capture_output=True, text=True)
@@ -122,6 +123,101 @@ class Action(unittest.TestCase):
         code, said = self.compare(noise, goldens="nowhere")
         self.assertEqual(code, 1, said)
         self.assertIn("::error::nowhere/box.exr is missing", said)
+
+    def test_scenes_that_are_not_there_are_errors(self):
+        for scenes, words in (
+            ("", "scenes: nothing is to be rendered: name a scene"),
+            (" \n ", "scenes: nothing is to be rendered"),
+            ("scenes/x*.ron", "scenes: no file is named scenes/x*.ron"),
+            ("scenes/box.ron gone.ron", "scenes: no file is named gone.ron"),
+            ("scenes/box.ron 'a", "No closing quotation"),
+        ):
+            code, said = self.runner.step("Render and compare", scenes=scenes)
+            self.assertEqual(code, 1, said)
+            self.assertRegex(said, f"(?m)^::error::.*{re.escape(words)}")
+        code, said = self.runner.step("Hash the driver and the scenes", scenes="'a")
+        self.assertEqual((code, said.startswith("::error::")), (1, True), said)
+        code, said = self.runner.step("Render and compare", scenes="scenes/box.ron", output="goldens/.")
+        self.assertEqual(code, 1, said)
+        self.assertIn("::error::output: goldens/. is the folder of the golden images", said)
+
+    def test_scenes_of_one_name_and_with_spaces_have_files_of_their_own(self):
+        for name in ("a/room.ron", "b/c/room.ron", "my scenes/two words.ron", "-dash.ron"):
+            path = self.runner.workspace / "many" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / "scenes/cornell.ron", path)
+        given = {"goldens": "my goldens", "output": "my output", "options": '--size 8x8 --spp 16 --tonemap "soft"'}
+        given["scenes"] = "many/**/room.ron many/a/*.ron\nmany/my scenes/*.ron\n many/-*.ron "
+        code, said = self.runner.step("Render and compare", **given)
+        self.assertEqual(code, 1, said)
+        names = ["many/a/room", "many/b/c/room", "two words", "-dash"]
+        self.assertEqual(re.findall("::error::(.*) is missing", said), [f"my goldens/{name}.exr" for name in names])
+        output, goldens = self.runner.workspace / "my output", self.runner.workspace / "my goldens"
+        shutil.copytree(output, goldens)
+        # Each is compared with its own: the image of another is a difference.
+        dark = np.asarray(gpu_rt.Image(goldens / "many/a/room.exr")) / 2
+        OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": dark}).write(str(goldens / "many/b/c/room.exr"))
+        code, said = self.runner.step("Render and compare", **given, **{"fail-above": "flip=0.001"})
+        self.assertEqual((code, said.count("::error::")), (1, 1), said)
+        self.assertRegex(said.split("::group::many/b/c/room.ron")[1].split("::endgroup::")[0], "::error::--fail-above: flip is ")
+        (self.runner.workspace / "many/a/room.glb").touch()
+        code, said = self.runner.step("Render and compare", **given | {"scenes": "many/**/room.*"})
+        self.assertEqual(code, 1, said)
+        self.assertIn("::error::scenes: many/a/room.glb and many/a/room.ron have one name, many/a/room", said)
+
+    def test_an_annotation_of_several_lines_is_one(self):
+        code, said = self.compare(np.ones((16, 16, 3), np.float32), options="--sps 3 --size 16x16 --exposure 50%")
+        self.assertEqual(code, 1, said)
+        annotations = re.findall("(?m)^::error::(.*)", said)
+        self.assertEqual(len(annotations), 1, said)
+        self.assertRegex(annotations[0], "^unexpected argument '--sps' found.*%0A%0AUsage: gpu-rt render")
+        code, said = self.compare(np.ones((16, 16, 3), np.float32), options="--exposure 5%0A")
+        self.assertIn("::error::invalid value '5%250A'", said)
+        self.assertNotIn("\nFor more", said)
+
+    def test_artifacts_have_names_of_their_own(self):
+        def name(**environment):
+            code, said = self.runner.step("Name the artifact", environment, output=environment.pop("output", "gpu-rt-output"))
+            self.assertEqual((code, said), (0, ""))
+            return self.runner.files["GITHUB_OUTPUT"].read_text().splitlines()[-1]
+
+        (self.home / "gpu-rt-uses").unlink(missing_ok=True)
+        self.assertEqual(name(), "name=gpu-rt-output-images")
+        self.assertEqual(name(), "name=gpu-rt-output-images-2")
+        for leg in ("0", "1"):
+            (self.home / "gpu-rt-uses").unlink()
+            self.assertEqual(name(LEGS="2", LEG=leg, output="out/a:b*c"), f"name=out-a-b-c-images-{leg}")
+
+    def test_only_what_changes_kernels_makes_a_new_cache(self):
+        def hashes(**inputs):
+            code, said = self.runner.step("Hash the driver and the scenes", scenes="scenes/b*.ron", **inputs)
+            self.assertEqual((code, said), (0, ""))
+            return self.runner.files["GITHUB_OUTPUT"].read_text().splitlines()[-2:]
+
+        before = hashes()
+        self.assertRegex(" ".join(before), "^driver=[0-9a-f]{16} scenes=[0-9a-f]{16}$")
+        self.assertEqual(hashes(), before)
+        self.assertEqual([a == b for a, b in zip(hashes(options="--spp 3"), before)], [True, False])
+        scene = self.runner.workspace / "scenes/box.ron"
+        text = scene.read_text()
+        self.addCleanup(scene.write_text, text)
+        scene.write_text(text + " ")
+        self.assertNotEqual(hashes(), before)
+        key = next(step["with"]["key"] for step in ACTION["runs"]["steps"] if step.get("with", {}).get("path", "").endswith("/kernels"))
+        self.assertEqual(re.findall(r"\{ (.*?) \}", key)[1:], [f"steps.{n}" for n in ("scenes.outputs.driver", "package.outputs.hash", "scenes.outputs.scenes")])
+        self.assertIn("MESA_SHADER_CACHE_MAX_SIZE=64M", self.runner.files["GITHUB_ENV"].read_text())
+
+    def test_other_systems_are_refused_by_name(self):
+        tools = self.home / "tools"
+        tools.mkdir()
+        (tools / "uname").write_text("#!/bin/sh\necho Darwin\n")
+        (tools / "uname").chmod(0o755)
+        before = self.runner.files["GITHUB_PATH"].read_text()
+        self.addCleanup(self.runner.files["GITHUB_PATH"].write_text, before)
+        self.runner.files["GITHUB_PATH"].write_text(f"{tools}\n")
+        code, said = self.runner.step("Hash the package")
+        self.assertEqual(code, 1)
+        self.assertRegex(said, "^::error::this action runs on Linux")
 
     def test_an_error_of_a_scene_stands_beside_its_line(self):
         (self.runner.workspace / "scenes/wrong.ron").write_text("Scene(\n  camra: 3)")

@@ -1,6 +1,10 @@
 """The module gpu_rt with the program of the wheel, and the examples of docs/python.md. `make test-python` runs it."""
 
+import copy
+import gc
+import multiprocessing
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -148,6 +152,168 @@ class Render(InAFolder):
                 gpu_rt.render(CORNELL, **SMALL)
 
 
+def render_seed(seed):
+    return gpu_rt.render(CORNELL, seed=seed, **SMALL)
+
+
+def check_nothing(_):
+    gpu_rt.check("Scene(3)")
+
+
+KEPT = []
+
+
+def render_and_keep(seed):
+    KEPT.append(render_seed(seed))
+    return KEPT[0].path
+
+
+class Processes(InAFolder):
+    """An image's temporary folder is of the process that made it, and images go to other processes with all that they hold."""
+
+    def test_a_fork_leaves_the_images_of_its_parent(self):
+        images = [render_seed(seed) for seed in range(2)]
+        paths = [image.path for image in images]
+        for end in (lambda: sys.exit(0), images.clear):
+            child = os.fork()
+            if child == 0:
+                try:
+                    end()
+                    gc.collect()
+                except SystemExit:
+                    # As the interpreter does then.
+                    multiprocessing.util._exit_function()
+                finally:
+                    os._exit(0)
+            os.waitpid(child, 0)
+            self.assertTrue(all(path.exists() for path in paths))
+        images.clear()
+        self.assertFalse(any(path.parent.exists() for path in paths), "its own end removes them")
+
+    def test_a_fork_that_exits_leaves_the_image_of_its_parent(self):
+        code = (
+            f"import gpu_rt, os, sys; image = gpu_rt.render({str(CORNELL)!r}, **{SMALL})\n"
+            "if os.fork() == 0: sys.exit(0)\n"
+            "os.wait(); print(image.path, image.path.exists())"
+        )
+        path, exists = subprocess.check_output([sys.executable, "-c", code], text=True).split()
+        self.assertEqual((exists, Path(path).parent.exists()), ("True", False))
+
+    def test_workers_return_images_and_errors(self):
+        expected = np.asarray(render_seed(0))
+        for method in ("fork", "spawn"):
+            with multiprocessing.get_context(method).Pool(1) as pool:
+                images = pool.map(render_seed, [0, 1])
+                kept = pool.apply(render_and_keep, [0])
+                with self.assertRaises(gpu_rt.SceneError) as raised:
+                    pool.map(check_nothing, [0])
+                pool.close()
+                pool.join()
+            self.assertEqual(raised.exception.faults[0].line, 1)
+            np.testing.assert_array_equal(images[0], expected)
+            self.assertFalse((np.asarray(images[1]) == expected).all())
+            self.assertFalse(kept.parent.exists(), "the end of a worker removes what it keeps")
+
+    def test_a_copy_has_all_that_the_image_has(self):
+        image = gpu_rt.render(CORNELL, aov="depth", **SMALL)
+        layers, path = image.layers, image.path
+        copies = [copy.copy(image), copy.deepcopy(image), pickle.loads(pickle.dumps(image))]
+        del image
+        self.assertFalse(path.exists())
+        for each in copies:
+            self.assertEqual((set(each.layers), each.report["samples_per_pixel"]), (set(layers), 16))
+            for name, layer in layers.items():
+                np.testing.assert_array_equal(each[name], layer)
+        copies[0].save("a.exr")
+        more = gpu_rt.render(CORNELL, output="a.exr", resume=True, aov="depth", **(SMALL | {"spp": 24}))
+        self.assertEqual(more.report["resumed_from"], 16)
+        os.remove("a.exr")
+        with self.assertRaisesRegex(gpu_rt.Error, "a.exr: cannot be read: No such file"):
+            pickle.dumps(more)
+
+
+class Array(InAFolder):
+    def test_an_image_behaves_as_its_picture(self):
+        image = render_seed(0)
+        array = np.array(image)
+        for run in (
+            lambda x: x * 2, lambda x: 2 * x, lambda x: array - x, lambda x: -x, lambda x: x < 0.5, lambda x: x == x,
+            lambda x: x @ np.eye(3), lambda x: x.mean(axis=2), np.mean, lambda x: np.sum(x, axis=(0, 1)), np.add.reduce,
+            lambda x: np.stack([x, x]), lambda x: np.where(x > 0.5, x, 0), lambda x: x[2:4, ::2], lambda x: x[..., 0],
+            lambda x: x[-1], lambda x: list(x), len, lambda x: x.T, lambda x: x.dtype, lambda x: x.astype("f8"), np.copy,
+            lambda x: np.asarray(x, dtype=">f8"), lambda x: np.einsum("ijk->k", x), lambda x: x.shape, lambda x: x.ndim,
+        ):  # fmt: skip
+            np.testing.assert_array_equal(run(image), run(array))
+        self.assertIs(type(image * 2), np.ndarray)
+        self.assertEqual(("variance" in image, "fog" in image, {image: 3}[image], bool(image)), (True, False, 3, True))
+        for change in (lambda: image.__imul__(2), lambda: np.add(array, 1, out=image)):
+            with self.assertRaisesRegex(gpu_rt.Error, "numpy.array.image. is a copy"):
+                change()
+        with self.assertRaisesRegex(AttributeError, "no attribute men"):
+            image.men
+        # A path that is relative stays that of the file.
+        kept = gpu_rt.render(CORNELL, output="kept.exr", **SMALL)
+        os.mkdir("folder")
+        os.chdir("folder")
+        np.testing.assert_array_equal(kept, array)
+
+
+class Arguments(InAFolder):
+    def test_they_are_right_or_an_error_says_what_is(self):
+        image = gpu_rt.render(CORNELL, size=8, samples=range(0, 8), crop=np.array([0, 0, 4, 2]), force=np.bool_(True), quiet=True)
+        self.assertEqual(image.shape, (2, 4, 3))
+        array = np.array(image)
+        for wide in (np.repeat(array, 2, axis=1)[:, ::2], np.asfortranarray(array), array.astype(">f8"), array.tolist()):
+            self.assertEqual(gpu_rt.compare(wide, image)["relmse"], 0)
+        render = lambda **options: lambda: gpu_rt.render(CORNELL, quiet=True, **options)
+        compare = lambda array, **options: lambda: gpu_rt.compare(array, image, **options)
+        check = lambda scene: lambda: gpu_rt.check(scene)
+        for run, words in (
+            (render(samples=range(0, 8, 2)), "without gaps, such as range.0, 64., found range.0, 8, 2"),
+            (render(samples=range(0)), "expected A..B with A < B"),
+            (render(aov=[]), "expected some of albedo"),
+            (render(tonemap="\ud800"), "without surrogates"),
+            (render(output="a\0.exr"), "null byte"),
+            (render(output=3), "expected a path, found 3"),
+            (check("Scene(\ud800"), "without surrogates"),
+            (check(None), "expected a path, found None"),
+            (check({"objects": {1, 2}}), "no form for {1, 2}"),
+            (check({"camera": {"look_from": np.array([])}}), r"expected a point: \(x, y, z\), found \[\]"),
+            (check("\ud800.ron"), r"surrogates"),
+            (lambda: gpu_rt.Image("\ud800"), r"^\\ud800: there is no such file"),
+            (compare(np.zeros((0, 4, 3))), "with pixels in it, not .0, 4, 3"),
+            (compare(array * 1j), "real numbers without a mask, found complex"),
+            (compare(np.ma.array(array, mask=True)), "without a mask"),
+            (compare(array, fail_above=0.1), "expected a mapping such as"),
+            (lambda: image.save("none/a.exr"), "none/a.exr: cannot be written"),
+        ):
+            with self.assertRaisesRegex(gpu_rt.Error, words) as raised:
+                run()
+            str(raised.exception).encode()
+
+    def test_numbers_in_a_list_are_a_vector(self):
+        for values, text in (
+            ([0, 1.5, np.float32(2)], "(0, 1.5, 2.0)"),
+            (np.array([1, 2, 3], np.uint8), "(1, 2, 3)"),
+            (np.arange(9, dtype=">f4")[::4], "(0.0, 4.0, 8.0)"),
+            (np.ones(2, np.longdouble), "(1.0, 1.0)"),
+            (np.ones((2, 1)), "[(1.0), (1.0)]"),
+            (np.array(2.5), "2.5"),
+            (np.zeros((0, 3)), "[]"),
+            ([], "[]"),
+            ([True], "[true]"),
+            ([[1, 2], [3, 4]], "[(1, 2), (3, 4)]"),
+            ([ron.Scale(2)], "[Scale(2)]"),
+            (types.SimpleNamespace, None),
+            (signal.SIGINT, "2"),
+            (Path("a.hdr"), '"a.hdr"'),
+        ):
+            if text is None:
+                self.assertRaises(TypeError, ron.Word("A"), values)
+            else:
+                self.assertEqual(repr(ron.Word("A")(values)), f"A({text})")
+
+
 class Compare(InAFolder):
     def test_noise_is_told_from_a_difference(self):
         a, b = (gpu_rt.render(CORNELL, size=(16, 16), spp=32, seed=seed, quiet=True) for seed in (0, 1))
@@ -181,6 +347,59 @@ class Stop(InAFolder):
         image.save("b.exr")
         more = gpu_rt.render(CORNELL, **(FOREVER | {"spp": done + 8}), output="b.exr", resume=True)
         self.assertEqual((more.report["resumed_from"], more["samples"].max()), (done, done + 8))
+
+    def test_ctrl_c_stops_renders_in_threads(self):
+        stopped = []
+
+        def render(name):
+            try:
+                gpu_rt.render(CORNELL, **FOREVER, output=name, checkpoint="1s")
+            except gpu_rt.Interrupted as stop:
+                stopped.append(stop.image.report["interrupted"])
+
+        threads = [threading.Thread(target=render, args=(name,)) for name in ("a.exr", "b.exr")]
+        for thread in threads:
+            thread.start()
+        with self.assertRaises(KeyboardInterrupt):
+            until(lambda: Path("a.exr").exists() and Path("b.exr").exists())
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(60)
+        for thread in threads:
+            thread.join(30)
+        self.assertEqual(stopped, [True, True])
+
+    def test_ctrl_c_stops_a_render_that_just_starts(self):
+        stopped = []
+
+        def start(*arguments, popen=subprocess.Popen, **options):
+            process = popen(*arguments, **options)
+            self.assertRaises(KeyboardInterrupt, signal.getsignal(signal.SIGINT), signal.SIGINT, None)
+            return process
+
+        def render():
+            with self.assertRaises(gpu_rt.Interrupted) as raised:
+                gpu_rt.render(CORNELL, **FOREVER)
+            stopped.append(raised.exception.image)
+
+        with mock.patch("subprocess.Popen", start):
+            thread = threading.Thread(target=render)
+            thread.start()
+            thread.join(60)
+        self.assertEqual(stopped, [None])
+
+    def test_ctrl_c_is_heard_in_notebooks_and_handlers_of_others_stay(self):
+        code = (
+            "import signal, sys, types; default, mine = signal.getsignal(signal.SIGINT), lambda *_: None\n"
+            "if 'mine' in sys.argv: signal.signal(signal.SIGINT, mine)\n"
+            "hooks = {}; shell = types.SimpleNamespace(events=types.SimpleNamespace(register=hooks.__setitem__))\n"
+            "sys.modules['IPython'] = types.SimpleNamespace(get_ipython=lambda: shell)\n"
+            "import gpu_rt; heard = [signal.getsignal(signal.SIGINT) is gpu_rt._interrupt_threads]\n"
+            "if 'mine' not in sys.argv: signal.signal(signal.SIGINT, default)\n"
+            "hooks['pre_run_cell'](None); print(*heard, signal.getsignal(signal.SIGINT) is gpu_rt._interrupt_threads)"
+        )
+        for argument, heard in (("", "True True"), ("mine", "False False")):
+            said = subprocess.check_output([sys.executable, "-c", code, argument], text=True)
+            self.assertEqual(said.strip(), heard)
 
     def test_progress_is_on_stderr_and_the_program_does_not_outlive_python(self):
         options = FOREVER | {"quiet": False}

@@ -1,6 +1,7 @@
 //! `render --frames`: an image for each frame of a glTF file's animations. The device with its kernels, textures, and meshes that stand still
 //! stay from frame to frame.
 
+use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,7 +9,7 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::args::RenderArgs;
-use super::denoising::denoised_image;
+use super::denoising::{self, denoised_image, denoised_picture};
 use super::request::frame_and_job;
 use super::session::{Sequence, Session};
 use crate::commands::console::{path_text, print_json, tell};
@@ -17,7 +18,8 @@ use crate::error::{Error, Result};
 use crate::flatten::Hierarchies;
 use crate::identity::Identity;
 use crate::job::Goal;
-use crate::output::exr::{Attribute, read_attributes, read_state};
+use crate::output::exr::{Attribute, read_attributes, read_exr, read_state};
+use crate::output::png::write_png;
 use crate::printable::counted;
 use crate::scene::{Assets, Scene};
 
@@ -61,6 +63,7 @@ fn render_frame(
     if args.resume.is_some()
         && let Some(samples) = samples_of_complete(&args, &scene, begin)?
     {
+        develop_again(&args, &image)?;
         if !args.quiet {
             tell(&format!("{}: {}, complete", image.display(), counted(samples, "sample")));
         }
@@ -76,13 +79,30 @@ fn render_frame(
     render(&args, &scene, session, begin)
 }
 
-/// How many samples the image of a frame has, if it is complete, and so are the files that are made of it.
+/// Makes the pictures of a complete frame: they may be older than it, after a kill, or of another exposure.
+fn develop_again(args: &RenderArgs, image: &Path) -> Result<()> {
+    let develop = |exr: &Path, png: Option<&Path>| {
+        let Some(png) = png else { return Ok(()) };
+        let exr = read_exr(exr)?;
+        write_png(png, (exr.width, exr.height), &|index| exr.rgb[index], &args.view.transform())
+    };
+    develop(image, args.png.as_deref())?;
+    if !args.denoise() {
+        return Ok(());
+    }
+    let time = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
+    let denoised = denoised_image(image);
+    match time(&denoised) < time(image) {
+        true => {
+            denoising::open(args, image)?.map_or(Ok(()), |with| denoising::write(&with, image, args.quiet).map(|_| ()))
+        }
+        false => develop(&denoised, args.png.as_deref().and_then(denoised_picture).as_deref()),
+    }
+}
+
+/// How many samples the image of a frame has, if it is complete.
 fn samples_of_complete(args: &RenderArgs, scene: &Scene, begin: Instant) -> Result<Option<u64>> {
     let image = args.image();
-    let denoised = args.denoise().then(|| denoised_image(&image));
-    if !args.png.iter().chain(&denoised).chain([&image]).all(|path| path.is_file()) {
-        return Ok(None);
-    }
     // What is wrong with it is said where it is resumed.
     let Some(state) = read_state(&image).ok().flatten() else { return Ok(None) };
     let (frame, job) = frame_and_job(args, scene, begin)?;
