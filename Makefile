@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -131,6 +131,13 @@ test-tint: toolchain
 	$(CARGO) build --release
 	@command -v npm >/dev/null || $(call install, nodejs npm, no Node.js runs Tint)
 	tests/tint/run.sh target/release/gpu-rt
+
+# Environment maps that people use, from npm and from Blender's module.
+test-skies: export NODEVICE_SELECT = 1
+test-skies: toolchain bpy driver
+	$(CARGO) build --release
+	@command -v npm >/dev/null || $(call install, nodejs npm, no Node.js unpacks the packages of npm)
+	tests/skies/run.sh target/release/gpu-rt target/bpy/lib/python3.*/site-packages/bpy/*/datafiles/studiolights/world
 
 # COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.
 COUNT ?= 100000

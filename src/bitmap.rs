@@ -98,19 +98,23 @@ pub struct Bitmap {
     pub format: Format,
     /// The texels row by row, in the words of the format.
     pub words: Arc<Vec<u32>>,
+    /// What [`Bitmap::clean`] changed, if anything.
+    pub warning: Option<String>,
 }
 
 impl Bitmap {
+    pub fn new(width: u32, height: u32, format: Format, words: Vec<u32>) -> Bitmap {
+        Bitmap { width, height, format, words: Arc::new(words), warning: None }
+    }
+
     /// An image of floats.
     pub fn of_floats(width: u32, height: u32, texels: impl IntoIterator<Item = [f32; 3]>) -> Bitmap {
-        let words = texels.into_iter().flatten().map(f32::to_bits).collect();
-        Bitmap { width, height, format: Format::Float, words: Arc::new(words) }
+        Bitmap::new(width, height, Format::Float, texels.into_iter().flatten().map(f32::to_bits).collect())
     }
 
     /// An image of codes of 8 bits, in a word each.
     pub fn of_codes(width: u32, height: u32, format: Format, texels: impl Iterator<Item = [u8; 3]>) -> Bitmap {
-        let words = texels.map(|[r, g, b]| u32::from_le_bytes([r, g, b, 0])).collect();
-        Bitmap { width, height, format, words: Arc::new(words) }
+        Bitmap::new(width, height, format, texels.map(|[r, g, b]| u32::from_le_bytes([r, g, b, 0])).collect())
     }
 
     /// An image of one channel of 8 bits.
@@ -118,7 +122,30 @@ impl Bitmap {
         let count = Format::Number.words(width as usize * height as usize);
         let mut next = || texels.next().unwrap_or_default();
         let words = (0..count).map(|_| u32::from_le_bytes([next(), next(), next(), next()])).collect();
-        Bitmap { width, height, format: Format::Number, words: Arc::new(words) }
+        Bitmap::new(width, height, Format::Number, words)
+    }
+
+    /// Sets what no colour has to 0: numbers that are negative, infinite or NaN. Resampling, lossy compression and changes of primaries
+    /// leave such ones.
+    pub fn clean(&mut self) {
+        let is_light = |word: &u32| f32::from_bits(*word) >= 0.0 && f32::from_bits(*word).is_finite();
+        if self.format != Format::Float || self.words.iter().all(is_light) {
+            return;
+        }
+        let (mut count, mut largest) = (0, f32::NAN);
+        for texel in Arc::make_mut(&mut self.words).as_chunks_mut::<3>().0 {
+            count += usize::from(!texel.iter().all(is_light));
+            for word in texel.iter_mut().filter(|word| !is_light(word)) {
+                let number = f32::from_bits(std::mem::take(word));
+                if largest.is_nan() || number.abs() > largest.abs() {
+                    largest = number;
+                }
+            }
+        }
+        self.warning = Some(format!(
+            "{count} of {} texels have a number that is negative, infinite or NaN, the largest of them {largest:?}: it counts as 0",
+            self.len()
+        ));
     }
 
     /// How many texels it has.
@@ -202,6 +229,13 @@ pub fn largest<'a>(images: impl Iterator<Item = (&'a str, (u32, u32), u64)>) -> 
     words.join(", ")
 }
 
+/// The largest size, of the same proportions, at which an image of this size and so many bytes takes no more than `room`; empty if none does.
+pub fn size_that_fits((width, height): (u32, u32), bytes: u64, room: u64) -> String {
+    let scale = (room as f64 / bytes as f64).sqrt();
+    let [width, height] = [width, height].map(|side| (f64::from(side) * scale) as u32);
+    if width.min(height) > 0 { format!("{width} by {height} fits") } else { String::new() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,6 +269,34 @@ mod tests {
         }
         // The ends of the range are exact.
         assert_eq!((CODE * 255.0, CODE * 0.0), (1.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_no_light_is_set_to_0_and_counted() {
+        let mut bitmap = Bitmap::of_floats(2, 1, [[0.25, 1e-40, 3e38], [-0.0, 1.0, 0.0]]);
+        let before = bitmap.clone();
+        bitmap.clean();
+        assert_eq!(bitmap, before);
+        for (texels, most, words) in [
+            (
+                [[-1e-6, 0.5, -2e-6], [0.0; 3], [f32::NAN, 1.0, 1.0]],
+                [0.0, 0.5, 0.0],
+                "2 of 3 texels have a number that is negative, infinite or NaN, the largest of them -2e-6",
+            ),
+            (
+                [[f32::INFINITY, 0.5, -2e-6], [0.0; 3], [1.0; 3]],
+                [0.0, 0.5, 0.0],
+                "1 of 3 texels have a number that is negative, infinite or NaN, the largest of them inf",
+            ),
+            ([[f32::NAN, 0.5, 1.0], [0.0; 3], [1.0; 3]], [0.0, 0.5, 1.0], "the largest of them NaN"),
+        ] {
+            let mut bitmap = Bitmap::of_floats(3, 1, texels);
+            let shared = bitmap.clone();
+            bitmap.clean();
+            assert_eq!((bitmap.texel(0), bitmap.texel(1)), (most, [0.0; 3]));
+            assert!(bitmap.warning.is_some_and(|warning| warning.contains(words)));
+            assert!(shared.warning.is_none() && shared.words != bitmap.words, "a copy keeps its own");
+        }
     }
 
     #[test]

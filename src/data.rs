@@ -394,7 +394,7 @@ device_struct!(
 );
 
 device_struct!(
-    /// An entry of a table for the alias method: a cell of the grid over the sky, or a light as the start of light paths.
+    /// An entry of a table for the alias method: a light as the start of light paths.
     AliasEntry {
         threshold: f32,
         alias_index: u32,

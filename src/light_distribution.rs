@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::bitmap::Bitmap;
 use crate::data::{AliasEntry, luminance};
+use crate::threads::{cores, each};
 
 /// The number of values of a uniform number on the device: the multiples of 2^-24.
 const UNIFORMS: u64 = 1 << 24;
@@ -12,8 +13,9 @@ const UNIFORMS: u64 = 1 << 24;
 /// them for this minimum.
 pub const MAX_ENTRIES: usize = 1 << 20;
 
-/// The most cells of the sky's grid. 2^16 cells are 1 MiB of entries, with 256 uniform numbers per cell on average.
-pub const MAX_CELLS: usize = 1 << 16;
+/// The most columns and rows of the sky's distribution: 32 MiB of sums.
+pub const MOST_COLUMNS: usize = 4096;
+pub const MOST_ROWS: usize = 2048;
 
 /// An entry of a table for the alias method (shaders/light/alias.wgsl).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +31,8 @@ pub struct Draw {
 }
 
 /// The number of uniform numbers for each weight: in proportion, but at least one for each positive weight.
+///
+/// None if no weight is positive, if a weight is negative or not finite, or if there are more than [`MAX_ENTRIES`].
 fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     if weights.len() > MAX_ENTRIES || weights.iter().any(|w| !w.is_finite() || *w < 0.0) {
         return None;
@@ -57,9 +61,7 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
 }
 
 /// A table for the alias method. Probabilities are in proportion to weights, rounded to multiples of 2^-24, so that they are
-/// exactly the probabilities with which the device draws.
-///
-/// None if no weight is positive, if a weight is negative or not finite, or if there are more than [`MAX_ENTRIES`].
+/// exactly the probabilities with which the device draws. None as of [`apportion`].
 pub fn alias_table(weights: &[f64]) -> Option<Vec<Draw>> {
     let wanted = apportion(weights)?;
     let count = wanted.len() as u64;
@@ -119,90 +121,57 @@ pub fn alias_entries(weights: &[f64], sizes: &[f64]) -> Option<Vec<AliasEntry>> 
     Some(table.iter().zip(sizes).map(entry).collect())
 }
 
-/// The distribution of directions towards the sky: cells of a grid over its image. The weight of a cell is its mean
-/// luminance, as the kernels interpolate it, times its solid angle.
+/// The distribution of directions towards the sky, drawn by inversion (shaders/light/sky.wgsl): the texels of its image, or blocks of them.
+/// The weight of one is its mean luminance times its solid angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyDistribution {
     pub columns: u32,
     pub rows: u32,
-    /// Row by row, from the top.
-    pub cells: Vec<AliasEntry>,
+    /// Running sums of parts of 2^24, each list from 0 on: those of the rows from the top, then those of the texels of each row.
+    pub sums: Vec<u32>,
 }
 
-/// The texels that contribute to the interpolation between x0 and x1 (in texels), with the integral of each one's
-/// weight. The weight is a tent around the texel's centre, two texels wide and 1 high.
-fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
-    // The integral of the tent from its start to t.
-    let until = |t: f64| match t.clamp(-1.0, 1.0) {
-        t if t < 0.0 => 0.5 * (t + 1.0) * (t + 1.0),
-        t => 1.0 - 0.5 * (1.0 - t) * (1.0 - t),
-    };
-    let (first, last) = ((x0 - 0.5).floor() as i64, (x1 + 0.5).floor() as i64);
-    (first..=last).filter_map(move |i| {
-        let centre = i as f64 + 0.5;
-        let share = until(x1 - centre) - until(x0 - centre);
-        (share > 0.0).then_some((i, share))
-    })
+/// The texels that the block `index` of `count` covers along a side of so many, with the share of each that it covers.
+fn covered(index: usize, count: usize, side: usize) -> impl Iterator<Item = (usize, f64)> {
+    let end = |index: usize| (index as f64 * side as f64 / count as f64).min(side as f64);
+    let (start, end) = (end(index), end(index + 1));
+    (start as usize..end.ceil() as usize).map(move |i| (i, end.min((i + 1) as f64) - start.max(i as f64)))
 }
 
 impl SkyDistribution {
-    /// None if the image is black everywhere or empty. Negative and non-finite texels count as black.
+    /// None if the image is black everywhere or empty, or has texels that are negative or not finite.
     pub fn new(image: &Bitmap) -> Option<SkyDistribution> {
         let (w, h) = (image.width as usize, image.height as usize);
-        if image.is_empty() {
-            return None;
-        }
-        // The finest grid of complete texels with at most MAX_CELLS cells.
-        let block = (1..).find(|block| w.div_ceil(*block) * h.div_ceil(*block) <= MAX_CELLS)?;
+        let block = w.div_ceil(MOST_COLUMNS).max(h.div_ceil(MOST_ROWS)).max(1);
         let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
-        let brightness = |texel: [f32; 3]| {
-            let y = luminance(texel.map(f64::from));
-            let lit = texel.iter().any(|x| *x > 0.0);
-            if y.is_finite() && lit { y.max(0.0) } else { 0.0 }
-        };
-        // The mean of the interpolated luminance over each cell, first along x and then along y.
-        let (wide, high) = (w as f64 / columns as f64, h as f64 / rows as f64);
-        let across: Vec<Vec<(usize, f64)>> = (0..columns)
-            .map(|c| {
-                let tents = tents(c as f64 * wide, (c + 1) as f64 * wide);
-                tents.map(|(x, share)| (x.rem_euclid(w as i64) as usize, share / wide)).collect()
-            })
-            .collect();
-        let mut weights = vec![0.0; columns * rows];
-        let mut row = vec![0.0; columns];
-        let mut line = vec![0.0; w];
-        // Every row of texels contributes to the cells that its tents reach.
-        let mut given: Vec<Vec<(usize, f64)>> = vec![Vec::new(); h];
-        for r in 0..rows {
-            for (y, share) in tents(r as f64 * high, (r + 1) as f64 * high) {
-                given[y.clamp(0, h as i64 - 1) as usize].push((r, share / high));
-            }
-        }
-        for (y, given) in given.iter().enumerate() {
-            for (to, x) in line.iter_mut().zip(y * w..) {
-                *to = brightness(image.texel(x));
-            }
-            for (to, shares) in row.iter_mut().zip(&across) {
-                *to = shares.iter().map(|(x, share)| share * line[*x]).sum();
-            }
-            for (r, share) in given {
-                for (to, mean) in weights[r * columns..].iter_mut().zip(&row) {
-                    *to += share * mean;
+        // The weight of a row, and the parts of its texels.
+        let row = |r: usize| {
+            let mut line = vec![0.0; w];
+            for (y, share) in covered(r, rows, h) {
+                for (to, index) in line.iter_mut().zip(y * w..) {
+                    *to += share * luminance(image.texel(index).map(f64::from));
                 }
             }
-        }
-        // 2 pi / columns times the difference of the cosines, written as a product.
-        let solid_angles: Vec<f64> = (0..rows)
-            .map(|r| {
-                let step = 0.5 * PI / rows as f64;
-                4.0 * PI / columns as f64 * step.sin() * ((2 * r + 1) as f64 * step).sin()
-            })
-            .collect();
-        for (i, weight) in weights.iter_mut().enumerate() {
-            *weight *= solid_angles[i / columns];
-        }
-        let sizes: Vec<f64> = (0..weights.len()).map(|i| solid_angles[i / columns]).collect();
-        let cells = alias_entries(&weights, &sizes)?;
-        Some(SkyDistribution { columns: columns as u32, rows: rows as u32, cells })
+            let mean = |c: usize| covered(c, columns, w).map(|(x, share)| share * line[x]).sum();
+            let means: Vec<f64> = (0..columns).map(mean).collect();
+            // The solid angle, but for a factor that all have.
+            let size = ((r as f64 + 0.5) * PI / rows as f64).sin();
+            (size * means.iter().sum::<f64>(), running_sums(&means))
+        };
+        let (weights, texels): (Vec<f64>, Vec<_>) = each(cores(), 0..rows, row).into_iter().unzip();
+        let mut sums = running_sums(&weights)?;
+        // A black row is never drawn.
+        sums.extend(texels.into_iter().flat_map(|sums| sums.unwrap_or_else(|| vec![0; columns + 1])));
+        Some(SkyDistribution { columns: columns as u32, rows: rows as u32, sums })
     }
+}
+
+/// The sums of the parts of weights before each, and of all. None as of [`apportion`].
+fn running_sums(weights: &[f64]) -> Option<Vec<u32>> {
+    let mut sum = 0;
+    let after = apportion(weights)?.into_iter().map(|parts| {
+        sum += parts as u32;
+        sum
+    });
+    Some(std::iter::once(0).chain(after).collect())
 }

@@ -330,7 +330,8 @@ impl Kernels {
                 "images",
             )
             .made_of(make_up_of_texels(flat))
-            .shrunk_by(largest_images(flat)),
+            .shrunk_by(largest_images(flat))
+            .with_largest(flat.images.iter().map(|(_, bitmap)| ((bitmap.width, bitmap.height), bitmap.bytes()))),
             array(table("sky", &flat.sky, "the background's image as a distribution of directions")),
             array(table("extensions", &flat.extensions, "extensions of materials")),
             array(table(

@@ -1,2 +1,1 @@
-//@ use data/alias_entry
-@group(0) @binding(19) var<storage, read> sky: array<AliasEntry>;
+@group(0) @binding(19) var<storage, read> sky: array<u32>;

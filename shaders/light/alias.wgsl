@@ -2,7 +2,7 @@
 //@ relies on uniforms
 // The alias method (Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM TOMS
 // 3(3), 1977): one lookup finds an entry, and either the entry or its alias is drawn. It uses integers, so that the
-// probabilities that the host states (src/lights.rs) are exact.
+// probabilities that the host states (src/light_distribution.rs) are exact.
 
 // An entry that was drawn.
 struct AliasChoice {

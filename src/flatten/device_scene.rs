@@ -32,7 +32,7 @@ pub struct DeviceScene {
     /// The tree over the lights; empty if there are fewer than two.
     pub light_nodes: Vec<data::LightNode>,
     /// The distribution of directions by the background's image.
-    pub sky: Vec<data::AliasEntry>,
+    pub sky: Vec<u32>,
     /// For each light, its probability as the start of a light path; empty if the scene has none.
     pub emitters: Vec<data::AliasEntry>,
     /// Boxes at which light paths are aimed. Only the numbers of their shape count.
@@ -108,7 +108,7 @@ impl DeviceScene {
     /// black sky.
     pub(super) fn require_all(&mut self, sample_lights: bool) {
         if sample_lights && self.sky.is_empty() {
-            self.sky.push(data::AliasEntry::default());
+            self.sky = vec![0; 4];
             self.lights.push(data::Light {
                 code: data::HIT_NOTHING,
                 instance: data::NO_INSTANCE,

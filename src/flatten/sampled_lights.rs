@@ -274,7 +274,7 @@ impl Builder<'_> {
         let sky = SkyDistribution::new(bitmap)?;
         self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
         self.flat.features.sky_grid = (sky.columns, sky.rows);
-        self.flat.sky = sky.cells;
+        self.flat.sky = sky.sums;
         // A surface sees at most half of the sky.
         Some(0.5 * integral_over_directions(bitmap))
     }

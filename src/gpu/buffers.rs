@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use super::device::Device;
+use crate::bitmap::size_that_fits;
 use crate::error::{Error, Result};
 
 /// A buffer to be made.
@@ -22,12 +23,15 @@ pub struct BufferSpec<'a> {
     pub size: String,
     /// What makes it smaller, where the scene's author can.
     pub remedy: Option<String>,
+    /// Of images, the size and the bytes of the largest.
+    pub largest: Option<((u32, u32), u64)>,
 }
 
 impl<'a> BufferSpec<'a> {
     fn new(name: &'static str, bytes: u64, usage: wgpu::BufferUsages, why: &'static str) -> BufferSpec<'a> {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
-        BufferSpec { name, bytes, contents: Vec::new(), usage, why, size: format!("{bytes} bytes"), remedy: None }
+        let size = format!("{bytes} bytes");
+        BufferSpec { name, bytes, contents: Vec::new(), usage, why, size, remedy: None, largest: None }
     }
 
     /// This buffer with the make-up of its bytes.
@@ -40,6 +44,12 @@ impl<'a> BufferSpec<'a> {
     #[must_use]
     pub fn shrunk_by(self, remedy: Option<String>) -> BufferSpec<'a> {
         BufferSpec { remedy, ..self }
+    }
+
+    /// This buffer with the size and the bytes of each image in it.
+    #[must_use]
+    pub fn with_largest(self, images: impl Iterator<Item = ((u32, u32), u64)>) -> BufferSpec<'a> {
+        BufferSpec { largest: images.max_by_key(|(_, bytes)| *bytes), ..self }
     }
 
     /// Small, read by all kernels, written by the host.
@@ -115,8 +125,12 @@ pub fn too_large(specs: &[BufferSpec<'_>], limits: &wgpu::Limits) -> Vec<String>
         (spec.allocated() > limit).then(|| {
             let (name, why, bytes) = (spec.name, spec.why, spec.allocated());
             let remedy = spec.remedy.as_ref().map_or(String::new(), |remedy| format!(": {remedy}"));
+            let fits = spec.largest.map_or(String::new(), |(size, of_it)| {
+                size_that_fits(size, of_it, limit.saturating_sub(bytes - of_it))
+            });
+            let fits = if fits.is_empty() { fits } else { format!("; of the first, {fits}") };
             format!(
-                "the buffer `{name}` ({why}) needs {bytes} bytes, and the device allows {limit} to a {what} binding{remedy}"
+                "the buffer `{name}` ({why}) needs {bytes} bytes, and the device allows {limit} to a {what} binding{remedy}{fits}"
             )
         })
     };

@@ -43,11 +43,19 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
         bitmaps: Bitmaps::default(),
         found: HashSet::new(),
     };
+    visit_images(scene, &mut |at, path, decoding, tint, usage| {
+        findings.record(loader.load(at, path, decoding, tint, usage));
+    });
+    loader.bitmaps
+}
+
+/// Visits the values of a scene that name images, each with its `path` field, how the file is decoded, and what the texels mean.
+pub fn visit_images(scene: &Scene, visit: &mut dyn FnMut(&ValuePath, &str, Decoding, Colour, Use)) {
     let top = scene.top();
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
-        findings.record(loader.load(&at.field("path"), path, Decoding::Colour, Colour::ONE, Use::Radiance));
+        visit(&at.field("path"), path, Decoding::Colour, Colour::ONE, Use::Radiance);
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
@@ -58,10 +66,9 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
             let at = at.variant(material.name());
             let at = at.field(slot.field.name);
             let at = at.variant(slot.texture.name());
-            findings.record(loader.load(&at.field("path"), path, decoding, *tint, slot.usage));
+            visit(&at.field("path"), path, decoding, *tint, slot.usage);
         }
     }
-    loader.bitmaps
 }
 
 /// The images of a scene, once for each value that names one.
@@ -156,7 +163,10 @@ fn decode(bytes: &[u8], by_name: Option<ImageFormat>, wanted: &Wanted) -> std::r
             Ok(wanted.decodings.iter().map(|decoding| (*decoding, pack::bitmap(&image, *decoding))).collect())
         }
     });
-    decoded.and_then(|decoded| decoded).map_err(|reason| format!("cannot decode the image: {reason}"))
+    let mut decoded =
+        decoded.and_then(|decoded| decoded).map_err(|reason| format!("cannot decode the image: {reason}"))?;
+    decoded.iter_mut().filter(|(decoding, _)| *decoding == Decoding::Colour).for_each(|(_, bitmap)| bitmap.clean());
+    Ok(decoded)
 }
 
 /// Decodes a file with the crate `image`.

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::image_files::visit_images;
 use super::model::Scene;
 use super::types::*;
 use crate::source::ValuePath;
@@ -15,6 +16,15 @@ impl Scene {
         self.visit_objects(&mut |_, object| used.extend(object.material()));
         let mut warnings = self.notes.clone();
         warnings.extend(radians(&top.field("camera").field("vertical_fov")));
+        let mut cleaned = HashSet::new();
+        visit_images(self, &mut |at, path, decoding, _, _| {
+            let bitmap = self.bitmaps.get(path, decoding);
+            if let Some(warning) =
+                bitmap.and_then(|bitmap| bitmap.warning.as_ref()).filter(|_| cleaned.insert(path.to_owned()))
+            {
+                warnings.push(at.warning(&format!("{path}: {warning}")));
+            }
+        });
         for (name, material) in &self.materials {
             let materials = top.field("materials");
             let at = materials.key(name);

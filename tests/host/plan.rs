@@ -607,7 +607,7 @@ fn images_take_the_bytes_of_their_formats_and_the_largest_are_named() {
     assert_eq!(too_large(&buffers, &limits(3520)), Vec::<String>::new());
     let said = too_large(&buffers, &limits(3519));
     let expected = "the buffer `texels` (images) needs 3520 bytes, and the device allows 3519 to a storage binding: scale images down, the \
-                    largest first: large.png (32 by 16, 2048 bytes), small.png (8 by 8, 256 bytes), fine.png (4 by 4, 192 bytes)";
+                    largest first: large.png (32 by 16, 2048 bytes), small.png (8 by 8, 256 bytes), fine.png (4 by 4, 192 bytes); of the first, 31 by 15 fits";
     assert_eq!(said, [expected]);
 }
 

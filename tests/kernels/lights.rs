@@ -577,10 +577,9 @@ fn tables_of_nothing_are_none() {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 struct SkyIn {
-    u: [f32; 3],
+    u: [f32; 2],
     columns: u32,
     rows: u32,
-    padding: [u32; 3],
 }
 
 #[repr(C)]
@@ -588,154 +587,245 @@ struct SkyIn {
 struct SkyOut {
     direction: [f32; 3],
     pdf: f32,
-    /// The cell that was drawn, and the one found by the direction.
-    drawn: u32,
-    found: u32,
-    /// The density of the latter.
+    /// From the left and from the top.
+    point: [f32; 2],
+    /// The density by the direction.
     again: f32,
     padding: u32,
 }
 
-fn sky_kernel(keyed: bool, replaced: &[(&str, &str)]) -> Kernel {
-    let values = [("keyed", if keyed { "true" } else { "false" })];
-    Kernel::with("test/light_sky", &Setup { replaced, values: &values, ..Setup::default() })
+/// How the kernel gets its points, and from which row.
+const BY_INDEX: [&str; 2] = ["sky_point(random4(index, 0u, 0u, 1u).xy, given.columns, given.rows)", "0u"];
+const BY_UNIFORMS: [&str; 2] = ["sky_point(given.u, given.columns, given.rows)", "index"];
+const GIVEN: [&str; 2] = ["given.u", "index"];
+
+fn sky_samples(sky: &host::SkyDistribution, [point, row]: [&str; 2], given: &[[f32; 2]], count: usize) -> Vec<SkyOut> {
+    let kernel =
+        Kernel::with("test/light_sky", &Setup { values: &[("point", point), ("row", row)], ..Setup::default() });
+    let rows: Vec<SkyIn> = given.iter().map(|u| SkyIn { u: *u, columns: sky.columns, rows: sky.rows }).collect();
+    kernel.run_with(&rows, count, &[array("sky", &sky.sums)])
 }
 
-/// An image of texels over three decades, a third of them black, with a sun of a few texels.
+/// An image of texels over three decades, a third of them black, with a sun of a texel.
 fn sky(width: usize, height: usize, random: &mut Random) -> Vec<[f32; 3]> {
     let mut texels: Vec<[f32; 3]> = (0..width * height)
         .map(|i| [0; 3].map(|_| if i % 3 == 0 { 0.0 } else { decades(random, -2.0, 1.0) as f32 }))
         .collect();
-    texels[width * (height / 4) + width / 3] = [3e3, 3e3, 2e3];
+    // Beside the brightest, all others have one part each.
+    let sun = if width > 4000 { 1e12 } else { 3e3 };
+    texels[width * (height / 4) + width / 3] = [sun, sun, 0.7 * sun];
     texels
 }
 
-fn solid_angle_of_row(row: usize, rows: usize, columns: usize) -> f64 {
-    let edge = |row: usize| PI * row as f64 / rows as f64;
-    2.0 * PI / columns as f64 * (edge(row).cos() - edge(row + 1).cos())
+fn distribution(width: usize, height: usize, texels: &[[f32; 3]]) -> host::SkyDistribution {
+    let image = Bitmap::of_floats(width as u32, height as u32, texels.iter().copied());
+    host::SkyDistribution::new(&image).expect("it is not black")
 }
 
-/// A direction's point on the image: shares from the left and from the top (lib/sphere_map), and the height 0..1 in the
-/// cell by its solid angle.
-fn sky_coordinates(direction: DVec3, columns: usize, rows: usize) -> (f64, f64) {
-    let around = 0.5 + direction.x.atan2(-direction.z) / (2.0 * PI);
-    let down = direction.x.hypot(direction.z).atan2(direction.y) / PI;
-    (around * columns as f64, down * rows as f64)
+/// The parts of a row and of a texel in it.
+fn parts(sky: &host::SkyDistribution, column: usize, row: usize) -> [u32; 2] {
+    let texel = sky.rows as usize + 1 + row * (sky.columns as usize + 1) + column;
+    [row, texel].map(|at| sky.sums[at + 1] - sky.sums[at])
 }
 
-const SKIES: [(usize, usize); 7] = [(1, 1), (2, 1), (8, 4), (64, 32), (63, 31), (1000, 7), (1024, 512)];
+/// The probability of a texel. The columns go on beyond the edges, and the rows end there.
+fn probability(sky: &host::SkyDistribution, column: i64, row: i64) -> f64 {
+    let (column, row) = (column.rem_euclid(i64::from(sky.columns)), row.clamp(0, i64::from(sky.rows) - 1));
+    let [row, texel] = parts(sky, column as usize, row as usize).map(|n| f64::from(n) / UNIFORMS as f64);
+    row * texel
+}
+
+/// The last two are larger than the most columns and rows.
+const SKIES: [(usize, usize); 9] =
+    [(1, 1), (2, 1), (8, 4), (64, 32), (63, 31), (1000, 7), (1024, 512), (4097, 3), (3, 5000)];
 
 #[test]
-fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
+fn the_skys_table_has_its_texels_and_none_of_the_light_has_no_part() {
     let mut random = Random(720);
     for (width, height) in SKIES {
         let texels = if width == 1 { vec![[0.5, 0.0, 0.0]] } else { sky(width, height, &mut random) };
-        let sky = host::SkyDistribution::new(&Bitmap::of_floats(width as u32, height as u32, texels.iter().copied()))
-            .expect("it is not black");
+        let sky = distribution(width, height, &texels);
         let (columns, rows) = (sky.columns as usize, sky.rows as usize);
-        assert!(columns * rows == sky.cells.len() && sky.cells.len() <= host::MAX_CELLS);
-        let full: f64 = (0..rows * columns)
-            .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / columns, rows, columns))
-            .sum();
-        // Probabilities that add up to exactly 1, each rounded with its density.
-        assert!((full - 1.0).abs() < 2.0 * U, "{width} x {height}: {full}");
-        let luminance = |x: i64, y: i64| {
-            let texel = texels[y.clamp(0, height as i64 - 1) as usize * width + x.rem_euclid(width as i64) as usize];
+        let is_whole = width <= host::MOST_COLUMNS && height <= host::MOST_ROWS;
+        assert!(columns <= host::MOST_COLUMNS && rows <= host::MOST_ROWS);
+        assert_eq!(is_whole, (columns, rows) == (width, height));
+        assert_eq!(sky.sums.len(), rows + 1 + rows * (columns + 1));
+        // Each list goes from 0 to all parts; that of a black row is 0.
+        let (of_rows, of_texels) = sky.sums.split_at(rows + 1);
+        for (i, list) in std::iter::once(of_rows).chain(of_texels.chunks(columns + 1)).enumerate() {
+            let full = if i > 0 && of_rows[i] == of_rows[i - 1] { 0 } else { UNIFORMS as u32 };
+            let ends = (list[0], list[list.len() - 1]);
+            assert!(list.is_sorted() && ends == (0, full), "{width} x {height}, list {i}: {ends:?}");
+        }
+        let luminance = |x: usize, y: usize| {
+            let texel = texels[y * width + x];
             0.2126 * f64::from(texel[0]) + 0.7152 * f64::from(texel[1]) + 0.0722 * f64::from(texel[2])
         };
-        // The kernels' interpolation at a point (lib/bilinear), and its mean over each cell from 8 x 8 points.
-        let at = |x: f64, y: f64| {
-            let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
-            let (s, t) = (x - 0.5 - left, y - 0.5 - top);
-            let (i, j) = (left as i64, top as i64);
-            (1.0 - t) * ((1.0 - s) * luminance(i, j) + s * luminance(i + 1, j))
-                + t * ((1.0 - s) * luminance(i, j + 1) + s * luminance(i + 1, j + 1))
+        // Of each texel of the table, the texels of the image that it has a share in, and their luminance by its share.
+        let share = |i: usize, count: usize, of: usize, side: usize| {
+            let (start, end) = (of as f64 * side as f64 / count as f64, (of + 1) as f64 * side as f64 / count as f64);
+            (end.min((i + 1) as f64) - start.max(i as f64)).max(0.0)
         };
-        let (wide, high) = (width as f64 / columns as f64, height as f64 / rows as f64);
-        let means: Vec<f64> = (0..columns * rows)
-            .map(|i| {
-                let points = (0..64).map(|k| ((k % 8) as f64 / 8.0 + 0.0625, (k / 8) as f64 / 8.0 + 0.0625));
-                points
-                    .map(|(s, t)| at(((i % columns) as f64 + s) * wide, ((i / columns) as f64 + t) * high))
-                    .sum::<f64>()
-                    / 64.0
-            })
-            .collect();
-        let solid = |i: usize| solid_angle_of_row(i / columns, rows, columns);
-        let sum: f64 = means.iter().enumerate().map(|(i, mean)| mean * solid(i)).sum();
-        for (i, (cell, mean)) in sky.cells.iter().zip(&means).enumerate() {
-            assert_eq!(cell.density > 0.0, *mean > 0.0, "{width} x {height}, cell {i}");
-            assert_eq!(cell.alias_density, sky.cells[cell.alias_index as usize].density);
-            // Eight midpoints a side of a function that is linear in each half of a texel are right where a cell is a texel;
-            // with larger ones they are not. Two draws of 2^24 for the rounding, one of each cell for those without.
-            if columns == width {
-                let wanted = mean / sum;
-                let off = 2.0 * U / solid(i) + wanted * (2e-6 + (columns * rows) as f64 * U);
-                assert!((f64::from(cell.density) - wanted).abs() < off, "{width} x {height}, cell {i}");
-                // With its neighbour's radiance it would be another.
-                let other = means[(i + 1) % means.len()] / sum;
-                assert!(
-                    width < 8 || (other / wanted - 1.0).abs() < 0.5 || (f64::from(cell.density) - other).abs() > off
-                );
+        let mut weights = vec![0.0; columns * rows];
+        for y in 0..height {
+            for x in 0..width {
+                for row in (y * rows / height).saturating_sub(1)..rows.min(y * rows / height + 2) {
+                    for column in (x * columns / width).saturating_sub(1)..columns.min(x * columns / width + 2) {
+                        let of = share(x, columns, column, width) * share(y, rows, row, height);
+                        weights[row * columns + column] +=
+                            of * luminance(x, y) * ((row as f64 + 0.5) * PI / rows as f64).sin();
+                    }
+                }
             }
+        }
+        let sum: f64 = weights.iter().sum();
+        // A part for the rounding, and a part of each entry for those that would have none.
+        let is_near = |parts: u32, weight: f64, of: f64, count: usize| {
+            let off = 2.0 + (weight / of) * (count as f64 + 1e-3);
+            (f64::from(parts) - weight / of * UNIFORMS as f64).abs() < off
+        };
+        let mut told = 0;
+        for row in 0..rows {
+            let texels = &weights[row * columns..][..columns];
+            let of_row: f64 = texels.iter().sum();
+            for (column, weight) in texels.iter().enumerate() {
+                let [in_rows, in_row] = parts(&sky, column, row);
+                assert_eq!(in_rows > 0 && in_row > 0, *weight > 0.0, "{width} x {height}, texel {column}, {row}");
+                if *weight > 0.0 {
+                    assert!(is_near(in_rows, of_row, sum, rows), "{width} x {height}, row {row}");
+                    assert!(is_near(in_row, *weight, of_row, columns), "{width} x {height}, texel {column}, {row}");
+                    // With its neighbour's radiance it would be another.
+                    told += usize::from(!is_near(in_row, texels[(column + 1) % columns], of_row, columns));
+                }
+            }
+        }
+        assert!(!is_whole || width < 8 || told > columns * rows / 4, "{width} x {height}: {told}");
+    }
+}
+
+/// All uniforms there are, so nothing of it is left to chance.
+#[test]
+fn a_uniform_draws_each_entry_as_often_as_it_has_parts_and_neighbours_stay_neighbours() {
+    let mut random = Random(725);
+    for (width, is_wrong) in [(7, false), (4096, false), (7, true)] {
+        let texels = sky(width, 1, &mut random);
+        let sky = distribution(width, 1, &texels);
+        let count = width.to_string();
+        let replaced: &[_] = if is_wrong { &[("light/sky", "test/control/light_sky_late")] } else { &[] };
+        let kernel =
+            Kernel::with("test/sky_draws", &Setup { replaced, values: &[("count", &count)], ..Setup::default() });
+        // The list of the columns begins after the two sums of the row.
+        let found: Vec<[[u32; 8]; 2]> = kernel.run_with(&[2u32], UNIFORMS / 8, &[array("sky", &sky.sums)]);
+        let mut counts = vec![0; width];
+        let (mut before, mut backward) = (-1.0, 0);
+        for (index, rest) in found.iter().flat_map(|[index, rest]| index.iter().zip(rest)) {
+            counts[*index as usize] += 1;
+            let rest = f32::from_bits(*rest);
+            let at = f64::from(*index) + f64::from(rest);
+            backward += usize::from(!(0.0..=1.0).contains(&rest) || at < before);
+            before = at;
+        }
+        let wrong = (0..width).filter(|column| parts(&sky, *column, 0)[1] != counts[*column]).count();
+        match is_wrong {
+            true => assert!(wrong > 1 && backward > 1, "{wrong} {backward}"),
+            false => assert_eq!((wrong, backward), (0, 0), "{width}"),
         }
     }
 }
 
+/// The shares of the parts of a texel, `PER_TEXEL` a side, in the tents around the texel before it, itself, and the one after.
+const PER_TEXEL: usize = 4;
+
+fn tents(part: usize) -> [f64; 3] {
+    let until = |t: f64| match t.clamp(-1.0, 1.0) {
+        t if t < 0.0 => 0.5 * (t + 1.0) * (t + 1.0),
+        t => 1.0 - 0.5 * (1.0 - t) * (1.0 - t),
+    };
+    let edge = |part: usize, centre: f64| part as f64 / PER_TEXEL as f64 - centre;
+    [-0.5, 0.5, 1.5].map(|centre| until(edge(part + 1, centre)) - until(edge(part, centre)))
+}
+
+/// Within a texel everywhere the same.
+fn uniform(_: usize) -> [f64; 3] {
+    [0.0, 1.0 / PER_TEXEL as f64, 0.0]
+}
+
+/// The probabilities of the parts of all texels.
+fn of_parts(sky: &host::SkyDistribution, shares: fn(usize) -> [f64; 3]) -> Vec<f64> {
+    let (columns, rows) = (sky.columns as usize * PER_TEXEL, sky.rows as usize * PER_TEXEL);
+    let one = |i: usize| {
+        let (x, y) = (i % columns, i / columns);
+        let (across, down) = (shares(x % PER_TEXEL), shares(y % PER_TEXEL));
+        let of = |i: usize, j: usize| {
+            let (column, row) = ((x / PER_TEXEL + i) as i64 - 1, (y / PER_TEXEL + j) as i64 - 1);
+            across[i] * down[j] * probability(sky, column, row)
+        };
+        (0..9).map(|k| of(k % 3, k / 3)).sum()
+    };
+    (0..columns * rows).map(one).collect()
+}
+
 #[test]
-fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
+fn sky_directions_are_drawn_by_the_interpolated_radiance() {
     const DRAWS: usize = 1 << 19;
     let mut random = Random(730);
-    let grids = [(64usize, 32usize), (63, 31), (1000, 7), (256, 128)];
-    for (width, height) in grids {
-        let texels = sky(width, height, &mut random);
-        let sky = host::SkyDistribution::new(&Bitmap::of_floats(width as u32, height as u32, texels.iter().copied()))
-            .expect("it is not black");
-        let row = SkyIn { columns: sky.columns, rows: sky.rows, ..SkyIn::default() };
-        let found: Vec<SkyOut> = sky_kernel(true, &[]).run_with(&[row], DRAWS, &[array("cells", &sky.cells)]);
-        let mut counts = vec![0u64; sky.cells.len()];
-        let mut within = [Vec::new(), Vec::new()];
-        let mut elsewhere = 0;
+    for (width, height) in [(64usize, 32usize), (63, 31), (100, 7), (2, 1)] {
+        let sky = distribution(width, height, &sky(width, height, &mut random));
+        let found = sky_samples(&sky, BY_INDEX, &[[0.0; 2]], DRAWS);
+        let mut counts = vec![0u64; width * height * PER_TEXEL * PER_TEXEL];
         for out in &found {
-            let cell = &sky.cells[out.drawn as usize];
-            assert_eq!(out.pdf, cell.density);
-            counts[out.drawn as usize] += 1;
-            let (column, row) = (out.drawn as usize % width, out.drawn as usize / width);
-            let direction = exact(out.direction);
-            let (x, y) = sky_coordinates(direction.normalize(), width, height);
-            let edge = |row: usize| (PI * row as f64 / height as f64).cos();
-            // Of the cosine, by differences of the angle so that the poles keep their digits.
-            let by = |angle: f64| (PI * angle / height as f64).cos();
-            let share = (edge(row) - by(y)) / (edge(row) - edge(row + 1));
-            within[0].push((share, x - column as f64));
-            // As if rows were uniform by their angle.
-            within[1].push((y - row as f64, x - column as f64));
-            if out.found != out.drawn {
-                elsewhere += 1;
-                // It was rounded over the edge: a direction is off by 4 u, sin and cos by 2e-7, an angle by 8 u; around the
-                // poles over the sine.
-                let sine = direction.x.hypot(direction.z);
-                let near = |t: f64, cells: usize, off: f64| (t - t.round()).abs() < off * cells as f64;
-                let at_edge = near(x, width, 1e-7 / sine.min(1.0) + 2e-7) || near(y, height, 3e-7);
-                assert!(at_edge, "{width} x {height}: {out:?} at {x}, {y}");
-            } else {
-                assert_eq!(out.pdf, out.again);
-            }
+            let [x, y] = out.point.map(f64::from);
+            let part = |at: f64, count: usize| ((at * (count * PER_TEXEL) as f64) as usize).min(count * PER_TEXEL - 1);
+            counts[part(y, height) * width * PER_TEXEL + part(x, width)] += 1;
+            // The direction is that of the point.
+            let (around, down) = (2.0 * PI * (x - 0.5), PI * y);
+            let wanted = DVec3::new(down.sin() * around.sin(), down.cos(), -down.sin() * around.cos());
+            assert!((exact(out.direction) - wanted).length() < 16.0 * U, "{width} x {height}: {out:?}");
+            // The density there, by the texels around it.
+            let (x, y) = (x * width as f64 - 0.5, y * height as f64 - 0.5);
+            let at = |i: usize| {
+                probability(&sky, x.floor() as i64 + (i % 4) as i64 - 1, y.floor() as i64 + (i / 4) as i64 - 1)
+            };
+            let (s, t) = (x - x.floor(), y - y.floor());
+            let between = (1.0 - t) * ((1.0 - s) * at(5) + s * at(6)) + t * ((1.0 - s) * at(9) + s * at(10));
+            let sine = down.sin();
+            let scale = (width * height) as f64 / (2.0 * PI * PI * sine);
+            // The coordinates in texels are rounded twice, by which the texels beside count, and the rest has 32 roundings. A sine near the
+            // poles has the error of the direction.
+            let most = (0..16).map(at).fold(0.0, f64::max);
+            let near = |pdf: f32, off: f64| {
+                (f64::from(pdf) - scale * between).abs()
+                    <= scale * (32.0 * U * between + off * most) + 16.0 * U / sine * scale * most
+            };
+            assert!(
+                near(out.pdf, 4.0 * U * (width + height) as f64),
+                "{width} x {height}: {out:?} {}",
+                scale * between
+            );
+            // The direction is off by 4 u, and its angles by 8 u; around the poles over the sine.
+            assert!(near(out.again, 16.0 * U * (width as f64 / sine + height as f64)), "{width} x {height}: {out:?}");
         }
-        let expected: Vec<f64> = (0..sky.cells.len())
-            .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / width, height, width) * DRAWS as f64)
+        let expected = |shares| of_parts(&sky, shares).into_iter().map(|p| p * DRAWS as f64).collect::<Vec<_>>();
+        let p = chi_square(&counts, &expected(tents), 1);
+        assert!(p > sidak(ALPHA, 4), "{width} x {height}: p = {p:e}");
+        // As if places in texels were uniform; and the neighbours' counts.
+        let p = chi_square(&counts, &expected(uniform), 1);
+        assert!(p < ALPHA, "{width} x {height}, uniform: p = {p:e}");
+        counts.rotate_left(PER_TEXEL);
+        assert!(chi_square(&counts, &expected(tents), 1) < ALPHA);
+        // The integral of the density over all directions, at four points a side of each texel: it is linear in each half of a texel.
+        let points: Vec<[f32; 2]> = (0..counts.len())
+            .map(|i| [i % (width * PER_TEXEL), i / (width * PER_TEXEL)])
+            .map(|[x, y]| [x as f64 / width as f64, y as f64 / height as f64])
+            .map(|at| at.map(|at| (at / PER_TEXEL as f64) as f32))
+            .map(|[x, y]| [x + 0.5 / (width * PER_TEXEL) as f32, y + 0.5 / (height * PER_TEXEL) as f32])
             .collect();
-        let p = chi_square(&counts, &expected, 1);
-        assert!(p > sidak(ALPHA, 8), "{width} x {height}: p = {p:e}");
-        let [right, by_angle] = within.map(|points| uniform_in_cells((31, 17), points.into_iter()));
-        assert!(right > sidak(ALPHA, 8), "{width} x {height}, within cells: p = {right:e}");
-        // Two edges of each kind, 3e-7 wide in cells of 1 / n; twice that for the poles.
-        let share = elsewhere as f64 / DRAWS as f64;
-        assert!(share < 4.0 * 3e-7 * (width + height) as f64, "{width} x {height}: {share:e}");
-        // The neighbours' counts, and rows that are not uniform by the cosine where they are few.
-        counts.rotate_left(1);
-        assert!(chi_square(&counts, &expected, 1) < ALPHA);
-        assert!(height > 7 || by_angle < ALPHA);
+        let size = 2.0 * PI * PI / points.len() as f64;
+        let of = |out: &SkyOut| f64::from(out.pdf) * (PI * f64::from(out.point[1])).sin() * size;
+        let integral: f64 = sky_samples(&sky, GIVEN, &points, points.len()).iter().map(of).sum();
+        // The points are rounded, and each moves its density by the slope there; the sum moves by less than the largest.
+        let off = 32.0 * U + 4.0 * U * (width + height) as f64;
+        assert!((integral - 1.0).abs() < off, "{width} x {height}: {integral}");
     }
 }
 
@@ -744,26 +834,17 @@ fn sky_samples_are_numbers_at_the_ends() {
     let last = 1.0 - U as f32;
     let ends = [0.0, U as f32, 0.25, 0.5, 0.75, last];
     let mut random = Random(740);
+    let given: Vec<[f32; 2]> =
+        ends.iter().flat_map(|x| ends.map(|y| [*x, y])).chain([[1.0, 1.0], [0.0, 1.0]]).collect();
     for (width, height) in SKIES {
-        let texels = sky(width, height, &mut random);
-        let sky = host::SkyDistribution::new(&Bitmap::of_floats(width as u32, height as u32, texels.iter().copied()))
-            .expect("it is not black");
-        let mut rows = Vec::new();
-        for x in ends {
-            for y in ends {
-                rows.extend(ends.map(|z| SkyIn {
-                    u: [x, y, z],
-                    columns: sky.columns,
-                    rows: sky.rows,
-                    ..SkyIn::default()
-                }));
+        let sky = distribution(width, height, &sky(width, height, &mut random));
+        for (by, given) in [(BY_UNIFORMS, &given[..given.len() - 2]), (GIVEN, &given[..])] {
+            for out in sky_samples(&sky, by, given, given.len()) {
+                let length = exact(out.direction).length();
+                assert!((length - 1.0).abs() < 4.0 * U && out.pdf.is_finite() && out.again.is_finite(), "{out:?}");
+                assert!(out.point.iter().all(|at| (0.0..=1.0).contains(at)), "{out:?}");
+                assert!(out.pdf > 0.0 || by == GIVEN, "{width} x {height}: {out:?}");
             }
-        }
-        let found: Vec<SkyOut> = sky_kernel(false, &[]).run_with(&rows, rows.len(), &[array("cells", &sky.cells)]);
-        for (row, out) in rows.iter().zip(found) {
-            let length = exact(out.direction).length();
-            assert!((length - 1.0).abs() < 4.0 * U && out.pdf.is_finite() && out.pdf > 0.0, "{row:?} {out:?}");
-            assert!((out.found as usize) < sky.cells.len(), "{row:?} {out:?}");
         }
     }
 }

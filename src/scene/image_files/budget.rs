@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::bitmap::{Bitmap, Decoding, largest};
+use crate::bitmap::{Bitmap, Decoding, largest, size_that_fits};
 
 /// The largest width or height of an image.
 const LARGEST_SIDE: usize = 16384;
@@ -29,13 +29,16 @@ impl Budget {
         if !sides.contains(&width) || !sides.contains(&height) {
             return Err(format!("expected a width and height from 1 to {LARGEST_SIDE}, found {width} by {height}"));
         }
-        let bytes = bytes_of(width * height) + self.0.iter().map(|(_, _, bytes)| bytes).sum::<u64>();
+        let (own, beside) = (bytes_of(width * height), self.0.iter().map(|(_, _, bytes)| bytes).sum::<u64>());
+        let bytes = own + beside;
         if bytes > LARGEST_BINDING {
             let others = largest(self.0.iter().map(|(path, size, bytes)| (path.as_str(), *size, *bytes)));
             let others = if others.is_empty() { others } else { format!(", beside {others}") };
+            let fits = size_that_fits((width as u32, height as u32), own, LARGEST_BINDING.saturating_sub(beside));
+            let fits = if fits.is_empty() { fits } else { format!("; of this one, {fits}") };
             return Err(format!(
                 "expected at most {LARGEST_BINDING} bytes of texels in all images of the scene, which is the most that a device can bind; \
-                 with its {width} by {height} there are {bytes}{others}: scale images down"
+                 with its {width} by {height} there are {bytes}{others}: scale images down{fits}"
             ));
         }
         let bytes = bytes.saturating_add(decoder);
@@ -87,6 +90,8 @@ mod tests {
         assert_eq!(budget.check((LARGEST_SIDE, rows), OF_FLOATS, 0), Ok(()));
         let refused = budget.check((LARGEST_SIDE, rows + 1), OF_FLOATS, 0).unwrap_err();
         assert!(refused.contains("expected at most 2147483647 bytes of texels"), "{refused}");
+        let fits = "; of this one, 16383 by 10922 fits";
+        assert!(refused.ends_with(fits) && budget.check((16383, 10922), OF_FLOATS, 0).is_ok(), "{refused}");
         // As bytes, the image takes a third.
         assert_eq!(budget.check((LARGEST_SIDE, rows + 1), OF_BYTES, 0), Ok(()));
         budget.0.push(("big.png".to_owned(), (9, 8), LARGEST_BINDING - 144));
