@@ -121,7 +121,7 @@ pub fn alias_entries(weights: &[f64], sizes: &[f64]) -> Option<Vec<AliasEntry>> 
     Some(table.iter().zip(sizes).map(entry).collect())
 }
 
-/// The distribution of directions towards the sky, drawn by inversion (shaders/light/sky.wgsl): the texels of its image, or blocks of them.
+/// The distribution of directions towards the sky, drawn by inversion (shaders/scene/sky.wgsl): the texels of its image, or blocks of them.
 /// The weight of one is its mean luminance times its solid angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyDistribution {

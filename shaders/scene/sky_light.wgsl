@@ -1,7 +1,7 @@
 //@ use choice/axes
 //@ use choice/light_choice
 //@ use light/sample
-//@ use light/sky
+//@ use scene/sky
 //@ use scene/background
 //@ use scene/at_run_time
 // The background's image as a light.

@@ -257,7 +257,7 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
     all.extend(parted.map(|parted| one("light in parts", parted, "scene/light_parts")));
     all.push(one("light with two sides and an alpha", &features.crossed_lights, "scene/light_crossings"));
     all.push(one("delta light", &features.delta_lights, "light/delta"));
-    all.push(one("sky light", &features.emitting_sky, "light/sky"));
+    all.push(one("sky light", &features.emitting_sky, "scene/sky"));
     all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));
     all.push(one("thin lens", &features.thin_lens, "camera/thin_lens"));
     let mut motions = kinds(PRIMITIVES, &features.motions, "motion", " motion");

@@ -400,7 +400,7 @@ fn a_frosted_slab_under_a_sun_expects_the_same_with_rays_to_lights() {
     let scene = render::scene_in(folder.path(), text);
     let bsdf = rendered_as_with_rays_to_lights("a frosted slab under a sun", &scene);
     let wrong = Overlay::new(&[]).rewritten("scene/sky_light", |text| {
-        text.replace("from_world(direction), sky_cell_density", "from_world(direction), 1.1 * sky_cell_density")
+        text.replace("from_world(direction), sky_pdf", "from_world(direction), 1.1 * sky_pdf")
     });
     let wrong = render_planted(&scene, &Request::spp(4096).seed(2).mis().sobol(), &wrong);
     println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);

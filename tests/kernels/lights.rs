@@ -711,7 +711,7 @@ fn a_uniform_draws_each_entry_as_often_as_it_has_parts_and_neighbours_stay_neigh
         let texels = sky(width, 1, &mut random);
         let sky = distribution(width, 1, &texels);
         let count = width.to_string();
-        let replaced: &[_] = if is_wrong { &[("light/sky", "test/control/light_sky_late")] } else { &[] };
+        let replaced: &[_] = if is_wrong { &[("scene/sky", "test/control/light_sky_late")] } else { &[] };
         let kernel =
             Kernel::with("test/sky_draws", &Setup { replaced, values: &[("count", &count)], ..Setup::default() });
         // The list of the columns begins after the two sums of the row.

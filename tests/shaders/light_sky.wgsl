@@ -1,4 +1,4 @@
-//@ use light/sky
+//@ use scene/sky
 //@ use sampler/independent
 // A direction towards the sky, its point on the image, and its density: by that point, and by the direction.
 struct In {

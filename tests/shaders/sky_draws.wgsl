@@ -1,4 +1,4 @@
-//@ use light/sky
+//@ use scene/sky
 // What eight uniforms one after the other draw of a list of sums: those from 8 row / 2^24 on.
 struct Out {
     index: array<vec4<u32>, 2>,
