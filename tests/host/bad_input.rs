@@ -982,6 +982,17 @@ fn at_most_twenty_are_listed() {
 }
 
 #[test]
+fn a_section_with_an_unknown_field_is_not_missing() {
+    let good = object("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")");
+    for (from, to) in [("vertical_fov: 40)", "vertical_fov: 40, §bokeh: 6)"), ("height: 3)", "height: 3, §bokeh: 6)")]
+    {
+        assert!(good.contains(from));
+        let error = all_at_marks(&good.replace(from, to));
+        assert!(error.to_string().contains("unknown field bokeh") && error.each().len() == 1, "{error}");
+    }
+}
+
+#[test]
 fn a_hash_is_no_comment() {
     for text in [
         format!("§# a scene\n{}", object("")),
