@@ -10,8 +10,8 @@ use crate::common::gltf::glb;
 
 const BLENDER: &str = "Khronos glTF Blender I/O v5.0.21";
 /// What a note says of glass that is solid by its shape, and of a pane.
-const SOLID: &str = "solid glass where its mesh is closed";
-const PANE: &str = "a pane where its mesh is open or wound both ways";
+const SOLID: &str = "read as solid glass, because its mesh is closed";
+const PANE: &str = "read as a thin pane, because its mesh has holes";
 
 /// The corners of a cube around the origin.
 fn corners() -> Vec<[f32; 3]> {
