@@ -275,7 +275,7 @@ def _scene(scene: Scene) -> Tuple[str, Optional[str]]:
     if isinstance(scene, Mapping):
         return "-", ron.dumps(scene)
     name = os.fspath(scene)
-    if isinstance(scene, str) and "(" in scene and not scene.lower().endswith((".ron", ".glb", ".gltf")):
+    if isinstance(scene, str) and "(" in scene and not scene.lower().endswith((".ron", ".glb", ".gltf", ".obj", ".ply", ".stl")):
         return "-", scene
     # A name that begins with - is no option.
     return (os.path.join(os.curdir, name) if name.startswith("-") else name), None

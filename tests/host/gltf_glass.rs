@@ -394,6 +394,6 @@ fn a_gltf_object_has_a_field_for_thin_glass() {
     assert!(error.contains("objects[0].Gltf.thin: ") && error.contains("Auto or Pane"), "{error}");
     assert!(matches!(scene.objects[0], Object::Gltf { thin: Thin::Pane, .. }));
     let options = GltfOptions { thin: Thin::Pane, ..GltfOptions::default() };
-    let error = options.refuse(Path::new("scene.ron")).unwrap_err().to_string();
+    let error = options.refuse(Path::new("scene.ron"), false).unwrap_err().to_string();
     assert!(error.starts_with("--thin is for scenes that are .glb or .gltf: "), "{error}");
 }
