@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -138,6 +138,12 @@ test-skies: toolchain bpy driver
 	$(CARGO) build --release
 	@command -v npm >/dev/null || $(call install, nodejs npm, no Node.js unpacks the packages of npm)
 	tests/skies/run.sh target/release/gpu-rt target/bpy/lib/python3.*/site-packages/bpy/*/datafiles/studiolights/world
+
+# Files as people bring them, which npm fetches (90 MB).
+test-files: toolchain
+	$(CARGO) build --release
+	@command -v npm >/dev/null || $(call install, nodejs npm, no npm fetches files)
+	tests/files/run.sh target/release/gpu-rt
 
 # COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.
 COUNT ?= 100000

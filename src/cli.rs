@@ -20,7 +20,7 @@ pub const OIDN: &str = "The folder of the library of Open Image Denoise [default
 /// The scene, from a file or standard input.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
-    /// The scene: a .ron, .glb or .gltf file.
+    /// The scene: a .ron, .glb, .gltf, .obj, .ply or .stl file.
     ///
     /// - is a .ron on standard input.
     #[arg(id = "scene", value_name = "SCENE")]
@@ -35,10 +35,11 @@ pub struct GltfArgs {
     /// Of a .glb or .gltf: the camera, by its name or that of its node [default: the first one].
     #[arg(long, value_name = "NAME", help_heading = GLTF)]
     pub camera: Option<String>,
-    /// Of a .glb or .gltf: an image of the sky, as `background: Image` takes it.
-    #[arg(long, value_name = "FILE", help_heading = GLTF)]
+    /// Of a .glb, .gltf or mesh: an image of the sky, as `background: Image` takes it; `default`, from white to blue; or `none` [default: that
+    /// from white to blue, unless lamps or emitters light the file].
+    #[arg(long, value_name = "default|none|FILE", help_heading = GLTF)]
     pub sky: Option<PathBuf>,
-    /// Of a .glb or .gltf: add a sun, at this elevation, and this azimuth from -z to +x, in degrees.
+    /// Of a .glb, .gltf or mesh: add a sun, at this elevation, and this azimuth from -z to +x, in degrees.
     #[arg(long, value_name = "ELEVATION,AZIMUTH", num_args = 0..=1, require_equals = true, default_missing_value = "45,60",
           value_parser = sun, allow_hyphen_values = true, help_heading = GLTF)]
     pub sun: Option<(f64, f64)>,

@@ -16,7 +16,6 @@ mod lamps_in_view;
 mod light_parts;
 mod light_paths;
 mod light_tree;
-mod luminance;
 mod media;
 mod mesh_tables;
 mod meshes;

@@ -1,7 +1,6 @@
 //! Turns panics of third-party parsers, decoders and wgpu into errors.
 //!
-//! Random edits of files made the parsers panic: tobj 4.0.5 at a corner such as `1//6148914691236517206` (it multiplies the
-//! reference and indexes by the product), gltf 1.4.1 in its validation if a POSITION names a missing accessor, and its
+//! Random edits of files made the parsers panic: gltf 1.4.1 in its validation if a POSITION names a missing accessor, and its
 //! iterators at every invalid index. This does not help against failed allocations, which end the program. Therefore the sizes
 //! that a file claims are compared with its real size before a parser reads it or memory is reserved.
 

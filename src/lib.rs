@@ -70,6 +70,7 @@ mod in_memory;
 pub mod job;
 #[doc(hidden)]
 pub mod light_distribution;
+mod luminance;
 #[doc(hidden)]
 pub mod material;
 mod memory;

@@ -81,9 +81,16 @@ pub fn alias_table(weights: &[f64]) -> Option<Vec<Draw>> {
     while let Some(i) = less.pop() {
         // The sums are equal, so that if one entry needs fewer, another needs more.
         let Some(&from) = more.last() else { break };
+        let missing = found_by[i] - left[i];
+        // One that needs all numbers that find it, but is found by one fewer, has none to give.
+        if left[from] < missing {
+            more.pop();
+            less.push(i);
+            continue;
+        }
         own[i] = left[i];
         alias[i] = from;
-        left[from] -= found_by[i] - left[i];
+        left[from] -= missing;
         if left[from] < found_by[from] {
             more.pop();
             less.push(from);

@@ -10,6 +10,16 @@ pub fn counted(number: u64, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
+/// A share in percent, with two significant digits but at most two decimals: "0.38 %", "2.4 %", "35 %".
+pub fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    if value > 0.0 && value < 0.01 {
+        return "less than 0.01 %".to_owned();
+    }
+    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 2.0) } else { 0.0 };
+    format!("{value:.*} %", decimals as usize)
+}
+
 /// The text, with every character that controls a terminal written as `\u001b`. Newlines stay. This is JSON's own notation, so
 /// that JSON stays the same JSON.
 pub fn printable(text: &str) -> Cow<'_, str> {

@@ -193,6 +193,9 @@ impl<'a> ValuePath<'a> {
     /// An error about a file that this value names. `part` is the part of that file, if it is known. Where the scene itself is no text,
     /// this value is none that anybody wrote.
     pub fn error_in(&self, file: &Path, part: &str, reason: &str) -> Error {
+        if !self.source.is_text() && reason.starts_with(LINE) {
+            return error_in_file(file, if part.is_empty() { "Mesh" } else { part }, reason);
+        }
         if self.source.is_text() || part.is_empty() {
             let part = if part.is_empty() { String::new() } else { format!("{part}: ") };
             return self.error(format!("{}: {part}{reason}", file.display()));
@@ -219,4 +222,16 @@ impl<'a> ValuePath<'a> {
         let steps = self.steps();
         format!("{}: {}: {}", self.source.location_of(&steps), one_line(&field(&steps)), one_line(message))
     }
+}
+
+/// The beginning of a reason that names the line of its file.
+const LINE: &str = "line ";
+
+/// An error about a file that no scene's text names. A reason such as "line 7: .." gives its line.
+pub fn error_in_file(file: &Path, field: &str, reason: &str) -> Error {
+    let with_line = reason.strip_prefix(LINE).and_then(|rest| rest.split_once(": "));
+    let with_line = with_line.and_then(|(line, rest)| Some((line.parse().ok()?, rest)));
+    let (line, message) = with_line.unwrap_or((0, reason));
+    let location = Location { file: file.to_owned(), line, column: 1 };
+    Error::Scene { location, field: field.to_owned(), message: message.to_owned() }
 }

@@ -358,7 +358,7 @@ def _scene(scene: Scene) -> Tuple[str, Optional[str]]:
         except (TypeError, RecursionError) as error:
             raise Error(f"the scene: {error}") from None
     name = _text_of(scene)
-    if isinstance(scene, str) and "(" in scene and not scene.lower().endswith((".ron", ".glb", ".gltf")):
+    if isinstance(scene, str) and "(" in scene and not scene.lower().endswith((".ron", ".glb", ".gltf", ".obj", ".ply", ".stl")):
         return "-", scene
     # A name that begins with - is no option.
     return (os.path.join(os.curdir, name) if name.startswith("-") else name), None

@@ -1,7 +1,7 @@
 //! The scene that a command names: a file, or `-` for standard input.
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::console::tell;
 use crate::cli::{GltfArgs, SceneArgs};
@@ -10,14 +10,14 @@ use crate::flatten::{DeviceScene, flatten};
 use crate::job::Size;
 use crate::options::{MAX_DEPTH, OptionSpec, RenderOptions};
 use crate::output::destination::is_standard;
-use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene};
+use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene, Sky};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
 pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
     let options = options(&scene.gltf)?;
     match is_standard(&scene.path) {
         true => {
-            options.refuse(&scene.path)?;
+            options.refuse(&scene.path, false)?;
             Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress)
         }
         false => Scene::load_as(&scene.path, &options, progress, assets),
@@ -31,7 +31,7 @@ pub fn load(scene: &SceneArgs) -> Result<Scene> {
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.
 pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path, assets: &mut Assets) -> Result<Scene> {
-    Scene::of_gltf(from, to, &options(gltf)?, assets)
+    Scene::of_model(from, to, &options(gltf)?, assets)
 }
 
 /// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.
@@ -43,8 +43,8 @@ fn options(args: &GltfArgs) -> Result<GltfOptions> {
         return Err(Error::Usage(format!("--fps {fps}: expected --frame N beside it, whose time it says")));
     }
     let frame = args.frame.map(|number| AnimationFrame { number, fps: args.fps.unwrap_or(FPS) });
-    let sky = args.sky.as_ref().map(|path| std::path::absolute(path).unwrap_or(path.clone()));
-    let sky = sky.map(|path| path.to_string_lossy().into_owned());
+    let image = |path: &PathBuf| std::path::absolute(path).unwrap_or(path.clone()).to_string_lossy().into_owned();
+    let sky = args.sky.as_ref().map(|path| Sky::of_word(path).unwrap_or_else(|| Sky::Image(image(path))));
     let camera = args.camera.clone();
     Ok(GltfOptions { camera, sky, sun: args.sun, watts: args.watts, thin: args.thin, frame })
 }

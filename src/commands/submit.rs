@@ -19,7 +19,7 @@ use crate::options::{RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::printable::counted;
 use crate::render::LAST_CHECK;
-use crate::scene::{Scene, Thin};
+use crate::scene::{Scene, Sky, Thin};
 
 /// Who runs the processes.
 #[derive(Debug, Subcommand)]
@@ -252,7 +252,9 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
 /// The options of each part, as words of the command line.
 fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>> {
     let mut words = Vec::new();
-    let sky = args.gltf.sky.as_ref().map(|path| absolute(path)).transpose()?;
+    let absolute_unless_word =
+        |path: &PathBuf| if Sky::of_word(path).is_some() { Ok(path.clone()) } else { absolute(path) };
+    let sky = args.gltf.sky.as_ref().map(absolute_unless_word).transpose()?;
     let sky = sky.map(|path| text_of(&path).map(str::to_string)).transpose()?;
     let mut add =
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));

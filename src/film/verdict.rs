@@ -1,6 +1,7 @@
 //! The stated error of a film, and whether it is reliable.
 
 use super::{ErrorEstimate, Film, HiddenLight};
+use crate::printable::percent;
 
 /// The relative error by missing light, over its share of the image's light: 1 if all pixels lack it alike, and 4 if a sixteenth of them do, as
 /// in a caustic.
@@ -15,7 +16,7 @@ pub struct Verdict {
     pub hidden: HiddenLight,
     /// The most light that no path has found, of what is not sampled as a light.
     pub unfound: f64,
-    /// The most light that `max_depth` has cut off.
+    /// The most light that `max_depth` has cut off: each of these paths might have met the brightest emitter.
     pub cut: f64,
 }
 
@@ -27,7 +28,8 @@ impl Film {
         // A path carries at most the largest radiance of what is not sampled. If k such paths are expected, the probability of none is e^-k.
         let unfound = level.recip().ln() * self.not_sampled * share;
         let (error, hidden) = (self.error_estimate(level), self.totals.hidden_light().times(share));
-        Verdict { error, hidden, unfound, cut: self.totals.too_deep().throughput * share }
+        // The brightest emitter is below 2 in device units.
+        Verdict { error, hidden, unfound, cut: 2.0 * self.totals.too_deep().throughput * share }
     }
 }
 
@@ -38,11 +40,6 @@ impl Verdict {
         self.error.is_some_and(|error| error_of_missing.max(self.unfound) > error.bound)
     }
 
-    /// Whether the light that `max_depth` has cut off may be as large an error as the stated one.
-    pub fn cut_matters(&self) -> bool {
-        self.error.is_none_or(|error| CONCENTRATION * self.cut > error.value)
-    }
-
     /// Whether the stated error is reliable; `None` while it is not known.
     pub fn reliable(&self) -> Option<bool> {
         self.error.map(|error| error.reliable && !self.lacks_light())
@@ -50,26 +47,26 @@ impl Verdict {
 
     /// Why the stated error is not reliable.
     pub fn reasons_unreliable(&self) -> Vec<String> {
-        let percent = |share: f64| format!("{:.2}", 100.0 * share);
+        let of_light = |share: f64| if share < 1.0 { percent(share) } else { "most".to_owned() };
         let mut reasons = Vec::new();
         if let Some(error) = self.error.filter(|error| !error.reliable) {
             let may_be = match error.bound.is_finite() {
-                true => format!(". It may be {} %", percent(error.bound)),
+                true if error.bound < 1.0 => format!(". It may be {}", percent(error.bound)),
+                true => ". It may be larger than the light itself".to_owned(),
                 false => String::new(),
             };
             reasons.push(format!("rare bright paths dominate it{may_be}"));
         }
         if self.lacks_light() && self.unfound > self.hidden.missing() {
             reasons.push(format!(
-                "light that is not sampled (a sky without an image, lights beyond the limit, all with --integrator bsdf) is found by chance, and \
-                 paths may have missed as much as {} % of the image's light. Raise --spp",
-                percent(self.unfound)
+                "paths find light that is not sampled by chance alone (a sky without an image, lights beyond the limit, all with --integrator \
+                 bsdf), and may have missed {} of the image's light. Raise --spp",
+                of_light(self.unfound)
             ));
         } else if self.lacks_light() {
             reasons.push(format!(
-                "mirrors, glass and other narrow lobes hide {} % of the image's light from light sampling, and paths have found {} %. Raise \
-                 --spp",
-                percent(self.hidden.probed()),
+                "mirrors, glass and other narrow lobes hide {} of the image's light from light sampling, and paths have found {}. Raise --spp",
+                of_light(self.hidden.probed()),
                 percent(self.hidden.found())
             ));
         }

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::luminance::{Area, Luminance};
 use super::meshes::uvs_of;
+use crate::luminance::{Area, Luminance};
 use crate::shape::{Aabb, ObjectTransform, Shape};
 
 /// The most parts of a shape.
@@ -311,8 +311,7 @@ mod tests {
     #[test]
     fn parts_tile_the_shape_and_isolate_a_hot_texel() {
         let even = Bitmap::of_floats(8, 8, [[3.0; 3]; 64]);
-        let even =
-            Luminance::Image(super::super::luminance::SummedArea::new(&even, Colour::ONE, false).expect("texels"));
+        let even = Luminance::Image(crate::luminance::SummedArea::new(&even, Colour::ONE, false).expect("texels"));
         // Of a triangle, the texel is below the diagonal.
         let (texture, bitmaps) = hot(64, 64, (20, 45));
         let luminance = Luminance::new(&texture, &bitmaps, false).expect("it varies");

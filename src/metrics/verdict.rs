@@ -53,9 +53,9 @@ fn of_pixels(difference: &Difference, luminance: &MeanDifference) -> String {
         }
         Pixels::Tested { visible, .. } if visible.is_finite() => {
             let visible = with_error(100.0 * visible, f64::INFINITY);
-            format!("; in half of the pixels, one alone would show from {visible} % on")
+            format!("; a single wrong pixel is noticed from {visible} % on")
         }
-        Pixels::Tested { .. } => "; with so few samples, no single pixel would show".to_string(),
+        Pixels::Tested { .. } => "; with so few samples, no single wrong pixel is noticed".to_string(),
         Pixels::Untested(Some(most)) if most.p < LEVEL => {
             let p = probability(most.p);
             return format!(
@@ -240,13 +240,10 @@ mod tests {
         let noise = "A differs by noise only, p = 0.41: less than 0.01 would be a difference; ";
         let within = Single { p: 0.5, ..most };
         for (pixels, words) in [
-            (
-                Pixels::Tested { most: within, visible: 0.3456 },
-                "in half of the pixels, one alone would show from 35 % on",
-            ),
+            (Pixels::Tested { most: within, visible: 0.3456 }, "a single wrong pixel is noticed from 35 % on"),
             (
                 Pixels::Tested { most: within, visible: f64::INFINITY },
-                "with so few samples, no single pixel would show",
+                "with so few samples, no single wrong pixel is noticed",
             ),
             (
                 Pixels::Untested(Some(within)),

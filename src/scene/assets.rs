@@ -8,6 +8,7 @@ use std::time::SystemTime;
 use super::gltf;
 use super::gltf_path::split;
 use super::inputs::{Input, buffers};
+use super::mesh_files::ObjFiles;
 use crate::bitmap::{Bitmap, Decoding};
 use crate::shape::mesh::Mesh;
 
@@ -50,6 +51,8 @@ pub struct Assets {
     noted: HashMap<PathBuf, Vec<(PathBuf, Stamp)>>,
     /// The glTF files that parts are read from.
     pub(super) gltf: gltf::Files,
+    /// The OBJ files that parts are read from.
+    pub(super) obj: ObjFiles,
     /// Whether these stay open from one scene to the next.
     keeps_open: bool,
 }
@@ -78,6 +81,7 @@ impl Assets {
     pub(super) fn close(&mut self) {
         if !self.keeps_open {
             self.gltf = gltf::Files::default();
+            self.obj = ObjFiles::default();
         }
     }
 

@@ -224,8 +224,8 @@ declare! {
         /// The triangles of a file. The outside of a triangle is where its corners run counter-clockwise. Without normals in the file it
         /// is flat-shaded. A file is read once, however many meshes name it.
         Mesh: mesh, "Mesh(path: \"meshes/star.ply\", material: \"matt\")" {
-            /// A .ply, .obj, .gltf or .glb; materials in it are not used. Or a part of a glTF file, such as
-            /// `room.glb#meshes/0/primitives/1`.
+            /// A .ply, .obj, .stl, .gltf or .glb; materials in it are not used. Or a part of a file, such as
+            /// `room.glb#meshes/0/primitives/1`, or `car.obj#materials/0`: the faces of one material.
             #[serde(skip_serializing)]
             path: String = other(PATH);
             #[serde(default)]

@@ -39,9 +39,10 @@ use crate::guard::guarded;
 
 pub use camera::framing;
 use channels::Animation;
-pub use contents::{OBJECT, OPTIONS, Reading, bounds};
+pub use contents::{Contents, OBJECT, OPTIONS, Reading, bounds};
 pub use error::{GltfError, Result};
 pub use light::sun;
+pub use material::{default_material, radiance};
 use nodes::Pose;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
@@ -260,7 +261,34 @@ fn check(root: &Root) -> Result<()> {
         "KHR_mesh_quantization",
         "EXT_mesh_gpu_instancing",
     ];
+    /// Extensions that pack data, and the commands of the package @gltf-transform/cli that unpack it.
+    const PACKED: [(&str, &str); 4] = [
+        ("KHR_draco_mesh_compression", "copy"),
+        ("EXT_meshopt_compression", "copy"),
+        ("KHR_meshopt_compression", "copy"),
+        ("KHR_texture_basisu", "ktxdecompress"),
+    ];
     check_version(&root.asset.version)?;
+    // A file may have its data in one of them alone without saying so.
+    let of_draco = root.accessors.iter().any(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none());
+    let has_basisu = |texture: &gltf::json::Texture| {
+        let extensions = texture.extensions.as_ref();
+        texture.source.value() == u32::MAX as usize
+            && extensions.is_some_and(|found| found.others.contains_key("KHR_texture_basisu"))
+    };
+    let of_basisu = root.textures.iter().any(has_basisu);
+    let place = |list: &'static str, names: &[String], name: &str| {
+        names.iter().position(|found| found == name).map(|at| format!("{list}[{at}]"))
+    };
+    for (name, command) in PACKED {
+        let is_alone = name.contains("draco") && of_draco || name.contains("basisu") && of_basisu;
+        let used = || place("extensionsUsed", &root.extensions_used, name).filter(|_| is_alone);
+        if let Some(at) = place("extensionsRequired", &root.extensions_required, name).or_else(used) {
+            let unpack = format!("npx @gltf-transform/cli {command} IN.glb OUT.glb");
+            let reason = format!("it needs the extension {name:?}, which is not supported: unpack it with `{unpack}`");
+            return Err(GltfError::new(at, reason));
+        }
+    }
     let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
     match root.extensions_required.iter().enumerate().find(|(_, name)| !is_harmless(name)) {
         Some((at, name)) => Err(GltfError::new(

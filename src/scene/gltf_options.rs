@@ -6,13 +6,33 @@ use super::animation_frame::AnimationFrame;
 use super::types::Thin;
 use crate::error::{Error, Result};
 
+/// The sky of a file that has none.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    Default,
+    None,
+    /// The path of an image.
+    Image(String),
+}
+
+impl Sky {
+    /// The sky of a word; none of a path. An image whose name is a word is ./none.
+    pub fn of_word(text: &Path) -> Option<Sky> {
+        match text.to_str()? {
+            "default" => Some(Sky::Default),
+            "none" => Some(Sky::None),
+            _ => None,
+        }
+    }
+}
+
 /// The glTF options of the command line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GltfOptions {
     /// The name of a camera; the first one if it is not given.
     pub camera: Option<String>,
-    /// The image of the sky.
-    pub sky: Option<String>,
+    /// The sky; if it is not given, the default one where the file's own lights are not enough.
+    pub sky: Option<Sky>,
     /// The elevation and the azimuth of a sun.
     pub sun: Option<(f64, f64)>,
     /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
@@ -23,22 +43,24 @@ pub struct GltfOptions {
 }
 
 impl GltfOptions {
-    /// Refuses what a scene of our own form says itself.
-    pub fn refuse(&self, path: &Path) -> Result<()> {
+    /// Refuses what a scene of our own form says itself, or what a mesh file does not have.
+    pub fn refuse(&self, path: &Path, is_mesh: bool) -> Result<()> {
         let given = [
-            ("--camera", self.camera.is_some(), "has its own camera"),
-            ("--sky", self.sky.is_some(), "has its own background"),
-            ("--sun", self.sun.is_some(), "has its own lights"),
-            ("--watts", self.watts.is_some(), "has `watts` in its Gltf(..)"),
-            ("--thin", self.thin != Thin::Auto, "has `thin` in its Gltf(..)"),
-            ("--frame", self.frame.is_some(), "has `frame` in its Gltf(..)"),
+            ("--camera", self.camera.is_some(), "has its own camera", "has no camera"),
+            ("--sky", self.sky.is_some() && !is_mesh, "has its own background", ""),
+            ("--sun", self.sun.is_some() && !is_mesh, "has its own lights", ""),
+            ("--watts", self.watts.is_some(), "has `watts` in its Gltf(..)", "has no lights"),
+            ("--thin", self.thin != Thin::Auto, "has `thin` in its Gltf(..)", "has no panes of glass"),
+            ("--frame", self.frame.is_some(), "has `frame` in its Gltf(..)", "has no animations"),
         ];
-        match given.into_iter().find(|(_, is_given, _)| *is_given) {
-            Some((option, _, instead)) => Err(Error::Usage(format!(
-                "{option} is for scenes that are .glb or .gltf: {} {instead}",
-                path.display()
-            ))),
-            None => Ok(()),
-        }
+        let Some((option, _, of_scene, of_mesh)) = given.into_iter().find(|(_, is_given, ..)| *is_given) else {
+            return Ok(());
+        };
+        let meshes = if ["--sky", "--sun"].contains(&option) { ", or meshes" } else { "" };
+        let instead = if is_mesh { of_mesh } else { of_scene };
+        Err(Error::Usage(format!(
+            "{option} is for scenes that are .glb or .gltf{meshes}: {} {instead}",
+            path.display()
+        )))
     }
 }

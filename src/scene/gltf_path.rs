@@ -1,4 +1,4 @@
-//! How paths name glTF files and parts of them. A part stands behind a number sign: `room.glb#meshes/0/primitives/1`.
+//! How paths name glTF files, OBJ files and parts of them. A part stands behind a number sign: `room.glb#meshes/0/primitives/1`.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -6,7 +6,12 @@ use std::path::{Path, PathBuf};
 
 /// Whether the ending of a path says glTF.
 pub fn is_gltf(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+    has_ending(path, &["gltf", "glb"])
+}
+
+/// Whether a path has one of these endings.
+pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    path.extension().is_some_and(|ending| endings.iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }
 
 /// A part of a glTF file.
@@ -32,6 +37,8 @@ pub enum Part {
         seconds: Option<f64>,
     },
     Image(usize),
+    /// The faces of an OBJ file that have a material, counted in the order of their first faces.
+    OfMaterial(usize),
 }
 
 impl fmt::Display for Part {
@@ -46,6 +53,7 @@ impl fmt::Display for Part {
                 write!(f, "nodes/{node}/mesh/primitives/{primitive}{}", at_time(*seconds))
             }
             Part::Image(image) => write!(f, "images/{image}"),
+            Part::OfMaterial(material) => write!(f, "materials/{material}"),
         }
     }
 }
@@ -62,6 +70,7 @@ impl Part {
             Part::OfMesh { mesh, primitive } => format!("meshes[{mesh}].primitives[{primitive}]"),
             Part::OfNode { node, .. } | Part::Morphed { node, .. } => format!("nodes[{node}]"),
             Part::Image(image) => format!("images[{image}]"),
+            Part::OfMaterial(material) => format!("materials[{material}]"),
         }
     }
 }
@@ -95,9 +104,14 @@ pub fn split(path: &Path) -> (Cow<'_, Path>, Option<Part>) {
             mesh.parse().ok().zip(primitive.parse().ok()).map(|(mesh, primitive)| Part::OfMesh { mesh, primitive })
         }
         ["images", image] => image.parse().ok().map(Part::Image),
+        ["materials", material] => material.parse().ok().map(Part::OfMaterial),
         _ => None,
     };
-    match part.filter(|_| is_gltf(Path::new(file))) {
+    let is_of = |part: &Part| match part {
+        Part::OfMaterial(_) => has_ending(Path::new(file), &["obj"]),
+        _ => is_gltf(Path::new(file)),
+    };
+    match part.filter(is_of) {
         Some(part) => (Cow::Owned(PathBuf::from(file)), Some(part)),
         None => whole_file,
     }
@@ -128,6 +142,7 @@ mod tests {
         let of_node = times.map(|seconds| Part::OfNode { node: 0, instance: None, primitive: 1, seconds });
         let of_instance = times.map(|seconds| Part::OfNode { node: 4, instance: Some(9), primitive: 0, seconds });
         let morphed = times.map(|seconds| Part::Morphed { node: 2, primitive: 0, seconds });
+        assert_eq!(split(Path::new("a #1.obj#materials/2")), (Path::new("a #1.obj").into(), Some(Part::OfMaterial(2))));
         let others = [Part::OfMesh { mesh: 3, primitive: 12 }, Part::Image(7)];
         for part in others.into_iter().chain(of_node).chain(of_instance).chain(morphed) {
             let path = format!("a #1/room.GLB#{part}");
@@ -136,6 +151,7 @@ mod tests {
         for path in [
             "room.glb",
             "room.obj#images/1",
+            "room.glb#materials/1",
             "room.glb#images/x",
             "a.glb#b.glb",
             "room.glb#images",

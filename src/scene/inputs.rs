@@ -29,6 +29,7 @@ impl Scene {
         let scene_file = Input { path: self.source.path().to_owned(), fixed: false };
         let mut inputs = vec![scene_file.clone()];
         inputs.extend(buffers(&scene_file));
+        inputs.extend(self.libraries.iter().map(|path| Input { path: path.clone(), fixed: false }));
         // Of the parts of a glTF file, each names it. An empty one has no part.
         let mut names = Vec::new();
         self.visit_objects(&mut |_, object| {

@@ -1,6 +1,6 @@
 //! Reads a scene file: text, then values, then checks, then images and meshes.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -13,10 +13,11 @@ use super::assets::Assets;
 use super::explain::{explain, hash_at_start};
 use super::file::{OnProgress, Reading};
 use super::findings::Findings;
-use super::gltf_options::GltfOptions;
+use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
 use super::model::Scene;
 use super::recover::{Parts, recover};
+use super::sky::SKY;
 use super::syntax::{in_file_order, options};
 use super::types::*;
 use super::write::relative;
@@ -43,9 +44,6 @@ struct SceneFile {
     render: RenderDefaults,
 }
 
-/// What a glTF scene has where nothing in it emits light: a sky from white at the horizon to blue above.
-const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour::new(0.5, 0.7, 1.0) };
-
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
     ///
@@ -63,24 +61,25 @@ impl Scene {
         assets: &mut Assets,
     ) -> Result<Scene> {
         assets.begin(path);
-        if is_gltf(path) {
-            return of_gltf(path, path, options, progress, assets);
+        if is_gltf(path) || mesh_files::is_mesh(path) {
+            return of_model(path, path, options, progress, assets);
         }
         if let Some(what) = other_kind(path) {
             return Err(of_file(path, what));
         }
-        options.refuse(path)?;
+        options.refuse(path, false)?;
         let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
         parse(text_of(file, path)?, path, progress, assets)
     }
 
-    /// The scene of a glTF file, as the scene file `to` would have it. `assets` then has the files that it was read from.
-    pub fn of_gltf(path: &Path, to: &Path, options: &GltfOptions, assets: &mut Assets) -> Result<Scene> {
-        if !is_gltf(path) {
-            return Err(Error::Usage(format!("{}: expected a file that ends in .glb or .gltf", path.display())));
+    /// The scene of a glTF file or a mesh file, as the scene file `to` would have it. `assets` then has the files that it was read from.
+    pub fn of_model(path: &Path, to: &Path, options: &GltfOptions, assets: &mut Assets) -> Result<Scene> {
+        if !is_gltf(path) && !mesh_files::is_mesh(path) {
+            let expected = "expected a file that ends in .glb, .gltf, .obj, .ply or .stl";
+            return Err(Error::Usage(format!("{}: {expected}", path.display())));
         }
         assets.begin(path);
-        of_gltf(path, to, options, &mut |_, _, _| {}, assets)
+        of_model(path, to, options, &mut |_, _, _| {}, assets)
     }
 
     /// Reads a scene's text, such as that on standard input. `path` is its name in errors, as for [`Scene::parse`].
@@ -117,9 +116,6 @@ fn other_kind(path: &Path) -> Option<String> {
         )),
         "png" | "jpg" | "jpeg" | "hdr" | "webp" => {
             Some("expected a scene, found an image: a scene names it as a texture, Image(path: \"..\")".to_owned())
-        }
-        "ply" | "obj" | "stl" => {
-            Some("expected a scene, found a mesh: a scene names it, Mesh(path: \"..\", material: \"..\")".to_owned())
         }
         "blend" => Some("expected a scene, found a file of Blender: export it as glTF 2.0 (.glb)".to_owned()),
         _ => None,
@@ -187,6 +183,7 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
         meshes: BTreeMap::new(),
         frame: None,
         notes: Vec::new(),
+        libraries: Vec::new(),
         source,
     };
     add_gltf(&mut scene, &mut findings, progress, assets);
@@ -242,8 +239,8 @@ fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
     }
 }
 
-/// The scene of a glTF file, as the scene file `to` would have it: paths are relative to its folder.
-fn of_gltf(
+/// The scene of a glTF file or a mesh file, as the scene file `to` would have it: paths are relative to its folder.
+fn of_model(
     path: &Path,
     to: &Path,
     options: &GltfOptions,
@@ -261,23 +258,40 @@ fn of_gltf(
         true => file.file_name().map_or(file.to_owned(), Into::into),
         false => relative(to.parent().unwrap_or(Path::new("")), file),
     };
-    let name = seen(path).to_string_lossy().into_owned();
-    let seconds = options.frame.as_ref().map(AnimationFrame::seconds);
-    let reading = gltf::Reading { asker: &gltf::OPTIONS, watts: options.watts, thin: options.thin, seconds };
-    let file = assets.gltf.open(path, progress).map_err(broken)?;
-    let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
-    let (is_of_blender, has_lamps) = (file.blender().is_some(), contents.has_lights());
-    drop(file);
+    let note = |note: &str| format!("{}: {note}", source.location(0));
+    let (mut contents, is_of_blender, libraries) = match is_gltf(path) {
+        true => {
+            let name = seen(path).to_string_lossy().into_owned();
+            let seconds = options.frame.as_ref().map(AnimationFrame::seconds);
+            let reading = gltf::Reading { asker: &gltf::OPTIONS, watts: options.watts, thin: options.thin, seconds };
+            let file = assets.gltf.open(path, progress).map_err(broken)?;
+            let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
+            contents.notes.iter_mut().for_each(|text| *text = note(text));
+            (contents, file.blender().is_some(), Vec::new())
+        }
+        false => {
+            options.refuse(path, true)?;
+            // What is beside the file keeps its place there.
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let seen = |file: &Path| match (path == to, file.strip_prefix(folder)) {
+                (true, Ok(beside)) => beside.to_string_lossy().into_owned(),
+                _ => seen(file).to_string_lossy().into_owned(),
+            };
+            let (contents, libraries) = mesh_files::contents(path, &seen, progress, assets)?;
+            (contents, false, libraries)
+        }
+    };
+    let has_lamps = contents.has_lights();
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing(Aabb::around([DVec3::ZERO])));
     let background = match &options.sky {
-        Some(sky) if path == to => Background::Image { path: sky.clone() },
-        Some(sky) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
-        None => Background::Solid(Colour::ZERO),
+        Some(Sky::Image(sky)) if path == to => Background::Image { path: sky.clone() },
+        Some(Sky::Image(sky)) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
+        Some(Sky::Default) => SKY,
+        Some(Sky::None) | None => Background::Solid(Colour::ZERO),
     };
-    let note = |note: &str| format!("{}: {note}", source.location(0));
-    let notes = contents.notes.iter().map(|text| note(text)).collect();
+    let notes = std::mem::take(&mut contents.notes);
     let mut scene = Scene {
         image,
         camera,
@@ -289,6 +303,7 @@ fn of_gltf(
         meshes: BTreeMap::new(),
         frame: options.frame,
         notes,
+        libraries,
         source: Source::without_text(to),
     };
     finish(&mut scene, Findings::default(), progress, assets)?;
@@ -298,11 +313,9 @@ fn of_gltf(
              (--sky FILE, --sun)",
         ));
     }
-    if options.sky.is_none() && !emits(&scene) {
-        scene.background = SKY;
-        scene.notes.push(note(
-            "nothing in it emits light, so that a sky of white and blue does: give another with --sky FILE, or a sun with --sun",
-        ));
+    if options.sky.is_none() {
+        let of_sky = scene.add_sky(&contents.meshes);
+        scene.notes.extend(of_sky.map(|text| note(&text)));
     }
     scene.objects.extend(options.sun.map(gltf::sun));
     if !has_view {
@@ -312,24 +325,6 @@ fn of_gltf(
         (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.meshes, &scene.meshes));
     }
     Ok(scene)
-}
-
-/// Whether anything in the scene other than the background emits light: a light without size, or a surface.
-fn emits(scene: &Scene) -> bool {
-    let shines = |material: &Material| material.model().most_emitted(&scene.bitmaps, || [1.0; 2]).is_seen();
-    let shining = scene.materials.iter().filter(|(_, material)| shines(material));
-    let shining: HashSet<&str> = shining.map(|(name, _)| name.as_str()).collect();
-    let mut found = false;
-    scene.visit_objects(&mut |_, object| {
-        let is_light = object.delta_light().is_some_and(|light| light.colour() != Colour::ZERO);
-        let has_surface = || match object {
-            // One without area is not there.
-            Object::Mesh { path, .. } => scene.meshes.contains_key(path),
-            _ => true,
-        };
-        found |= is_light || object.material().is_some_and(|name| shining.contains(name)) && has_surface();
-    });
-    found
 }
 
 /// Checks a scene, and reads its images and meshes.

@@ -1,13 +1,17 @@
 //! Triangle meshes from files.
 //!
-//! One module per format: `obj` with the crate `tobj`, `ply` with `serde-ply`; `scene/gltf` reads those of glTF files. The parsers run
-//! under `guard`, because some panic on damaged files. They fill a `Draft`, which limits the memory. Its `finish` checks it, drops faces without
-//! area and unused vertices, and makes a `Mesh` of it.
+//! One module per format: `obj` with its materials in `mtl`, `stl`, and `ply` with the crate `serde-ply`; `scene/gltf` reads those of glTF
+//! files. The parsers of crates run under `guard`, because some panic on damaged files. All fill a `Draft`, which limits the memory. Its
+//! `finish` checks it, drops faces without area and unused vertices, and makes a `Mesh` of it. `contents` makes a scene of a file.
 
+mod contents;
 mod draft;
 mod input;
+mod mtl;
 mod obj;
+mod parts;
 mod ply;
+mod stl;
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -17,15 +21,17 @@ use super::assets::Assets;
 use super::file::{self, OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf::{self, GltfError};
-use super::gltf_path::{is_gltf, split};
+use super::gltf_path::{Part, has_ending, is_gltf, split};
 use super::model::Scene;
 use super::types::Object;
 use crate::guard::guarded;
 use input::Input;
 
 use crate::shape::mesh::Mesh;
+pub(super) use contents::contents;
 pub(super) use draft::{Draft, MOST_BYTES};
 pub(super) use input::quote;
+pub(super) use parts::ObjFiles;
 
 /// Reads every mesh of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
 pub fn load_all(
@@ -50,7 +56,6 @@ pub fn load_all(
                 Some((mesh, taken)) => Ok(Some((mesh, room - taken))),
                 None => load(&file, room, progress, assets).map(|loaded| {
                     let (mesh, left) = loaded?;
-                    let mesh = Arc::new(mesh);
                     assets.keep_mesh(&file, files, (Arc::clone(&mesh), room - left));
                     Some((mesh, left))
                 }),
@@ -75,8 +80,14 @@ fn parser(path: &Path) -> std::result::Result<(Parser, &'static str), String> {
     match ending.as_str() {
         "obj" => Ok((obj::parse, "an OBJ file")),
         "ply" => Ok((ply::parse, "a PLY file")),
-        _ => Err("expected the path of a mesh that ends in .obj, .ply, .gltf or .glb".to_owned()),
+        "stl" => Ok((stl::parse, "an STL file")),
+        _ => Err("expected the path of a mesh that ends in .obj, .ply, .stl, .gltf or .glb".to_owned()),
     }
+}
+
+/// Whether the ending of a path says a mesh of no glTF file.
+pub fn is_mesh(path: &Path) -> bool {
+    has_ending(path, &["obj", "ply", "stl"])
 }
 
 /// Checks that a file is there, and that its ending is that of a mesh.
@@ -89,11 +100,18 @@ fn find(path: &Path) -> std::result::Result<(), String> {
 }
 
 /// A mesh, and the bytes that are left.
-type Loaded = (Mesh, usize);
+type Loaded = (Arc<Mesh>, usize);
 
 /// The mesh of a file, or of a part of a glTF file. It may take `room` bytes. A part without area, as a node of scale 0 has it, is none.
 fn load(path: &Path, room: usize, progress: &mut OnProgress, assets: &mut Assets) -> gltf::Result<Option<Loaded>> {
     let (name, part) = split(path);
+    if let Some(Part::OfMaterial(number)) = part {
+        let parts = assets.obj.open(&name, progress)?;
+        let missing = || format!("there is no part {number} of a material: the file has {}", parts.meshes.len());
+        let (mesh, taken) = parts.meshes.get(number).ok_or_else(missing)?;
+        let left = room.checked_sub(*taken).ok_or_else(draft::too_large)?;
+        return Ok(mesh.clone().map(|mesh| (mesh, left)));
+    }
     if !is_gltf(&name) {
         return Ok(Some(load_file(path, room, progress)?));
     }
@@ -107,7 +125,7 @@ fn load(path: &Path, room: usize, progress: &mut OnProgress, assets: &mut Assets
         return Ok(None);
     }
     let left = draft.room();
-    Ok(Some((draft.finish()?, left)))
+    Ok(Some((Arc::new(draft.finish()?), left)))
 }
 
 fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result::Result<Loaded, String> {
@@ -122,5 +140,5 @@ fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result
     let mut draft = Draft::new(room);
     parse(path, &mut Input::new(&bytes, &mut tell), &mut draft)?;
     let left = draft.room();
-    Ok((draft.finish()?, left))
+    Ok((Arc::new(draft.finish()?), left))
 }

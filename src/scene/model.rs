@@ -1,6 +1,7 @@
 //! A scene, with the location of every value in its file.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::animation_frame::AnimationFrame;
@@ -28,6 +29,8 @@ pub struct Scene {
     pub frame: Option<AnimationFrame>,
     /// Warnings about what glTF files have and the scene does not.
     pub(super) notes: Vec<String>,
+    /// The files of materials of an OBJ file.
+    pub(super) libraries: Vec<PathBuf>,
     pub(super) source: Source,
 }
 

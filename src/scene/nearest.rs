@@ -22,7 +22,7 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
     ),
     (
         &["triangle", "model", "obj", "trianglemesh", "cylinder", "cone", "torus", "ellipsoid"],
-        "Mesh(path: \"..\"), a .ply, .obj or .glb file",
+        "Mesh(path: \"..\"), a .ply, .obj, .stl or .glb file",
     ),
     (&["light", "arealight", "lamp"], "PointLight, or a shape of a DiffuseLight"),
     (&["sunlight", "sun"], "DirectionalLight(..)"),

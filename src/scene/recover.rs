@@ -78,8 +78,9 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
     let names = absent.map(|(name, _)| name);
     let has_unknown =
         blanks.sections.iter().any(|name| !["materials", "render"].contains(name) && !names.contains(name));
-    for (name, _) in absent.into_iter().filter(|(name, is_absent)| *is_absent && !blanks.sections.contains(name)) {
-        if !has_unknown {
+    for (name, is_absent) in absent {
+        // A section that was taken out for the sake of its errors is there.
+        if is_absent && !has_unknown && !object_blanks.sections.contains(name) {
             findings.record::<()>(Err(missing_section(source, name)));
         }
     }
@@ -102,15 +103,15 @@ impl<'a> Blanks<'a> {
     fn add_entry(&mut self, source: &'a Source, id: Id) -> bool {
         let Some(parent) = source.spans.parent(id) else { return false };
         self.parents.insert(parent);
-        if source.spans.parent(parent).is_none() {
-            self.sections.insert(slice(source.text(), source.spans.key(id)));
-        }
         self.add(source, id)
     }
 
-    fn add(&mut self, source: &Source, id: Id) -> bool {
+    fn add(&mut self, source: &'a Source, id: Id) -> bool {
         let spans = &source.spans;
         let Some(parent) = spans.parent(id) else { return false };
+        if spans.parent(parent).is_none() {
+            self.sections.insert(slice(source.text(), spans.key(id)));
+        }
         let siblings = spans.children(parent);
         let next = siblings.iter().position(|&sibling| sibling == id).and_then(|at| siblings.get(at + 1));
         let start = spans.entry_start(id);

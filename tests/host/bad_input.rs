@@ -281,8 +281,8 @@ fn bad_objects() -> Vec<Bad> {
         bad(object("Transformed(by: [Scale(1e60)], object: §Sphere(center: (0, 0, 1e60), radius: 1, material: \"grey\"))"), "objects[0].Transformed.object.Sphere", &["1e100"]),
         bad(object("Transformed(by: [Scale(1e-60)], object: Group([§Box(min: (0, 0, 0), max: (1e-60, 1, 1), material: \"grey\")]))"), "objects[0].Transformed.object.Group[0].Box", &["1e-100"]),
         bad(object("Group([Mesh(path: §\"bunny.ply\", material: \"grey\")])"), "objects[0].Group[0].Mesh.path", &["folder/bunny.ply", "cannot read the mesh"]),
-        bad(object("Mesh(path: §\"bunny.stl\", material: \"grey\")"), "objects[0].Mesh.path", &["folder/bunny.stl", ".obj, .ply, .gltf or .glb"]),
-        bad(object("Mesh(path: §\"\", material: \"grey\")"), "objects[0].Mesh.path", &[".obj, .ply, .gltf or .glb"]),
+        bad(object("Mesh(path: §\"bunny.fbx\", material: \"grey\")"), "objects[0].Mesh.path", &["folder/bunny.fbx", ".obj, .ply, .stl, .gltf or .glb"]),
+        bad(object("Mesh(path: §\"\", material: \"grey\")"), "objects[0].Mesh.path", &[".obj, .ply, .stl, .gltf or .glb"]),
         bad(object("§Mesh(path: \"bunny.ply\")"), "objects[0].Mesh.material", &["material is missing", "\"grey\""]),
         bad(object("Mesh(path: \"bunny.ply\", material: §\"gray\")"), "objects[0].Mesh.material", &["did you mean \"grey\"?"]),
         bad(object("§Mesh(material: \"grey\")"), "objects[0].Mesh.path", &["path is missing", "a file's path in quotes"]),
@@ -978,6 +978,17 @@ fn at_most_twenty_are_listed() {
         assert_eq!(errors.len(), 20);
         // ron's own are not looked for beyond.
         assert_eq!(more, if radius == "0" { 10 } else { 0 });
+    }
+}
+
+#[test]
+fn a_section_with_an_unknown_field_is_not_missing() {
+    let good = object("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")");
+    for (from, to) in [("vertical_fov: 40)", "vertical_fov: 40, §bokeh: 6)"), ("height: 3)", "height: 3, §bokeh: 6)")]
+    {
+        assert!(good.contains(from));
+        let error = all_at_marks(&good.replace(from, to));
+        assert!(error.to_string().contains("unknown field bokeh") && error.each().len() == 1, "{error}");
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use base64::Engine;
 use glam::DVec3;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, Camera, GltfOptions, Material, Object, Scene, Texture, Transform};
+use gpu_rt::scene::{Assets, Background, Camera, GltfOptions, Material, Object, Scene, Sky, Texture, Transform};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, gltf, png, room, square};
@@ -314,7 +314,7 @@ fn a_file_without_camera_and_light_gets_both_and_a_note() {
     assert!(matches!(scene.background, Background::Gradient { .. }));
     let notes = notes(&json).join("\n");
     assert!(notes.contains("nothing in it emits light") && notes.contains("it has no camera"), "{notes}");
-    let sky = GltfOptions { sky: Some("gone.exr".to_owned()), ..GltfOptions::default() };
+    let sky = GltfOptions { sky: Some(Sky::Image("gone.exr".to_owned())), ..GltfOptions::default() };
     assert!(load_as(&json, &sky).unwrap_err().to_string().contains("gone.exr: cannot read the image"));
 }
 
@@ -468,6 +468,7 @@ fn ignored_properties_are_named_once_with_their_material() {
         [
             "nodes[1]: transforms that mirror or scale unevenly are written into the vertices: 1 node with a mesh that others \
              have too hold a copy of it",
+            "its emitters light it, and no sky: --sky default adds one of white and blue",
         ]
     );
     let wood = |more: Value| {
@@ -585,6 +586,37 @@ fn broken_gltf_is_refused_with_its_path_in_the_json() {
         assert!(message.contains(reason), "{error}");
         assert!(error.to_string().contains(&format!("room.glb: {at}: ")), "{error}");
     }
+}
+
+#[test]
+fn packed_files_are_refused_with_the_command_that_unpacks_them() {
+    let refused = |json: &Value, at: &str, name: &str, command: &str| {
+        let error = load(json).expect_err(name);
+        let Error::Scene { field, message, .. } = &error.each()[0] else { panic!("{name}") };
+        assert_eq!(field, at);
+        assert!(message.contains(name) && message.contains(&format!("cli {command} IN.glb")), "{message}");
+    };
+    for (name, command) in [
+        ("KHR_draco_mesh_compression", "copy"),
+        ("EXT_meshopt_compression", "copy"),
+        ("KHR_meshopt_compression", "copy"),
+        ("KHR_texture_basisu", "ktxdecompress"),
+    ] {
+        let mut json = room().0;
+        json["extensionsUsed"] = json!([name]);
+        // A file that does not need it is read.
+        assert!(load(&json).is_ok(), "{name}");
+        json["extensionsRequired"] = json!([name]);
+        refused(&json, "extensionsRequired[0]", name, command);
+    }
+    let mut json = room().0;
+    json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    json["textures"][0] = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
+    refused(&json, "extensionsUsed[0]", "KHR_texture_basisu", "ktxdecompress");
+    let mut json = room().0;
+    json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    refused(&json, "extensionsUsed[0]", "KHR_draco_mesh_compression", "copy");
 }
 
 /// The pixel of the image that the point (x, y) of the first square shows is found by its texture coordinates.
@@ -797,43 +829,54 @@ fn lit_by(material: Value) -> Value {
     json
 }
 
+/// What lights a file without a sky of its own, by the note on it.
+const DARK: &str = "nothing in it emits light, and a sky";
+const DIM: &str = "a sky of white and blue lights it, because its emitters give";
+const LIT: &str = "its emitters light it, and no sky";
+
+/// Checks that a file has this note, and a sky that goes with it.
+fn lit_as(json: &Value, expected: &str) {
+    let scene = load(json).unwrap_or_else(|error| panic!("{error}"));
+    let notes = notes(json).join("\n");
+    for note in [DARK, DIM, LIT] {
+        assert_eq!(notes.contains(note), note == expected, "{json}: {notes}");
+    }
+    let has_sky = matches!(scene.background, Background::Gradient { .. });
+    assert_eq!(has_sky, [DARK, DIM].contains(&expected), "{json}");
+    assert!(has_sky || scene.background == Background::Solid(DVec3::ZERO));
+}
+
 #[test]
-fn a_sky_is_added_only_where_nothing_emits() {
+fn a_sky_is_added_unless_lamps_or_emitters_light_the_file() {
     let base = |colour: Value| json!({"baseColorFactor": colour, "metallicFactor": 0});
     let emissive = json!([1, 0.5, 0]);
     let strength = |strength: f64| json!({"KHR_materials_emissive_strength": {"emissiveStrength": strength}});
     let [grey, black] = [json!([0.5, 0.5, 0.5, 1]), json!([0, 0, 0, 1])].map(base);
     let invisible = base(json!([0.5, 0.5, 0.5, 0]));
     let solid = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
-    let emits = |json: &Value, reported: bool| {
-        let scene = load(json).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(notes(json).join("\n").contains("nothing in it emits light"), reported, "{json}");
-        assert_eq!(matches!(scene.background, Background::Gradient { .. }), reported, "{json}");
-        if !reported {
-            assert_eq!(scene.background, Background::Solid(DVec3::ZERO));
-        }
-    };
-    for (material, does) in [
-        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": grey}), true),
-        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black}), true),
-        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), true),
-        (json!({"emissiveFactor": emissive}), true),
-        (json!({"emissiveFactor": [0.001, 0, 0], "extensions": strength(1e-3)}), true),
-        (json!({"emissiveFactor": emissive, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), true),
+    for (material, expected) in [
+        (json!({"emissiveFactor": emissive, "extensions": strength(10.0), "pbrMetallicRoughness": grey}), LIT),
+        (json!({"emissiveFactor": emissive, "extensions": strength(10.0), "pbrMetallicRoughness": black}), LIT),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": grey}), DIM),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black}), DIM),
+        (json!({"emissiveFactor": emissive, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), DIM),
+        (json!({"emissiveFactor": emissive}), DIM),
+        (json!({"emissiveFactor": [0.001, 0, 0], "extensions": strength(1e-3)}), DIM),
+        (json!({"emissiveFactor": emissive, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), DIM),
         (
             json!({"emissiveFactor": emissive, "alphaMode": "MASK", "alphaCutoff": 0, "pbrMetallicRoughness": invisible}),
-            true,
+            DIM,
         ),
         // None of it is left.
-        (json!({"emissiveFactor": [0, 0, 0], "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveFactor": emissive, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), false),
-        (json!({"emissiveFactor": emissive, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), false),
-        (json!({"emissiveFactor": emissive, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), false),
+        (json!({"emissiveFactor": [0, 0, 0], "pbrMetallicRoughness": grey}), DARK),
+        (json!({"emissiveFactor": emissive, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), DARK),
+        (json!({"emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), DARK),
+        (json!({"emissiveFactor": emissive, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), DARK),
+        (json!({"emissiveFactor": emissive, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), DARK),
         // Glass does not emit, and it is said.
-        (json!({"emissiveFactor": emissive, "extensions": solid, "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": emissive, "extensions": solid, "pbrMetallicRoughness": grey}), DARK),
     ] {
-        emits(&lit_by(material), !does);
+        lit_as(&lit_by(material), expected);
     }
     // All texels of its image are black.
     let mut pixels = Vec::new();
@@ -844,26 +887,67 @@ fn a_sky_is_added_only_where_nothing_emits() {
     let encoded = base64::engine::general_purpose::STANDARD.encode(&pixels);
     json["images"] = json!([{"bufferView": 5}, {"uri": format!("data:image/png;base64,{encoded}")}]);
     json["textures"] = json!([{"source": 0}, {"source": 1}]);
-    emits(&json, true);
+    lit_as(&json, DARK);
     // A material that no object has, a lamp of another scene, and a light that no node has.
     let mut json = changed("/scenes/0/nodes", json!([0, 4]));
-    emits(&json, true);
+    lit_as(&json, DARK);
     json["scenes"] = json!([{"nodes": [0, 4]}, {"nodes": [2]}]);
-    emits(&json, true);
+    lit_as(&json, DARK);
     json["scene"] = json!(1);
-    emits(&json, false);
+    lit_as(&json, LIT);
     json["scene"] = json!(0);
     json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 2}]}});
-    emits(&json, true);
-    // A node with a light and without a mesh; a light that is off.
+    lit_as(&json, DARK);
+    // A node with a light and without a mesh, which is no more to say; a light that is off.
     json["nodes"][4]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
-    emits(&json, false);
+    lit_as(&json, "");
     json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(0);
-    emits(&json, true);
+    lit_as(&json, DARK);
     // A lamp without area.
     let mut json = room().0;
     json["nodes"][2]["scale"] = json!([0, 0, 0]);
-    emits(&json, true);
+    lit_as(&json, DARK);
+}
+
+/// The light that reaches the other surfaces counts, by the way that surfaces face: a panel below a ceiling, the same outside, and a lamp
+/// as large as the room is dark.
+#[test]
+fn emitters_light_a_file_if_their_light_reaches_its_surfaces() {
+    // Squares of 2 by 2 units, moved, turned about x by quarters, and scaled: a floor, and a panel above it that faces it or not.
+    let panel = |quarters: i32, height: f64, size: f64, strength: f64| {
+        let turn = |quarters: i32| {
+            let half = f64::from(quarters) * std::f64::consts::FRAC_PI_4;
+            json!([half.sin(), 0, 0, half.cos()])
+        };
+        let mut json = changed("/scenes/0/nodes", json!([0, 2]));
+        json["nodes"][0] = json!({"mesh": 0, "rotation": turn(-1), "scale": [5, 5, 5]});
+        json["nodes"][2] =
+            json!({"mesh": 1, "rotation": turn(quarters), "translation": [0, height, 0], "scale": [size, size, size]});
+        json["materials"][1]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = json!(strength);
+        json
+    };
+    // The panel has 4 units of 104, and 0.78 of its light reaches the floor: 0.04 · 0.9 strength · 0.78 / 0.84.
+    lit_as(&panel(1, 3.0, 1.0, 10.0), LIT);
+    lit_as(&panel(1, 3.0, 1.0, 1.5), LIT);
+    lit_as(&panel(1, 3.0, 1.0, 0.5), DIM);
+    // A sheet has two sides. One that stands beside the floor sends it less.
+    lit_as(&panel(-1, 3.0, 1.0, 1.5), LIT);
+    lit_as(&panel(0, 30.0, 1.0, 10.0), DIM);
+    // An LED of a hundredth of that.
+    lit_as(&panel(1, 3.0, 0.1, 10.0), DIM);
+    // What glows alone needs no sky.
+    lit_as(&changed("/scenes/0/nodes", json!([2])), LIT);
+    for (sky, background) in [
+        (Sky::None, Background::Solid(DVec3::ZERO)),
+        (Sky::Default, Background::Gradient { bottom: DVec3::ONE, top: DVec3::new(0.5, 0.7, 1.0) }),
+    ] {
+        for strength in [0.5, 10.0] {
+            let options = GltfOptions { sky: Some(sky.clone()), ..GltfOptions::default() };
+            let json = panel(1, 3.0, 1.0, strength);
+            assert_eq!(load_as(&json, &options).unwrap().background, background);
+            assert!(!notes_as(&json, &options).join("\n").contains("sky"), "{sky:?}");
+        }
+    }
 }
 
 /// By the standard a rough white metal; Blender renders a Principled BSDF as new.

@@ -453,7 +453,7 @@ fn scene_files_have_frames_too() {
 
     let to = folder.path().join("b.ron");
     let converted =
-        Scene::of_gltf(Path::new(&folder.path().join("a.glb")), &to, &options, &mut Assets::default()).unwrap();
+        Scene::of_model(Path::new(&folder.path().join("a.glb")), &to, &options, &mut Assets::default()).unwrap();
     fs::write(&to, converted.text()).unwrap();
     let again = Scene::load(&to).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((again.objects, again.meshes), (converted.objects, converted.meshes));

@@ -10,8 +10,8 @@ use crate::common::gltf::glb;
 
 const BLENDER: &str = "Khronos glTF Blender I/O v5.0.21";
 /// What a note says of glass that is solid by its shape, and of a pane.
-const SOLID: &str = "solid glass where its mesh is closed";
-const PANE: &str = "a pane where its mesh is open or wound both ways";
+const SOLID: &str = "read as solid glass, because its mesh is closed";
+const PANE: &str = "read as a thin pane, because its mesh has holes";
 
 /// The corners of a cube around the origin.
 fn corners() -> Vec<[f32; 3]> {
@@ -394,6 +394,6 @@ fn a_gltf_object_has_a_field_for_thin_glass() {
     assert!(error.contains("objects[0].Gltf.thin: ") && error.contains("Auto or Pane"), "{error}");
     assert!(matches!(scene.objects[0], Object::Gltf { thin: Thin::Pane, .. }));
     let options = GltfOptions { thin: Thin::Pane, ..GltfOptions::default() };
-    let error = options.refuse(Path::new("scene.ron")).unwrap_err().to_string();
+    let error = options.refuse(Path::new("scene.ron"), false).unwrap_err().to_string();
     assert!(error.starts_with("--thin is for scenes that are .glb or .gltf: "), "{error}");
 }

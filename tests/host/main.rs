@@ -15,6 +15,7 @@ mod gltf_extensions;
 mod gltf_glass;
 mod image_files;
 mod mesh_files;
+mod mesh_scenes;
 mod page;
 mod plan;
 mod scaling;

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use gpu_rt::metrics::flip::error_map;
 use gpu_rt::options::LightPaths;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Assets, Background, GltfOptions, Material, Object, Scene, Texture, Thin};
+use gpu_rt::scene::{Assets, Background, GltfOptions, Material, Object, Scene, Sky, Texture, Thin};
 use serde_json::Value;
 
 use crate::common::gltf::glb;
@@ -38,7 +38,7 @@ fn scene(name: &str) -> Scene {
 
 fn scene_with(name: &str, options: &GltfOptions) -> Scene {
     let path = file(name, "glb");
-    Scene::of_gltf(&path, &path, options, &mut Assets::default()).unwrap_or_else(|error| panic!("{error}"))
+    Scene::of_model(&path, &path, options, &mut Assets::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The image by Cycles, and its width and height, in pixels of twice the side.
@@ -138,7 +138,7 @@ fn converted_scenes_render_to_the_same_bytes() {
     for name in SCENES.map(|(name, _)| name).into_iter().chain(USERS.map(|user| user.name)) {
         let [from, to] = ["glb", "ron"].map(|extension| folder.path().join(name).with_extension(extension));
         std::fs::copy(file(name, "glb"), &from).expect("it is copied");
-        let scene = Scene::of_gltf(&from, &to, &GltfOptions::default(), &mut Assets::default())
+        let scene = Scene::of_model(&from, &to, &GltfOptions::default(), &mut Assets::default())
             .unwrap_or_else(|error| panic!("{error}"));
         std::fs::write(&to, scene.text()).expect("it is written");
         let (expected, converted) = (bits(&load(&from)), load(&to));
@@ -242,7 +242,7 @@ fn area_lamp(scene: &mut Scene) {
 fn nothing(_: &mut Scene) {}
 
 fn with_sky(name: &str) -> GltfOptions {
-    GltfOptions { sky: Some(file(name, "hdr").display().to_string()), ..GltfOptions::default() }
+    GltfOptions { sky: Some(Sky::Image(file(name, "hdr").display().to_string())), ..GltfOptions::default() }
 }
 
 const USERS: [User; 8] = [
@@ -384,7 +384,7 @@ impl Lobes {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("planted.glb");
         std::fs::write(&path, glb(&json, &parts.bin.expect("it has a buffer"))).expect("it is written");
-        Scene::of_gltf(&path, &path, &GltfOptions::default(), &mut Assets::default())
+        Scene::of_model(&path, &path, &GltfOptions::default(), &mut Assets::default())
             .unwrap_or_else(|error| panic!("{error}"))
     }
 }

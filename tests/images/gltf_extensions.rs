@@ -190,7 +190,7 @@ fn instances_render_to_the_bytes_of_nodes() {
     // And so does what `convert` writes of it.
     bits(folder.path(), &json, &parts.binary);
     let [from, to] = ["many.glb", "many.ron"].map(|name| folder.path().join(name));
-    let scene = Scene::of_gltf(&from, &to, &GltfOptions::default(), &mut Assets::default());
+    let scene = Scene::of_model(&from, &to, &GltfOptions::default(), &mut Assets::default());
     std::fs::write(&to, scene.unwrap_or_else(|error| panic!("{error}")).text()).expect("it is written");
     assert!(found == bits_of(&to), "the converted scene is another");
 }

@@ -148,7 +148,8 @@ fn a_texture_of_gltf_is_that_of_the_scene_file() {
     let file = folder.path().join("room.glb");
     std::fs::write(&file, glb(&json, &binary)).expect("it is written");
     let own = folder.path().join("room.ron");
-    let text = Scene::of_gltf(&file, &own, &GltfOptions::default(), &mut Assets::default()).expect("it is read").text();
+    let text =
+        Scene::of_model(&file, &own, &GltfOptions::default(), &mut Assets::default()).expect("it is read").text();
     let texture = |factor: &str, channel: &str| {
         format!("Image(path: \"room.glb#images/0\", tint: ({factor}, {factor}, {factor}), channel: {channel})")
     };

@@ -215,7 +215,7 @@ fn a_number_has_its_own_texture_coordinates() {
 fn a_converted_scene_renders_to_the_same_bytes() {
     let folder = folder();
     let [from, to] = ["square.glb", "converted.ron"].map(|name| folder.path().join(name));
-    let scene = Scene::of_gltf(&from, &to, &GltfOptions::default(), &mut Assets::default())
+    let scene = Scene::of_model(&from, &to, &GltfOptions::default(), &mut Assets::default())
         .unwrap_or_else(|error| panic!("{error}"));
     std::fs::write(&to, scene.text()).expect("it is written");
     let bits = |scene: &Scene| {

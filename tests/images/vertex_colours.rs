@@ -185,7 +185,7 @@ fn the_alpha_of_vertices_changes_nothing_else() {
     square_with(folder.path(), colours, emissive);
     let file = folder.path().join("square.gltf");
     let to = folder.path().join("converted.ron");
-    let converted = Scene::of_gltf(&file, &to, &GltfOptions::default(), &mut Assets::default()).expect("it is read");
+    let converted = Scene::of_model(&file, &to, &GltfOptions::default(), &mut Assets::default()).expect("it is read");
     std::fs::write(&to, converted.text()).expect("it is written");
     assert!(converted.text().contains("vertex_colors: true, vertex_alpha: true"), "{}", converted.text());
     let [glb, ron] = [&file, &to].map(|path| Scene::load(path).expect("it is read"));

@@ -534,6 +534,10 @@ fn weights() -> Vec<Vec<f64>> {
     let huge = some(7, -2.0).iter().map(|w| w * 1e308).collect();
     let (few, many, wide) = (some(3, -1.0), some(100_003, -2.0), some(65_536, -9.0));
     vec![vec![1.0], vec![0.0, 2.5], vec![1.0; 24], few, many, wide, sparse, one, huge, vec![1e-310; 5]]
+        .into_iter()
+        // Weights that are the mean, beside ones of 0: their entries need all numbers that find them.
+        .chain([vec![2.0, 0.0, 1.0, 1.0, 0.0, 2.0], vec![0.0, 1.0, 2.0], vec![0.0, 1.0, 3.0, 3.0, 3.0]])
+        .collect()
 }
 
 /// All uniforms there are, so nothing of it is left to chance.

@@ -45,6 +45,7 @@ const FORMATS: &[(&str, &[&str], Reader)] = &[
     ("exr", &["exr"], read_image),
     ("obj", &["obj"], read_mesh),
     ("ply", &["ply", "PLY"], read_mesh),
+    ("stl", &["stl"], read_mesh),
     ("gltf", &["gltf"], read_mesh),
     ("glb", &["glb"], read_mesh),
     ("compare", &["exr"], |path, bytes| written(path, bytes, |path| read_exr(path).map(drop))),
@@ -126,6 +127,10 @@ fn more_meshes() -> Vec<(&'static str, Vec<u8>)> {
                           \"values\": {\"bufferView\": 0}}, \"type\": \"VEC3\", \"min\"";
     const MATRIX: &str = ", \"matrix\": [-2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0, 0, 1]";
     let obj = "v 0 0 0\nv 1 0 0 # a comment\nv 1 1 0\nv 0 1 \\\n0\nvt 0.5\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 \\\n3/1/1 4/2/1\nf -4 -3 -2\nl 1 2\n";
+    let triangle: Vec<u8> = [0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+        .into_iter()
+        .flat_map(f32::to_le_bytes)
+        .collect();
     let gltf = |node: &str, from: &str, to: &str| {
         let text = cube().gltf_with_base64(node);
         assert!(text.contains(from), "{from}");
@@ -133,6 +138,8 @@ fn more_meshes() -> Vec<(&'static str, Vec<u8>)> {
     };
     vec![
         ("lines.obj", obj.as_bytes().to_vec()),
+        ("text.stl", b"solid a\n facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\n endfacet\nendsolid\n".to_vec()),
+        ("binary.stl", [&[b' '; 80][..], &1u32.to_le_bytes(), &triangle, &[0; 2]].concat()),
         ("matrix.gltf", gltf(MATRIX, "{", "{\"extensionsRequired\": [\"KHR_mesh_quantization\"], ")),
         ("strip.gltf", gltf("", "\"indices\": 3", "\"indices\": 3, \"mode\": 5")),
         ("fan.gltf", gltf("", "\"indices\": 3", "\"indices\": 3, \"mode\": 6")),

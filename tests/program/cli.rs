@@ -741,7 +741,10 @@ fn compare_tells_noise_from_differences() {
     // Single pixels are tested by the spread of their samples, which the states hold. Noise that hides one is said.
     let noise = |line: &str| sandbox.says(line).exits(0);
     let seen = last(noise("compare a.exr b.exr"));
-    assert!(seen.contains(", one alone would show from ") || seen.ends_with("no single pixel would show"), "{seen}");
+    assert!(
+        seen.contains("a single wrong pixel is noticed from ") || seen.ends_with("no single wrong pixel is noticed"),
+        "{seen}"
+    );
     let unseen = last(noise("compare pixel.exr a.exr"));
     assert!(unseen.contains("single pixels are not tested") && unseen.ends_with(" % in (7, 9)"), "{unseen}");
     let json = noise("compare a.exr b.exr --json").json();

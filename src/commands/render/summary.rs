@@ -5,11 +5,14 @@ use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
 use crate::film::{Totals, Verdict};
-use crate::printable::counted;
+use crate::printable::{counted, percent as share_words};
 use crate::render::{Noise, Outcome};
 
 /// The share of `--time` that a render may leave unused without a word.
 const LEAST_OF_TIME: f64 = 0.9;
+
+/// The share of its light that an image may lack by max_depth without a word.
+const LEAST_CUT: f64 = 1e-3;
 
 /// The last line, and before it what the user should know. `total` is the seconds of all of the render.
 pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held: &FileSamples, total: f64) {
@@ -18,16 +21,13 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
     let cut = finish.too_deep;
-    if cut.paths > 0 && (args.verbose || finish.verdict.cut_matters()) {
-        let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
-        tell(&format!(
-            "max_depth {} ended {} of {} paths. Their mean throughput was {mean:.2e}: the image may lack up to {:.2e} times the \
-             brightest light that they could have hit",
-            job.max_depth,
-            cut.paths,
-            finish.totals.paths,
-            cut.throughput / paths
-        ));
+    if cut.paths > 0 && (args.verbose || finish.verdict.cut > LEAST_CUT) {
+        let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
+        let effect = match finish.verdict.cut < 1.0 {
+            true => format!("the image may be too dark by up to {}", share_words(finish.verdict.cut)),
+            false => "most of its light may be missing".to_owned(),
+        };
+        tell(&format!("{} of the paths were cut off at max_depth {}: {effect}", share_words(share), job.max_depth));
     }
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
@@ -58,7 +58,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
                 .for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
         }
         if let Some(idle) = outcome.profile.idle {
-            tell(&format!("the device was idle for {} % of the time", percent(idle)));
+            tell(&format!("the device is idle for {} of the time", share_words(idle)));
         }
     }
     reliability_warnings(finish).for_each(|warning| tell(&warning));

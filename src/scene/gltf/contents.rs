@@ -309,11 +309,11 @@ impl Materials<'_> {
         let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
         let became = match glass.is_solid {
             true => format!(
-                "solid glass where its mesh is closed, as Blender renders it: {} for the pane that it is by the file, which gives no thickness",
+                "read as solid glass, because its mesh is closed, as Blender renders it: {} reads the thin pane that the file describes",
                 self.reading.asker.thin_pane
             ),
-            false => "a pane where its mesh is open or wound both ways: for solid glass close it, or give a Thickness in the node group \
-                      glTF Material Output"
+            false => "read as a thin pane, because its mesh has holes or faces of both windings: for solid glass close the mesh, or give a \
+                      Thickness in the node group glTF Material Output"
                 .to_owned(),
         };
         Some(format!("materials[{index}]{name}: {became}"))

@@ -63,7 +63,9 @@ impl File {
                 let (mesh, primitive, deformation) = self.of_node((node, None), primitive, seconds)?;
                 (mesh, primitive, deformation.in_mesh())
             }
-            Part::Image(_) => return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into()),
+            Part::Image(_) | Part::OfMaterial(_) => {
+                return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into());
+            }
         };
         let placings = self.uv_placings(mesh, primitive)?;
         self.add((mesh, primitive), &deformation, placings.first().unwrap_or(&UvTransform::default()), draft)?;

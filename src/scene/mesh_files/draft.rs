@@ -16,6 +16,10 @@ pub const LARGEST: f64 = 1e100;
 
 const WHITE: [u16; 3] = [u16::MAX; 3];
 
+pub fn too_large() -> String {
+    format!("the meshes of the scene take more than {} MiB, which is more than a device can hold", MOST_BYTES >> 20)
+}
+
 /// The contents of a file, unchecked.
 #[derive(Default)]
 pub struct Draft {
@@ -56,18 +60,23 @@ impl Draft {
         self.room
     }
 
+    /// The bytes that its vertices and triangles take.
+    pub fn taken(&self) -> usize {
+        VERTEX * self.positions.len() + TRIANGLE * self.triangles.len()
+    }
+
+    /// Sets the bytes that are left, of which another draft has taken some.
+    pub fn set_room(&mut self, room: usize) {
+        self.room = room;
+    }
+
     /// The number of vertices that there is room for.
     pub fn most_vertices(&self) -> usize {
         self.room / VERTEX
     }
 
     fn take_room(&mut self, bytes: usize) -> Result<(), String> {
-        self.room = self.room.checked_sub(bytes).ok_or_else(|| {
-            format!(
-                "the meshes of the scene take more than {} MiB, which is more than a device can hold",
-                MOST_BYTES >> 20
-            )
-        })?;
+        self.room = self.room.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
     }
 

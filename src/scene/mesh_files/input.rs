@@ -77,6 +77,13 @@ pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
+/// What follows the first word of a line, such as a name with spaces.
+pub fn rest_of(line: &[u8]) -> String {
+    let line = line.trim_ascii();
+    let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+    String::from_utf8_lossy(line.get(end..).unwrap_or_default().trim_ascii()).into_owned()
+}
+
 /// The number that a word stands for.
 pub fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()

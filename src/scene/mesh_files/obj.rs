@@ -1,85 +1,153 @@
-//! Wavefront OBJ: positions, texture coordinates, normals and faces, as the crate `tobj` reads them.
+//! Wavefront OBJ: positions, texture coordinates, normals, faces, and the names of their materials.
 //!
-//! The crate gets only the lines of these kinds, with continued lines joined, and without comments, weights and
-//! colours. With all lines it would split faces at groups and materials before all vertices are known, and count lines
-//! as faces. It would also refuse colours of only some vertices, texture coordinates of one number, continued lines,
-//! comments behind a face, and text that is not UTF-8. Its errors name no position, so `fault` searches a refused file
-//! for it.
+//! The reader is our own, because the crate `tobj` drops all texture coordinates if a face has none, and names no line. The lists are read
+//! first, because faces may refer to what comes later.
 
-use std::io::{self, BufRead, Read};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
-use tobj::LoadOptions;
 
 use super::draft::{Draft, LARGEST};
-use super::input::{Input, number, quote, words};
-use crate::guard::guarded;
+use super::input::{Input, number, quote, rest_of, words};
 
-/// The crate makes one vertex for each combination of position, texture coordinates and normal, and keeps all faces as they are.
-const OPTIONS: LoadOptions =
-    LoadOptions { single_index: true, triangulate: false, ignore_points: false, ignore_lines: false };
-
-/// The memory that the crate may take for a file, and what it takes for an entry of a list, for a face and for a corner of it. A
-/// corner may become a vertex, which is in its table of vertices too.
+/// The memory that reading a file may take beside its mesh: for an entry of a list, and for a vertex in the table of vertices.
 const MOST_BYTES: usize = 5 << 29;
-const ENTRY: usize = 24;
-const FACE: usize = 104;
-const CORNER: usize = 96;
+const ENTRY: usize = size_of::<DVec3>();
+const VERTEX: usize = 2 * size_of::<(Vertex, u32)>();
+
+/// A number of a part, and the references of a corner, counted from 1. 0 stands for none.
+type Vertex = (u32, [u32; 3]);
+
+/// A name in a file, with its line.
+pub type Named = (String, u64);
+
+/// The faces of one material. Those before the first material have none.
+pub struct Part {
+    pub material: Option<Named>,
+    pub draft: Draft,
+    /// Whether a corner has texture coordinates, and a normal.
+    has: [bool; 2],
+}
+
+/// The contents of a file: its parts in the order of their first faces, and the files of materials that it names.
+pub struct Contents {
+    pub parts: Vec<Part>,
+    pub libraries: Vec<Named>,
+}
 
 pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
-    let bytes = input.rest();
-    let mut lines = Lines::new(input);
-    let loaded = guarded(|| tobj::load_obj_buf(&mut lines, &OPTIONS, |_| Ok(Default::default())));
-    if lines.room.is_none() {
-        return Err(format!(
-            "it takes more than {} MiB of memory to read: split it into several files, or save it as .ply or .glb",
-            MOST_BYTES >> 20
-        ));
+    let Contents { parts, libraries } = read(input, draft.room(), false)?;
+    if let Some(part) = parts.into_iter().next() {
+        *draft = part.draft;
     }
-    let has = lines.counts.map(|count| count > 0);
-    if let Some(library) = lines.library {
+    if let Some((library, _)) = libraries.first() {
         draft.warnings.push(format!(
-            "its materials, in {library} (mtllib), are not read: the mesh has the one that the scene gives it"
+            "its materials, in {} (mtllib), are not read: the mesh has the one that the scene gives it",
+            quote(library.as_bytes())
         ));
-    }
-    let models = loaded.and_then(|loaded| loaded.map_err(|error| error.to_string()));
-    let (models, _) = models.map_err(|words| fault(bytes).unwrap_or(words))?;
-    for model in models {
-        let mesh = model.mesh;
-        if (!has[1] && !mesh.texcoords.is_empty()) || (!has[2] && !mesh.normals.is_empty()) {
-            return Err(
-                fault(bytes).unwrap_or_else(|| "a face refers to an entry that the file does not have".to_owned())
-            );
-        }
-        for position in triples(&mesh.positions) {
-            if !position.abs().cmple(DVec3::splat(LARGEST)).all() {
-                return Err(not_finite(bytes, 0));
-            }
-            draft.vertex(position)?;
-        }
-        let count = draft.positions.len();
-        let normals: Vec<Vec3> = triples(&mesh.normals).map(|normal| normal.as_vec3()).collect();
-        let uvs = mesh.texcoords.as_chunks().0.iter().map(|&[u, v]| Vec2::new(u as f32, v as f32));
-        let uvs: Vec<Vec2> = uvs.collect();
-        draft.bad_normal = normals.iter().any(|normal| !normal.is_finite()).then(|| not_finite(bytes, 2));
-        draft.bad_uv = uvs.iter().any(|uv| !uv.is_finite()).then(|| not_finite(bytes, 1));
-        draft.normals = complete(normals, count, Vec3::NAN);
-        draft.uvs = complete(uvs, count, Vec2::NAN);
-        if mesh.face_arities.is_empty() {
-            draft.reserve(mesh.indices.len() / 3);
-            for corners in mesh.indices.chunks_exact(3) {
-                draft.face(corners)?;
-            }
-        }
-        let mut corners = mesh.indices.as_slice();
-        for &count in &mesh.face_arities {
-            let (face, rest) = corners.split_at_checked(count as usize).unwrap_or((corners, &[]));
-            draft.face(face)?;
-            corners = rest;
-        }
     }
     Ok(())
+}
+
+/// Reads a file as one part, or as one for each material. All parts together may take `room` bytes.
+pub fn read(input: &mut Input, room: usize, by_material: bool) -> Result<Contents, String> {
+    let bytes = input.rest();
+    let lists = Lists::new(bytes)?;
+    let totals = lists.counts();
+    let mut left = lists.left;
+    let new_part = |material, room| Part { material, draft: Draft::new(room), has: [false; 2] };
+    let (mut parts, mut libraries) = (vec![new_part(None, room)], Vec::new());
+    let (mut by_name, mut numbers) = (HashMap::new(), HashMap::new());
+    let (mut current, mut counts, mut face, mut corners) = (0, [0; 3], 0_u64, Vec::new());
+    let mut lines = Lines::new(input);
+    while lines.advance() {
+        let (mut words, line) = (words(&lines.line), lines.number);
+        let name = words.next().unwrap_or_default();
+        if let Some(count) = list_of(name).and_then(|list| counts.get_mut(list)) {
+            *count += 1;
+        } else if name == b"mtllib" {
+            libraries.push((rest_of(&lines.line), line));
+        } else if name == b"usemtl" && by_material {
+            let name = rest_of(&lines.line);
+            let room = parts.get(current).map_or(0, |part| part.draft.room());
+            current = *by_name.entry(name.clone()).or_insert(parts.len());
+            match parts.get_mut(current) {
+                Some(part) => part.draft.set_room(room),
+                None => parts.push(new_part(Some((name, line)), room)),
+            }
+        } else if name == b"f" {
+            let Some(part) = parts.get_mut(current) else { break };
+            let wrong = |what: String| format!("line {line}: face {face} (counted from 0): {what}");
+            corners.clear();
+            for word in words.take_while(|word| !word.starts_with(b"#")) {
+                let corner = corner(word, &counts).ok_or_else(|| {
+                    let found = quote(word);
+                    wrong(format!(
+                        "expected a corner such as 5, 5/2, 5//3 or 5/2/3 that refers to what the file has, counted from 1, found {found}"
+                    ))
+                })?;
+                for ((&reference, &count), (_, what)) in corner.iter().zip(&totals).zip(LISTS) {
+                    if u64::from(reference) > count {
+                        return Err(wrong(format!(
+                            "there is no {what} {reference}; the file has {count}, counted from 1"
+                        )));
+                    }
+                }
+                corners.push(match numbers.entry((current as u32, corner)) {
+                    Entry::Occupied(known) => *known.get(),
+                    Entry::Vacant(new) => {
+                        left = left.checked_sub(VERTEX).ok_or_else(no_memory)?;
+                        *new.insert(part.add(corner, &lists, bytes)?)
+                    }
+                });
+            }
+            part.draft.face(&corners)?;
+            face += 1;
+        }
+    }
+    for part in &mut parts {
+        let [has_uvs, has_normals] = part.has;
+        part.draft.uvs.truncate(if has_uvs { usize::MAX } else { 0 });
+        part.draft.normals.truncate(if has_normals { usize::MAX } else { 0 });
+    }
+    if by_material {
+        parts.retain(|part| part.draft.next_face() > 0);
+    }
+    Ok(Contents { parts, libraries })
+}
+
+impl Part {
+    /// Adds the vertex of a corner. What the corner lacks is not a number.
+    fn add(&mut self, [position, uv, normal]: [u32; 3], lists: &Lists, bytes: &[u8]) -> Result<u32, String> {
+        fn entry<T: Copy>(list: &[T], reference: u32) -> Option<T> {
+            list.get((reference as usize).checked_sub(1)?).copied()
+        }
+        let draft = &mut self.draft;
+        let position = entry(&lists.positions, position).unwrap_or(DVec3::NAN);
+        if !position.abs().cmple(DVec3::splat(LARGEST)).all() {
+            return Err(not_finite(bytes, 0));
+        }
+        let (uv, normal) = (entry(&lists.uvs, uv), entry(&lists.normals, normal));
+        if uv.is_some_and(|uv| !uv.is_finite()) {
+            draft.bad_uv.get_or_insert_with(|| not_finite(bytes, 1));
+        }
+        if normal.is_some_and(|normal| !normal.is_finite()) {
+            draft.bad_normal.get_or_insert_with(|| not_finite(bytes, 2));
+        }
+        self.has = [self.has[0] || uv.is_some(), self.has[1] || normal.is_some()];
+        draft.uvs.push(uv.unwrap_or(Vec2::NAN));
+        draft.normals.push(normal.unwrap_or(Vec3::NAN));
+        draft.vertex(position)
+    }
+}
+
+fn no_memory() -> String {
+    format!(
+        "it takes more than {} MiB of memory to read: split it into several files, or save it as .ply or .glb",
+        MOST_BYTES >> 20
+    )
 }
 
 /// The first entry of a list that is no finite numbers, with its line. Texture coordinates and normals are read as f32.
@@ -91,201 +159,113 @@ fn not_finite(bytes: &[u8], list: usize) -> String {
     let mut lines = Lines::new(&mut input);
     while lines.advance() {
         let mut words = words(&lines.line);
-        if words.next() != LISTS.get(list).map(|(name, _)| *name) {
+        if words.next().and_then(list_of) != Some(list) {
             continue;
         }
         let fits = |word: &&[u8]| number::<f64>(word).is_some_and(|number| number.abs() <= largest);
-        if let Some(word) = words.find(|word| !fits(word)) {
+        if let Some(word) = words.take(if list == 1 { 2 } else { 3 }).find(|word| !fits(word)) {
             return format!("line {}: {expected}, found {}", lines.number, quote(word));
         }
     }
     expected
 }
 
-fn triples(numbers: &[f64]) -> impl Iterator<Item = DVec3> {
-    numbers.as_chunks().0.iter().map(|&triple| DVec3::from_array(triple))
-}
-
-/// Replaces all values by `missing` if only some vertices have one, because the crate does not say which vertices they are.
-fn complete<T: Clone>(values: Vec<T>, count: usize, missing: T) -> Vec<T> {
-    if values.is_empty() || values.len() == count { values } else { vec![missing; count] }
-}
-
 /// The lists of an OBJ file, in the order of a corner's references.
 const LISTS: [(&[u8], &str); 3] = [(b"v", "position"), (b"vt", "pair of texture coordinates"), (b"vn", "normal")];
 
-/// An iterator over the lines that the crate gets.
-struct Lines<'a, 'b> {
+fn list_of(name: &[u8]) -> Option<usize> {
+    LISTS.iter().position(|(list, _)| *list == name)
+}
+
+/// The entries of all lists.
+struct Lists {
+    positions: Vec<DVec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    /// The bytes that are left for reading.
+    left: usize,
+}
+
+impl Lists {
+    fn new(bytes: &[u8]) -> Result<Lists, String> {
+        let mut lists = Lists { positions: Vec::new(), uvs: Vec::new(), normals: Vec::new(), left: MOST_BYTES };
+        let mut tell = |_| {};
+        let mut input = Input::new(bytes, &mut tell);
+        let mut lines = Lines::new(&mut input);
+        while lines.advance() {
+            let (mut words, line) = (words(&lines.line), lines.number);
+            let Some(list) = words.next().and_then(list_of) else { continue };
+            lists.left = lists.left.checked_sub(ENTRY).ok_or_else(no_memory)?;
+            let (mut numbers, mut count) = ([0.0; 3], 0);
+            for (to, word) in numbers.iter_mut().zip(words.take_while(|word| !word.starts_with(b"#"))) {
+                let found = || format!("line {line}: expected a number, found {}", quote(word));
+                *to = number(word).ok_or_else(found)?;
+                count += 1;
+            }
+            // Texture coordinates may be one number.
+            if count < if list == 1 { 1 } else { 3 } {
+                let expected = if list == 1 { 2 } else { 3 };
+                return Err(format!("line {line}: expected {expected} numbers, found {count}"));
+            }
+            let vector = DVec3::from_array(numbers);
+            match list {
+                0 => lists.positions.push(vector),
+                1 => lists.uvs.push(vector.truncate().as_vec2()),
+                _ => lists.normals.push(vector.as_vec3()),
+            }
+        }
+        Ok(lists)
+    }
+
+    fn counts(&self) -> [u64; 3] {
+        [self.positions.len(), self.uvs.len(), self.normals.len()].map(|count| count as u64)
+    }
+}
+
+/// The lines of a file, those joined that a backslash continues.
+pub struct Lines<'a, 'b> {
     input: &'a mut Input<'b>,
-    /// The current line, which may be read in part.
-    line: Vec<u8>,
-    read: usize,
-    /// The line number in the file at which the current line begins, and that of the next line.
-    number: u64,
+    pub line: Vec<u8>,
+    /// The line number at which the current line begins, and that of the next line.
+    pub number: u64,
     next: u64,
-    /// The number of entries so far in each list.
-    counts: [u64; 3],
-    /// The bytes that are left for the crate; none if it needs more.
-    room: Option<usize>,
-    /// The file of materials that is named first.
-    library: Option<String>,
-    /// The number of lists that `fill_lists` has handled after the end of the file.
-    ended: usize,
 }
 
 impl<'a, 'b> Lines<'a, 'b> {
-    fn new(input: &'a mut Input<'b>) -> Lines<'a, 'b> {
-        let (counts, room) = ([0; 3], Some(MOST_BYTES));
-        Lines { input, line: Vec::new(), read: 0, number: 0, next: 1, counts, room, library: None, ended: 1 }
+    pub fn new(input: &'a mut Input<'b>) -> Lines<'a, 'b> {
+        Lines { input, line: Vec::new(), number: 0, next: 1 }
     }
 
-    /// Goes to the next line; false at the end, or if there is no room for more.
-    fn advance(&mut self) -> bool {
-        let mut joined = Vec::new();
-        while let Some(mut line) = self.input.line() {
-            self.number = self.next;
+    /// Goes to the next line; false at the end.
+    pub fn advance(&mut self) -> bool {
+        self.line.clear();
+        self.number = self.next;
+        while let Some(line) = self.input.line() {
             self.next += 1;
-            if line.ends_with(b"\\") {
-                joined.clear();
-                while let Some(begun) = line.strip_suffix(b"\\") {
-                    joined.extend_from_slice(begun);
-                    joined.push(b' ');
-                    line = self.input.line().unwrap_or_default();
-                    self.next += 1;
+            match line.strip_suffix(b"\\") {
+                Some(begun) => self.line.extend_from_slice(&[begun, b" "].concat()),
+                None => {
+                    self.line.extend_from_slice(line);
+                    return true;
                 }
-                joined.extend_from_slice(line);
-                line = &joined;
-            }
-            let mut words = words(line).take_while(|word| !word.starts_with(b"#"));
-            let Some(name) = words.next() else { continue };
-            let list = LISTS.iter().position(|(list, _)| *list == name);
-            let most = match list {
-                Some(1) => 2,
-                Some(_) => 3,
-                None if name == b"f" => usize::MAX,
-                None if name == b"mtllib" => {
-                    self.library = self.library.take().or_else(|| words.next().map(quote));
-                    continue;
-                }
-                None => continue,
-            };
-            self.read = 0;
-            self.line.clear();
-            self.line.extend_from_slice(name);
-            let mut count = 0;
-            for word in words.take(most) {
-                self.line.push(b' ');
-                self.line.extend_from_slice(word);
-                count += 1;
-            }
-            if list == Some(1) && count == 1 {
-                self.line.extend_from_slice(b" 0");
-            }
-            self.line.push(b'\n');
-            if let Some(count) = list.and_then(|list| self.counts.get_mut(list)) {
-                *count += 1;
-            }
-            let bytes = if list.is_some() { ENTRY } else { FACE + CORNER * count };
-            self.room = self.room.and_then(|room| room.checked_sub(bytes));
-            return self.room.is_some();
-        }
-        false
-    }
-
-    /// Adds an entry to each empty list. The crate ignores references to an empty list; with an entry it reports them.
-    fn fill_lists(&mut self) -> bool {
-        while let (Some(count), Some((name, _))) = (self.counts.get(self.ended), LISTS.get(self.ended)) {
-            self.ended += 1;
-            if *count == 0 {
-                self.read = 0;
-                self.line.clear();
-                self.line.extend_from_slice(name);
-                self.line.extend_from_slice(b" 0 0 0\n");
-                return true;
             }
         }
-        false
+        !self.line.is_empty()
     }
-}
-
-impl BufRead for Lines<'_, '_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.read >= self.line.len() && !self.advance() && !self.fill_lists() {
-            return Ok(&[]);
-        }
-        Ok(self.line.get(self.read..).unwrap_or_default())
-    }
-
-    fn consume(&mut self, count: usize) {
-        self.read += count;
-    }
-}
-
-impl Read for Lines<'_, '_> {
-    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
-        let count = self.fill_buf()?.read(to)?;
-        self.consume(count);
-        Ok(count)
-    }
-}
-
-/// The error in a refused file, with its position; none if it is not found.
-fn fault(bytes: &[u8]) -> Option<String> {
-    let mut tell = |_| {};
-    let mut input = Input::new(bytes, &mut tell);
-    let mut lines = Lines::new(&mut input);
-    let mut face = 0_u64;
-    // References of faces to entries that come later or never: the face, the list and the entry.
-    let mut ahead: Vec<(u64, usize, u64)> = Vec::new();
-    while lines.advance() {
-        let mut words = words(&lines.line);
-        let line = lines.number;
-        if words.next() != Some(b"f") {
-            let numbers: Vec<&[u8]> = words.collect();
-            if let Some(word) = numbers.iter().find(|word| number::<f64>(word).is_none()) {
-                return Some(format!("line {line}: expected a number, found {}", quote(word)));
-            }
-            let expected = if lines.line.starts_with(b"vt") { 2 } else { 3 };
-            if numbers.len() < expected {
-                return Some(format!("line {line}: expected {expected} numbers, found {}", numbers.len()));
-            }
-            continue;
-        }
-        for word in words {
-            let Some(corner) = corner(word, &lines.counts) else {
-                return Some(format!(
-                    "line {line}: face {face} (counted from 0): expected a corner such as 5, 5/2, 5//3 or 5/2/3 that \
-                     refers to what the file has, counted from 1, found {}",
-                    quote(word)
-                ));
-            };
-            for (list, (reference, count)) in corner.iter().zip(lines.counts).enumerate() {
-                ahead.extend(reference.filter(|&reference| reference > count).map(|at| (face, list, at)));
-            }
-        }
-        face += 1;
-    }
-    ahead.into_iter().find_map(|(face, list, entry)| {
-        let (count, (_, what)) = (lines.counts.get(list)?, LISTS.get(list)?);
-        (entry > *count).then(|| {
-            format!("face {face} (counted from 0): there is no {what} {entry}; the file has {count}, counted from 1")
-        })
-    })
 }
 
 /// The references of a corner, counted from 1. Negative numbers count backwards from the last entry so far.
-fn corner(word: &[u8], counts: &[u64; 3]) -> Option<[Option<u64>; 3]> {
+fn corner(word: &[u8], counts: &[u64; 3]) -> Option<[u32; 3]> {
     let mut parts = word.split(|&byte| byte == b'/');
-    let mut corner = [None; 3];
+    let mut corner = [0; 3];
     for (at, (to, &count)) in corner.iter_mut().zip(counts).enumerate() {
         *to = match parts.next() {
-            None | Some(b"") if at > 0 => None,
+            None | Some(b"") if at > 0 => 0,
             part => match number::<i64>(part?)? {
-                back if back < 0 => Some(count.checked_sub(back.unsigned_abs())? + 1),
+                back if back < 0 => u32::try_from(count.checked_sub(back.unsigned_abs())? + 1).ok()?,
                 0 => return None,
-                index => Some(index as u64).filter(|&index| index <= u64::from(u32::MAX)),
-            }
-            .map(Some)?,
+                index => u32::try_from(index).ok()?,
+            },
         };
     }
     parts.next().is_none().then_some(corner)
