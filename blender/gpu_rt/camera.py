@@ -6,7 +6,7 @@ from .process import Failure
 from .ron import placed, point
 
 
-def fields(scene, depsgraph, size):
+def fields(scene, depsgraph, size, blur):
     """The fields `image` and `camera`, and where the image begins in that of the scene file: it is a part of it, if the lens is shifted."""
     camera = scene.camera.evaluated_get(depsgraph) if scene.camera else None
     if camera is None or camera.type != "CAMERA":
@@ -27,6 +27,8 @@ def fields(scene, depsgraph, size):
     across, down = round((left + right) / 2 / pixel), round(-(bottom + top) / 2 / pixel)
     whole = (width + 2 * abs(across), height + 2 * abs(down))
     angle = 2 * math.degrees(math.atan(whole[1] * pixel / 2 / -frame[0].z))
+    if not abs(camera.matrix_world.determinant()) > 0:
+        raise Failure(f"The camera {camera.name} has a scale of 0: press Alt S")
     matrix = camera.matrix_world.normalized()
     at, back, up = matrix.translation, matrix.col[2].xyz, matrix.col[1].xyz
     distance = 1.0
@@ -39,8 +41,11 @@ def fields(scene, depsgraph, size):
             distance = lens.dof.focus_distance
         # The f-number is a share of the focal length, which is in millimetres.
         aperture = f", aperture: {1e-3 * lens.lens / lens.dof.aperture_fstop!r}, focus_distance: {max(distance, 1e-6)!r}"
+    view = lambda matrix: (
+        f"look_from: {point(placed(matrix.translation))}, "
+        f"look_at: {point(placed(matrix.translation - matrix.col[2].xyz.normalized() * max(distance, 1e-6)))}"
+    )
     return (
         f"    image: (width: {whole[0]}, height: {whole[1]}),\n"
-        f"    camera: (look_from: {point(placed(at))}, look_at: {point(placed(at - back * max(distance, 1e-6)))}, "
-        f"up: {point(placed(up))}, vertical_fov: {angle!r}{aperture}),\n"
+        f"    camera: ({view(matrix)}, up: {point(placed(up))}, vertical_fov: {angle!r}{aperture}{blur.of_camera(view)}),\n"
     ), (abs(across) + across, abs(down) + down)

@@ -50,7 +50,7 @@ class GPU_RT_engine(bpy.types.RenderEngine):
 
         def show(image):
             if image is not None:
-                fill(passes["Combined"], *np.moveaxis(image[::-1], 2, 0))
+                fill(passes["Combined"], *np.moveaxis(answer["exposure"] * image[::-1], 2, 0))
                 self.update_result(result)
 
         try:
@@ -58,13 +58,13 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             if min(part[2:]) < 1:
                 raise Failure("The render region is empty: choose a larger one, or turn it off in Output > Format")
             folder = folder_of(scene, layer)
-            begin = self._export(scene, layer, folder, size)
+            answer = self._export(scene, layer, folder, size)
             for name, words in losses(scene.original, scene.original.view_layers[layer]):
                 self.report({"WARNING"}, f"gpu-rt: {name}: {words}")
-            crop = [begin[0] + part[0], begin[1] + part[1], *part[2:]]
-            image = self._run(found, scene.gpu_rt, folder, crop, show)
+            crop = [answer["begin"][0] + part[0], answer["begin"][1] + part[1], *part[2:]]
+            image = self._run(found, scene.gpu_rt, answer["filter"], folder, crop, show)
             clean = image.with_suffix(".denoised.exr")
-            hand_over(image, clean if scene.gpu_rt.denoise and clean.exists() else image, passes)
+            hand_over(image, clean if scene.gpu_rt.denoise and clean.exists() else image, passes, answer["exposure"])
         except Cancelled:
             pass
         except Failure as failure:
@@ -76,7 +76,7 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             self.end_result(result)
 
     def _export(self, scene, layer, folder, size):
-        """Writes the scene for the program into the folder. Returns where the image begins in its own."""
+        """Writes the scene for the program into the folder. Returns what `export.export` says."""
         self.update_stats("", "gpu-rt: exporting the scene")
         for file in folder.iterdir():
             if file.suffix != ".exr" or file.name == "world.exr":
@@ -107,11 +107,13 @@ class GPU_RT_engine(bpy.types.RenderEngine):
             raise Failure(f"The second Blender that exports the scene ended with status {ended.status}{last}") from None
         if "error" in answer:
             raise Failure(answer["error"])
-        return answer["begin"]
+        for note in answer["notes"]:
+            self.report({"WARNING"}, f"gpu-rt: {note}")
+        return answer
 
-    def _run(self, found, settings, folder, crop, show):
+    def _run(self, found, settings, pixel_filter, folder, crop, show):
         """Runs the program, and shows its image meanwhile. Returns the file."""
-        options = [AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}"]
+        options = [AOVS, f"--crop={','.join(map(str, crop))}", f"--light-paths={settings.light_paths}", f"--filter={pixel_filter}"]
         if settings.device:
             options.append(f"--device={settings.device}")
         if settings.denoise:
@@ -154,7 +156,8 @@ class GPU_RT_engine(bpy.types.RenderEngine):
         for line in messages:
             if line.startswith(("warning: ", "note: ")):
                 self.report({"WARNING"}, "gpu-rt: " + re.sub(r"^\w+: (scene\.ron:\d+:\d+: )?", "", line))
-        if image.exists():
+        # Without its report the image, if there is one, is that of an earlier render.
+        if image.exists() and (ended.cancelled or ended.output.strip().startswith("{")):
             return image
         if ended.cancelled:
             raise Cancelled
@@ -201,8 +204,8 @@ def oidn():
     return [f"--oidn={folder}" for folder in folders if any(folder.glob("*OpenImageDenoise*"))]
 
 
-def hand_over(image, combined, passes):
-    """Fills the passes from the program's files."""
+def hand_over(image, combined, passes, exposure):
+    """Fills the passes from the program's files. The film's exposure is that of the picture alone, as in Cycles."""
     channels = exr.read(image)
     fill(passes["Depth"], np.minimum(channels["Z"], FAR))
     # Blender's x, y and z are -z, -x and y of the scene file (ron.placed).
@@ -211,7 +214,7 @@ def hand_over(image, combined, passes):
         fill(passes[name], -z, -x, y)
     fill(passes["Denoising Albedo"], *(channels[f"albedo.{colour}"] for colour in "RGB"))
     shown = channels if combined == image else exr.read(combined)
-    fill(passes["Combined"], *(shown[colour] for colour in "RGB"))
+    fill(passes["Combined"], *(np.float32(exposure) * shown[colour] for colour in "RGB"))
 
 
 def fill(render_pass, *channels):

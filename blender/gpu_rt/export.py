@@ -13,8 +13,6 @@ import traceback
 
 import bpy
 
-GLB = "scene.glb"
-
 
 def package():
     """This folder as a package, whatever else is called gpu_rt or beside it."""
@@ -27,7 +25,8 @@ def package():
 
 def export(job, folder):
     """Writes scene.ron and what it names. Returns what the engine has to know of it."""
-    from gpu_rt import camera, geometry, lamps, ron, world
+    from gpu_rt import blur, camera, geometry, lamps, ron, world
+    from gpu_rt.losses import pixel_filter
 
     bpy.ops.wm.open_mainfile(filepath=job["blend"], load_ui=False, use_scripts=job["scripts"])
     scene = bpy.data.scenes[job["scene"]]
@@ -37,20 +36,25 @@ def export(job, folder):
     show_as_rendered(scene)
     scene.frame_set(job["frame"], subframe=job["subframe"])
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    image, begin = camera.fields(scene, depsgraph, job["size"])
+    moves = blur.Blur(scene, depsgraph, job["frame"] + job["subframe"])
+    image, begin = camera.fields(scene, depsgraph, job["size"], moves)
     lights = lamps.Lamps(depsgraph, folder)
     background = world.background(scene, folder)
     # Last: it changes the scene of the window, and with it what Blender has evaluated.
-    geometry.write_glb(depsgraph, folder / GLB)
+    files, notes = geometry.write_glbs(depsgraph, folder, moves)
     # Blender's exporter has Blender's +x along +x, and the image of the world has it along -z (ron.placed).
-    meshes = f"Transformed(by: [RotateY(90)], object: Gltf(path: {ron.text(GLB)}))"
+    meshes = {group: f"Transformed(by: [RotateY(90)], object: Gltf(path: {ron.text(file)}))" for group, file in files.items()}
+    meshes = [made if group is None else moves.moving(group, made) for group, made in meshes.items()]
+    # Cycles' bounces are those after the first event.
+    depth = scene.cycles.max_bounces + 1
     lines = [
         "Scene(\n", image, f"    background: {background},\n",
         "    materials: {\n", *(f"        {material},\n" for material in lights.materials), "    },\n",
-        "    objects: [\n", *(f"        {made},\n" for made in [meshes, *lights.objects]), "    ],\n)\n",
+        "    objects: [\n", *(f"        {made},\n" for made in [*meshes, *lights.objects]),
+        f"    ],\n    render: (max_depth: {depth}),\n)\n",
     ]
     (folder / "scene.ron").write_text("".join(lines), encoding="utf-8")
-    return {"begin": begin}
+    return {"begin": begin, "notes": [*moves.notes, *notes], "exposure": scene.cycles.film_exposure, "filter": pixel_filter(scene.cycles)[0]}
 
 
 def show_as_rendered(scene):

@@ -2,33 +2,48 @@
 
 import bpy
 
+from . import blur, materials
 
-def write_glb(depsgraph, path):
+
+def write_glbs(depsgraph, folder, moves):
     """Writes what renders show: each instance that Blender evaluates, after all modifiers. So collections, particles and geometry nodes
-    make no difference, and neither do curves, texts and metaballs. Instances of one mesh share it."""
+    make no difference, and neither do curves, texts and metaballs. Instances of one mesh share it. Returns files by their groups of what
+    moves, and what of the materials has failed."""
     flat = bpy.data.scenes.new("gpu-rt")
-    meshes = {}
+    meshes, groups = {}, {None: []}
     for instance in depsgraph.object_instances:
         shown = instance.object
         if shown.type != "MESH" or not instance.show_self:
             continue
-        materials = [slot.material for slot in shown.material_slots] or list(shown.data.materials)
-        materials = tuple(material and material.original for material in materials)
-        key = shown.data.as_pointer(), materials
+        slots = [slot.material for slot in shown.material_slots] or list(shown.data.materials)
+        slots = tuple(material and material.original for material in slots)
+        key = shown.data.as_pointer(), slots
         if key not in meshes:
-            meshes[key] = with_materials(shown.data.copy(), materials)
+            meshes[key] = with_materials(shown.data.copy(), slots)
         placed = bpy.data.objects.new(shown.name, meshes[key])
         placed.matrix_world = instance.matrix_world
         flat.collection.objects.link(placed)
+        groups.setdefault(moves.group_of.get(blur.key(instance)), []).append(placed)
     bpy.context.window.scene = flat
-    bpy.ops.export_scene.gltf(
-        filepath=str(path), export_format="GLB", export_yup=True, use_active_scene=True, export_cameras=False, export_lights=False,
-        export_apply=False, export_animations=False, export_skins=False, export_morph=False,
-    )
+    flat.frame_set(depsgraph.scene.frame_current)
+    made = materials.Materials(flat)
+    files = {}
+    for group, members in groups.items():
+        for placed in list(flat.collection.objects):
+            flat.collection.objects.unlink(placed)
+        for placed in members:
+            flat.collection.objects.link(placed)
+        files[group] = "scene.glb" if group is None else f"moving-{group}.glb"
+        bpy.ops.export_scene.gltf(
+            filepath=str(folder / files[group]), export_format="GLB", export_yup=True, use_active_scene=True, export_cameras=False,
+            export_lights=False, export_apply=False, export_animations=False, export_skins=False, export_morph=False,
+        )
+        materials.extend(folder / files[group], made.extensions)
+    return files, made.notes
 
 
-def with_materials(mesh, materials):
-    for index, material in enumerate(materials):
+def with_materials(mesh, slots):
+    for index, material in enumerate(slots):
         if index < len(mesh.materials):
             mesh.materials[index] = material
         else:

@@ -8,14 +8,10 @@ from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
 from .lamps import plain_emission
+from .materials import is_plain
+from .shaders import Reader
 
-# Nodes of a material that Blender's exporter of glTF reads.
-READ = {
-    "TEX_IMAGE", "UVMAP", "TEX_COORD", "MAPPING", "NORMAL_MAP", "SEPARATE_COLOR", "SEPRGB", "VERTEX_COLOR", "RGB", "VALUE", "REROUTE",
-    "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "EMISSION", "ADD_SHADER",
-}
-# Those that it reads with some operations: a factor, and for an alpha that is cut off a comparison.
-OPERATIONS = {"MIX": {"MULTIPLY"}, "MIX_RGB": {"MULTIPLY"}, "MATH": {"MULTIPLY", "GREATER_THAN", "LESS_THAN", "ROUND", "SUBTRACT"}}
+BENDING = {"ARMATURE", "CLOTH", "SOFT_BODY", "WAVE", "MESH_DEFORM", "LATTICE", "HOOK", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "OCEAN", "FLUID"}
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 NO_SHAPES = {
     "CURVES": "hair", "POINTCLOUD": "a cloud of points", "VOLUME": "a volume", "GREASEPENCIL": "a drawing of Grease Pencil",
@@ -32,6 +28,10 @@ def losses(scene, layer):
         words = list(_of_object(shown))
         if shown.type == "LIGHT" and not shown.visible_camera and _is_in_picture(scene, shown):
             words.append("it is not hidden from the camera")
+        bends = shown.data and getattr(shown.data, "shape_keys", None) or any(each.type in BENDING for each in shown.modifiers)
+        moves = shown.type == "LIGHT" and (shown.animation_data or shown.parent or shown.constraints)
+        if scene.render.use_motion_blur and (bends or moves):
+            words.append("the blur of its motion" if moves else "the blur of its shape")
         for material in {slot.material for slot in shown.material_slots if slot.material}:
             if material not in by_material:
                 by_material[material] = list(_of_material(material))
@@ -50,8 +50,9 @@ def _of_scene(scene, layer):
     for library in bpy.data.libraries:
         if not library.packed_file and not os.path.isfile(bpy.path.abspath(library.filepath)):
             yield f"the library {library.name}: there is no such file"
-    if scene.render.use_motion_blur:
-        yield "motion blur"
+    # It is not there if the add-on is off.
+    if hasattr(scene, "cycles"):
+        yield from _of_cycles(scene.cycles, scene.render.use_motion_blur)
     if scene.render.film_transparent:
         yield "the transparent film: the world is in the image"
     if layer.material_override:
@@ -62,6 +63,25 @@ def _of_scene(scene, layer):
     camera = scene.camera and scene.camera.type == "CAMERA" and scene.camera.data
     if camera and camera.dof.use_dof and camera.dof.aperture_blades >= 3:
         yield "the blades of the camera's aperture: it is round"
+
+
+def _of_cycles(cycles, has_blur):
+    if has_blur and cycles.rolling_shutter_type != "NONE":
+        yield "the rolling shutter"
+    _, found, wished = pixel_filter(cycles)
+    if abs(found - wished) > 0.15:
+        yield f"the pixel filter: its standard deviation is {found:.2f} pixels, and not {wished:.2f}"
+    for kind, default in (("diffuse", 4), ("glossy", 4), ("transmission", 12)):
+        if getattr(cycles, f"{kind}_bounces") < min(default, cycles.max_bounces):
+            yield f"the limit of {kind} bounces: all kinds have that of Total"
+
+
+def pixel_filter(cycles):
+    """The program's filter that blurs as much as Cycles', with its standard deviation and that of Cycles."""
+    width = cycles.filter_width
+    wished = {"BOX": width / math.sqrt(12), "GAUSSIAN": width / 12, "BLACKMAN_HARRIS": 0.14 * width}[cycles.pixel_filter_type]
+    name, found = min((("box", 0.29), ("tent", 0.41), ("gauss", 0.49)), key=lambda each: abs(each[1] - wished))
+    return name, found, wished
 
 
 def _of_object(shown):
@@ -120,9 +140,12 @@ def _of_material(material):
     for socket, words in (("Volume", "its volume"), ("Displacement", "its displacement")):
         if output.inputs[socket].is_linked:
             yield words
-    nodes = _before(output.inputs["Surface"])
-    shaders = [node for node in nodes if node.type.startswith("BSDF_") or node.type in ("SUBSURFACE_SCATTERING", "EEVEE_SPECULAR")]
-    for node in nodes:
+    reader = Reader()
+    surface = reader.of_material(material)
+    if not is_plain(material):
+        reader.parameters(surface)
+    yield from reader.notes
+    for node in _before(output.inputs["Surface"]):
         if node.type == "TEX_IMAGE" and node.image:
             yield from _of_image(node.image)
         if node.type == "BSDF_PRINCIPLED":
@@ -130,17 +153,6 @@ def _of_material(material):
                 socket = node.inputs.get(name)
                 if socket and (socket.is_linked or socket.default_value > 0):
                     yield words
-        elif node in shaders:
-            if node.type != "BSDF_TRANSPARENT":
-                yield f"{node.bl_label}: only a Principled BSDF is read"
-        elif node.type.startswith("TEX_") and node.type not in READ:
-            yield f"procedural texture: {node.bl_label}"
-        elif node.type not in READ and _operation(node) not in OPERATIONS.get(node.type, ()):
-            yield f"node: {node.bl_label}"
-
-
-def _operation(node):
-    return getattr(node, "operation", None) or getattr(node, "blend_type", None)
 
 
 def _of_image(image):

@@ -384,6 +384,7 @@ fn the_lobes_of_the_extensions_are_read() {
         image("A", 0.75)
     );
     assert_eq!(lobes(json!({"KHR_materials_diffuse_transmission": leaf})), pbr(&expected));
+    assert_eq!(lobes(json!({"GPU_RT_materials_multiscatter": {}})), pbr("multiscatter: true"));
     // Dispersion is of bodies alone: of plain glass, and of a share.
     let dispersion = json!({"dispersion": 0.5});
     for (factor, thickness, expected) in [(0.5, 1, 0.5), (0.5, 0, 0.0)] {

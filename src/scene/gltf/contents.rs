@@ -102,7 +102,7 @@ fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// Whether an extension is read, or named with the materials that have it.
 fn is_read(extension: &str) -> bool {
     const READ: [&str; 3] = ["KHR_lights_punctual", "KHR_mesh_quantization", instances::EXTENSION];
-    const BY_MATERIAL: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
+    const BY_MATERIAL: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "GPU_RT_materials_"];
     let is_of_material = BY_MATERIAL.iter().any(|start| extension.starts_with(start));
     READ.contains(&extension) || is_of_material && extension != "KHR_materials_variants"
 }

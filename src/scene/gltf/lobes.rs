@@ -1,5 +1,5 @@
 //! The lobes of a glTF material that the crate does not read: KHR_materials_clearcoat, _sheen, _anisotropy, _iridescence,
-//! _diffuse_transmission and _dispersion.
+//! _diffuse_transmission and _dispersion; and GPU_RT_materials_multiscatter of the extension for Blender.
 
 use gltf::json::extensions::texture;
 use gltf::json::material::Material as Given;
@@ -17,11 +17,13 @@ const IRIDESCENCE: &str = "KHR_materials_iridescence";
 const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 const DISPERSION: &str = "KHR_materials_dispersion";
 
+const MULTISCATTER: &str = "GPU_RT_materials_multiscatter";
+
 /// Names of fields.
 type Names = &'static [&'static str];
 
 /// The extensions that this file reads, with their numbers and their colours.
-const READ: [(&str, Names, Names); 6] = [
+const READ: [(&str, Names, Names); 7] = [
     (CLEARCOAT, &["clearcoatFactor", "clearcoatRoughnessFactor"], &[]),
     (ANISOTROPY, &["anisotropyStrength", "anisotropyRotation"], &[]),
     (SHEEN, &["sheenRoughnessFactor"], &["sheenColorFactor"]),
@@ -32,6 +34,7 @@ const READ: [(&str, Names, Names); 6] = [
     ),
     (DIFFUSE_TRANSMISSION, &["diffuseTransmissionFactor"], &["diffuseTransmissionColorFactor"]),
     (DISPERSION, &["dispersion"], &[]),
+    (MULTISCATTER, &[], &[]),
 ];
 
 /// A texture of a lobe.
@@ -191,6 +194,11 @@ pub fn diffuse_transmission(given: &Given) -> f64 {
 
 pub fn diffuse_transmission_color(given: &Given) -> Colour {
     colour(given, DIFFUSE_TRANSMISSION, "diffuseTransmissionColorFactor", 1.0)
+}
+
+/// Whether it makes up for the light that its microfacets reflect more than once. No extension of glTF's own says that.
+pub fn multiscatter(given: &Given) -> bool {
+    extension(given, MULTISCATTER).is_some()
 }
 
 /// 20 over the Abbe number, cut to its range.

@@ -459,7 +459,7 @@ impl File {
             Model::Surface
                 if is_metal && emission.is_none() && is_opaque && !vertex_colors && !lobes::has_lobes(given) =>
             {
-                let (albedo, multiscatter) = (Some(color), false);
+                let (albedo, multiscatter) = (Some(color), lobes::multiscatter(given));
                 Material::Conductor {
                     albedo,
                     eta: None,
@@ -531,7 +531,7 @@ impl File {
                     coat_normal: coat_map.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb))),
                     sheen: texture(of_sheen, lobes::sheen(given), None),
                     sheen_roughness: share_of(of_sheen_roughness, lobes::sheen_roughness(given), Channel::A),
-                    multiscatter: false,
+                    multiscatter: lobes::multiscatter(given),
                     emission,
                     alpha,
                     alpha_cutoff,
