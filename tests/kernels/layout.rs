@@ -176,10 +176,12 @@ fn declared(before: &str) -> Vec<String> {
 
 #[test]
 fn every_struct_of_the_host_is_laid_out_as_in_wgsl() {
-    let modules = all_modules();
+    // The totals of a pixel have more sums with light paths, which alone have a table for the alias method.
+    let (without, with) = (modules(), linked(LightPaths::Count(8)));
     let structs = host_structs();
     for (name, (fields, size)) in &structs {
-        assert_eq!(difference(&modules, name, fields, *size), None);
+        let modules = if *name == "AliasEntry" { &with } else { &without };
+        assert_eq!(difference(modules, name, fields, *size), None);
     }
     // Behind its documentation, each device_struct! opens with its name.
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/data.rs");
