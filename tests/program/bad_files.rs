@@ -185,7 +185,7 @@ fn meshes_of_few_bytes_that_become_many() {
     refuses(folder.path(), &of_mesh("a.gltf"), GIB / 4, "expected at most 16777216 values in its JSON, found 167772");
     let obj = format!("v 0 0 0\nf{}\n", " 1".repeat(28 << 20));
     fs::write(folder.path().join("a.obj"), obj).expect("the mesh is written");
-    refuses(folder.path(), &of_mesh("a.obj"), GIB, "it takes more than 2560 MiB of memory to read");
+    refuses(folder.path(), &of_mesh("a.obj"), GIB, "none of its 1 faces has an area");
 }
 
 #[test]

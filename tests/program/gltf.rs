@@ -46,7 +46,10 @@ fn convert_and_gltf_options_refuse_other_files() {
             "a.txt: expected a name that ends in .ron, with -o; nothing has been written",
         ),
         ("convert ../scenes/room.glb -o -", "-: expected the name of a scene file"),
-        ("convert ../scenes/sphere.ron -o a.ron", "../scenes/sphere.ron: expected a file that ends in .glb or .gltf"),
+        (
+            "convert ../scenes/sphere.ron -o a.ron",
+            "../scenes/sphere.ron: expected a file that ends in .glb, .gltf, .obj, .ply or .stl",
+        ),
         ("convert ../scenes/gone.glb -o a.ron", "../scenes/gone.glb: glTF: cannot read the glTF file"),
         (
             "convert ../scenes/room.glb --camera Up -o a.ron",
