@@ -224,7 +224,7 @@ fn broken_mesh_scenes_are_refused_with_file_and_line() {
             &["a.stl:5:1: ", "three numbers", "one"],
         ),
         ("a.stl", text().replacen("outer", "inner", 1).into(), &["a.stl:3:1: ", "found \"inner\""]),
-        ("a.stl", text()[..72].as_bytes().to_vec(), &["a.stl", "ends within a facet"]),
+        ("a.stl", text().as_bytes()[..72].to_vec(), &["a.stl", "ends within a facet"]),
         ("a.stl", binary(b"", 4000), &["a.stl", "4000 triangles, which take 200084 bytes, and it has 284"]),
         ("a.stl", b"nothing".into(), &["a.stl", "expected solid"]),
         ("a.stl", Vec::new(), &["a.stl", "the file is empty: expected an STL file"]),
