@@ -34,6 +34,7 @@ pub mod oidn;
 pub mod oracles;
 pub mod program;
 pub mod quads;
+pub mod referee;
 pub mod render;
 pub mod rooms;
 pub mod rows;

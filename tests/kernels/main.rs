@@ -35,6 +35,7 @@ mod probe;
 mod quad;
 mod rng;
 mod rough;
+mod same_kernels;
 mod sampler;
 mod sampling;
 mod shaders_link;

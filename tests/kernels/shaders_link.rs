@@ -14,6 +14,8 @@ use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, Render
 use gpu_rt::plan::choices::ALTERNATIVES;
 use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
 
+use crate::common::referee::{differences, hashes};
+
 /// The extensions of glTF's material that are lobes, or change those that it has.
 const LOBES_OF_PBR: [&[ExtensionKind]; 12] = [
     &[ExtensionKind::SpecularShare],
@@ -537,11 +539,13 @@ fn kernels(features: &Features, options: &RenderOptions, scatter: Scatter) -> Ke
 /// (Every scene of the lattice is linked in each way by `features::nothing_that_is_linked_is_out_of_reach`.)
 #[test]
 fn every_combination_of_features_is_valid_and_leaves_no_line_unused() {
-    each_combination_is_valid(&|number| match number % 5 {
+    let rows = each_combination_is_valid(&|number| match number % 5 {
         0 | 2 => &[Scatter::Fused, Scatter::Queues],
         4 => &[Scatter::Fused, Scatter::Linked],
         _ => &[Scatter::Fused],
     });
+    let changed = differences("kernels-of-combinations", &rows);
+    assert!(changed.is_empty(), "{} rows changed, see kernels/same_kernels: {changed:#?}", changed.len());
 }
 
 #[test]
@@ -550,7 +554,8 @@ fn every_combination_of_features_is_valid_in_each_way() {
     each_combination_is_valid(&|_| &[Scatter::Fused, Scatter::Queues, Scatter::Linked]);
 }
 
-fn each_combination_is_valid(ways: &(dyn Fn(usize) -> &'static [Scatter] + Sync)) {
+/// Returns the hashes of the kernels.
+fn each_combination_is_valid(ways: &(dyn Fn(usize) -> &'static [Scatter] + Sync)) -> BTreeMap<String, Vec<String>> {
     let mut unused_lines = lines_of_code();
     assert!(unused_lines.len() > 1000, "{} lines", unused_lines.len());
     // The numerics probe is part of no render.
@@ -559,101 +564,102 @@ fn each_combination_is_valid(ways: &(dyn Fn(usize) -> &'static [Scatter] + Sync)
     let all: Vec<_> = combinations().into_iter().enumerate().collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let unused_after = &|first: usize| {
-        let mut unused = unused_lines.clone();
+        let (mut unused, mut rows) = (unused_lines.clone(), BTreeMap::new());
         for (number, (features, options)) in all.iter().skip(first).step_by(cores) {
-            check_combination(ways(*number), features, options, &mut unused);
+            for &scatter in ways(*number) {
+                let kernels = kernels(features, options, scatter);
+                check_combination(&kernels, features, options, &mut unused);
+                rows.insert(format!("{number:04}, {scatter:?}"), hashes(&kernels));
+            }
         }
-        unused
+        (unused, rows)
     };
-    let unused = std::thread::scope(|scope| {
+    let found = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..cores).map(|first| scope.spawn(move || unused_after(first))).collect();
         let each = threads.into_iter().map(|thread| thread.join().expect("every combination is valid"));
-        each.reduce(|a, b| a.intersection(&b).cloned().collect())
+        each.reduce(|(a, rows), (b, more)| {
+            (a.intersection(&b).cloned().collect(), rows.into_iter().chain(more).collect())
+        })
     });
-    assert_eq!(unused, Some(BTreeSet::new()));
+    let (unused, rows) = found.expect("a thread");
+    assert_eq!(unused, BTreeSet::new());
+    rows
 }
 
-/// Links the kernels of a combination, which have nothing that it does not require, and removes their lines.
+/// The kernels of a combination have nothing that it does not require. Removes their lines.
 fn check_combination(
-    ways: &[Scatter],
+    plan: &Kernels,
     features: &Features,
     options: &RenderOptions,
     unused_lines: &mut BTreeSet<(String, usize)>,
 ) {
-    for &scatter in ways {
-        let plan = kernels(features, options, scatter);
-        assert!(!plan.all().is_empty());
-        for kernel in plan.all() {
-            for line in &kernel.linked.lines {
-                unused_lines.remove(line);
+    assert!(!plan.all().is_empty());
+    for kernel in plan.all() {
+        for line in &kernel.linked.lines {
+            unused_lines.remove(line);
+        }
+        // Nothing that the scene lacks.
+        let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
+            let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
+            off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
+        };
+        let bounds = |kind: &str| {
+            // A closed mesh is made of triangles.
+            let of_mesh = kind == "triangle";
+            let names = BOUNDARIES.iter().zip(&features.boundaries);
+            names.into_iter().any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
+        };
+        // The glass of glTF's material is that of others.
+        let has_share = features.extensions[ExtensionKind::Transmission as usize].iter().any(Option::is_some);
+        let mut materials = features.materials.clone();
+        for (used, kind) in materials.iter_mut().zip(Material::KINDS) {
+            let is_glass = ["rough_dielectric", "thin_dielectric"].contains(&kind.shader);
+            *used = used.clone().or((has_share && is_glass).then(String::new));
+        }
+        let lacking = [
+            unused(PRIMITIVES, &features.primitives, "geometry"),
+            unused(MATERIALS, &materials, "material"),
+            unused(TEXTURES, &features.textures, "texture"),
+            unused(FORMATS, &features.texel_formats, "texel"),
+        ];
+        // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
+        let glass = has_share
+            || (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
+        for (module, is_requested) in [
+            ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
+            ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
+            ("step/clamp", options.clamp.is_some()),
+            ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
+        ] {
+            let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+            assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+        }
+        // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
+        let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
+        let own = kernel.name.strip_prefix("scatter_").map(kind_of);
+        for (module, wanted) in [
+            ("bind/lights", answered && features.lights > 0),
+            ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
+            // A kernel of mirrors or of glass sends probes to lights.
+            (
+                "scene/responses",
+                answered && (own.is_none_or(spreads) || features.lights > 0) || !options.aov.is_empty(),
+            ),
+            // Nor a second part of materials that have one alone.
+            (
+                "scene/second_parts",
+                (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].has_second_part),
+            ),
+        ] {
+            let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+            assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+        }
+        for module in lacking.concat() {
+            let aims = ["geometry/cuboid", "light/cuboid", "light/quad"].contains(&module.as_str());
+            if module.strip_prefix("geometry/").is_some_and(bounds) || (aims && options.light_paths.count() > 0) {
+                continue;
             }
-            // Nothing that the scene lacks.
-            let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
-                let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
-                off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
-            };
-            let bounds = |kind: &str| {
-                // A closed mesh is made of triangles.
-                let of_mesh = kind == "triangle";
-                let names = BOUNDARIES.iter().zip(&features.boundaries);
-                names
-                    .into_iter()
-                    .any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
-            };
-            // The glass of glTF's material is that of others.
-            let has_share = features.extensions[ExtensionKind::Transmission as usize].iter().any(Option::is_some);
-            let mut materials = features.materials.clone();
-            for (used, kind) in materials.iter_mut().zip(Material::KINDS) {
-                let is_glass = ["rough_dielectric", "thin_dielectric"].contains(&kind.shader);
-                *used = used.clone().or((has_share && is_glass).then(String::new));
-            }
-            let lacking = [
-                unused(PRIMITIVES, &features.primitives, "geometry"),
-                unused(MATERIALS, &materials, "material"),
-                unused(TEXTURES, &features.textures, "texture"),
-                unused(FORMATS, &features.texel_formats, "texel"),
-            ];
-            // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
-            let glass = has_share
-                || (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
-            for (module, is_requested) in [
-                ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
-                ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
-                ("step/clamp", options.clamp.is_some()),
-                ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
-            ] {
-                let linked = kernel.linked.modules.iter().any(|linked| linked == module);
-                assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
-            }
-            // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
-            let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
-            let own = kernel.name.strip_prefix("scatter_").map(kind_of);
-            for (module, wanted) in [
-                ("bind/lights", answered && features.lights > 0),
-                ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
-                // A kernel of mirrors or of glass sends probes to lights.
-                (
-                    "scene/responses",
-                    answered && (own.is_none_or(spreads) || features.lights > 0) || !options.aov.is_empty(),
-                ),
-                // Nor a second part of materials that have one alone.
-                (
-                    "scene/second_parts",
-                    (0..)
-                        .zip(&features.materials)
-                        .any(|(i, used)| used.is_some() && Material::KINDS[i].has_second_part),
-                ),
-            ] {
-                let linked = kernel.linked.modules.iter().any(|linked| linked == module);
-                assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
-            }
-            for module in lacking.concat() {
-                let aims = ["geometry/cuboid", "light/cuboid", "light/quad"].contains(&module.as_str());
-                if module.strip_prefix("geometry/").is_some_and(bounds) || (aims && options.light_paths.count() > 0) {
-                    continue;
-                }
-                assert!(!kernel.linked.modules.contains(&module), "{}: {module} is linked: {features:?}", kernel.name);
-            }
+            assert!(!kernel.linked.modules.contains(&module), "{}: {module} is linked: {features:?}", kernel.name);
         }
     }
 }
