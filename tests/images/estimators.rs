@@ -314,10 +314,11 @@ fn aimed_from_the_facet() -> Overlay {
     })
 }
 
-/// Renders a scene of smooth meshes by scattered rays alone, and compares its expectation with that of rays to lights. Planted is 1 % more light.
-fn rendered_as_with_rays_to_lights(name: &str, scene: &Scene) -> Shot {
-    let bsdf = render(scene, &Request::spp(8192).seed(1).sobol());
-    let mis = render(scene, &Request::spp(4096).seed(2).mis().sobol());
+/// Renders a scene by so many scattered rays alone, and compares its expectation with that of half as many with rays to lights. Planted is 1 % more
+/// light.
+fn rendered_as_with_rays_to_lights(name: &str, scene: &Scene, samples: u32) -> Shot {
+    let bsdf = render(scene, &Request::spp(samples).seed(1).sobol());
+    let mis = render(scene, &Request::spp(samples / 2).seed(2).mis().sobol());
     known(name, &bsdf, &mis);
     same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
@@ -330,7 +331,7 @@ fn rendered_as_with_rays_to_lights(name: &str, scene: &Scene) -> Shot {
 #[test]
 fn smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = smooth_bodies();
-    let bsdf = rendered_as_with_rays_to_lights("smooth bodies", &scene);
+    let bsdf = rendered_as_with_rays_to_lights("smooth bodies", &scene, 8192);
     let wrong = render_planted(&scene, &Request::spp(1024).seed(2).mis().sobol(), &aimed_from_the_facet());
     println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).tile);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the facet is not found");
@@ -365,7 +366,7 @@ fn frosted_bodies() -> Scene {
 #[test]
 fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = frosted_bodies();
-    let bsdf = rendered_as_with_rays_to_lights("frosted bodies", &scene);
+    let bsdf = rendered_as_with_rays_to_lights("frosted bodies", &scene, 8192);
     let one_point = Overlay::new(&[])
         .rewritten("scene/both_sides", |text| text.replace("select(point, facet_point, below)", "point"));
     let wrong = render_planted(&scene, &Request::spp(4096).seed(2).mis().sobol(), &one_point);
@@ -398,7 +399,7 @@ fn a_frosted_slab_under_a_sun_expects_the_same_with_rays_to_lights() {
     render: (samples: 512, max_depth: 32),
 )";
     let scene = render::scene_in(folder.path(), text);
-    let bsdf = rendered_as_with_rays_to_lights("a frosted slab under a sun", &scene);
+    let bsdf = rendered_as_with_rays_to_lights("a frosted slab under a sun", &scene, 16384);
     let wrong = Overlay::new(&[]).rewritten("scene/sky_light", |text| {
         text.replace("from_world(direction), sky_pdf", "from_world(direction), 1.1 * sky_pdf")
     });
