@@ -4,6 +4,7 @@ use std::fs;
 
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, moving, posed};
+use crate::common::oidn;
 use crate::common::program::Ran;
 use crate::resume::Held;
 use crate::sandbox::Sandbox;
@@ -94,7 +95,9 @@ fn a_sequence_writes_a_file_for_each_frame_and_goes_on() {
 #[test]
 fn pictures_of_complete_frames_are_made_again() {
     let sandbox = with_moving();
-    let sequence = "--frames 6..8 -o out.#.exr --png out.#.png --denoise --resume";
+    let oidn = oidn::folder();
+    let with = format!("--oidn {}", oidn.display());
+    let sequence = format!("--frames 6..8 -o out.#.exr --png out.#.png --denoise {with} --resume");
     render(&sandbox, "moving.glb", &format!("{sequence} --spp 8")).exits(0);
     let read = |name: &str| fs::read(sandbox.work().join(name)).unwrap();
     let before = ["out.6.exr", "out.6.denoised.exr"].map(read);
@@ -107,7 +110,9 @@ fn pictures_of_complete_frames_are_made_again() {
         assert!([0, 1].iter().all(|&frame: &usize| ran.json()["frames"][frame]["skipped"] == true), "{}", ran.stdout);
         for frame in ["6", "7"] {
             sandbox
-                .says(&format!("denoise out.{frame}.exr -o denoised.exr --png denoised.png --exposure {exposure}"))
+                .says(&format!(
+                    "denoise out.{frame}.exr -o denoised.exr --png denoised.png {with} --exposure {exposure}"
+                ))
                 .exits(0);
             assert_eq!(read(&format!("out.{frame}.denoised.png")), read("denoised.png"), "{frame} {exposure}");
             sandbox.says(&format!("develop out.{frame}.exr -o a.png --exposure {exposure}")).exits(0);

@@ -341,12 +341,12 @@ fn rounds_end_where_one_render_would() {
         let (parts, out) = (cluster.job("parts"), cluster.path("less.exr"));
         let [parts, out] = [&parts, &out].map(|path| path.to_str().expect("UTF-8"));
         finish(
-            command(cluster.folder.path(), &["merge", "--quiet", "--noise", "0.2", parts, "-o", out])
+            command(cluster.folder.path(), &["merge", "--quiet", "--noise", "0.3", parts, "-o", out])
                 .spawn()
                 .expect("it starts"),
         )
         .exits(0);
-        assert_eq!(Held::read(Path::new(out)).difference(&cluster.full("--noise 0.2")), [""; 0]);
+        assert_eq!(Held::read(Path::new(out)).difference(&cluster.full("--noise 0.3")), [""; 0]);
         fs::remove_dir_all(cluster.job("")).expect("it was there");
     }
     // The next round waits for the join of this one.
