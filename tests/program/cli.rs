@@ -1154,6 +1154,21 @@ fn plan_writes_shaders_that_naga_takes() {
     }
 }
 
+#[test]
+fn paths_that_max_depth_cuts_off_are_said_where_they_are_many() {
+    let sandbox = Sandbox::new();
+    let corner = "Sphere(center: (0, -101, 0), radius: 100, material: \"grey\"), Sphere(";
+    sandbox.scene("corner.ron", &SPHERE.replacen("Sphere(", corner, 1));
+    for (depth, is_said) in [("1", true), ("50", false)] {
+        let line =
+            format!("render ../scenes/corner.ron --max-depth {depth} -o cut.exr --force --device {}", software());
+        let ran = sandbox.says(&line).exits(0);
+        let words = "% of the paths were cut off at max_depth 1: the image may be too dark";
+        assert_eq!(ran.stderr.contains(words), is_said, "{}", ran.stderr);
+        assert_eq!(ran.stderr.contains("cut off"), is_said, "{}", ran.stderr);
+    }
+}
+
 /// What users write first, and the tip that they get.
 #[test]
 fn command_lines_of_other_programs_get_a_tip() {

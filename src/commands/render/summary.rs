@@ -11,7 +11,7 @@ use crate::render::{Noise, Outcome};
 /// The share of `--time` that a render may leave unused without a word.
 const LEAST_OF_TIME: f64 = 0.9;
 
-/// The share of its light that an image may lack by max_depth without a word.
+/// The share of paths that max_depth may cut off, and of the image's light that these may have found, without a word.
 const LEAST_CUT: f64 = 1e-3;
 
 /// The last line, and before it what the user should know. `total` is the seconds of all of the render.
@@ -21,11 +21,12 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
     let cut = finish.too_deep;
-    if cut.paths > 0 && (args.verbose || finish.verdict.cut > LEAST_CUT) {
-        let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
+    let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
+    if cut.paths > 0 && (args.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
+        // A bound of 1 says nothing: one light is far brighter than the image.
         let effect = match finish.verdict.cut < 1.0 {
             true => format!("the image may be too dark by up to {}", share_words(finish.verdict.cut)),
-            false => "most of its light may be missing".to_owned(),
+            false => "the image may be too dark".to_owned(),
         };
         tell(&format!("{} of the paths were cut off at max_depth {}: {effect}", share_words(share), job.max_depth));
     }
