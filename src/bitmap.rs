@@ -98,7 +98,7 @@ pub struct Bitmap {
     pub format: Format,
     /// The texels row by row, in the words of the format.
     pub words: Arc<Vec<u32>>,
-    /// What [`Bitmap::clean`] changed, if anything.
+    /// The warning about what [`Bitmap::clean`] has changed.
     pub warning: Option<String>,
 }
 
@@ -229,11 +229,11 @@ pub fn largest<'a>(images: impl Iterator<Item = (&'a str, (u32, u32), u64)>) -> 
     words.join(", ")
 }
 
-/// The largest size, of the same proportions, at which an image of this size and so many bytes takes no more than `room`; empty if none does.
-pub fn size_that_fits((width, height): (u32, u32), bytes: u64, room: u64) -> String {
+/// The largest size, of the same proportions, at which an image of this size and so many bytes takes no more than `room`, in words.
+pub fn size_that_fits((width, height): (u32, u32), bytes: u64, room: u64) -> Option<String> {
     let scale = (room as f64 / bytes as f64).sqrt();
     let [width, height] = [width, height].map(|side| (f64::from(side) * scale) as u32);
-    if width.min(height) > 0 { format!("{width} by {height} fits") } else { String::new() }
+    (width.min(height) > 0).then(|| format!("{width} by {height} fits"))
 }
 
 #[cfg(test)]

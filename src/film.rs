@@ -38,6 +38,7 @@ pub const UNKNOWN_VARIANCE: f32 = f32::MAX;
 const BYTES_OF_A_PIXEL: u64 = size_of::<Pixel>() as u64 + 7;
 /// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
 const MAX_EXPONENT: i32 = 300;
+
 /// The exact totals of an image.
 ///
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added

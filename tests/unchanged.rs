@@ -16,6 +16,10 @@ use exr::prelude::{ReadChannels, ReadLayers, read};
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use serde_json::Value;
 
+#[path = "unchanged/scenes.rs"]
+mod of_unchanged;
+use of_unchanged::scenes;
+
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const SCATTERS: [&str; 3] = ["fused", "linked", "queues"];
 /// Of stages that are kernels of their own.
@@ -42,8 +46,6 @@ const SETS: [(&str, &[&str]); 3] = [
     ("first", &["--aov", CHANNELS, "--aov-surface", "first", "--fresnel", "schlick", "--integrator", "bsdf"]),
 ];
 const CHANNELS: &str = "albedo,normal,depth,position,object,material,direct,indirect";
-/// Files that are compared beside the folders of scenes: what is cut out, solid glass, and a sun. Their lights have no size.
-const BLENDER: [&str; 3] = ["leaves", "glass-ball", "sun"];
 
 /// An image with all its channels, the counts beside it, and the driver's name.
 struct Rendered {
@@ -105,21 +107,6 @@ impl Rendered {
             .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
         format!("{hash:016x}")
     }
-}
-
-/// The scenes by name.
-fn scenes() -> BTreeMap<String, PathBuf> {
-    let folders = ["scenes", "tests/references", "tests/unchanged"].map(|folder| Path::new(ROOT).join(folder));
-    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("a folder of scenes"));
-    let paths = files.map(|file| file.expect("a file").path());
-    let blender = BLENDER.map(|name| Path::new(ROOT).join(format!("tests/blender/{name}.glb")));
-    let scenes: BTreeMap<_, _> = paths
-        .filter(|path| path.extension().is_some_and(|ending| ending == "ron" || ending == "glb"))
-        .chain(blender)
-        .map(|path| (path.strip_prefix(ROOT).expect("within").with_extension("").display().to_string(), path))
-        .collect();
-    assert_eq!(scenes.len(), 18 + 5 + 1 + BLENDER.len());
-    scenes
 }
 
 /// The options of a set for a scene. `--integrator bsdf` refuses lights without size.

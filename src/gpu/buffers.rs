@@ -23,7 +23,7 @@ pub struct BufferSpec<'a> {
     pub size: String,
     /// What makes it smaller, where the scene's author can.
     pub remedy: Option<String>,
-    /// Of images, the size and the bytes of the largest.
+    /// The size and the bytes of the largest image in it.
     pub largest: Option<((u32, u32), u64)>,
 }
 
@@ -125,10 +125,9 @@ pub fn too_large(specs: &[BufferSpec<'_>], limits: &wgpu::Limits) -> Vec<String>
         (spec.allocated() > limit).then(|| {
             let (name, why, bytes) = (spec.name, spec.why, spec.allocated());
             let remedy = spec.remedy.as_ref().map_or(String::new(), |remedy| format!(": {remedy}"));
-            let fits = spec.largest.map_or(String::new(), |(size, of_it)| {
-                size_that_fits(size, of_it, limit.saturating_sub(bytes - of_it))
-            });
-            let fits = if fits.is_empty() { fits } else { format!("; of the first, {fits}") };
+            let fits =
+                spec.largest.and_then(|(size, own)| size_that_fits(size, own, limit.saturating_sub(bytes - own)));
+            let fits = fits.map_or(String::new(), |fits| format!("; of the first, {fits}"));
             format!(
                 "the buffer `{name}` ({why}) needs {bytes} bytes, and the device allows {limit} to a {what} binding{remedy}{fits}"
             )

@@ -12,10 +12,11 @@ use crate::luminance::{Area, Luminance};
 use crate::printable::percent;
 use crate::shape::mesh::Mesh;
 
-/// The default sky: white at the horizon, blue above.
-pub const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour::new(0.5, 0.7, 1.0) };
-/// Its mean over all directions.
-const MEAN_OF_SKY: [f64; 3] = [0.75, 0.85, 1.0];
+/// The radiance of the default sky straight down and straight up.
+const WHITE: Colour = Colour::ONE;
+const BLUE: Colour = Colour::new(0.5, 0.7, 1.0);
+/// The default sky.
+pub const SKY: Background = Background::Gradient { bottom: WHITE, top: BLUE };
 
 /// The share of its light under the sky from which on a file's emitters light it alone: as 2 % of the light, what is white under the sky
 /// still has the code 38 of 255 in the picture.
@@ -98,7 +99,7 @@ impl Scene {
         let disk = area / POINTS as f64;
         let pairs = from.iter().flat_map(|from| to.iter().map(move |to| disk * transfer(from, to, disk)));
         let received = emitted / POINTS as f64 * pairs.sum::<f64>();
-        let of_sky = area * luminance(MEAN_OF_SKY);
+        let of_sky = area * luminance((0.5 * (WHITE + BLUE)).to_array());
         let share = |light: f64| light / (light + of_sky);
         let share = Some(share(emitted)).filter(|share| *share > 0.5).unwrap_or(share(received));
         (emitted > 0.0).then_some(share)

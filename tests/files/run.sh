@@ -5,9 +5,8 @@ set -euo pipefail
 program=$1
 here=$(dirname "$0")
 work=target/files
-rm -rf "$work" && mkdir -p "$work"
-cp "$here"/{package.json,package-lock.json} "$work"
-npm ci --prefix "$work" --ignore-scripts --no-audit --no-fund --silent
+. "$here/../fetch.sh"
+fetch "$here" "$work"
 files=0 glowing=0
 for file in "$work"/node_modules/@webxr-input-profiles/assets/dist/profiles/*/*.glb; do
     notes=$("$program" convert "$file" -o "$work/scene.ron" --force 2>&1)

@@ -18,23 +18,11 @@ use crate::common::kernel::Overlay;
 use crate::common::lattice::Lattice;
 use crate::common::referee::{differences, hash_of_buffers, hash_of_kernel, hashes, renamed};
 
+#[path = "../unchanged/scenes.rs"]
+mod of_unchanged;
+
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 const CHANNELS: &str = "albedo,normal,depth,position,object,material,direct,indirect";
-
-/// The scenes of tests/unchanged.
-fn scenes() -> Vec<(String, Scene)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = ["scenes", "tests/references", "tests/unchanged"];
-    let files = folders.iter().flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("a folder of scenes"));
-    let paths = files.map(|file| file.expect("a file").path());
-    let blender = ["leaves", "glass-ball", "sun"].map(|name| root.join(format!("tests/blender/{name}.glb")));
-    let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron" || ending == "glb"));
-    let name = |path: &Path| path.strip_prefix(root).expect("within").with_extension("").display().to_string();
-    paths
-        .chain(blender)
-        .map(|path| (name(&path), Scene::load(&path).unwrap_or_else(|error| panic!("{error}"))))
-        .collect()
-}
 
 /// The sets of options of tests/unchanged. `bsdf` refuses lights without size.
 fn sets(has_delta_lights: bool) -> [(&'static str, RenderOptions); 3] {
@@ -70,7 +58,8 @@ fn rows(name: &str, scene: &Scene, sets: &[(&'static str, RenderOptions)], rows:
 fn kernels_of_scenes_are_what_they_were() {
     let lattice = Lattice::new();
     let mut found = BTreeMap::new();
-    for (name, scene) in scenes() {
+    for (name, path) in of_unchanged::scenes() {
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let refuses =
             flatten(&scene, (64, 36), &RenderOptions { integrator: Integrator::Bsdf, ..RenderOptions::default() })
                 .is_err();
@@ -84,7 +73,7 @@ fn kernels_of_scenes_are_what_they_were() {
     assert!(changed.is_empty(), "{} rows changed: {changed:#?}", changed.len());
 }
 
-/// A comment changes nothing; a number, an order, a binding and a default of an override do.
+/// A comment changes nothing; a number and a binding do.
 #[test]
 fn a_change_of_a_kernel_is_found() {
     let scene =

@@ -176,14 +176,14 @@ fn verdicts_hold_where_light_is_hidden() {
             let picture = joined.develop();
             film = Some(joined);
             images += 1;
-            let Some(error) = verdict.error.filter(|_| verdict.reliable() == Some(true)) else {
+            let Some(stated) = verdict.error.filter(|_| verdict.reliable() == Some(true)) else {
                 return;
             };
             // `--noise` chooses the image by its bound. It is counted as one more image.
-            let ends = error.bound < NOISE && !ended;
+            let ends = stated.bound < NOISE && !ended;
             ended |= ends;
-            let bound = error.bound;
-            let found = crate::hidden_light::error(&picture.rgb, &reference.picture.rgb);
+            let bound = stated.bound;
+            let found = error(&picture.rgb, &reference.picture.rgb);
             let times = if ends { 2 } else { 1 };
             reliable += times;
             for (i, (most, _)) in MOST_BEYOND.iter().enumerate() {

@@ -6,9 +6,9 @@ program=$1
 lights=$2
 here=$(dirname "$0")
 work=target/skies
-rm -rf "$work" && mkdir -p "$work/skies"
-cp "$here"/{package.json,package-lock.json} "$work"
-npm ci --prefix "$work" --ignore-scripts --no-audit --no-fund --silent
+. "$here/../fetch.sh"
+fetch "$here" "$work"
+mkdir "$work/skies"
 cp "$lights"/*.exr "$work/skies"
 # Each preset is a module whose value is a file as a data URL.
 node --input-type=module - "$work" <<'JS'

@@ -5,10 +5,11 @@ set -euo pipefail
 program=$1
 here=$(dirname "$0")
 work=target/tint
-rm -rf "$work" && mkdir -p "$work/kernels"
-cp "$here"/{package.json,package-lock.json,check.mjs} "$work"
-# The package's script only deletes the libraries of other systems.
-npm ci --prefix "$work" --ignore-scripts --no-audit --no-fund --silent
+. "$here/../fetch.sh"
+# The package's script, which is left out, only deletes the libraries of other systems.
+fetch "$here" "$work"
+mkdir "$work/kernels"
+cp "$here/check.mjs" "$work"
 for scene in scenes/*.ron; do
     for scatter in fused linked queues; do
         "$program" plan "$scene" --scatter $scatter --wgsl "$work/kernels/$(basename "$scene" .ron)-$scatter" >/dev/null

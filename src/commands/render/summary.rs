@@ -5,7 +5,7 @@ use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
 use crate::film::{Totals, Verdict};
-use crate::printable::{counted, percent as share_words};
+use crate::printable::{counted, percent};
 use crate::render::{Noise, Outcome};
 
 /// The share of `--time` that a render may leave unused without a word.
@@ -25,10 +25,10 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
     if cut.paths > 0 && (args.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
         // A bound of 1 says nothing: one light is far brighter than the image.
         let effect = match finish.verdict.cut < 1.0 {
-            true => format!("the image may be too dark by up to {}", share_words(finish.verdict.cut)),
+            true => format!("the image may be too dark by up to {}", percent(finish.verdict.cut)),
             false => "the image may be too dark".to_owned(),
         };
-        tell(&format!("{} of the paths were cut off at max_depth {}: {effect}", share_words(share), job.max_depth));
+        tell(&format!("{} of the paths were cut off at max_depth {}: {effect}", percent(share), job.max_depth));
     }
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
@@ -59,7 +59,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
                 .for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
         }
         if let Some(idle) = outcome.profile.idle {
-            tell(&format!("the device is idle for {} of the time", share_words(idle)));
+            tell(&format!("the device is idle for {} of the time", percent(idle)));
         }
     }
     reliability_warnings(finish).for_each(|warning| tell(&warning));
@@ -90,9 +90,9 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
 pub fn error_words(finish: &Finish) -> String {
     match finish.verdict.error {
         Some(error) if error.bound.is_finite() => {
-            format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
+            format!("relative error {} (95 % sure: below {})", two_decimals(error.value), two_decimals(error.bound))
         }
-        Some(error) => format!("relative error {} %", percent(error.value)),
+        Some(error) => format!("relative error {}", two_decimals(error.value)),
         None if finish.samples.count() <= u64::from(RUN_LENGTH) => {
             format!("error unknown (it needs {} samples per pixel)", RUN_LENGTH + 1)
         }
@@ -114,13 +114,13 @@ pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
     match verdict.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
         Some(bound) if !noise.reached && bound < wanted => format!(
-            "--noise {wanted} {words}: the noise is at most {} %, with 95 % confidence, but light is missing that paths have not found",
-            percent(bound)
+            "--noise {wanted} {words}: the noise is at most {}, with 95 % confidence, but light is missing that paths have not found",
+            two_decimals(bound)
         ),
         Some(bound) => {
             format!(
-                "--noise {wanted} {words}: the relative error is at most {} %, with 95 % confidence",
-                percent(bound)
+                "--noise {wanted} {words}: the relative error is at most {}, with 95 % confidence",
+                two_decimals(bound)
             )
         }
         None => format!(
@@ -129,8 +129,9 @@ pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
     }
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.2}", 100.0 * share)
+/// A share in percent, with two decimals as in the line of the error.
+fn two_decimals(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
 }
 
 pub fn rejected_words(totals: &Totals) -> String {

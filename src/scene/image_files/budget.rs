@@ -35,7 +35,7 @@ impl Budget {
             let others = largest(self.0.iter().map(|(path, size, bytes)| (path.as_str(), *size, *bytes)));
             let others = if others.is_empty() { others } else { format!(", beside {others}") };
             let fits = size_that_fits((width as u32, height as u32), own, LARGEST_BINDING.saturating_sub(beside));
-            let fits = if fits.is_empty() { fits } else { format!("; of this one, {fits}") };
+            let fits = fits.map_or(String::new(), |fits| format!("; of this one, {fits}"));
             return Err(format!(
                 "expected at most {LARGEST_BINDING} bytes of texels in all images of the scene, which is the most that a device can bind; \
                  with its {width} by {height} there are {bytes}{others}: scale images down{fits}"
