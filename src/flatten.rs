@@ -34,18 +34,19 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::aov::SceneSpace;
+use crate::bitmap::FORMATS;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{Emitted, ExtensionKind, Lobe, Model, Vertices, microfacets, sheen};
+use crate::material::{Emitted, Lobe, Model, Vertices, microfacets, sheen};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
-use crate::scene::{Background, Material, Object, Scene, Step};
+use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
 use crate::shape::mesh::{Mesh, MeshShape};
-use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, binary_exponent, exp2, mesh};
+use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape, binary_exponent, exp2, mesh};
 use crate::threads::join;
 use builder::Builder;
 use diagnostics::Search;
-use finder::{Finder, MovingLight, WorldMedium, extent};
+use finder::{Finder, MovingLight, Primitive, WorldMedium, extent};
 use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
@@ -54,7 +55,9 @@ use view::View;
 pub use crate::material::MATERIALS;
 pub use crate::texture::TEXTURES;
 pub use device_scene::DeviceScene;
-pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, NotSampled, PRIMITIVES};
+pub use features::{
+    BACKGROUNDS, BOUNDARIES, DECLARED, Declared, EVERY_FEATURE, Features, NotSampled, PRIMITIVES, Quantities,
+};
 pub use hierarchies::Hierarchies;
 pub use sampled_lights::MOST_LIGHTS;
 
@@ -100,21 +103,24 @@ pub fn flatten_with(
         is_pane.then(|| model.slots().any(|slot| slot.is_textured()))
     });
     let panes: Vec<Option<bool>> = panes.collect();
-    for primitive in &finder.primitives {
-        let at_object = || scene.location_of(primitive.object).to_string();
-        features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
-        if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
-            features.smooth.get_or_insert_with(at_object);
-        }
-        if let Some(is_textured) = panes[primitive.material as usize] {
-            features.pane_textures |= is_textured;
-            features.panes[primitive.shape.number()].get_or_insert_with(at_object);
-        }
-        if KINDS[primitive.shape.number()].encloses() && models[primitive.material as usize].has_alpha() {
-            features.alpha_bodies[primitive.shape.number()].get_or_insert_with(at_object);
-            features.alpha_on_bodies = true;
-        }
+    let pane_of = |primitive: &Primitive<'_>| panes[primitive.material as usize];
+    let has_alpha = |primitive: &Primitive<'_>| models[primitive.material as usize].has_alpha();
+    let is_smooth = |shape: &Shape<'_>| shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty());
+    let mut require = |fact: String, those: &dyn Fn(&Primitive<'_>) -> bool| {
+        let first = finder.primitives.iter().find(|primitive| those(primitive));
+        first.inspect(|first| features.require(fact, || scene.location_of(first.object).to_string())).is_some()
+    };
+    let mut alpha_on_bodies = false;
+    for (number, (name, kind)) in PRIMITIVES.iter().zip(KINDS).enumerate() {
+        let is_own = |primitive: &Primitive<'_>| primitive.shape.number() == number;
+        require(format!("shape.{name}"), &is_own);
+        require(format!("smooth_pane.{name}"), &|own| is_own(own) && pane_of(own).is_some());
+        let of_body = |own: &Primitive<'_>| is_own(own) && kind.encloses() && has_alpha(own);
+        alpha_on_bodies |= require(format!("body_with_alpha.{name}"), &of_body);
     }
+    require("smooth".to_string(), &|primitive| is_smooth(&primitive.shape));
+    let pane_textures = require("textured_pane".to_string(), &|primitive| pane_of(primitive) == Some(true));
+    features.quantities = Quantities { alpha_on_bodies, pane_textures, ..Quantities::default() };
     // Whether an object uses each material.
     let mut used = vec![false; scene.materials.len()];
     for primitive in &finder.primitives {
@@ -129,7 +135,7 @@ pub fn flatten_with(
         && let Some(bitmap) = scene.bitmaps.colours(path)
     {
         let at = scene.location(&[Step::Field("background")]);
-        features.texel_formats[bitmap.format.number()].get_or_insert_with(|| format!("background at {at}"));
+        features.require(texel_format(bitmap), || format!("background at {at}"));
     }
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.primitives.len().max(faces);
@@ -196,8 +202,8 @@ pub fn flatten_with(
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
         builder.add_extensions(&used, radiance_scale);
     }
-    let has = |kind| builder.flat.features.has_extension(kind) || options.features == FeatureSet::All;
-    let (is_compensated, has_sheen) = (has(ExtensionKind::Multiscatter), has(ExtensionKind::Sheen));
+    let has = |fact| builder.flat.features.any(fact).is_some() || options.features == FeatureSet::All;
+    let (is_compensated, has_sheen) = (has("multiscatter"), has("sheen"));
     if is_compensated || has_sheen {
         builder.flat.directional_albedos = microfacets::directional_albedos();
     }
@@ -236,11 +242,15 @@ pub fn flatten_with(
     flat.warnings.extend(warnings);
     let traced = flat.light_paths(options).count() > 0;
     flat.warnings.extend(stopped_by_glass(scene, &finder, &flat.features, traced));
-    flat.features.shadow_rays = flat.features.lights > 0;
+    flat.features.quantities.shadow_rays = flat.features.quantities.lights > 0;
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
-    flat.features.thin_lens = (scene.camera.aperture > 0.0).then(|| of_camera("aperture"));
-    flat.features.camera_axes = view.has_camera_axes.then(|| of_camera("vertical_fov"));
+    if scene.camera.aperture > 0.0 {
+        flat.features.require("lens", || of_camera("aperture"));
+    }
+    if view.has_camera_axes {
+        flat.features.require("camera_axes", || of_camera("vertical_fov"));
+    }
     if options.features == FeatureSet::All {
         flat.require_all(sample_lights);
     }
@@ -250,51 +260,46 @@ pub fn flatten_with(
 /// Records the features that a material on an object requires.
 fn require_material(features: &mut Features, scene: &Scene, name: &str, material: &Material, model: &Model<'_>) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    let number = material.number_on_device();
-    features.materials[number].get_or_insert_with(at_material);
+    let kind = MATERIALS[material.number_on_device()];
+    let mut facts = vec!["material"];
     for lobe in material.lobes(&scene.bitmaps) {
-        let kinds = match lobe {
-            Lobe::Wide => &mut features.non_specular,
-            Lobe::Narrow => &mut features.narrow,
-            Lobe::Specular => &mut features.specular,
-        };
-        kinds[number].get_or_insert_with(at_material);
-        if lobe == Lobe::Narrow {
-            features.non_specular[number].get_or_insert_with(at_material);
-        }
+        // Light is sampled for narrow lobes, too.
+        facts.extend(match lobe {
+            Lobe::Wide => ["wide_lobe"].as_slice(),
+            Lobe::Narrow => &["narrow_lobe", "wide_lobe"],
+            Lobe::Specular => &["specular_lobe"],
+        });
     }
-    if material.kind().is_transmissive && model.slot.is_some() {
-        features.tinted[number].get_or_insert_with(at_material);
-    }
-    if model.absorption.is_some() {
-        features.absorbing[number].get_or_insert_with(at_material);
-    }
-    for extension in &model.extensions {
-        features.extensions[extension.kind as usize][number].get_or_insert_with(at_material);
-    }
-    for kind in model.slots().filter_map(|slot| slot.texture.shader_number()) {
-        features.textures[kind].get_or_insert_with(at_material);
+    facts.extend((material.kind().is_transmissive && model.slot.is_some()).then_some("tinted"));
+    facts.extend(model.absorption.is_some().then_some("absorbing"));
+    facts.extend(model.extensions.iter().map(|extension| extension.kind.name()));
+    facts.into_iter().for_each(|fact| features.require(format!("{fact}.{kind}"), at_material));
+    for texture in model.slots().filter_map(|slot| slot.texture.shader_number()) {
+        features.require(format!("texture.{}", TEXTURES[texture]), at_material);
     }
     for bitmap in model.slots().filter_map(|slot| slot.texture.bitmap(&scene.bitmaps)) {
-        features.texel_formats[bitmap.format.number()].get_or_insert_with(at_material);
+        features.require(texel_format(bitmap), at_material);
     }
+}
+
+fn texel_format(bitmap: &Bitmap) -> String {
+    format!("texel.{}", FORMATS[bitmap.format.number()])
 }
 
 /// Records the features that a medium requires.
 fn require_medium(features: &mut Features, scene: &Scene, medium: &WorldMedium<'_>) {
     let kind = medium.boundary.code_kind();
     let at_object = || scene.location_of(medium.object).to_string();
-    let index = BOUNDARIES.iter().position(|(_, number)| *number == kind);
-    if let Some(slot) = index.and_then(|index| features.boundaries.get_mut(index)) {
-        slot.get_or_insert_with(at_object);
+    if let Some((name, _)) = BOUNDARIES.iter().find(|(_, number)| *number == kind) {
+        features.require(format!("boundary.{name}"), at_object);
     }
     // The width is that of width_of_phase (shaders/medium/phase_pdf).
     if Lobe::of_width((3f64.sqrt() * (1.0 - medium.anisotropy.abs())) as f32) == Lobe::Narrow {
-        features.narrow_media.get_or_insert_with(at_object);
+        features.require("narrow_medium", at_object);
     }
-    if let Some(kind) = medium.albedo.shader_number() {
-        features.textures[kind].get_or_insert_with(at_object);
-        features.textured_media.get_or_insert_with(at_object);
+    if let Some(texture) = medium.albedo.shader_number() {
+        features.require(format!("texture.{}", TEXTURES[texture]), at_object);
+        features.require("textured_medium", at_object);
     }
 }
 
@@ -312,11 +317,14 @@ fn needs_light_sampling(scene: &Scene, object: &Object) -> Error {
 /// `traced`: whether light paths find some of it.
 fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features, traced: bool) -> Option<String> {
     let MovingLight { object, .. } = finder.lights.first()?;
-    let specular = || features.specular.iter().zip(Material::KINDS);
-    let solid = specular().find_map(|(used, kind)| used.as_ref().filter(|_| !kind.is_pane));
+    let specular = || {
+        let reason = |name: &&str| features.reason(&format!("specular_lobe.{name}"));
+        MATERIALS.iter().zip(Material::KINDS).filter_map(move |(name, kind)| Some((reason(name)?, kind)))
+    };
+    let solid = specular().find_map(|(reason, kind)| (!kind.is_pane).then_some(reason));
     let (shiny, how) = match solid {
         Some(solid) => (solid, "by a mirror or through glass"),
-        None => (specular().find_map(|(used, _)| used.as_ref())?, "by the reflection of a pane"),
+        None => (specular().next()?.0, "by the reflection of a pane"),
     };
     if !features.samples_light_anywhere() {
         return None;

@@ -24,8 +24,8 @@ use declared::is_zero;
 pub use declared::{MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS, Material};
 use model::{Along, Coat, Film, lobes_of_roughness};
 pub use model::{
-    EXTENSIONS, Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE,
-    Slot, Vertices,
+    Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
+    Vertices,
 };
 
 kinds! {

@@ -1,5 +1,5 @@
-//! The options of a render, each declared once: its name, its values and how they are read, its words for `--help`, its trade-off,
-//! and the module of the shaders that it links. The command line, what a render says of itself, `plan` and `tradeoff` read this table.
+//! The options of a render, each declared once: its name, its values and how they are read, its words for `--help`, and its trade-off.
+//! Their values are facts for the heads of shaders (src/plan/facts.rs). The command line, what a render says of itself, `plan` and `tradeoff` read this table.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -164,22 +164,6 @@ words!(
         Mitchell = "mitchell",
     }
 );
-impl Filter {
-    /// The module that says which pixel the light of a light path goes to.
-    pub fn splat_module(self) -> &'static str {
-        if self == Filter::Box { "filter/box_splat" } else { "filter/wide_splat" }
-    }
-
-    /// The module of the filter's value at a point. A box needs none.
-    pub fn value_module(self) -> &'static str {
-        match self {
-            Filter::Box | Filter::Tent => "filter/tent_value",
-            Filter::Gauss => "filter/gauss_value",
-            Filter::Mitchell => "filter/mitchell_value",
-        }
-    }
-}
-
 words!(
     enum Fresnel {
         Exact = "exact",
@@ -312,8 +296,6 @@ pub struct OptionSpec {
     reading: Option<Reading>,
     /// How the command line takes an option that is not in [`RenderOptions`].
     own: Option<fn(Arg) -> Arg>,
-    /// The module that a value links, for an option that chooses between modules.
-    links: Option<fn(&RenderOptions) -> &'static str>,
     /// Whether `--help` leaves it out.
     is_hidden: bool,
 }
@@ -377,11 +359,6 @@ impl OptionSpec {
         format!("--{} {value}", self.name).trim_end().to_string()
     }
 
-    /// The module that the option links.
-    pub fn module(&self, options: &RenderOptions) -> &'static str {
-        self.links.map_or("", |links| links(options))
-    }
-
     /// Whether the option has its default value.
     pub fn is_default(&self, options: &RenderOptions) -> bool {
         self.default == self.value(options).as_deref()
@@ -394,7 +371,7 @@ impl OptionSpec {
     }
 
     /// Its value; nothing where that is left to the scene or the device.
-    fn value(&self, options: &RenderOptions) -> Option<String> {
+    pub fn value(&self, options: &RenderOptions) -> Option<String> {
         self.reading.and_then(|reading| (reading.value)(options))
     }
 
@@ -481,11 +458,9 @@ impl clap::FromArgMatches for RenderOptions {
     }
 }
 
-/// The default of the option that links this module by default.
-pub fn default_of(module: &str) -> Option<&'static str> {
-    let options = RenderOptions::default();
-    let spec = TRADE_OFFS.iter().find(|spec| spec.links.is_some_and(|links| links(&options) == module))?;
-    spec.default
+/// The default of the option of this name, where it trades something off.
+pub fn default_of(name: &str) -> Option<&'static str> {
+    TRADE_OFFS.iter().find(|spec| spec.name == name)?.default
 }
 
 /// An integer of a range.
@@ -541,10 +516,6 @@ pub const ROULETTE: OptionSpec = OptionSpec {
     class: Class::Noise,
     trade_off: "Off, every path runs to its end: less noise per path, more time.",
     reading: word!(roulette: Switch),
-    links: Some(|options| match options.roulette {
-        Switch::On => "step/roulette",
-        Switch::Off => "null/roulette",
-    }),
     ..PLAIN
 };
 
@@ -556,10 +527,6 @@ pub const SAMPLER: OptionSpec = OptionSpec {
     class: Class::Noise,
     trade_off: "Independent samples are noisier in smooth pixels, and estimate their own error better.",
     reading: word!(sampler: Sampler),
-    links: Some(|options| match options.sampler {
-        Sampler::Sobol => "sampler/sobol",
-        Sampler::Independent => "sampler/independent",
-    }),
     ..PLAIN
 };
 
@@ -572,12 +539,6 @@ pub const FILTER: OptionSpec = OptionSpec {
     trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where its filter is negative, \
                pixels beside a bright edge may be too. Pixels share what they see, but not their noise.",
     reading: word!(filter: Filter),
-    links: Some(|options| match options.filter {
-        Filter::Box => "filter/box",
-        Filter::Tent => "filter/tent",
-        Filter::Gauss => "filter/gauss",
-        Filter::Mitchell => "filter/mitchell",
-    }),
     ..PLAIN
 };
 
@@ -599,10 +560,6 @@ pub const FRESNEL: OptionSpec = OptionSpec {
     class: Class::Bias,
     trade_off: "`schlick` biases the result: reflectances are off by up to 0.04 at an index of 1.5, 0.2 at 1.1, and 1 next to an index of 1.",
     reading: word!(fresnel: Fresnel),
-    links: Some(|options| match options.fresnel {
-        Fresnel::Exact => "lib/fresnel",
-        Fresnel::Schlick => "lib/fresnel_schlick",
-    }),
     ..PLAIN
 };
 
@@ -617,10 +574,6 @@ pub const CLAMP: OptionSpec = OptionSpec {
         takes: Takes::Text("off|N"),
         read: |options, text| clamp_limit(text).map(|limit| options.clamp = limit),
         value: |options| Some(options.clamp.map_or("off".to_string(), |limit| limit.to_string())),
-    }),
-    links: Some(|options| match options.clamp {
-        None => "null/clamp",
-        Some(_) => "step/clamp",
     }),
     ..PLAIN
 };
@@ -649,10 +602,6 @@ pub const PRECISION: OptionSpec = OptionSpec {
     class: Class::Numerics,
     trade_off: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
     reading: word!(precision: Precision),
-    links: Some(|options| match options.precision {
-        Precision::Strict => "geometry/sphere_chord",
-        Precision::Fast => "geometry/sphere_chord_fast",
-    }),
     ..PLAIN
 };
 
@@ -780,7 +729,6 @@ const PLAIN: OptionSpec = OptionSpec {
     trade_off: "",
     reading: None,
     own: None,
-    links: None,
     is_hidden: false,
 };
 

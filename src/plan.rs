@@ -1,6 +1,7 @@
 //! What this scene requires: which kernels, linked from which modules, and which buffers, each with the reason.
 
-pub mod choices;
+mod choices;
+mod facts;
 mod report;
 mod state;
 mod tables;
@@ -16,7 +17,7 @@ use crate::bvh::Quality;
 use crate::data::{self, QUEUE_HEADER};
 use crate::error::Result;
 use crate::film;
-use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
+use crate::flatten::{DECLARED, Declared, DeviceScene, Features, MATERIALS};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
@@ -24,7 +25,8 @@ use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 
-use choices::{Bounces, Decided, QUEUES, decide, entries, of_light_paths};
+use choices::{decide, entries};
+use facts::{Bounces, Purpose, QUEUES};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 use state::path_layout;
 pub use state::{PathField, most_path_bytes};
@@ -196,22 +198,23 @@ impl Kernels {
         scatter: Scatter,
         tables: &UniformTables,
     ) -> Result<Kernels> {
-        let materials = entries(MATERIALS, &features.materials);
+        let materials = entries(features, "material", MATERIALS);
         // With one material there is nothing to sort.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
-        let decided = decide(features, options, tables, &materials, &materials, 0, bounces);
-        let Decided { choices, path_fields, surface, medium, light, queue, light_paths } = decided;
+        let choose = |served: &[Entry], queue, light_path| {
+            decide(features, options, tables, &materials, queue, Purpose { served, bounces, light_path })
+        };
+        let (choices, path_fields) = choose(&materials, 0, false);
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();
-        let geometry = names_with_reasons(PRIMITIVES, &features.primitives, "");
-        let media = names_with_reasons(&boundary_names(), &features.boundaries, " medium");
-        let of_sky = names_with_reasons(&["sky"], std::slice::from_ref(&features.emitting_sky), " light");
-        let without_size = names_with_reasons(&["delta"], std::slice::from_ref(&features.delta_lights), " light");
-        let emitters = [names_with_reasons(PRIMITIVES, &features.emitters, " light"), without_size, of_sky];
+        let geometry = names_with_reasons(features, "shape", "");
+        let media = names_with_reasons(features, "boundary", " medium");
+        let emitters =
+            ["area_light", "delta_light", "sky_light"].map(|fact| names_with_reasons(features, fact, " light"));
         let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
-        let all_materials = names_with_reasons(MATERIALS, &features.materials, "");
+        let all_materials = names_with_reasons(features, "material", "");
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
@@ -220,25 +223,28 @@ impl Kernels {
                 if all_reasons.is_empty() { &every_render } else { &all_reasons },
             )?))
         } else {
-            let if_any = |reason: &Option<Reason>, name, why: &str| {
-                reason.as_ref().map(|reason| kernel(name, name, &choices, why, reason)).transpose()
+            let if_any = |fact, name, why: &str| {
+                choices.reason(fact).map(|reason| kernel(name, name, &choices, why, reason)).transpose()
             };
             // The scatter kernel of one material is the stage's file with a list of one material.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
                 let served = [Entry { closes: true, ..material.clone() }];
-                let own = decide(features, options, tables, &materials, &served, queue, bounces).choices;
+                let (own, _) = choose(&served, queue, false);
                 let name = format!("scatter_{}", material.name);
                 kernel(&name, "scatter", &own, &material.why.to_string(), &material.why)
             };
             Bounce::Staged(Box::new(Staged {
-                intersect: always("intersect", if surface.is_none() { &every_render } else { &geometry })?,
-                medium: if_any(&medium, "medium", &media)?,
-                dispatch: if_any(&queue, "dispatch", &format!("a queue for each material ({QUEUES})"))?,
+                intersect: always(
+                    "intersect",
+                    if choices.reason("surface").is_none() { &every_render } else { &geometry },
+                )?,
+                medium: if_any("medium", "medium", &media)?,
+                dispatch: if_any("queues", "dispatch", &format!("a queue for each material ({QUEUES})"))?,
                 scatter: match queues {
                     true => (0..).zip(&materials).map(queued_scatter).collect::<Result<_>>()?,
-                    false => if_any(&surface, "scatter", &all_materials)?.into_iter().collect(),
+                    false => if_any("surface", "scatter", &all_materials)?.into_iter().collect(),
                 },
-                shadow: if_any(&light, "shadow", &emitters)?,
+                shadow: if_any("light", "shadow", &emitters)?,
                 refill: always("refill", &every_render)?,
             }))
         };
@@ -246,9 +252,10 @@ impl Kernels {
         let settings = SettingsLayout::from_module(&generate.module)?;
         let accumulate = always("accumulate", &every_render)?;
         let link_light_path = |reason: &Reason| {
-            kernel("light_path", "light_path", &of_light_paths(&choices), &reason.to_string(), reason)
+            let (own, _) = choose(&materials, 0, true);
+            kernel("light_path", "light_path", &own, &reason.to_string(), reason)
         };
-        let light_path = light_paths.as_ref().map(link_light_path).transpose()?;
+        let light_path = choices.reason("light_paths").map(link_light_path).transpose()?;
         Ok(Kernels {
             generate,
             bounce,
@@ -382,20 +389,19 @@ fn largest_images(flat: &DeviceScene) -> Option<String> {
     (!flat.images.is_empty()).then(|| format!("scale images down, the largest first: {}", bitmap::largest(images)))
 }
 
-fn boundary_names() -> Vec<&'static str> {
-    BOUNDARIES.iter().map(|(name, _)| *name).collect()
-}
-
 /// "sphere light (objects.ron:3:9), quad light (…)"
-fn names_with_reasons(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
-    let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name}{suffix} ({})", used.as_ref()?)));
+fn names_with_reasons(features: &Features, group: &str, suffix: &str) -> String {
+    let facts = DECLARED.iter().filter(|declared| declared.name == group).flat_map(Declared::facts);
+    let name = |fact: &str| fact.split_once('.').map_or(fact.trim_end_matches("_light"), |(_, kind)| kind).to_string();
+    let each = facts.filter_map(|fact| Some(format!("{}{suffix} ({})", name(&fact), features.reason(&fact)?)));
     each.collect::<Vec<_>>().join(", ")
 }
 
 /// The choices of a kernel for all materials of the scene, for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
-    let materials = entries(MATERIALS, &features.materials);
-    decide(features, options, tables, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices
+    let materials = entries(features, "material", MATERIALS);
+    let bounces = Bounces { fused: true, queues: false };
+    decide(features, options, tables, &materials, 0, Purpose { served: &materials, bounces, light_path: false }).0
 }
 
 fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, reason: &Reason) -> Result<Kernel> {

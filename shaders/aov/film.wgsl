@@ -1,3 +1,4 @@
+//@ implements aov_film when aov
 //@ use data/window
 //@ use step/film
 // The sums of `--aov` on the film.
@@ -9,4 +10,10 @@ fn add_aov(pixel: u32, run: RunRecord) {
     for (var i = 0u; i < ${path_sums}u; i++) {
         add_to_film(pixel, SUMS_OF_RADIANCE + i, run.aov[i], SUM_FRACTION);
     }
+}
+
+//@ without
+//@ use data/window
+// The film has no channel but radiance.
+fn add_aov(pixel: u32, run: RunRecord) {
 }

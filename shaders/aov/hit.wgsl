@@ -1,3 +1,4 @@
+//@ implements aov_hit when aov_hit
 //@ use data/path
 //@ use data/primitive
 //@ each hit_channel
@@ -11,4 +12,10 @@ fn record_hit(path: ptr<function, Path>) {
     //@ each hit_sum
     (*path).aov[${number}u] += ${name};
     //@ end
+}
+
+//@ without
+//@ use data/path
+// The film has no channel of the surface that camera rays hit.
+fn record_hit(path: ptr<function, Path>) {
 }

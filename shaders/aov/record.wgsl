@@ -1,3 +1,4 @@
+//@ implements aov_record when aov
 //@ use data/path
 //@ use data/window
 // The sums of `--aov` of a finished run.
@@ -7,4 +8,14 @@ fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
 
 fn clear_aov(path: ptr<function, Path>) {
     (*path).aov = array<f32, ${path_sums}>();
+}
+
+//@ without
+//@ use data/path
+//@ use data/window
+// The film has no channel but radiance.
+fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
+}
+
+fn clear_aov(path: ptr<function, Path>) {
 }

@@ -1,3 +1,4 @@
+//@ implements aov_surface when aov_surface & !kernel.light_path
 //@ use data/material
 //@ use data/path
 //@ use choice/filter_weight
@@ -28,4 +29,14 @@ fn record_event_seen(path: ptr<function, Path>, passes: bool, event_albedo: vec3
     //@ each surface_sum
     (*path).aov[${number}u] += ${name};
     //@ end
+}
+
+//@ without
+//@ use data/material
+//@ use data/path
+// The film has no channel of the surface that the camera sees.
+fn record_surface(path: ptr<function, Path>, evaluated: EvaluatedMaterial, bsdf: Scatter, normal: vec3<f32>) {
+}
+
+fn record_medium(path: ptr<function, Path>, albedo: vec3<f32>) {
 }

@@ -1,3 +1,4 @@
+//@ implements camera_pose when moving_camera
 //@ use bind/motions
 //@ use bind/settings
 //@ use motion/pose

@@ -1,3 +1,4 @@
+//@ alternative camera when !lens
 //@ use bind/settings
 //@ use data/ray
 //@ use camera/film_plane

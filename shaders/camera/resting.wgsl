@@ -1,3 +1,4 @@
+//@ implements camera_pose when !moving_camera
 //@ use bind/settings
 // A camera that rests, at the origin of render space.
 

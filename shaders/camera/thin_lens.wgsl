@@ -1,3 +1,4 @@
+//@ alternative camera when lens
 //@ use data/ray
 //@ use lib/sampling
 //@ use camera/film_plane

@@ -30,13 +30,13 @@ struct Settings {
     inverse_focus: f32,
     lens_y: vec3<f32>,
     //@ end
-    //@ if image_background
+    //@ if background.image
     background_width: u32,
     background_height: u32,
     background_texel: u32,
     background_format: u32,
     //@ end
-    //@ if gradient_background
+    //@ if background.gradient
     background_top: vec3<f32>,
     //@ end
     //@ if camera_axes
@@ -45,7 +45,7 @@ struct Settings {
     world_y: vec3<f32>,
     world_z: vec3<f32>,
     //@ end
-    //@ if clamp
+    //@ if clamp & event
     // The limit on a contribution of indirect light, in device radiance.
     indirect_limit: f32,
     //@ end

@@ -1,3 +1,4 @@
+//@ implements splat_filter when filter.box
 //@ use data/target_pixel
 // With a box filter only the pixel itself covers a point.
 fn choose_pixel(at: vec2<f32>, u: vec2<f32>) -> TargetPixel {

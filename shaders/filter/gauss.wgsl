@@ -1,3 +1,4 @@
+//@ alternative filter when filter.gauss
 //@ use lib/sampling
 // A point around the middle of a pixel with a Gaussian density of standard deviation 1/2 pixel, cut off at a distance of 1.5
 // pixels (Box and Muller, "A note on the generation of random normal deviates", Annals of Mathematical Statistics 29(2), 1958).

@@ -1,3 +1,4 @@
+//@ implements filter_value when filter.gauss
 //@ use filter/gauss
 // The Gaussian of filter/gauss.
 fn filter_value(at: vec2<f32>) -> f32 {

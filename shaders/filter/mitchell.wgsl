@@ -1,3 +1,4 @@
+//@ alternative filter when filter.mitchell
 // The cubic filter f(x) f(y) of Mitchell and Netravali with B = C = 1/3 ("Reconstruction filters in computer graphics", SIGGRAPH
 // 1988, equation 8), four pixels wide. It is negative between 8/7 and 2 pixels from the middle. So points have the density |f|, and
 // samples the weight sign(f) ∫|f| / ∫f along each axis (Ernst, Stamminger, Greiner, "Filter importance sampling", 2006).

@@ -1,3 +1,4 @@
+//@ implements filter_value when filter.mitchell
 // The cubic of filter/mitchell along an axis: Mitchell and Netravali, equation 8, with B = C = 1/3.
 fn mitchell(distance: f32) -> f32 {
     let x = abs(distance);

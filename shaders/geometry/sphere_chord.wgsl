@@ -1,3 +1,4 @@
+//@ alternative sphere_chord when !(precision.fast & ball)
 //@ use data/ray
 //@ use data/primitive
 //@ use data/surface

@@ -1,3 +1,4 @@
+//@ alternative fresnel when !(fresnel.schlick & glass)
 //@ use lib/refraction
 // Fresnel reflection at a smooth boundary. This form has no cancellation as the relative index approaches 1.
 

@@ -1,3 +1,4 @@
+//@ alternative fresnel when fresnel.schlick & glass
 //@ use lib/refraction
 // Schlick's approximation instead of Fresnel reflection (`--fresnel schlick`): R = R0 + (1 - R0)(1 - cos)^5, with R0 the
 // reflectance at normal incidence (Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum

@@ -1,3 +1,4 @@
+//@ implements facets when !anisotropy
 //@ use data/material
 //@ use lib/basis
 //@ use lib/microfacet

@@ -1,3 +1,4 @@
+//@ implements sheen when sheen
 //@ use data/material
 //@ use lib/basis
 //@ use lib/charlie
@@ -100,4 +101,27 @@ fn with_sheen(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f
     let of_rest = (1.0 - share) * under.pdf;
     let pdf = of_rest + of_sheen;
     return Response(value, pdf, select(0.0, min(of_rest * under.narrow / pdf, 1.0), pdf > 0.0));
+}
+
+//@ without
+//@ use data/material
+// No material of glTF has a sheen.
+fn sheen_spreads(lobes: Lobes, under: bool) -> bool {
+    return under;
+}
+
+fn below_sheen(scatter: Scatter, hit: Interaction, outer: LobeDraw) -> Scatter {
+    return scatter;
+}
+
+fn sheened_albedo(hit: Interaction, under: f32) -> f32 {
+    return under;
+}
+
+fn draw_sheen(draw: LobeDraw, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
+    return draw;
+}
+
+fn with_sheen(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
+    return under;
 }

@@ -1,3 +1,4 @@
+//@ implements body when diffuse_transmission
 //@ use data/material
 //@ use lib/basis
 //@ use lib/sampling

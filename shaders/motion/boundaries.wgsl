@@ -1,10 +1,11 @@
+//@ implements pose_of_boundary when boundary_moves
 //@ use data/medium
 //@ use data/primitive
 //@ use motion/pose
 //@ each convex_boundary
 //@ use bind/${name}s
 //@ end
-//@ if mesh_boundary
+//@ if boundary.mesh
 //@ use bind/instances
 //@ end
 // The poses of the boundaries of media.
@@ -17,7 +18,7 @@ fn order_of_boundary(code: u32) -> u32 {
             return ${name}s[index].order;
         }
         //@ end
-        //@ if mesh_boundary
+        //@ if boundary.mesh
         default: {
             return instances[index].order;
         }
@@ -27,4 +28,11 @@ fn order_of_boundary(code: u32) -> u32 {
 
 fn pose_of_boundary(code: u32) -> Pose {
     return pose_of(order_of_boundary(code));
+}
+
+//@ without
+//@ use data/motion
+// No boundary of a medium moves.
+fn pose_of_boundary(code: u32) -> Pose {
+    return Pose();
 }

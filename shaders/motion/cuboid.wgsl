@@ -1,3 +1,4 @@
+//@ implements moved_cuboid when moves.cuboid | boundary_moves.cuboid
 //@ use data/motion
 //@ use data/primitive
 //@ use data/surface
@@ -16,6 +17,28 @@ fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {
     moved.x_axis = axes.x;
     moved.y_axis = axes.y;
     return moved;
+}
+
+fn cuboid_at_rest(surface: Surface, cuboid: Cuboid) -> Surface {
+    return surface;
+}
+
+fn cuboid_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn cuboid_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
+}
+
+//@ without
+//@ use data/motion
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+// Boxes rest.
+fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {
+    return cuboid;
 }
 
 fn cuboid_at_rest(surface: Surface, cuboid: Cuboid) -> Surface {

@@ -1,3 +1,4 @@
+//@ implements moved_delta_light when moving_light
 //@ use data/light
 //@ use motion/pose
 // Lights without size that move. The own point of a directional light, which has none, is of no account.
@@ -9,4 +10,11 @@ fn moved_delta_light(light: DeltaLight, index: u32) -> DeltaLight {
     moved.position = select(direction, light.position + pose.shift, light.has_position > 0.0);
     moved.axis = apply_turn(pose.turn, light.axis);
     return moved;
+}
+
+//@ without
+//@ use data/light
+// Lights without size rest.
+fn moved_delta_light(light: DeltaLight, index: u32) -> DeltaLight {
+    return light;
 }

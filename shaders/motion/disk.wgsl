@@ -1,3 +1,4 @@
+//@ implements moved_disk when moves.disk | boundary_moves.disk
 //@ use data/primitive
 //@ use data/surface
 //@ use lib/tangents
@@ -6,6 +7,28 @@
 
 fn moved_disk(disk: Quad, pose: Pose) -> Quad {
     return moved_square(disk, pose);
+}
+
+fn disk_at_rest(surface: Surface, disk: Quad) -> Surface {
+    return surface;
+}
+
+fn disk_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
+}
+
+//@ without
+//@ use data/motion
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+// Disks rest.
+fn moved_disk(disk: Quad, pose: Pose) -> Quad {
+    return disk;
 }
 
 fn disk_at_rest(surface: Surface, disk: Quad) -> Surface {

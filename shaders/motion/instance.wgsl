@@ -1,3 +1,4 @@
+//@ implements moved_instance when moves.triangle | boundary_moves.triangle
 //@ use data/motion
 //@ use data/primitive
 //@ use motion/turned_axes
@@ -14,4 +15,12 @@ fn moved_instance(instance: Instance, pose: Pose) -> Instance {
     moved.x_axis = axes.x;
     moved.y_axis = axes.y;
     return moved;
+}
+
+//@ without
+//@ use data/motion
+//@ use data/primitive
+// Meshes rest.
+fn moved_instance(instance: Instance, pose: Pose) -> Instance {
+    return instance;
 }

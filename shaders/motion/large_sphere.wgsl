@@ -1,3 +1,4 @@
+//@ implements moved_large_sphere when moves.large_sphere | boundary_moves.large_sphere
 //@ use data/primitive
 //@ use data/surface
 //@ use lib/quaternion
@@ -43,4 +44,26 @@ fn large_sphere_unturned(surface: Surface) -> Surface {
 
 fn large_sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
     return turned_tangents(tangents, pose);
+}
+
+//@ without
+//@ use data/motion
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+// Large spheres rest.
+fn moved_large_sphere(large_sphere: LargeSphere, pose: Pose) -> LargeSphere {
+    return large_sphere;
+}
+
+fn large_sphere_at_rest(surface: Surface, large_sphere: LargeSphere) -> Surface {
+    return surface;
+}
+
+fn large_sphere_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn large_sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
 }

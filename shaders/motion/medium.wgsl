@@ -1,3 +1,4 @@
+//@ implements moved_medium when moving_medium
 //@ use data/medium
 //@ use motion/boundaries
 // Textures of media that move.
@@ -7,4 +8,11 @@ fn offset_at_rest(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     let offset = point - medium.center;
     let pose = pose_of((order_of_boundary(medium.boundary) + 1u) | MOVES);
     return apply_turn(inverse_turn(pose.turn), offset - pose.shift) / pose.scale;
+}
+
+//@ without
+//@ use data/medium
+// The textures of media rest.
+fn offset_at_rest(medium: Medium, point: vec3<f32>) -> vec3<f32> {
+    return point - medium.center;
 }

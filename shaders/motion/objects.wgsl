@@ -1,10 +1,11 @@
+//@ implements pose when moves
 //@ use data/hit
 //@ use data/primitive
 //@ use motion/pose
 //@ each moving
 //@ use bind/${name}s
 //@ end
-//@ if moving_mesh
+//@ if moves.triangle
 //@ use bind/instances
 //@ use scene/at_run_time
 //@ end
@@ -19,7 +20,7 @@ fn order_of_object(code: u32, instance: u32) -> u32 {
             return ${name}s[index].order;
         }
         //@ end
-        //@ if moving_mesh
+        //@ if moves.triangle
         case KIND_TRIANGLE: {
             if instance == NO_INSTANCE {
                 return 0u;
@@ -43,4 +44,15 @@ fn place_of(order: u32) -> u32 {
 
 fn pose_at(code: u32, instance: u32) -> Pose {
     return pose_of(order_of_object(code, instance));
+}
+
+//@ without
+//@ use data/motion
+// No object moves.
+fn pose_at(code: u32, instance: u32) -> Pose {
+    return Pose();
+}
+
+fn place_of(order: u32) -> u32 {
+    return order;
 }

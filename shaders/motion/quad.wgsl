@@ -1,3 +1,4 @@
+//@ implements moved_quad when moves.quad | boundary_moves.quad
 //@ use data/primitive
 //@ use data/surface
 //@ use lib/tangents
@@ -6,6 +7,28 @@
 
 fn moved_quad(quad: Quad, pose: Pose) -> Quad {
     return moved_square(quad, pose);
+}
+
+fn quad_at_rest(surface: Surface, quad: Quad) -> Surface {
+    return surface;
+}
+
+fn quad_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn quad_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
+}
+
+//@ without
+//@ use data/motion
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+// Quads rest.
+fn moved_quad(quad: Quad, pose: Pose) -> Quad {
+    return quad;
 }
 
 fn quad_at_rest(surface: Surface, quad: Quad) -> Surface {

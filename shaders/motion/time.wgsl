@@ -1,3 +1,4 @@
+//@ implements time when motion
 //@ use data/dimension
 //@ use data/path
 //@ use bind/settings
@@ -9,4 +10,10 @@
 fn begin_time(path: ptr<function, Path>) {
     now = random4((*path).pixel, (*path).sample, DIMENSION_TIME, settings.seed).x;
     begin_camera();
+}
+
+//@ without
+//@ use data/path
+// Nothing moves.
+fn begin_time(path: ptr<function, Path>) {
 }

@@ -1,3 +1,4 @@
+//@ alternative sampler when sampler.sobol
 //@ use data/window
 //@ use lib/owen
 //@ use lib/rng

@@ -1,3 +1,4 @@
+//@ implements absorption when absorbing
 //@ use data/material
 //@ use data/surface
 //@ use bind/extensions
@@ -6,4 +7,11 @@
 fn absorb_inside(throughput: vec3<f32>, surface: Surface, front: bool, distance: f32) -> vec3<f32> {
     let kept = exp(-distance * extensions[surface.material].absorption);
     return throughput * select(kept, vec3<f32>(1.0), front);
+}
+
+//@ without
+//@ use data/surface
+// No inside absorbs.
+fn absorb_inside(throughput: vec3<f32>, surface: Surface, front: bool, distance: f32) -> vec3<f32> {
+    return throughput;
 }

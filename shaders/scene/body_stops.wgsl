@@ -1,3 +1,4 @@
+//@ implements stops when alpha_body
 //@ use data/hit
 //@ use data/motion
 //@ use data/ray

@@ -1,3 +1,4 @@
+//@ alternative walk when brute_force
 //@ use data/ray
 //@ use data/surface
 //@ use data/hit

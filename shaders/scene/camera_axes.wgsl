@@ -1,3 +1,4 @@
+//@ alternative axes when camera_axes
 //@ use bind/settings
 // Render space has the camera's axes. The world's axes are the rows of a rotation.
 fn to_world(direction: vec3<f32>) -> vec3<f32> {

@@ -1,3 +1,4 @@
+//@ implements coat_normal when coat_normal
 //@ use data/hit
 //@ use data/material
 //@ use data/surface
@@ -17,4 +18,19 @@ fn coat_normal_at(
         return shading;
     }
     return normal_by_map(row, hit, surface, incoming, shading, front, code);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/surface
+// No coat has a normal map.
+fn coat_normal_at(
+    hit: Hit,
+    surface: Surface,
+    incoming: vec3<f32>,
+    shading: vec3<f32>,
+    front: bool,
+    code: vec3<f32>,
+) -> vec3<f32> {
+    return shading;
 }

@@ -1,3 +1,4 @@
+//@ implements coverage when alpha
 //@ use data/dimension
 //@ use data/path
 //@ use data/ray
@@ -48,4 +49,14 @@ fn is_stopped(hit: Hit, ray: Ray, decision: u32) -> bool {
         return coverage > 0.0;
     }
     return random_of_surface(walker.pixel, walker.sample, walker.dimension, hit, decision) < coverage;
+}
+
+//@ without
+//@ use data/dimension
+//@ use data/hit
+//@ use data/path
+//@ use data/ray
+//@ use data/surface
+// All surfaces stop all light.
+fn begin_walk(path: ptr<function, Path>, block: u32) {
 }

@@ -1,3 +1,4 @@
+//@ implements delta_emission when delta_light
 //@ use data/emitted_ray
 //@ use data/primitive
 //@ use bind/emitters
@@ -35,4 +36,16 @@ fn density_of_delta_emission(code: u32, to_light: Ray) -> f32 {
         return probability * density_of_aim(Ray(light.position, -to_light.direction), code);
     }
     return probability * density_of_parallel_aim(Ray(to_light.origin, -to_light.direction), code);
+}
+
+//@ without
+//@ use data/emitted_ray
+//@ use data/ray
+// No light is without size.
+fn emit_from_delta_light(code: u32, probability: f32, u: f32, v: vec2<f32>) -> EmittedRay {
+    return no_emission();
+}
+
+fn density_of_delta_emission(code: u32, to_light: Ray) -> f32 {
+    return 0.0;
 }

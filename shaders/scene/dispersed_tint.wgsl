@@ -1,3 +1,4 @@
+//@ implements tint when dispersion
 //@ use data/material
 // Returns the light times the tint of a transmissive surface, if the direction crosses the surface: of the followed channel
 // (step/followed_channel).

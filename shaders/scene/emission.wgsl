@@ -37,7 +37,7 @@ fn point_of_light(light: Light, u: vec2<f32>) -> LightPoint {
             return ${name}_part_point(moved_${name}(${name}s[index], pose), light.part, u);
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             let face = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
             let corners = part_of_triangle(face, light.part);

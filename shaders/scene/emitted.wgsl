@@ -1,3 +1,4 @@
+//@ implements surface_radiance when !scene.emission
 //@ use data/hit
 //@ use data/material
 //@ use data/ray

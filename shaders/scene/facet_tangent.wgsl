@@ -1,3 +1,4 @@
+//@ implements facet_tangent when anisotropy
 //@ use data/hit
 //@ use data/material
 //@ use data/surface
@@ -18,4 +19,12 @@ fn facet_tangent(hit: Hit, surface: Surface, normal: vec3<f32>, front: bool, tur
         return basis_around(normal).tangent;
     }
     return along * inverseSqrt(length2);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/surface
+// No material has an anisotropy.
+fn facet_tangent(hit: Hit, surface: Surface, normal: vec3<f32>, front: bool, turn: vec2<f32>) -> vec3<f32> {
+    return normal;
 }

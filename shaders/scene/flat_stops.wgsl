@@ -1,3 +1,4 @@
+//@ implements stops when alpha & !alpha_body
 //@ use data/hit
 //@ use data/motion
 //@ use data/ray
@@ -5,4 +6,13 @@
 // Surfaces that a ray crosses once may let it pass.
 fn stops_before(candidate: ptr<function, Hit>, hit: Hit, pose: Pose, ray: Ray) -> bool {
     return is_stopped(*candidate, ray, COVERAGE);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/motion
+//@ use data/ray
+// All surfaces stop all light.
+fn stops_before(candidate: ptr<function, Hit>, hit: Hit, pose: Pose, ray: Ray) -> bool {
+    return true;
 }

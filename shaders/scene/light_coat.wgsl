@@ -1,3 +1,4 @@
+//@ implements light_coat when scene.emission & coat
 //@ use data/hit
 //@ use data/material
 //@ use data/ray
@@ -25,4 +26,13 @@ fn radiance_through_coat(radiance: vec3<f32>, hit: Hit, surface: Surface, ray: R
     seen.lobes.coat = min(extension_colour(rows.coat, hit, surface).x, 1.0);
     seen.lobes.coat_f0 = materials[rows.coat].contrast_outside;
     return emission_under_coat(radiance, seen);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/ray
+//@ use data/surface
+// No surface with a coat emits.
+fn radiance_through_coat(radiance: vec3<f32>, hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
+    return radiance;
 }

@@ -1,3 +1,4 @@
+//@ implements light_coverage when area_light & alpha & scene.emission
 //@ use data/hit
 //@ use data/light
 //@ use data/primitive
@@ -12,4 +13,12 @@ fn cover_light_at_hit(radiance: vec3<f32>, ray: Ray, hit: Hit) -> vec3<f32> {
         return radiance;
     }
     return radiance * coverage_at(hit, light_surface_at(hit, ray));
+}
+
+//@ without
+//@ use data/hit
+//@ use data/ray
+// Lights cover all that is behind them.
+fn cover_light_at_hit(radiance: vec3<f32>, ray: Ray, hit: Hit) -> vec3<f32> {
+    return radiance;
 }

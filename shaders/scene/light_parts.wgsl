@@ -1,3 +1,4 @@
+//@ implements light_parts when parted
 //@ use data/hit
 //@ use data/light
 //@ use data/primitive
@@ -6,7 +7,7 @@
 //@ each parted_emitter
 //@ use light/${name}_parts
 //@ end
-//@ if parted_mesh
+//@ if parted.triangle
 //@ use scene/face_parts
 //@ end
 // Lights that are parts of their shapes.
@@ -23,7 +24,7 @@ fn part_at_hit(index: u32, hit: Hit, local: vec3<f32>) -> u32 {
             coordinates = ${name}_part_coordinates(local);
         }
         //@ end
-        //@ if parted_mesh
+        //@ if parted.triangle
         case KIND_TRIANGLE: {
             coordinates = triangle_part_coordinates(local);
         }
@@ -46,4 +47,15 @@ fn part_of_light(index: u32) -> u32 {
         return 0u;
     }
     return lights[index].part;
+}
+
+//@ without
+//@ use data/hit
+// Each shape that is a light is one.
+fn part_at_hit(index: u32, hit: Hit, local: vec3<f32>) -> u32 {
+    return index;
+}
+
+fn part_of_light(index: u32) -> u32 {
+    return 0u;
 }

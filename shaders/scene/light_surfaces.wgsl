@@ -1,3 +1,4 @@
+//@ implements light_surfaces when area_light
 //@ use data/hit
 //@ use data/material
 //@ use data/primitive
@@ -7,7 +8,7 @@
 //@ use choice/light_crossings
 //@ use choice/surface_radiance
 //@ use scene/lights
-//@ if emitting_mesh
+//@ if area_light.triangle
 //@ use bind/instances
 //@ use choice/moved_instance
 //@ use geometry/instance
@@ -24,7 +25,7 @@ struct LightRay {
     pose: Pose,
 }
 
-//@ if emitting_mesh
+//@ if area_light.triangle
 fn ray_to_shape(code: u32, instance: u32, pose: Pose, shadow: Ray) -> LightRay {
     if primitive_kind(code) != KIND_TRIANGLE {
         return LightRay(shadow, vec3<f32>(0.0), NO_INSTANCE, pose);
@@ -53,4 +54,16 @@ fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
 fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
     let surface = light_surface_at(hit, ray);
     return surface_radiance(hit, surface, ray_to_hit(hit, surface.pose, ray).ray);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/ray
+// No surface is sampled as a light.
+fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
+    return hit_at(code, 0.0);
+}
+
+fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
+    return vec3<f32>(0.0);
 }

@@ -1,3 +1,4 @@
+//@ alternative light_choice when several_lights
 //@ use bind/lights
 //@ use bind/light_nodes
 //@ use lib/octahedral

@@ -19,7 +19,7 @@
 //@ each parted_emitter
 //@ use light/${name}_parts
 //@ end
-//@ if emitting_mesh
+//@ if area_light.triangle
 //@ use light/triangle
 //@ use choice/face_parts
 //@ use choice/moved_instance
@@ -50,7 +50,7 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
             return ${name}_part_sample(from_point, moved_${name}(${name}s[index], pose), light.part, u.xy);
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             let face = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
             let corners = part_of_triangle(face, light.part);
@@ -73,7 +73,7 @@ fn light_hit_distance(code: u32, pose: Pose, ray: Ray, inverse: vec3<f32>) -> f3
             return ${name}_distance(ray, moved_${name}(${name}s[index], pose));
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             return face_hit(ray, inverse, index).t;
         }
@@ -95,7 +95,7 @@ fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
             return ${name}_at_rest(in_pose(${name}_surface(to_hit.ray, to_hit.t, moved_${name}(${name}s[index], pose)), pose), ${name}s[index]);
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             return in_pose(mesh_surface(ray, moved_instance(instances[at_run_time(hit.instance)], pose), index), pose);
         }
@@ -115,7 +115,7 @@ fn distance_to_light(code: u32, pose: Pose, ray: Ray) -> f32 {
             return ${name}_light_distance(ray, moved_${name}(${name}s[index], pose));
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             let corners = corners_of(index);
             let normal = triangle_cross(corners.a, corners.b, corners.c);
@@ -166,7 +166,7 @@ fn number_of_light(hit: Hit) -> u32 {
             return ${name}s[index].light;
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             return instances[at_run_time(hit.instance)].to_light + index;
         }
@@ -205,7 +205,7 @@ fn density_of_light(index: u32, code: u32, instance: u32, from_point: vec3<f32>,
             pdf = ${name}_part_pdf(from_point, direction, moved_${name}(${name}s[of_kind], pose), part);
         }
         //@ end
-        //@ if emitting_mesh
+        //@ if area_light.triangle
         case KIND_TRIANGLE: {
             let face = corners_in_render_space(moved_instance(instances[at_run_time(instance)], pose), of_kind);
             let corners = part_of_triangle(face, part);

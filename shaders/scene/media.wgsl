@@ -9,7 +9,7 @@
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
-//@ if mesh_boundary
+//@ if boundary.mesh
 //@ use scene/medium_in_mesh
 //@ end
 // Finds where media scatter rays.
@@ -26,7 +26,7 @@ fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<functi
             return collision_within(${name}_interval(ray, moved_${name}(${name}s[index], pose)), distance, limit);
         }
         //@ end
-        //@ if mesh_boundary
+        //@ if boundary.mesh
         default: {
             return collision_in_mesh(ray, moved_instance(instances[index], pose), distance, limit, steps);
         }

@@ -15,7 +15,7 @@
 fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surface, number: f32) -> vec3<f32> {
     let index = primitive_index(hit.code);
     let instance = with_table(moved_instance(instances[at_run_time(hit.instance)], surface.pose), number);
-    //@ if vertex_tangents
+    //@ if vertex_tangents & further_uv
     if meshes[meshes[index].x].w != NO_NORMAL {
         return rotated_from_mesh(instance, normal_by_tangents(mapped, rotated_to_mesh(instance, normal), instance, index, surface.local));
     }
@@ -23,7 +23,7 @@ fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surfa
     return normal_of_map(mapped, normal, mesh_tangents(instance, index));
 }
 
-//@ if vertex_tangents
+//@ if vertex_tangents & further_uv
 // A vertex's tangent along u; 0 where its texture coordinates give none.
 fn tangent_of_vertex(index: u32) -> vec3<f32> {
     let words = meshes[index].zw;

@@ -1,3 +1,4 @@
+//@ implements multiscatter when multiscatter
 //@ use data/material
 //@ use data/surface
 //@ use bind/extensions
@@ -18,4 +19,16 @@ fn energy_compensation(material: Material, surface: Surface, hit: Interaction) -
 // Returns a reflectance with the light that single scattering loses. `f0` is the reflectance at normal incidence.
 fn compensated(reflectance: vec3<f32>, f0: vec3<f32>, hit: Interaction) -> vec3<f32> {
     return reflectance * (1.0 + f0 * hit.compensation);
+}
+
+//@ without
+//@ use data/material
+//@ use data/surface
+// No material has energy compensation.
+fn energy_compensation(material: Material, surface: Surface, hit: Interaction) -> f32 {
+    return hit.compensation;
+}
+
+fn compensated(reflectance: vec3<f32>, f0: vec3<f32>, hit: Interaction) -> vec3<f32> {
+    return reflectance;
 }

@@ -17,7 +17,7 @@
 //@ use scene/at_run_time
 //@ use scene/mesh_tangents
 //@ end
-//@ if uv_tables
+//@ if further_uv
 //@ use scene/mesh_normal_map
 //@ end
 // The normal that an image has for a finer surface.
@@ -41,7 +41,7 @@ fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
 
 // The unit vector that this row of the table of materials has in the axes of its texture coordinates and the normal `outward`.
 fn vector_by_row(row: u32, mapped: vec3<f32>, outward: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
-    //@ if uv_tables
+    //@ if further_uv
     if primitive_kind(hit.code) == KIND_TRIANGLE {
         return normal_on_mesh(mapped, outward, hit, surface, frames[surface.frame + materials[row].kind].phase);
     }

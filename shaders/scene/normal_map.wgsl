@@ -1,3 +1,4 @@
+//@ implements normal_map when normal
 //@ use data/hit
 //@ use data/material
 //@ use data/surface
@@ -38,4 +39,28 @@ fn keep_side(bsdf: Scatter, mapped: vec3<f32>, shading: vec3<f32>) -> Scatter {
 // Returns 0 for the response to light from such a direction.
 fn response_on_side(value: vec3<f32>, direction: vec3<f32>, mapped: vec3<f32>, shading: vec3<f32>) -> vec3<f32> {
     return select(vec3<f32>(0.0), value, keeps_its_side(direction, mapped, shading));
+}
+
+//@ without
+//@ use data/hit
+//@ use data/material
+//@ use data/surface
+// No material has a normal map.
+fn mapped_normal(
+    hit: Hit,
+    surface: Surface,
+    incoming: vec3<f32>,
+    shading: vec3<f32>,
+    front: bool,
+    code: vec3<f32>,
+) -> vec3<f32> {
+    return shading;
+}
+
+fn keep_side(bsdf: Scatter, mapped: vec3<f32>, shading: vec3<f32>) -> Scatter {
+    return bsdf;
+}
+
+fn response_on_side(value: vec3<f32>, direction: vec3<f32>, mapped: vec3<f32>, shading: vec3<f32>) -> vec3<f32> {
+    return value;
 }

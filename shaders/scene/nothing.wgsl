@@ -1,3 +1,4 @@
+//@ alternative walk when !surface & !brute_force
 //@ use data/ray
 //@ use data/hit
 //@ use data/primitive

@@ -1,3 +1,4 @@
+//@ implements passed_panes when pane
 //@ use data/hit
 //@ use data/ray
 //@ use data/surface
@@ -40,4 +41,23 @@ fn distance_ahead(candidate: Hit, pose: Pose, ray: Ray) -> f32 {
 // Whether a walk that looks for any hit may end with this one. A pane may let the ray pass.
 fn may_end_walk(candidate: Hit) -> bool {
     return !may_be_pane(candidate);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/motion
+//@ use data/ray
+// No surface is a pane.
+const ANY_HIT_ENDS_WALK: bool = true;
+
+fn begin_of_walk() -> f32 {
+    return 0.0;
+}
+
+fn distance_ahead(candidate: Hit, pose: Pose, ray: Ray) -> f32 {
+    return candidate.t;
+}
+
+fn may_end_walk(candidate: Hit) -> bool {
+    return true;
 }

@@ -1,3 +1,4 @@
+//@ alternative colour when !texture
 //@ use data/surface
 //@ use data/hit
 //@ use data/material

@@ -1,3 +1,4 @@
+//@ implements light_colour when !textured_light
 //@ use data/hit
 //@ use data/material
 //@ use data/surface

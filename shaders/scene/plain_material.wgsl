@@ -1,3 +1,4 @@
+//@ implements evaluation when !evaluated
 //@ use data/hit
 //@ use data/material
 //@ use data/surface

@@ -1,3 +1,4 @@
+//@ implements second_parts when second_part
 //@ use data/material
 //@ use bind/materials
 // The second part of a material: the next element of the table, if its kind has two.
@@ -12,4 +13,11 @@ fn second_part_of(material: Material, index: u32) -> Material {
             return material;
         }
     }
+}
+
+//@ without
+//@ use data/material
+// No material has a second part.
+fn second_part_of(material: Material, index: u32) -> Material {
+    return material;
 }

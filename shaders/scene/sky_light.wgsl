@@ -1,3 +1,4 @@
+//@ implements sky_light when sky_light
 //@ use choice/axes
 //@ use choice/light_choice
 //@ use light/sample
@@ -26,4 +27,15 @@ fn sky_density(from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
 
 fn emitted_by_sky(direction: vec3<f32>) -> vec3<f32> {
     return background_radiance(direction);
+}
+
+//@ without
+//@ use light/sample
+// The sky is not sampled as a light.
+fn sky_light_sample(u: vec3<f32>) -> DirectionSample {
+    return NO_DIRECTION_SAMPLE;
+}
+
+fn emitted_by_sky(direction: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(0.0);
 }

@@ -1,3 +1,4 @@
+//@ alternative shading when smooth
 //@ use data/surface
 //@ use data/hit
 //@ use data/ray

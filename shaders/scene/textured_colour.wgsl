@@ -1,3 +1,4 @@
+//@ alternative colour when texture
 //@ use data/surface
 //@ use data/hit
 //@ use data/material
@@ -7,7 +8,7 @@
 //@ if mesh
 //@ use scene/meshes
 //@ end
-//@ if uv_tables
+//@ if further_uv
 //@ use scene/uv_tables
 //@ end
 // The colour of a surface at a hit: the material's own, or that of its texture, evaluated in the object's space.
@@ -23,7 +24,7 @@ fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     }
     //@ end
     let offset = along_frame(frame, local);
-    //@ if uv_tables
+    //@ if further_uv
     let uv = uv_in_table(frame.phase, hit, frame.origin + offset, surface.local);
     //@ else
     let uv = surface_uv(hit, frame.origin + offset, surface.local);

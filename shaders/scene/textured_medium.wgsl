@@ -1,3 +1,4 @@
+//@ alternative medium_albedo when textured_medium
 //@ use data/surface
 //@ use data/material
 //@ use data/medium

@@ -1,3 +1,4 @@
+//@ implements pane_evaluation when pane & textured_pane
 //@ use data/hit
 //@ use data/material
 //@ use data/surface

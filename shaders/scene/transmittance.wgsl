@@ -1,3 +1,4 @@
+//@ implements transmittance when medium
 //@ use data/ray
 //@ use data/medium
 //@ use data/primitive
@@ -9,7 +10,7 @@
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
-//@ if mesh_boundary
+//@ if boundary.mesh
 //@ use scene/medium_in_mesh
 //@ end
 // The fraction of light that passes all media up to distance t, or WALK_CUT if a walk took too many steps.
@@ -26,7 +27,7 @@ fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
                 distance = length_within(${name}_interval(ray, moved_${name}(${name}s[index], pose)), t);
             }
             //@ end
-            //@ if mesh_boundary
+            //@ if boundary.mesh
             default: {
                 distance = length_in_mesh(ray, moved_instance(instances[index], pose), t, steps);
             }
@@ -54,4 +55,17 @@ fn transmit_light(
         return vec3<f32>(0.0);
     }
     return radiance * through;
+}
+
+//@ without
+//@ use data/ray
+// No medium is between surfaces and lights.
+fn transmit_light(
+    radiance: vec3<f32>,
+    ray: Ray,
+    t: f32,
+    steps: ptr<function, u32>,
+    status: ptr<function, u32>,
+) -> vec3<f32> {
+    return radiance;
 }

@@ -1,3 +1,4 @@
+//@ implements vertex_alpha when scene.vertex_alpha & alpha & mesh
 //@ use data/hit
 //@ use data/surface
 //@ use data/material
@@ -12,4 +13,12 @@ fn times_vertex_alpha(alpha: f32, hit: Hit, surface: Surface) -> f32 {
         return alpha;
     }
     return alpha * mesh_alpha(instances[at_run_time(hit.instance)], primitive_index(hit.code), surface.local);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/surface
+// No mesh has an alpha of its vertices.
+fn times_vertex_alpha(alpha: f32, hit: Hit, surface: Surface) -> f32 {
+    return alpha;
 }

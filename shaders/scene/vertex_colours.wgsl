@@ -1,3 +1,4 @@
+//@ implements vertex_colours when vertex_colours & mesh
 //@ use data/hit
 //@ use data/surface
 //@ use data/material
@@ -12,4 +13,12 @@ fn times_vertex_colour(colour: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f3
         return colour;
     }
     return colour * mesh_colour(instances[at_run_time(hit.instance)], primitive_index(hit.code), surface.local);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/surface
+// No mesh has colours of vertices.
+fn times_vertex_colour(colour: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
+    return colour;
 }

@@ -1,3 +1,4 @@
+//@ implements vertex_emission when scene.vertex_emission & mesh
 //@ use data/hit
 //@ use data/surface
 //@ use data/material
@@ -12,4 +13,12 @@ fn times_vertex_emission(radiance: vec3<f32>, hit: Hit, surface: Surface) -> vec
         return radiance;
     }
     return radiance * mesh_colour(instances[at_run_time(hit.instance)], primitive_index(hit.code), surface.local);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/surface
+// No mesh emits by the colours of its vertices.
+fn times_vertex_emission(radiance: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
+    return radiance;
 }

@@ -1,3 +1,4 @@
+//@ alternative axes when !camera_axes
 // Render space has the axes of the world.
 fn to_world(direction: vec3<f32>) -> vec3<f32> {
     return direction;

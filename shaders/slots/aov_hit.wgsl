@@ -1,3 +1,4 @@
+//@ implements aov_hit_slot when aov_hit
 //@ use generated/slots
 //@ use aov/hit
 // Records the hit of a slot's camera ray.
@@ -7,4 +8,10 @@ fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
     load_aov_hit(slot, path);
     record_hit(path);
     store_aov_hit(slot, path);
+}
+
+//@ without
+//@ use data/path
+// The film has no channel of the surface that camera rays hit.
+fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
 }

@@ -1,6 +1,13 @@
+//@ implements probe_slot when probed
 //@ use generated/slots
 // What a path with a shadow ray keeps for the count of light in narrow lobes (step/narrow_lobe).
 fn load_counted_path(slot: u32, path: ptr<function, Path>) {
     load_sample_of_path(slot, path);
     load_throughput(slot, path);
+}
+
+//@ without
+//@ use data/path
+// No light is counted.
+fn load_counted_path(slot: u32, path: ptr<function, Path>) {
 }

@@ -1,3 +1,4 @@
+//@ implements queued_slot when queues
 //@ use bind/queues
 //@ use bind/queue_lengths
 //@ use bind/settings

@@ -1,3 +1,4 @@
+//@ implements shadow_slot when light & !fused
 //@ use data/path
 //@ use generated/slots
 // The shadow ray of a slot's path, from the stage that sends it to the one that traces it.
@@ -12,4 +13,13 @@ fn store_shadow_ray(slot: u32, path: ptr<function, Path>) {
         store_shadow(slot, path);
         store_light_weight(slot, path);
     }
+}
+
+//@ without
+//@ use data/path
+// No stage hands shadow rays to another.
+fn store_no_light(slot: u32) {
+}
+
+fn store_shadow_ray(slot: u32, path: ptr<function, Path>) {
 }

@@ -1,3 +1,5 @@
+//@ implements queue_of_hits when queues & !medium
+//@ implements queue_of_events when queues
 //@ use data/hit
 //@ use bind/queues
 //@ use bind/materials
@@ -25,4 +27,10 @@ fn sort_slot(slot: u32, hit: Hit) {
     }
     let place = place_in_queue(materials[material_index(hit)].kind);
     atomicStore(&queues[place], slot);
+}
+
+//@ without
+//@ use data/hit
+// Slots are not sorted here.
+fn sort_slot(slot: u32, hit: Hit) {
 }

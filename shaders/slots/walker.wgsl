@@ -1,6 +1,13 @@
+//@ implements walker_slot when alpha | pane | motion
 //@ use generated/slots
 // What a walk needs to decide at random whether a transparent surface stops its ray.
 fn load_walker(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);
+}
+
+//@ without
+//@ use data/path
+// No surface is transparent.
+fn load_walker(slot: u32, path: ptr<function, Path>) {
 }

@@ -1,3 +1,4 @@
+//@ alternative clamp when clamp & event
 //@ use bind/settings
 //@ use data/path
 // `--clamp N`: limits each contribution (throughput times radiance) of light that reaches the camera by two scattering events or
@@ -28,5 +29,19 @@ fn limited_light(contribution: vec3<f32>) -> vec3<f32> {
     if any(contribution < vec3<f32>(0.0)) {
         return limited(-contribution);
     }
+    return contribution;
+}
+
+//@ without
+// Without a clamp, no contribution is limited.
+fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
+    return contribution;
+}
+
+fn weight_of_light(weight: vec3<f32>, depth: u32) -> vec3<f32> {
+    return weight;
+}
+
+fn limited_light(contribution: vec3<f32>) -> vec3<f32> {
     return contribution;
 }

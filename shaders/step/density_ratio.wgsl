@@ -1,3 +1,4 @@
+//@ implements density_ratio when light_paths
 //@ use data/hit
 //@ use data/light
 //@ use data/material
@@ -144,4 +145,31 @@ fn weigh_sample_beside_light_paths(path: ptr<function, Path>, hit: Hit) -> f32 {
         emission = density_of_emission(hit, light_surface_at(hit, shadow), shadow.direction);
     }
     return select(1.0, 1.0 / (1.0 + exp2((*path).light_ratio + log2(emission))), emission > 0.0);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use data/surface
+// No light paths are traced.
+fn follow_ratio(
+    path: ptr<function, Path>,
+    hit: Hit,
+    surface: Surface,
+    interaction: Interaction,
+    evaluated: EvaluatedMaterial,
+    bsdf: Scatter,
+) {
+}
+
+fn follow_ratio_in_medium(path: ptr<function, Path>, distance: f32) {
+}
+
+fn weigh_beside_light_paths(path: ptr<function, Path>, hit: Hit, surface: Surface, weight: f32) -> f32 {
+    return weight;
+}
+
+fn weigh_sample_beside_light_paths(path: ptr<function, Path>, hit: Hit) -> f32 {
+    return 1.0;
 }

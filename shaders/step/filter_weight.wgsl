@@ -1,3 +1,4 @@
+//@ implements filter_weight when filter.mitchell
 //@ use data/path
 //@ use data/dimension
 //@ use bind/settings
@@ -14,4 +15,15 @@ fn weigh_by_filter(path: ptr<function, Path>, value: vec3<f32>) -> vec3<f32> {
 // Weighted sums may be negative, and only their NaNs are refused.
 fn unsigned_sum(sum: vec3<f32>) -> vec3<f32> {
     return abs(sum);
+}
+
+//@ without
+//@ use data/path
+// All samples of the filter have the weight 1.
+fn weigh_by_filter(path: ptr<function, Path>, value: vec3<f32>) -> vec3<f32> {
+    return value;
+}
+
+fn unsigned_sum(sum: vec3<f32>) -> vec3<f32> {
+    return sum;
 }

@@ -1,3 +1,4 @@
+//@ implements flight_end when medium & pane
 //@ use data/medium
 //@ use data/path
 //@ use step/flight
@@ -7,4 +8,11 @@ fn end_of_flight(path: ptr<function, Path>, limit: f32, steps: ptr<function, u32
     let nearest = nearest_collision(path, limit);
     *steps += nearest.steps;
     return select(nearest.t, limit, nearest.t == WALK_CUT);
+}
+
+//@ without
+//@ use data/path
+// No medium ends a flight.
+fn end_of_flight(path: ptr<function, Path>, limit: f32, steps: ptr<function, u32>) -> f32 {
+    return limit;
 }

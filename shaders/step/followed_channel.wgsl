@@ -1,3 +1,4 @@
+//@ implements followed_channel when dispersion
 //@ use data/dimension
 //@ use data/material
 //@ use data/path
@@ -24,4 +25,12 @@ fn follow_channel(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> Ev
     }
     followed.followed = f32(channel) - 1.0;
     return followed;
+}
+
+//@ without
+//@ use data/material
+//@ use data/path
+// No surface has dispersion.
+fn follow_channel(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> EvaluatedMaterial {
+    return evaluated;
 }

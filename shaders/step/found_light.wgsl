@@ -1,3 +1,4 @@
+//@ implements found_light when area_light & light & emits
 //@ use data/hit
 //@ use data/material
 //@ use data/path
@@ -18,4 +19,14 @@ fn weight_of_emission(path: ptr<function, Path>, hit: Hit, surface: Surface, rad
     let contribution = select(throughput * radiance * weight, throughput * weight * radiance, event == EMITTED);
     record_found_light(path, hit, radiance, contribution);
     return weigh_beside_light_paths(path, hit, surface, weight);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use data/surface
+// Light sampling samples no emitter that BSDF sampling can hit.
+fn weight_of_emission(path: ptr<function, Path>, hit: Hit, surface: Surface, radiance: vec3<f32>, event: u32) -> f32 {
+    return 1.0;
 }

@@ -1,3 +1,4 @@
+//@ implements found_sky when sky_light
 //@ use data/path
 //@ use data/light
 //@ use choice/probe
@@ -16,4 +17,14 @@ fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
 
 fn record_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
     record_found_sky(path, radiance, contribution);
+}
+
+//@ without
+//@ use data/path
+// The sky is not sampled as a light.
+fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
+    return throughput;
+}
+
+fn record_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
 }

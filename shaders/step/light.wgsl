@@ -1,3 +1,4 @@
+//@ implements shadow when light
 //@ use data/hit
 //@ use data/path
 //@ use data/dimension
@@ -142,4 +143,11 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
         return emitted_by_sky(ray.direction);
     }
     return emitted_by_surface(ray, hit);
+}
+
+//@ without
+//@ use data/path
+// No light is sampled.
+fn trace_shadow(path: ptr<function, Path>, iterations: u32) -> u32 {
+    return iterations;
 }

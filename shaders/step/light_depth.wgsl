@@ -1,3 +1,4 @@
+//@ implements depth_limit when kernel.light_path
 //@ use bind/settings
 //@ use data/dimension
 // Whether a light path may have the event of this number, from FIRST_LIGHT_EVENT.

@@ -1,3 +1,4 @@
+//@ implements media when medium
 //@ use data/path
 //@ use data/dimension
 //@ use data/medium
@@ -57,4 +58,13 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
         (*path).throughput = throughput;
     }
     return total;
+}
+
+//@ without
+//@ use data/path
+// No medium scatters paths.
+const MOST_STEPS_OF_MEDIA: u32 = 0u;
+
+fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
+    return iterations;
 }

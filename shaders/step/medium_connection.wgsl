@@ -1,3 +1,4 @@
+//@ implements medium_light when light & kernel.light_path
 //@ use data/medium
 //@ use data/path
 //@ use choice/light_absorption

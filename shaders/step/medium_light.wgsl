@@ -1,3 +1,4 @@
+//@ implements medium_light when light & !kernel.light_path
 //@ use data/material
 //@ use data/medium
 //@ use data/path
@@ -18,4 +19,11 @@ fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3
     send_shadow_ray(path, light_sample, point, albedo * share, share);
     record_event(path, lobe, select(1.0, 0.0, lobe == LOBE_WIDE));
     (*path).pdf = phase_pdf(incoming, direction, g, medium.one_minus_anisotropy);
+}
+
+//@ without
+//@ use data/medium
+//@ use data/path
+// No light is sampled.
+fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3<f32>, direction: vec3<f32>) {
 }

@@ -1,3 +1,4 @@
+//@ implements panes when !pane
 //@ use data/hit
 //@ use data/path
 //@ use bind/settings

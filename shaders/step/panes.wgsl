@@ -1,3 +1,4 @@
+//@ implements panes when pane
 //@ use data/dimension
 //@ use data/hit
 //@ use data/path

@@ -1,3 +1,4 @@
+//@ alternative roulette when roulette.on
 //@ use data/path
 //@ use data/dimension
 //@ use bind/settings
@@ -22,4 +23,11 @@ fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f3
     }
     let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_ROULETTE), settings.seed);
     return select(vec3<f32>(0.0), throughput / q, u.x < q);
+}
+
+//@ without
+//@ use data/path
+// Without Russian roulette, every path continues.
+fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
+    return throughput;
 }

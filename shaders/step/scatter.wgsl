@@ -1,3 +1,4 @@
+//@ implements scatter when surface
 //@ use data/path
 //@ use data/dimension
 //@ use data/primitive
@@ -76,4 +77,12 @@ fn continue_path(
         (*path).status = PATH_ENDED;
         (*path).throughput = select(vec3<f32>(0.0), throughput, bsdf.event == EMITTED);
     }
+}
+
+//@ without
+//@ use data/path
+// There is no surface to hit.
+const ITERATIONS_OF_SHADING: u32 = 0u;
+
+fn scatter_path(path: ptr<function, Path>) {
 }

@@ -1,3 +1,4 @@
+//@ implements surface_light when !sends_shadow_ray & light
 //@ use data/hit
 //@ use data/material
 //@ use data/path

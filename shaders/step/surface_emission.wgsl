@@ -1,3 +1,4 @@
+//@ implements surface_emission when emission
 //@ use data/hit
 //@ use data/material
 //@ use data/path
@@ -16,4 +17,15 @@ fn add_surface_emission(path: ptr<function, Path>, interaction: Interaction, bsd
     let contribution = (*path).throughput * emission * weight;
     record_direct(path, contribution, (*path).depth);
     (*path).radiance += limited_indirect(contribution, (*path).depth);
+}
+
+//@ without
+//@ use data/material
+//@ use data/path
+// No surface emits and scatters.
+fn radiance_of_surface(interaction: Interaction, bsdf: Scatter) -> vec3<f32> {
+    return select(vec3<f32>(0.0), bsdf.weight, bsdf.event == EMITTED);
+}
+
+fn add_surface_emission(path: ptr<function, Path>, interaction: Interaction, bsdf: Scatter, weight: f32) {
 }

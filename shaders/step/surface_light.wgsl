@@ -1,3 +1,4 @@
+//@ implements surface_light when sends_shadow_ray
 //@ use data/hit
 //@ use data/material
 //@ use data/path
@@ -49,4 +50,22 @@ fn sample_light_at_surface(
     // A specular lobe has no density.
     (*path).pdf = select(sampled.drawn_pdf, 0.0, bsdf.lobe == LOBE_SPECULAR);
     record_event(path, bsdf.lobe, sampled.response.narrow);
+}
+
+//@ without
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use data/surface
+// No light is sampled.
+fn sample_light_at_surface(
+    path: ptr<function, Path>,
+    hit: Hit,
+    surface: Surface,
+    frame: ShadingFrame,
+    interaction: Interaction,
+    evaluated: EvaluatedMaterial,
+    bsdf: Scatter,
+    u: f32,
+) {
 }

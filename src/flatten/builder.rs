@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{DVec3, Vec3};
 
 use super::device_scene::DeviceScene;
+use super::features::BACKGROUNDS;
 use super::finder::{Primitive, WorldMedium};
 use super::hierarchies::Hierarchies;
 use super::mesh_tables::Table;
@@ -64,18 +65,19 @@ impl Builder<'_> {
         self.flat.primitives = primitives.len() as u32;
         let flat = &mut self.flat;
         let crowded = primitives.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
-        flat.features.brute_force = (primitives.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
+        flat.features.quantities.brute_force =
+            (primitives.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
         // The number of primitives of each kind that the scene has, before boundaries of media are added.
         let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
         let counts: Vec<u32> = counts.collect();
         let room = &mut flat.settings.brute_force;
         // Surfaces with an alpha are passed in the walk through the hierarchy alone.
-        flat.features.brute_force &= counts.len() <= room.len() && !flat.features.has_extension(ExtensionKind::Alpha);
+        flat.features.quantities.brute_force &= counts.len() <= room.len() && flat.features.any("alpha").is_none();
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(&bvh, 0);
         // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
         let within = self.layouts.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
-        self.flat.features.stack_size = (bvh.stack_size + within).max(1);
+        self.flat.features.quantities.stack_size = (bvh.stack_size + within).max(1);
     }
 
     pub fn add_media(&mut self, media: &[WorldMedium<'_>]) {
@@ -84,10 +86,10 @@ impl Builder<'_> {
             let order = order_of(order, &medium.motion);
             self.add_medium(medium, order);
             let size = self.layout_of(&medium.boundary).stack_size;
-            let features = &mut self.flat.features;
-            features.boundary_stack_size = features.boundary_stack_size.max(size);
+            let deepest = &mut self.flat.features.quantities.boundary_stack_size;
+            *deepest = size.max(*deepest);
         }
-        self.flat.features.media = media.len() as u32;
+        self.flat.features.quantities.media = media.len() as u32;
     }
 
     /// Adds a primitive. Returns its code and its bounds.
@@ -175,8 +177,9 @@ impl Builder<'_> {
         let settings = &mut self.flat.settings;
         let kind = background_kind(&scene.background);
         settings.background = kind as u32;
-        self.flat.features.backgrounds[kind] =
-            Some(format!("background at {}", scene.location(&[Step::Field("background")])));
+        self.flat.features.require(format!("background.{}", BACKGROUNDS[kind]), || {
+            format!("background at {}", scene.location(&[Step::Field("background")]))
+        });
         match &scene.background {
             Background::Solid(colour) => {
                 settings.background_bottom = f32s(radiance_scale * *colour);
@@ -250,7 +253,7 @@ impl Builder<'_> {
                 };
                 let is_textured = extension.slot.is_textured();
                 frame += u32::from(extension.slot.has_frame());
-                self.flat.features.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
+                self.flat.features.quantities.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
                 // An emission that no coverage shows may be too bright for f32 in the unit of those that show.
                 let brightness = if self.shows_emission[number] { radiance_scale } else { 0.0 };
                 self.add_row(name, row, Some(extension.slot), brightness);

@@ -2,7 +2,7 @@
 
 use super::features::Features;
 use crate::aov::SceneSpace;
-use crate::bitmap::{Format, SRGB};
+use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
 use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT};
 use crate::options::{LightPaths, RenderOptions};
@@ -72,9 +72,13 @@ impl DeviceScene {
     /// own. A light without size is found by light paths alone, so that more of them pay.
     pub fn light_paths(&self, options: &RenderOptions) -> LightPaths {
         match options.light_paths {
-            _ if self.features.light_paths.is_none() => LightPaths::Off,
-            LightPaths::Auto if self.features.solid_angle_of_lights == 0.0 => LightPaths::Count(PATHS_TO_DELTA_LIGHTS),
-            LightPaths::Auto if self.features.solid_angle_of_lights < LARGEST_SOLID_ANGLE => LightPaths::Count(1),
+            _ if self.features.reason("light_paths").is_none() => LightPaths::Off,
+            LightPaths::Auto if self.features.quantities.solid_angle_of_lights == 0.0 => {
+                LightPaths::Count(PATHS_TO_DELTA_LIGHTS)
+            }
+            LightPaths::Auto if self.features.quantities.solid_angle_of_lights < LARGEST_SOLID_ANGLE => {
+                LightPaths::Count(1)
+            }
             LightPaths::Auto => LightPaths::Off,
             given => given,
         }
@@ -82,7 +86,7 @@ impl DeviceScene {
 
     /// The words of the buffer of texels, in parts: the table of sRGB codes if an image has them, then the images.
     pub fn texel_words(&self) -> impl Iterator<Item = &[u32]> {
-        let has_codes = self.features.texel_formats[Format::Srgb.number()].is_some();
+        let has_codes = self.features.reason("texel.srgb").is_some();
         let table = has_codes.then(|| bytemuck::cast_slice(SRGB.as_slice()));
         table.into_iter().chain(self.images.iter().map(|(_, bitmap)| bitmap.words.as_slice()))
     }

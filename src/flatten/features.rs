@@ -1,7 +1,10 @@
-//! The features of the renderer that a scene requires.
+//! The features of the renderer that a scene requires: facts, each with the object that brings it, and quantities.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use crate::bitmap::FORMATS;
-use crate::material::{EXTENSIONS, ExtensionKind, Lobe, MATERIALS, Material};
+use crate::material::{ExtensionKind, Lobe, MATERIALS, Material, MaterialKind};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::shape::KINDS;
 use crate::texture::TEXTURES;
@@ -12,6 +15,137 @@ pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
 /// The reason for features that only `--features all` requires.
 pub const EVERY_FEATURE: &str = "--features all";
+
+/// What `--features all` adds. Facts that choose between algorithms stay as they are.
+#[derive(Clone, Copy)]
+enum Added {
+    Never,
+    Always,
+    /// Where light is sampled.
+    Lit,
+    /// For the shapes, or the materials, that can have it.
+    Shapes(fn(&crate::shape::ShapeKind) -> bool),
+    Materials(fn(&MaterialKind) -> bool),
+    LitMaterials(fn(&MaterialKind) -> bool),
+    Extension(ExtensionKind),
+}
+
+/// A fact that scenes bring, or a group of facts.
+pub struct Declared {
+    pub name: &'static str,
+    /// The kinds of a group: that quads move is the fact `moves.quad`. None for a single fact.
+    pub kinds: Vec<&'static str>,
+    /// Whether the kinds are those of materials.
+    pub is_of_materials: bool,
+    /// The feature's name in `plan`, and the module that is linked for it alone; `{}` stands for the kind.
+    pub feature: Option<(&'static str, &'static str)>,
+    added: Added,
+}
+
+/// All facts that scenes bring.
+pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
+    let none = Vec::new;
+    let shapes = || PRIMITIVES.to_vec();
+    let group = |name, kinds, added| Declared { name, kinds, is_of_materials: false, feature: None, added };
+    let named =
+        |name, kinds, added, label, module| Declared { feature: Some((label, module)), ..group(name, kinds, added) };
+    let of_materials = |name, added| Declared { is_of_materials: true, ..group(name, MATERIALS.to_vec(), added) };
+    let boundaries = || BOUNDARIES.iter().map(|(name, _)| *name).collect();
+    use Added::{Always, Lit, LitMaterials, Materials, Never, Shapes};
+    let mut all = vec![
+        named("shape", shapes(), Always, "{}", "geometry/{}"),
+        // Meshes with vertex normals.
+        named("smooth", none(), Always, "smooth shading", "scene/smooth_shading"),
+        Declared { feature: Some(("{}", "material/{}")), ..of_materials("material", Always) },
+        // Materials on objects, by the lobes that they have.
+        of_materials("wide_lobe", LitMaterials(|kind| kind.lobes.contains(&Lobe::Wide))),
+        of_materials("narrow_lobe", LitMaterials(|kind| kind.lobes.contains(&Lobe::Narrow))),
+        of_materials("specular_lobe", LitMaterials(|kind| kind.lobes.contains(&Lobe::Specular))),
+        // Transmissive materials with a colour; materials that absorb light inside.
+        of_materials("tinted", Materials(|kind| kind.is_transmissive)),
+        of_materials("absorbing", Materials(|kind| kind.is_transmissive)),
+        // Shapes whose material is a smooth pane; panes with a texture.
+        named("smooth_pane", shapes(), Always, "{} pane", "step/panes"),
+        group("textured_pane", none(), Always),
+        // Convex shapes with an alpha.
+        group("body_with_alpha", shapes(), Always),
+        named("texture", TEXTURES.to_vec(), Always, "{} texture", "texture/{}"),
+        // Formats of texels.
+        group("texel", FORMATS.to_vec(), Always),
+        // Images that use further tables of a mesh: other texture coordinates, or tangents.
+        group("uv_tables", none(), Always),
+        // Normal maps on meshes with vertex normals, which have tangents.
+        group("vertex_tangents", none(), Always),
+        named("boundary", boundaries(), Always, "{} medium", "medium/{}"),
+        // Media with a narrow phase function, and media whose albedo is a texture.
+        group("narrow_medium", none(), Lit),
+        named("textured_medium", none(), Always, "textured medium", "scene/textured_medium"),
+        // Shapes that are sampled as lights; those whose lights are cut into parts; convex ones that emit on both sides and have an alpha; those
+        // whose radiance is a texture.
+        named("area_light", shapes(), Lit, "{} light", "light/{}"),
+        named("textured_light", none(), Lit, "textured light", "scene/textured_light"),
+        named("parted", shapes(), Shapes(|kind| kind.has_parts), "light in parts", "scene/light_parts"),
+        named("crossed_light", none(), Lit, "light with two sides and an alpha", "scene/light_crossings"),
+        // Lights without size that are sampled, and those of them that are directional.
+        named("delta_light", none(), Lit, "delta light", "light/delta"),
+        group("directional_light", none(), Lit),
+        // The background's image, if it is sampled as a light.
+        named("sky_light", none(), Lit, "sky light", "scene/sky"),
+        // Emitters that are not sampled, because there are too many.
+        group("not_sampled", none(), Always),
+        // A surface that can be specular, if light paths can be traced to such.
+        group("light_paths", none(), Never),
+        named("background", BACKGROUNDS.to_vec(), Always, "{} background", "background/{}"),
+        named("lens", none(), Always, "thin lens", "camera/thin_lens"),
+        // Pixels are so narrow that render space has the camera's axes instead of the world's.
+        named("camera_axes", none(), Always, "camera axes", "scene/camera_axes"),
+        // What moves: shapes, boundaries of media, lights without size, media with a texture, and the camera.
+        named("moves", shapes(), Always, "{} motion", "motion/{}"),
+        named("boundary_moves", shapes(), Always, "{} boundary motion", "motion/boundaries"),
+        named("moving_light", none(), Lit, "delta light motion", "motion/delta_light"),
+        named("moving_medium", none(), Always, "medium motion", "motion/medium"),
+        named("moving_camera", none(), Always, "camera motion", "camera/moving"),
+    ];
+    let features = BTreeMap::from([
+        ("transmission", ("pbr transmission", "material/pbr_transmission")),
+        ("coat", ("pbr coat", "material/pbr_coat")),
+        ("sheen", ("pbr sheen", "material/pbr_sheen")),
+        ("iridescence", ("pbr film", "material/thin_film")),
+        ("diffuse_transmission", ("pbr diffuse transmission", "material/pbr_translucent_body")),
+        ("anisotropy", ("anisotropy", "material/anisotropic_facets")),
+        ("dispersion", ("dispersion", "material/dispersed_boundary")),
+    ]);
+    let extensions = ExtensionKind::EVALUATED.into_iter().chain(ExtensionKind::OTHERS);
+    all.extend(extensions.map(|(name, kind)| Declared {
+        feature: features.get(name).copied(),
+        ..of_materials(name, Added::Extension(kind))
+    }));
+    all
+});
+
+impl Declared {
+    /// The facts of the group, or the fact alone.
+    pub fn facts(&self) -> impl Iterator<Item = String> {
+        let alone = self.kinds.is_empty().then(|| self.name.to_string());
+        alone.into_iter().chain(self.kinds.iter().map(|kind| format!("{}.{kind}", self.name)))
+    }
+
+    /// The facts that `--features all` adds.
+    fn added(&self, sample_lights: bool) -> Vec<String> {
+        let of_kinds = |is_added: &dyn Fn(usize) -> bool| {
+            self.facts().enumerate().filter(|(number, _)| is_added(*number)).map(|(_, fact)| fact).collect()
+        };
+        match self.added {
+            Added::Always => of_kinds(&|_| true),
+            Added::Lit if sample_lights => of_kinds(&|_| true),
+            Added::Shapes(have) if sample_lights => of_kinds(&|number| have(&KINDS[number])),
+            Added::LitMaterials(have) if sample_lights => of_kinds(&|number| have(&Material::KINDS[number])),
+            Added::Materials(have) => of_kinds(&|number| have(&Material::KINDS[number])),
+            Added::Extension(kind) => of_kinds(&|number| Material::KINDS[number].extensions.contains(&kind)),
+            Added::Never | Added::Lit | Added::Shapes(_) | Added::LitMaterials(_) => Vec::new(),
+        }
+    }
+}
 
 /// The emitters that are not sampled, so that only BSDF sampling finds them.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,64 +158,15 @@ pub struct NotSampled {
     pub reason: String,
 }
 
-/// The features of the renderer that a scene requires, each with the first object that needs it.
+/// The numbers of a scene that kernels are written with.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Features {
-    /// Kinds of primitive, by the indices of `PRIMITIVES`.
-    pub primitives: [Option<String>; PRIMITIVES.len()],
-    /// Kinds of material on objects, by the indices of `MATERIALS`. Unused materials do not count.
-    pub materials: [Option<String>; MATERIALS.len()],
-    /// Kinds of material on objects that have a lobe that is not specular.
-    pub non_specular: [Option<String>; MATERIALS.len()],
-    /// Kinds of material on objects that have a specular lobe.
-    pub specular: [Option<String>; MATERIALS.len()],
-    /// Kinds of material on objects that have a narrow lobe (`Lobe::Narrow`).
-    pub narrow: [Option<String>; MATERIALS.len()],
-    /// Media with a narrow phase function.
-    pub narrow_media: Option<String>,
-    /// Kinds of primitive with a smooth pane as material, by the indices of `PRIMITIVES`.
-    pub panes: [Option<String>; PRIMITIVES.len()],
-    /// Kinds of convex primitive with an alpha.
-    pub alpha_bodies: [Option<String>; PRIMITIVES.len()],
-    /// Kinds of material on objects that have an extension, by its kind (`ExtensionKind`).
-    pub extensions: [[Option<String>; MATERIALS.len()]; EXTENSIONS],
-    /// Kinds of transmissive material on objects that have a colour.
-    pub tinted: [Option<String>; MATERIALS.len()],
-    /// Kinds of material on objects that absorb light inside.
-    pub absorbing: [Option<String>; MATERIALS.len()],
-    /// Kinds of texture, by the indices of `TEXTURES`.
-    pub textures: [Option<String>; TEXTURES.len()],
-    /// Formats of texels, by the indices of `FORMATS`.
-    pub texel_formats: [Option<String>; FORMATS.len()],
-    /// Meshes with vertex normals, which have smooth shading.
-    pub smooth: Option<String>,
-    /// Images that use further tables of a mesh: other texture coordinates, or tangents.
-    pub uv_tables: Option<String>,
-    /// Normal maps on meshes with vertex normals, which have tangents.
-    pub vertex_tangents: Option<String>,
-    /// Boundaries of media, by the indices of `BOUNDARIES`.
-    pub boundaries: [Option<String>; BOUNDARIES.len()],
-    /// Media whose albedo is a texture.
-    pub textured_media: Option<String>,
-    /// Kinds of primitive that are sampled as lights, by the indices of `PRIMITIVES`.
-    pub emitters: [Option<String>; PRIMITIVES.len()],
-    /// Kinds of primitive whose lights are cut into parts.
-    pub parted: [Option<String>; PRIMITIVES.len()],
-    /// Convex bodies that emit on both sides and have an alpha.
-    pub crossed_lights: Option<String>,
-    /// Sampled lights whose radiance is a texture.
-    pub textured_lights: Option<String>,
-    /// Lights without size that are sampled, and those of them that are directional.
-    pub delta_lights: Option<String>,
-    pub directional_lights: Option<String>,
-    /// The background's image, if it is sampled as a light.
-    pub emitting_sky: Option<String>,
-    /// Columns and rows of the grid over this image, from which directions are sampled.
+pub struct Quantities {
+    /// Columns and rows of the grid over the background's image, from which directions are sampled.
     pub sky_grid: (u32, u32),
     /// The number of lights.
     pub lights: u32,
-    /// A surface that can be specular, if light paths can be traced to such.
-    pub light_paths: Option<String>,
+    /// The index of the sky among the lights.
+    pub sky_light: u32,
     /// The index of the first light without size.
     pub first_delta_light: u32,
     /// The number of boxes at which light paths are aimed.
@@ -89,45 +174,59 @@ pub struct Features {
     /// The solid angle of the lights at which light paths start, seen from these boxes, in sr: that of one light with the power of all of them, by which
     /// BSDF sampling is as noisy. 0 if one of them has no size.
     pub solid_angle_of_lights: f64,
-    /// Emitters that are not sampled, because there are too many.
-    pub not_sampled: Option<NotSampled>,
-    /// The index of the sky among the lights.
-    pub sky_light: u32,
-    /// Whether an invocation may have two walks, the second one for a shadow ray. It depends only on the scene, even with
-    /// `--features all`.
-    pub shadow_rays: bool,
-    /// Whether steps of a walk may read a texture, because an alpha has one. It depends only on the scene, too.
-    pub alpha_textures: bool,
-    /// Whether steps of a walk may look at both sides of a body, because it has an alpha. It depends only on the scene, too.
-    pub alpha_on_bodies: bool,
-    /// Whether passing a pane may read a texture. It depends only on the scene, too.
-    pub pane_textures: bool,
-    /// Kinds of primitive that move, and kinds of boundaries of media that do, by the indices of `PRIMITIVES`.
-    pub motions: [Option<String>; PRIMITIVES.len()],
-    pub moving_boundaries: [Option<String>; PRIMITIVES.len()],
-    /// Lights without size that move, media whose texture moves, and a camera that moves.
-    pub moving_lights: Option<String>,
-    pub moving_media: Option<String>,
-    pub moving_camera: Option<String>,
-    /// The loop iterations that finding a pose takes at most. It depends only on the scene, too.
-    pub motion_iterations: u32,
     /// The number of media.
     pub media: u32,
-    /// Kinds of background, by the indices of `BACKGROUNDS`. A scene itself has one.
-    pub backgrounds: [Option<String>; BACKGROUNDS.len()],
-    /// A lens with a diameter.
-    pub thin_lens: Option<String>,
-    /// Whether pixels are so narrow that render space has the camera's axes instead of the world's.
-    pub camera_axes: Option<String>,
     /// Whether every ray tests all primitives without a hierarchy, because they are few and none is a mesh.
     pub brute_force: bool,
     /// The largest number of nodes on the stack in a walk through the BVH.
     pub stack_size: u32,
     /// The largest number of nodes on the stack in a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
+    /// Whether an invocation may have two walks, the second one for a shadow ray. It and what follows depend only on the scene, even with
+    /// `--features all`.
+    pub shadow_rays: bool,
+    /// Whether steps of a walk may read a texture, because an alpha has one.
+    pub alpha_textures: bool,
+    /// Whether steps of a walk may look at both sides of a body, because it has an alpha.
+    pub alpha_on_bodies: bool,
+    /// Whether passing a pane may read a texture.
+    pub pane_textures: bool,
+    /// The loop iterations that finding a pose takes at most.
+    pub motion_iterations: u32,
+}
+
+/// The features of the renderer that a scene requires.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Features {
+    /// The facts that hold, each with the first object that brings it.
+    facts: BTreeMap<String, String>,
+    pub quantities: Quantities,
+    /// Emitters that are not sampled, because there are too many.
+    pub not_sampled: Option<NotSampled>,
 }
 
 impl Features {
+    /// Notes a fact of [`DECLARED`], unless another object has brought it.
+    pub fn require(&mut self, fact: impl Into<String>, by: impl FnOnce() -> String) {
+        self.facts.entry(fact.into()).or_insert_with(by);
+    }
+
+    /// Takes a fact back.
+    pub fn forget(&mut self, fact: &str) {
+        self.facts.remove(fact);
+    }
+
+    /// The object that brings a fact.
+    pub fn reason(&self, fact: &str) -> Option<&String> {
+        self.facts.get(fact)
+    }
+
+    /// The first object that brings a fact of a group.
+    pub fn any(&self, group: &str) -> Option<&String> {
+        let declared = DECLARED.iter().find(|declared| declared.name == group)?;
+        declared.facts().find_map(|fact| self.reason(&fact))
+    }
+
     /// The features that a render with these options requires; with `--features all`, everything that a scene can have.
     pub fn with_options(&self, options: &RenderOptions) -> Features {
         let mut features = self.clone();
@@ -137,83 +236,36 @@ impl Features {
         features
     }
 
-    /// Adds all features, for `--features all`. Features that select one of two algorithms, such as
-    /// the number of lights, do not change, nor do approximations.
     fn add_all(&mut self, sample_lights: bool) {
-        let add = |used: &mut Option<String>| {
-            used.get_or_insert_with(|| EVERY_FEATURE.to_string());
-        };
-        let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
-        let lists: [&mut [Option<String>]; 10] = [
-            &mut self.primitives,
-            &mut self.motions,
-            &mut self.moving_boundaries,
-            &mut self.panes,
-            &mut self.alpha_bodies,
-            &mut self.materials,
-            &mut self.textures,
-            &mut self.texel_formats,
-            &mut self.boundaries,
-            &mut self.backgrounds,
-        ];
-        lists.into_iter().flatten().chain(emitters).for_each(add);
-        [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.camera_axes]
-            .into_iter()
-            .for_each(add);
-        [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
-        [&mut self.moving_media, &mut self.moving_camera].into_iter().for_each(add);
-        if sample_lights {
-            [&mut self.textured_lights, &mut self.crossed_lights].into_iter().for_each(add);
-            KINDS.iter().zip(&mut self.parted).filter(|(kind, _)| kind.has_parts).for_each(|(_, used)| add(used));
-            [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
-            add(&mut self.moving_lights);
-            for (lobe, used) in [
-                (Lobe::Wide, &mut self.non_specular),
-                (Lobe::Narrow, &mut self.narrow),
-                (Lobe::Specular, &mut self.specular),
-            ] {
-                let materials = Material::KINDS.iter().zip(used);
-                materials.filter(|(kind, _)| kind.lobes.contains(&lobe)).for_each(|(_, used)| add(used));
-            }
-            add(&mut self.narrow_media);
-        }
-        for (number, kind) in Material::KINDS.iter().enumerate() {
-            kind.extensions.iter().for_each(|extension| add(&mut self.extensions[*extension as usize][number]));
-            if kind.is_transmissive {
-                add(&mut self.tinted[number]);
-                add(&mut self.absorbing[number]);
-            }
-        }
-        self.brute_force = false;
+        let added = DECLARED.iter().flat_map(|declared| declared.added(sample_lights));
+        added.for_each(|fact| self.require(fact, || EVERY_FEATURE.to_string()));
+        let own = &mut self.quantities;
+        own.brute_force = false;
         // The sky that `require_all` adds is an additional light, which is never chosen.
-        if sample_lights && self.sky_grid == (0, 0) {
-            self.sky_grid = (1, 1);
-            self.sky_light = self.lights;
-            self.lights = self.lights.max(1);
+        if sample_lights && own.sky_grid == (0, 0) {
+            own.sky_grid = (1, 1);
+            own.sky_light = own.lights;
+            own.lights = own.lights.max(1);
         }
         // The stacks for meshes and boundaries are as large as a mesh of millions of faces needs.
         const DEEP: u32 = 16;
-        self.stack_size = self.stack_size.max(DEEP);
-        self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
+        own.stack_size = own.stack_size.max(DEEP);
+        own.boundary_stack_size = own.boundary_stack_size.max(DEEP);
     }
 
     /// Whether a material has an extension.
     pub(super) fn has_extensions(&self) -> bool {
-        self.extensions.iter().flatten().chain(&self.absorbing).any(Option::is_some)
-    }
-
-    /// Whether a material has an extension of this kind.
-    pub(super) fn has_extension(&self, kind: ExtensionKind) -> bool {
-        self.extensions[kind as usize].iter().any(Option::is_some)
+        let mut names = ExtensionKind::EVALUATED.iter().chain(&ExtensionKind::OTHERS);
+        self.any("absorbing").is_some() || names.any(|(name, _)| self.any(name).is_some())
     }
 
     /// Whether kernels have code for media.
     pub fn crosses_media(&self) -> bool {
-        self.media > 0 || self.boundaries.iter().any(Option::is_some)
+        self.quantities.media > 0 || self.any("boundary").is_some()
     }
 
     /// Whether anything in the scene has a lobe that is not specular. If nothing does, no light is sampled.
     pub(super) fn samples_light_anywhere(&self) -> bool {
-        self.media > 0 || self.non_specular.iter().any(Option::is_some)
+        self.quantities.media > 0 || self.any("wide_lobe").is_some()
     }
 }

@@ -93,9 +93,11 @@ impl Builder<'_> {
         let sizes: Vec<f64> = starts.iter().map(|start| if start.area > 0.0 { start.area } else { 1.0 }).collect();
         if let Some(emitters) = alias_entries(&powers, &sizes) {
             self.flat.emitters = emitters;
-            self.flat.features.solid_angle_of_lights = powers.iter().sum::<f64>().powi(2) / squares;
-            self.flat.features.aims = aims.len() as u32;
-            self.flat.features.light_paths = reason;
+            self.flat.features.quantities.solid_angle_of_lights = powers.iter().sum::<f64>().powi(2) / squares;
+            self.flat.features.quantities.aims = aims.len() as u32;
+            if let Some(reason) = reason {
+                self.flat.features.require("light_paths", || reason);
+            }
             self.flat.aims = aims.iter().map(Aim::on_device).collect();
         }
     }

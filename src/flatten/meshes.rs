@@ -40,9 +40,9 @@ impl Builder<'_> {
                 tables.push(table);
                 let (name, _) = &self.scene.materials[primitive.material as usize];
                 let at_material = || format!("\"{name}\" at {}", self.scene.material_location(name));
-                self.flat.features.uv_tables.get_or_insert_with(at_material);
+                self.flat.features.require("uv_tables", at_material);
                 if table.has_tangents {
-                    self.flat.features.vertex_tangents.get_or_insert_with(at_material);
+                    self.flat.features.require("vertex_tangents", at_material);
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::motion::Motion;
 use super::motion_tables::{Motions, camera_moves, own_point, row_of_boundary};
 use crate::scene::{Camera, Step};
 use crate::shape::similarity::Similarity;
-use crate::shape::{ObjectTransform, RenderSpace};
+use crate::shape::{ObjectTransform, PRIMITIVES, RenderSpace};
 
 /// Whether anything in the scene moves.
 fn moves(finder: &Finder<'_>, camera: &Camera) -> bool {
@@ -35,7 +35,7 @@ impl Builder<'_> {
             motions.add(order, &primitive.motion, own_point(&primitive.shape, &at, &primitive.motion), space);
             if !primitive.motion.is_empty() {
                 let reason = || format!("{} that moves", scene.location_of(primitive.object));
-                features.motions[primitive.shape.number()].get_or_insert_with(reason);
+                features.require(format!("moves.{}", PRIMITIVES[primitive.shape.number()]), reason);
             }
         }
         for (index, medium) in finder.media.iter().enumerate() {
@@ -45,7 +45,7 @@ impl Builder<'_> {
             let center = own_point(&medium.boundary, &at, &medium.motion);
             motions.add(row, &medium.motion, center, space);
             if !medium.motion.is_empty() {
-                features.moving_boundaries[medium.boundary.number()].get_or_insert_with(reason);
+                features.require(format!("boundary_moves.{}", PRIMITIVES[medium.boundary.number()]), reason);
             }
             // Of a large sphere, the texture is evaluated relative to its nearest point.
             let texture = match medium.boundary.large_sphere() {
@@ -54,16 +54,16 @@ impl Builder<'_> {
             };
             motions.add(row + 1, &medium.own.motion, texture, space);
             if !medium.own.motion.is_empty() && medium.albedo.shader_number().is_some() {
-                features.moving_media.get_or_insert_with(reason);
+                features.require("moving_medium", reason);
             }
         }
         if camera_moves(&scene.camera) {
             motions.add_camera(&scene.camera, to_space);
             let reason =
                 || format!("camera.moving at {}", scene.location(&[Step::Field("camera"), Step::Field("moving")]));
-            features.moving_camera.get_or_insert_with(reason);
+            features.require("moving_camera", reason);
         }
-        features.motion_iterations = motions.iterations;
+        features.quantities.motion_iterations = motions.iterations;
         self.motions = Some(motions);
     }
 
@@ -71,7 +71,7 @@ impl Builder<'_> {
     pub fn add_motion_of_light(&mut self, index: usize, motion: &Motion, position: DVec3, space: RenderSpace) {
         if let Some(motions) = &mut self.motions {
             motions.add(motions.number_of_light(index), motion, position, space);
-            self.flat.features.motion_iterations = motions.iterations;
+            self.flat.features.quantities.motion_iterations = motions.iterations;
         }
     }
 

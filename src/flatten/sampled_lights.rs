@@ -18,7 +18,7 @@ use crate::light_distribution::SkyDistribution;
 use crate::luminance::Luminance;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap};
-use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, exp2};
+use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, PRIMITIVES, exp2};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
@@ -74,7 +74,7 @@ impl Builder<'_> {
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
         // The scene has no light.
         if sum == 0.0 || !sum.is_finite() {
-            self.flat.features.emitting_sky = None;
+            self.flat.features.forget("sky_light");
             return;
         }
         let (mut bounds, mut lights, mut starts) = (Vec::new(), Vec::new(), Vec::new());
@@ -83,17 +83,19 @@ impl Builder<'_> {
             let material = group.primitive.material;
             let (name, own) = &materials[material as usize];
             let reason = || format!("\"{name}\" at {}", self.scene.material_location(name));
-            self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(reason);
+            let features = &mut self.flat.features;
+            let shape = PRIMITIVES[group.primitive.shape.number()];
+            features.require(format!("area_light.{shape}"), reason);
             if own.model().emission().is_some_and(|emission| emission.slot.is_textured()) {
-                self.flat.features.textured_lights.get_or_insert_with(reason);
+                features.require("textured_light", reason);
             }
             if group.emitters.iter().any(|light| light.part == CROSSED) {
-                self.flat.features.crossed_lights.get_or_insert_with(reason);
+                features.require("crossed_light", reason);
             }
             match group.parts.take() {
                 None => self.set_light(&group, lights.len() as u32),
                 Some(parts) => {
-                    self.flat.features.parted[group.primitive.shape.number()].get_or_insert_with(reason);
+                    self.flat.features.require(format!("parted.{shape}"), reason);
                     cut.push((group.primitive, group.index, lights.len(), parts));
                 }
             }
@@ -124,7 +126,7 @@ impl Builder<'_> {
                 starts.push(Start { code, area, is_possible });
             }
         }
-        self.flat.features.first_delta_light = lights.len() as u32;
+        self.flat.features.quantities.first_delta_light = lights.len() as u32;
         // Lights with a position come first, as the tree requires.
         let (positional, at_infinity): (Vec<_>, Vec<_>) =
             delta_lights.into_iter().partition(|moving| moving.light.position.is_some());
@@ -142,8 +144,8 @@ impl Builder<'_> {
         let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE, WHOLE));
         self.flat.lights = lights.into_iter().chain(of_sky).zip(tree.trails).map(light).collect();
         self.flat.light_nodes = tree.nodes;
-        self.flat.features.lights = self.flat.lights.len() as u32;
-        self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
+        self.flat.features.quantities.lights = self.flat.lights.len() as u32;
+        self.flat.features.quantities.sky_light = self.flat.features.quantities.lights.saturating_sub(1);
         cut.into_iter().for_each(|(primitive, index, first, parts)| self.add_parts(primitive, index, first, &parts));
     }
 
@@ -246,14 +248,14 @@ impl Builder<'_> {
         self.add_motion_of_light(self.flat.delta_lights.len(), motion, position, space);
         let features = &mut self.flat.features;
         let reason = || format!("{} at {}", object.name(), self.scene.location_of(object));
-        features.delta_lights.get_or_insert_with(reason);
+        features.require("delta_light", reason);
         if !motion.is_empty() {
-            features.moving_lights.get_or_insert_with(reason);
+            features.require("moving_light", reason);
         }
         self.flat.delta_lights.push(light.on_device(self.space, radiance_scale));
         let intensity = light.brightness(self.space);
         if light.position.is_none() {
-            features.directional_lights.get_or_insert_with(reason);
+            features.require("directional_light", reason);
             return LightBounds { kind: LightKind::Directional, ..infinite_light(intensity) };
         }
         let (axis, beam) = light.cone();
@@ -272,8 +274,9 @@ impl Builder<'_> {
         let Background::Image { path } = &self.scene.background else { return None };
         let bitmap = self.scene.bitmaps.colours(path)?;
         let sky = SkyDistribution::new(bitmap)?;
-        self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
-        self.flat.features.sky_grid = (sky.columns, sky.rows);
+        let by = self.flat.features.any("background").cloned().unwrap_or_default();
+        self.flat.features.require("sky_light", || by);
+        self.flat.features.quantities.sky_grid = (sky.columns, sky.rows);
         self.flat.sky = sky.sums;
         // A surface sees at most half of the sky.
         Some(0.5 * integral_over_directions(bitmap))
@@ -327,6 +330,7 @@ impl Builder<'_> {
                 "{location}: materials[\"{name}\"]: {total} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
                  {count} of them, on {objects}, are left to chance, which takes many more samples: use emitters with fewer faces"
             ));
+            self.flat.features.require("not_sampled", || not_sampled.reason.clone());
             self.flat.features.not_sampled = Some(not_sampled);
         }
         fitting.into_iter().map(|(group, _)| group).collect()

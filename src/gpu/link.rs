@@ -2,8 +2,10 @@
 //!
 //! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
 //! with `//@`:
-//! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module that the plan chose for x.
-//! - `//@ if light` … `//@ end` keeps the lines between if that condition holds; after `//@ else` come those for where it does not.
+//! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module whose head says that it implements x
+//!   ([`super::modules`]).
+//! - `//@ if light` … `//@ end` keeps the lines between if that condition holds ([`super::when`]); after `//@ else` come those for where it does
+//!   not.
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
 //!   entry's name, `${number}` its number, `${rank}` its index in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
 //!   the entry that closes the switch.
@@ -11,7 +13,6 @@
 //! - `//@ relies on loops` says that the module is right only on drivers with that property ([`PROPERTIES`]).
 //!
 //! Blocks cannot be nested, and each of their parts closes the braces that it opens. Other lines that start with `//@` are errors.
-//! A module under shaders/null stands for a feature that a kernel does without: it takes a value and gives it back, or does nothing.
 //!
 //! The linker removes comments and the declarations that the entry point does not reach ([`super::reach`]). A module
 //! without remaining lines does not count as linked. For each linked module the result has its user and the reason why
@@ -19,39 +20,14 @@
 //!
 //! A line table maps each line of the result to its file and line, so that naga's errors can name them.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
-use std::sync::LazyLock;
 
+pub use super::modules::{Chosen, Embedded, Heads, Library};
+use super::modules::{WITHOUT, head_of};
 use super::numerics::PROPERTIES;
 use super::reach;
+pub use super::when::{Facts, Reason, When};
 use crate::error::{Error, Result};
-
-/// The reason why something is linked.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// Every render needs it.
-    EveryRender,
-    /// An object of the scene (with its location in the file) or an option needs it.
-    Requested(String),
-}
-
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Reason::EveryRender => f.write_str("every render"),
-            Reason::Requested(by) => f.write_str(by),
-        }
-    }
-}
-
-impl Reason {
-    /// This reason if it is `Requested`, else the other.
-    fn or(self, other: &Reason) -> Reason {
-        if self == Reason::EveryRender { other.clone() } else { self }
-    }
-}
 
 /// One entry of a list: a feature that the scene uses, and its number in the scene's data.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,28 +39,22 @@ pub struct Entry {
     pub why: Reason,
 }
 
-/// The module behind a `choice/…`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chosen {
-    pub module: &'static str,
-    pub why: Reason,
-}
-
 /// The plan's decisions about a kernel, by the names that shaders use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choices {
-    /// Each condition; if it holds, the reason.
-    pub conditions: BTreeMap<&'static str, Option<Reason>>,
+    pub facts: Facts,
     pub lists: BTreeMap<&'static str, Vec<Entry>>,
-    /// The modules behind `choice/…`.
-    pub modules: BTreeMap<&'static str, Chosen>,
     pub values: BTreeMap<&'static str, String>,
     /// Modules that the plan has written, by name.
     pub generated: BTreeMap<&'static str, String>,
 }
 
-/// The folder of the modules that stand for what a kernel does without.
-const NULL: &str = "null/";
+impl Choices {
+    /// The reason for a fact that holds.
+    pub fn reason(&self, fact: &str) -> Option<&Reason> {
+        self.facts.get(fact)?.as_ref()
+    }
+}
 
 /// A linked shader: its text, the origin of each line, and its modules.
 #[derive(Clone, Debug)]
@@ -92,7 +62,7 @@ pub struct Linked {
     pub root: String,
     pub text: String,
     pub lines: Vec<(String, usize)>,
-    /// Without null modules.
+    /// Without those of which only the part after `//@ without` is linked.
     pub modules: Vec<String>,
     /// The properties of the driver that its modules rely on: the property's name, and the module.
     pub relies: Vec<(String, String)>,
@@ -102,67 +72,9 @@ pub struct Linked {
     /// The reason for each module, from the conditions, list entries and choices on its path from the root.
     pub why: BTreeMap<String, Reason>,
     /// The choices that it uses, with the chosen modules.
-    pub choices: BTreeMap<&'static str, String>,
+    pub choices: BTreeMap<String, String>,
     /// The plan's values that were filled in, each with a module that uses it.
     pub values: BTreeMap<&'static str, (String, String)>,
-}
-
-/// A source of module texts. In tests it has additional modules.
-pub trait Library {
-    fn module(&self, name: &str) -> Option<&str>;
-}
-
-/// The modules under shaders/. They are compiled into the program. With debug assertions they are read from disk, so
-/// that an edit of a shader needs no recompilation.
-pub struct Embedded;
-
-#[cfg(not(debug_assertions))]
-static TEXTS: LazyLock<BTreeMap<String, Cow<'static, str>>> = LazyLock::new(|| {
-    use include_dir::{Dir, include_dir};
-    static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
-    fn walk(dir: &'static Dir<'static>, texts: &mut BTreeMap<String, Cow<'static, str>>) {
-        texts.extend(dir.files().filter_map(|file| {
-            let name = file.path().to_str()?.strip_suffix(".wgsl")?;
-            Some((name.replace('\\', "/"), file.contents_utf8()?.into()))
-        }));
-        dir.dirs().for_each(|dir| walk(dir, texts));
-    }
-    let mut texts = BTreeMap::new();
-    walk(&SHADERS, &mut texts);
-    texts
-});
-
-#[cfg(debug_assertions)]
-static TEXTS: LazyLock<BTreeMap<String, Cow<'static, str>>> = LazyLock::new(|| {
-    use std::path::Path;
-    fn walk(root: &Path, dir: &Path, texts: &mut BTreeMap<String, Cow<'static, str>>) {
-        for path in std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.path()) {
-            if path.is_dir() {
-                walk(root, &path, texts);
-            } else if let Some(name) = path.strip_prefix(root).ok().and_then(|p| p.to_str()?.strip_suffix(".wgsl"))
-                && let Ok(text) = std::fs::read_to_string(&path)
-            {
-                texts.insert(name.replace('\\', "/"), text.into());
-            }
-        }
-    }
-    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders"));
-    let mut texts = BTreeMap::new();
-    walk(root, root, &mut texts);
-    texts
-});
-
-impl Library for Embedded {
-    fn module(&self, name: &str) -> Option<&str> {
-        TEXTS.get(name).map(|text| &**text)
-    }
-}
-
-impl Embedded {
-    /// The names of all modules, sorted.
-    pub fn names() -> Vec<String> {
-        TEXTS.keys().cloned().collect()
-    }
 }
 
 /// Links `root` with everything it uses.
@@ -194,10 +106,9 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
 }
 
 /// The treatment of the lines before the next `//@ else` or `//@ end`.
-#[derive(Clone, Copy)]
 enum Repetition<'a> {
     /// Kept for this reason, or dropped.
-    If(Option<&'a Reason>),
+    If(Option<Reason>),
     Each(&'a [Entry]),
 }
 
@@ -255,44 +166,47 @@ struct Linker<'a> {
 impl Linker<'_> {
     /// Joins the module of this name, after the modules that it uses. `why` is the reason of the line that uses it.
     fn join(&mut self, name: &str, user: &str, user_line: usize, why: &Reason) -> Result<()> {
-        let (module, why) = match name.strip_prefix("choice/") {
+        let chosen = match name.strip_prefix("choice/") {
             Some(choice) => {
-                let chosen = self.choices.modules.get_key_value(choice);
-                let (choice, chosen) =
-                    chosen.ok_or_else(|| fault(user, user_line, &format!("the plan chose no module for `{name}`")))?;
-                self.linked.choices.insert(choice, chosen.module.to_string());
-                (chosen.module, chosen.why.clone().or(why))
+                let chosen = self.library.heads().choose(choice, &self.choices.facts);
+                let chosen = chosen.map_err(|error| fault(user, user_line, &error))?;
+                if !chosen.is_without {
+                    self.linked.choices.insert(choice.to_string(), chosen.module.clone());
+                }
+                chosen
             }
-            None => (name, why.clone()),
+            None => Chosen { module: name.to_string(), is_without: false, why: Reason::EveryRender },
         };
-        self.uses.push(ModuleUse { user: user.to_string(), used: module.to_string(), why });
-        if !self.done.insert(module.to_string()) {
+        let module = &*chosen.module;
+        let part = if chosen.is_without { format!("{module}{OTHER_PART}") } else { module.to_string() };
+        self.uses.push(ModuleUse { user: user.to_string(), used: part.clone(), why: chosen.why.or(why) });
+        if !self.done.insert(part.clone()) {
             return Ok(());
         }
         let generated = self.choices.generated.get(module).map(String::as_str);
         let text = generated
             .or_else(|| self.library.module(module))
             .ok_or_else(|| fault(user, user_line, &format!("there is no module `{module}`")))?;
-        let lines = self.expand(module, text)?;
+        let lines = self.expand(module, text, chosen.is_without)?;
         for Line { number, text, why, .. } in &lines {
             if let Some(used) = text.trim().strip_prefix("//@ use ") {
-                self.join(used.trim(), module, *number, why)?;
+                self.join(used.trim(), &part, *number, why)?;
             }
             if let Some(property) = text.trim().strip_prefix("//@ relies on ") {
                 if !PROPERTIES.iter().any(|known| known.name == property) {
                     return Err(fault(module, *number, &format!("the probe knows no property `{property}`")));
                 }
-                self.linked.relies.push((property.to_string(), module.to_string()));
+                self.linked.relies.push((property.to_string(), part.clone()));
             }
         }
         for Line { number, text, values, .. } in lines {
             if !text.trim_start().starts_with("//@") {
                 self.filled.extend(values.into_iter().map(|value| (self.joined.len(), value)));
                 self.joined.push(text);
-                self.linked.lines.push((module.to_string(), number));
+                self.linked.lines.push((part.clone(), number));
             }
         }
-        self.linked.modules.push(module.to_string());
+        self.linked.modules.push(part);
         Ok(())
     }
 
@@ -302,18 +216,19 @@ impl Linker<'_> {
         let reached = reach::reached(&joined);
         let values = filled.into_iter().filter(|(line, _)| reached[*line]);
         let value = |(line, name): (usize, &'static str)| {
-            Some((name, (choices.values.get(name)?.clone(), linked.lines.get(line)?.0.clone())))
+            Some((name, (choices.values.get(name)?.clone(), file_of(&linked.lines.get(line)?.0).to_string())))
         };
         linked.values = values.filter_map(value).collect();
         let mut lines = Vec::with_capacity(joined.len());
         let mut kept = BTreeSet::new();
-        for ((line, origin), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
+        let all = joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached);
+        for ((line, (part, number)), _) in all {
             linked.text.push_str(reach::code(line));
             linked.text.push('\n');
-            if !kept.contains(&origin.0) && !origin.0.starts_with(NULL) {
-                kept.insert(origin.0.clone());
+            lines.push((file_of(&part).to_string(), number));
+            if !kept.contains(&part) && !part.ends_with(OTHER_PART) {
+                kept.insert(part);
             }
-            lines.push(origin);
         }
         linked.lines = lines;
         linked.modules.retain(|module| kept.contains(module));
@@ -324,18 +239,17 @@ impl Linker<'_> {
     }
 
     /// Keeps, drops or repeats the lines of blocks, and fills in values. Every line keeps its number in the file.
-    fn expand(&self, module: &str, text: &str) -> Result<Vec<Line>> {
+    fn expand(&self, module: &str, text: &str, is_without: bool) -> Result<Vec<Line>> {
         let mut out = Vec::new();
         let mut block: Option<OpenBlock<'_>> = None;
-        for (number, line) in (1..).zip(text.lines()) {
+        for (number, line) in lines_of_part(text, is_without) {
             let trimmed = line.trim();
             let words: Vec<&str> = trimmed.split_whitespace().collect();
             let begins = match words[..] {
-                ["//@", "if", name] => {
-                    let condition = self.choices.conditions.get(name);
-                    let condition = condition
-                        .ok_or_else(|| fault(module, number, &format!("the plan has no condition `{name}`")))?;
-                    Some(Repetition::If(condition.as_ref()))
+                ["//@", "if", _, ..] => {
+                    let condition = When::parse(trimmed.trim_start_matches("//@ if "));
+                    let reason = condition.and_then(|when| when.reason(&self.choices.facts));
+                    Some(Repetition::If(reason.map_err(|error| fault(module, number, &error))?))
                 }
                 ["//@", "each", name] => {
                     let list = self.choices.lists.get(name);
@@ -355,7 +269,7 @@ impl Linker<'_> {
                 };
                 let keeps = matches!(ended.repetition, Repetition::If(None));
                 self.close(module, ended, &mut out)?;
-                let repetition = Repetition::If(keeps.then_some(&Reason::EveryRender));
+                let repetition = Repetition::If(keeps.then_some(Reason::EveryRender));
                 block = Some(OpenBlock { begun: trimmed, repetition, lines: Vec::new() });
             } else if words == ["//@", "end"] {
                 let ended =
@@ -387,7 +301,7 @@ impl Linker<'_> {
             Repetition::If(None) => {}
             Repetition::If(Some(why)) => {
                 for (number, line) in block.lines {
-                    out.push(self.fill(module, number, line, why)?);
+                    out.push(self.fill(module, number, line, &why)?);
                 }
             }
             Repetition::Each(entries) => {
@@ -459,8 +373,24 @@ fn users(
     (users, ways.into_iter().map(|(module, (.., why))| (module.to_string(), why.clone())).collect())
 }
 
-fn fault(module: &str, line: usize, message: &str) -> Error {
-    Error::Shader(format!("shaders/{module}.wgsl:{line}: {message}"))
+/// What follows the name of a module for its part after `//@ without`.
+const OTHER_PART: &str = " without";
+
+fn file_of(part: &str) -> &str {
+    part.strip_suffix(OTHER_PART).unwrap_or(part)
+}
+
+/// The lines of a part of a module, with their numbers in the file: those before `//@ without` but for the head, or those after it.
+fn lines_of_part(text: &str, is_without: bool) -> impl Iterator<Item = (usize, &str)> {
+    let head = text.lines().take_while(|line| head_of(line).is_some()).count();
+    let all = text.lines().count();
+    let other = text.lines().position(|line| line == WITHOUT).unwrap_or(all);
+    let (start, end) = if is_without { (other + 1, all) } else { (head, other) };
+    (1..).zip(text.lines()).take(end).skip(start)
+}
+
+fn fault(part: &str, line: usize, message: &str) -> Error {
+    Error::Shader(format!("shaders/{}.wgsl:{line}: {message}", file_of(part)))
 }
 
 impl Linked {

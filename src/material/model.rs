@@ -133,6 +133,41 @@ pub enum ExtensionKind {
 }
 
 impl ExtensionKind {
+    /// Those that kernels evaluate by a module of shaders/extension, by its name, in the order of evaluation.
+    pub const EVALUATED: [(&'static str, ExtensionKind); 18] = [
+        ("emission", ExtensionKind::Emission),
+        ("roughness", ExtensionKind::Roughness),
+        ("metallic", ExtensionKind::Metallic),
+        ("normal", ExtensionKind::Normal),
+        ("specular", ExtensionKind::Specular),
+        ("specular_share", ExtensionKind::SpecularShare),
+        ("transmission", ExtensionKind::Transmission),
+        ("coat", ExtensionKind::Coat),
+        ("coat_roughness", ExtensionKind::CoatRoughness),
+        ("coat_normal", ExtensionKind::CoatNormal),
+        ("sheen", ExtensionKind::Sheen),
+        ("sheen_roughness", ExtensionKind::SheenRoughness),
+        ("anisotropy", ExtensionKind::Anisotropy),
+        ("iridescence", ExtensionKind::Iridescence),
+        ("iridescence_thickness", ExtensionKind::IridescenceThickness),
+        ("diffuse_transmission", ExtensionKind::DiffuseTransmission),
+        ("diffuse_transmission_share", ExtensionKind::DiffuseTransmissionShare),
+        ("dispersion", ExtensionKind::Dispersion),
+    ];
+    /// The others, by name.
+    pub const OTHERS: [(&'static str, ExtensionKind); 5] = [
+        ("alpha", ExtensionKind::Alpha),
+        ("vertex_colours", ExtensionKind::VertexColours),
+        ("vertex_alpha", ExtensionKind::VertexAlpha),
+        ("vertex_emission", ExtensionKind::VertexEmission),
+        ("multiscatter", ExtensionKind::Multiscatter),
+    ];
+
+    pub fn name(self) -> &'static str {
+        let mut names = ExtensionKind::EVALUATED.iter().chain(&ExtensionKind::OTHERS);
+        names.find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+
     /// The index of the row with a material's extension of this kind.
     pub fn row_of(self, extensions: &mut data::Extension) -> &mut u32 {
         match self {
@@ -162,9 +197,6 @@ impl ExtensionKind {
         }
     }
 }
-
-/// The number of kinds of extension.
-pub const EXTENSIONS: usize = ExtensionKind::Dispersion as usize + 1;
 
 /// An extension of a material, with its texture.
 #[derive(Clone, Copy, Debug)]

@@ -2,15 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::choices::ALTERNATIVES;
-use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning, boundary_names};
+use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning};
 use crate::error::Result;
-use crate::flatten::{BACKGROUNDS, Features, MATERIALS, NotSampled, PRIMITIVES, TEXTURES};
+use crate::flatten::{DECLARED, Declared, Features, NotSampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
-use crate::gpu::link::Reason;
+use crate::gpu::link::{Embedded, Library, Reason, When};
 use crate::gpu::spirv::{self, KernelSize};
-use crate::material::ExtensionKind;
 use crate::options::{Integrator, Scatter, default_of};
 
 /// A plan in words and numbers.
@@ -37,7 +35,7 @@ pub struct Report {
 /// A choice between modules, the same in all kernels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
-    pub name: &'static str,
+    pub name: String,
     pub module: String,
 }
 
@@ -111,9 +109,16 @@ impl Choice {
         let own: Vec<&str> = self.name.split('_').collect();
         let rest: Vec<&str> = name.split('_').filter(|word| !own.contains(word)).collect();
         match rest.is_empty() {
-            true => default_of(&self.module).unwrap_or("yes").to_string(),
+            true => self.option_default().unwrap_or("yes").to_string(),
             false => rest.join(" "),
         }
+    }
+
+    /// The default of the option whose values its modules name.
+    fn option_default(&self) -> Option<&'static str> {
+        let heads = &Embedded.heads().choices().get(&self.name)?.heads;
+        let facts = heads.iter().flat_map(|head| head.when.iter().flat_map(When::facts));
+        facts.filter_map(|fact| default_of(fact.split_once('.')?.0)).next()
     }
 }
 
@@ -133,11 +138,10 @@ impl Report {
         let known = known_features(features);
         let (there, left_out): (Vec<_>, Vec<_>) = known.iter().partition(|known| linked.contains(&known.module));
         let with_reason = |known: &&Known<'_>| Some((known.name.clone(), known.reason?.to_string()));
-        let choices: BTreeMap<_, _> = kernels
-            .iter()
-            .flat_map(|kernel| &kernel.linked.choices)
-            .filter(|(name, _)| ALTERNATIVES.contains(name))
-            .collect();
+        let heads = Embedded.heads().choices();
+        let is_alternative = |(name, _): &(&String, _)| heads.get(*name).is_some_and(|own| own.is_alternative);
+        let choices = kernels.iter().flat_map(|kernel| &kernel.linked.choices).filter(is_alternative);
+        let choices: BTreeMap<_, _> = choices.collect();
         let of_kernel = |kernel: &&Kernel| KernelReport {
             name: kernel.name.clone(),
             root: kernel.linked.root.clone(),
@@ -166,7 +170,10 @@ impl Report {
         Report {
             features: there.iter().filter_map(with_reason).collect(),
             left_out: left_out.iter().map(|known| known.name.clone()).collect(),
-            choices: choices.into_iter().map(|(name, module)| Choice { name, module: module.clone() }).collect(),
+            choices: choices
+                .into_iter()
+                .map(|(name, module)| Choice { name: name.clone(), module: module.clone() })
+                .collect(),
             integrator: integrator_words(features, plan.options.integrator),
             scatter: scatter_words(plan),
             kernels: kernels.iter().map(of_kernel).collect(),
@@ -223,70 +230,28 @@ struct Known<'a> {
 
 /// All features that a scene can need.
 fn known_features(features: &Features) -> Vec<Known<'_>> {
-    fn kinds<'a>(
-        names: &[&'static str],
-        used: &'a [Option<String>],
-        folder: &'static str,
-        suffix: &'static str,
-    ) -> Vec<Known<'a>> {
-        let known = |(name, used): (&&str, &'a Option<String>)| Known {
-            name: format!("{name}{suffix}"),
-            reason: used.as_deref(),
-            module: format!("{folder}/{name}"),
+    let of = |declared: &Declared| {
+        let (label, module) = declared.feature?;
+        let known = |name: &str, fact: &str| {
+            // Meshes have modules of their own.
+            let module = match fact {
+                "boundary.mesh" => "scene/medium_in_mesh".to_string(),
+                "moves.triangle" => "motion/instance".to_string(),
+                _ => module.replace("{}", name),
+            };
+            Known { name: label.replace("{}", name), reason: features.reason(fact).map(String::as_str), module }
         };
-        names.iter().zip(used).map(known).collect()
-    }
-    fn one<'a>(name: &str, used: &'a Option<String>, module: &str) -> Known<'a> {
-        Known { name: name.to_string(), reason: used.as_deref(), module: module.to_string() }
-    }
-    let mut all = kinds(PRIMITIVES, &features.primitives, "geometry", "");
-    all.push(one("smooth shading", &features.smooth, "scene/smooth_shading"));
-    all.extend(kinds(MATERIALS, &features.materials, "material", ""));
-    let panes = PRIMITIVES.iter().zip(&features.panes);
-    all.extend(panes.map(|(name, used)| one(&format!("{name} pane"), used, "step/panes")));
-    all.extend(kinds(TEXTURES, &features.textures, "texture", " texture"));
-    let mut media = kinds(&boundary_names(), &features.boundaries, "medium", " medium");
-    media.iter_mut().filter(|known| known.module == "medium/mesh").for_each(|mesh| {
-        mesh.module = "scene/medium_in_mesh".to_string();
-    });
-    all.extend(media);
-    all.push(one("textured medium", &features.textured_media, "scene/textured_medium"));
-    all.extend(kinds(PRIMITIVES, &features.emitters, "light", " light"));
-    all.push(one("textured light", &features.textured_lights, "scene/textured_light"));
-    let parted = features.parted.iter().max_by_key(|used| used.is_some());
-    all.extend(parted.map(|parted| one("light in parts", parted, "scene/light_parts")));
-    all.push(one("light with two sides and an alpha", &features.crossed_lights, "scene/light_crossings"));
-    all.push(one("delta light", &features.delta_lights, "light/delta"));
-    all.push(one("sky light", &features.emitting_sky, "scene/sky"));
-    all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));
-    all.push(one("thin lens", &features.thin_lens, "camera/thin_lens"));
-    let mut motions = kinds(PRIMITIVES, &features.motions, "motion", " motion");
-    motions.iter_mut().filter(|known| known.module == "motion/triangle").for_each(|mesh| {
-        mesh.module = "motion/instance".to_string();
-    });
-    all.extend(motions);
-    let boundaries = PRIMITIVES.iter().zip(&features.moving_boundaries);
-    all.extend(boundaries.map(|(name, used)| one(&format!("{name} boundary motion"), used, "motion/boundaries")));
-    all.push(one("delta light motion", &features.moving_lights, "motion/delta_light"));
-    all.push(one("medium motion", &features.moving_media, "motion/medium"));
-    all.push(one("camera motion", &features.moving_camera, "camera/moving"));
-    let pbr = MATERIALS.iter().position(|name| *name == "pbr").unwrap_or_default();
-    let lobe = |kind: ExtensionKind| &features.extensions[kind as usize][pbr];
-    all.push(one("pbr transmission", lobe(ExtensionKind::Transmission), "material/pbr_transmission"));
-    all.push(one("pbr coat", lobe(ExtensionKind::Coat), "material/pbr_coat"));
-    all.push(one("pbr sheen", lobe(ExtensionKind::Sheen), "material/pbr_sheen"));
-    all.push(one("pbr film", lobe(ExtensionKind::Iridescence), "material/thin_film"));
-    all.push(one(
-        "pbr diffuse transmission",
-        lobe(ExtensionKind::DiffuseTransmission),
-        "material/pbr_translucent_body",
-    ));
-    let of_any =
-        |kind: ExtensionKind| features.extensions[kind as usize].iter().find(|used| used.is_some()).unwrap_or(&None);
-    all.push(one("anisotropy", of_any(ExtensionKind::Anisotropy), "material/anisotropic_facets"));
-    all.push(one("dispersion", of_any(ExtensionKind::Dispersion), "material/dispersed_boundary"));
-    all.push(one("camera axes", &features.camera_axes, "scene/camera_axes"));
-    all
+        let known = match label.contains("{}") {
+            true => declared.kinds.iter().map(|kind| known(kind, &format!("{}.{kind}", declared.name))).collect(),
+            false => vec![Known {
+                name: label.to_string(),
+                reason: features.any(declared.name).map(String::as_str),
+                module: module.to_string(),
+            }],
+        };
+        Some(known)
+    };
+    DECLARED.iter().filter_map(of).flatten().collect()
 }
 
 /// The modules of a kernel, each after the one that uses it.
@@ -415,7 +380,7 @@ fn integrator_words(features: &Features, integrator: Integrator) -> String {
         let NotSampled { lights, total, reason } = left;
         format!("{lights} of {total} lights are left to chance, {reason}")
     });
-    match features.lights {
+    match features.quantities.lights {
         0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),
         0 if left.is_empty() => "bsdf: there is no light to sample".to_string(),
         0 => format!("bsdf: {left}"),

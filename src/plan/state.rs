@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::aov::{Aovs, Finder};
-use crate::gpu::link::Reason;
+use crate::gpu::link::{Facts, Reason};
 
 /// The reason for fields that separate stages pass to each other.
 const A_KERNEL_A_STAGE: &str = "a kernel a stage";
@@ -87,34 +87,6 @@ pub fn most_path_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
     MOST_PATH_BYTES + of_light_paths + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
 }
 
-/// The reasons for fields that not every render has.
-#[derive(Clone, Debug, Default)]
-pub struct Needs {
-    /// Stages are separate kernels.
-    pub is_staged: bool,
-    pub light: Option<Reason>,
-    /// A hit has the instance of a mesh, or the side of a body.
-    pub instance: Option<Reason>,
-    /// A light has the instance of a mesh, or the side of a body.
-    pub light_instance: Option<Reason>,
-    pub probed: Option<Reason>,
-    /// Light paths are traced.
-    pub light_paths: Option<Reason>,
-    /// They find light that is sampled at narrow lobes.
-    pub sampled_ratio: Option<Reason>,
-    /// A solid absorbs their light.
-    pub light_absorption: Option<Reason>,
-    /// There is a surface or a medium.
-    pub event: Option<Reason>,
-    /// Light that a path gets before its end.
-    pub sampled_light: Option<Reason>,
-    /// The stages that record channels of `--aov`.
-    pub aov_hit: Option<Reason>,
-    pub aov_surface: Option<Reason>,
-    pub aov_rough: Option<Reason>,
-    pub aov_direct: Option<Reason>,
-}
-
 /// The member of a path that holds the sums of `--aov`.
 const AOV: &str = "aov";
 
@@ -151,20 +123,20 @@ const GROUPS: [&str; 12] = [
 ];
 
 /// The fields that kernels pass to each other. The fused kernel does not store what lies between a ray and its scattering.
-pub fn path_fields(needs: &Needs, aovs: &Aovs) -> Vec<PathField> {
-    all_fields(needs, aovs).into_iter().filter_map(|(field, why)| Some(PathField { why: why?, ..field })).collect()
+pub fn path_fields(facts: &Facts, aovs: &Aovs) -> Vec<PathField> {
+    all_fields(facts, aovs).into_iter().filter_map(|(field, why)| Some(PathField { why: why?, ..field })).collect()
 }
 
 /// All fields, each with its reason if the scene has it.
-fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
-    let words = |why: &Option<Reason>| why.as_ref().map(Reason::to_string);
+fn all_fields(facts: &Facts, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
+    let words = |fact: &str| facts.get(fact).and_then(Option::as_ref).map(Reason::to_string);
     let always = Some(Reason::EveryRender.to_string());
     // Fields that only separate stages pass on.
-    let staged = |why| words(why).filter(|_| needs.is_staged).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
-    let (lights, instances, mesh_lights) =
-        (staged(&needs.light), staged(&needs.instance), staged(&needs.light_instance));
+    let is_fused = words("fused").is_some();
+    let staged = |fact| words(fact).filter(|_| !is_fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
+    let (lights, instances, mesh_lights) = (staged("light"), staged("instance"), staged("light_instance"));
     // Without a surface or a medium no stage needs the distance.
-    let events = (needs.is_staged && needs.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
+    let events = (!is_fused && words("event").is_some()).then(|| A_KERNEL_A_STAGE.to_string());
     let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {
         let (name, member, what) = (name.to_string(), member.to_string(), what.to_string());
         (PathField { name, words, w_of, what, why: String::new(), group, member, code }, why.clone())
@@ -193,14 +165,14 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         vector(&always, "run", "EXCESS", "sum.excess", "the compensation term of that sum"),
         vector(&always, "run", "SQUARES", "squares", "squared deviations of the run's samples from their mean"),
         vector(
-            &words(&needs.sampled_light),
+            &words("sampled_light"),
             "radiance",
             "RADIANCE",
             "radiance",
             "radiance of the sample so far, by lights that were sampled and surfaces that emit and scatter",
         ),
         packed(
-            &words(&needs.sampled_light),
+            &words("sampled_light"),
             "radiance",
             "RADIANCE",
             "pdf",
@@ -208,28 +180,28 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "density of the last scattering's direction",
         ),
         word(
-            &words(&needs.light_paths),
+            &words("light_paths"),
             "radiance",
             "log_ratio",
             Float,
             "the density of light paths over that of the path, as a logarithm",
         ),
         word(
-            &words(&needs.light_paths),
+            &words("light_paths"),
             "radiance",
             "narrow_share",
             Float,
             "the share of light paths that may begin with the last event",
         ),
-        word(&words(&needs.light_paths), "radiance", "bin", Word, "the bin in which a light path's light is counted"),
+        word(&words("light_paths"), "radiance", "bin", Word, "the bin in which a light path's light is counted"),
         vector(
-            &words(&needs.light_absorption),
+            &words("light_paths_through_solids"),
             "radiance",
             "ABSORPTION",
             "absorption",
             "what absorbs the ray of a light path",
         ),
-        vector(&words(&needs.aov_direct), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
+        vector(&words("aov.direct"), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
         vector(&lights, "shadow", "SHADOW_ORIGIN", "shadow.origin", "where the ray to a light starts"),
         packed(&lights, "shadow", "SHADOW_ORIGIN", "light", Word, "the light"),
         vector(&lights, "shadow", "SHADOW_DIRECTION", "shadow.direction", "the direction of that ray"),
@@ -241,7 +213,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "its contribution per radiance of the light, if nothing is between",
         ),
         packed(
-            &staged(&needs.probed),
+            &staged("probed"),
             "light_weight",
             "LIGHT_WEIGHT",
             "probe",
@@ -249,7 +221,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "the weight of that ray as a probe for light of narrow lobes",
         ),
         word(
-            &staged(&needs.sampled_ratio),
+            &staged("light_paths_of_narrow_lobes"),
             "light_weight",
             "light_ratio",
             Float,
@@ -260,7 +232,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         word(&always, "sample_of_path", "pixel", Word, "the pixel"),
         word(&always, "sample_of_path", "sample", Word, "the sample of the pixel"),
         word(
-            &words(&needs.aov_rough),
+            &words("aov_rough"),
             "aov_surface",
             "seen",
             Word,
@@ -271,9 +243,9 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     ];
     for (index, (sum, name)) in aovs.sum_components().enumerate() {
         let (why, group) = match sum.finder() {
-            Finder::Hit => (&needs.aov_hit, "aov_hit"),
-            Finder::Surface => (&needs.aov_surface, "aov_surface"),
-            Finder::Direct => (&needs.aov_direct, "aov_direct"),
+            Finder::Hit => ("aov_hit", "aov_hit"),
+            Finder::Surface => ("aov_surface", "aov_surface"),
+            Finder::Direct => ("aov.direct", "aov_direct"),
         };
         let what = format!("sum of {name} over the run's samples");
         let field = format!("sum_of_{}", name.replace('.', "_"));
@@ -286,7 +258,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
 pub fn path_module(aovs: &Aovs) -> String {
     let mut members: Vec<(String, String)> =
         OTHER_MEMBERS.iter().map(|(name, kind)| (name.to_string(), kind.to_string())).collect();
-    for (field, _) in all_fields(&Needs::default(), aovs) {
+    for (field, _) in all_fields(&Facts::new(), aovs) {
         let has = |name: &str| members.iter().any(|(member, _)| member == name);
         if has(field.member.split('.').next().unwrap_or_default()) || field.member.starts_with(AOV) {
             continue;

@@ -11,7 +11,7 @@ use gpu_rt::data::Settings;
 use gpu_rt::flatten::Features;
 use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
 use gpu_rt::gpu::layout::{self, Binding};
-use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Reason, link};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{SettingsLayout, UniformTables, choices_of};
@@ -75,11 +75,12 @@ impl Library for Overlay {
     }
 }
 
-/// The conditions of the settings' members, which are all there.
-const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
+/// The facts of the settings' members, which are all there.
+const SETTINGS: [&str; 7] =
+    ["lens", "background.gradient", "background.image", "camera_axes", "clamp", "event", "brute_force"];
 
 /// Adds what is not there.
-fn complete<V>(own: &mut BTreeMap<&'static str, V>, usual: BTreeMap<&'static str, V>) {
+fn complete<K: Ord, V>(own: &mut BTreeMap<K, V>, usual: BTreeMap<K, V>) {
     for (name, value) in usual {
         own.entry(name).or_insert(value);
     }
@@ -102,8 +103,8 @@ pub struct Setup<'a> {
     pub rewritten: Option<(&'a str, &'a str, &'a str)>,
     /// The values behind `${name}`.
     pub values: &'a [(&'static str, &'a str)],
-    /// The modules behind `choice/name`.
-    pub choices: &'a [(&'static str, &'static str)],
+    /// Facts that hold, and facts that do not.
+    pub facts: &'a [(&'a str, bool)],
     /// The choices of a plan, for kernels whose modules need more of them than those.
     pub plan: Choices,
 }
@@ -117,21 +118,20 @@ impl Kernel {
     /// Links `test/NAME`, whose `run(row)` is called once for every row of input.
     pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
         let mut choices = setup.plan.clone();
-        let chosen = |module| Chosen { module, why: Reason::EveryRender };
         // By default, the choices of a plan for an empty scene.
         let nothing = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
-        for condition in SETTINGS {
-            choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
+        for fact in SETTINGS {
+            choices.facts.entry(fact.to_string()).or_insert(Some(Reason::EveryRender));
         }
-        complete(&mut choices.conditions, nothing.conditions);
-        complete(&mut choices.modules, nothing.modules);
+        complete(&mut choices.facts, nothing.facts);
         complete(&mut choices.values, nothing.values);
         complete(&mut choices.generated, nothing.generated);
         // Images of floats.
         let float = Entry { name: "float".to_string(), number: 0, closes: true, why: Reason::EveryRender };
         choices.lists.entry("texel_format").or_insert(vec![float]);
-        choices.modules.extend(setup.choices.iter().map(|(choice, module)| (*choice, chosen(module))));
-        choices.modules.insert("kernel", chosen(name));
+        let holds = |is_so: bool| is_so.then_some(Reason::EveryRender);
+        choices.facts.extend(setup.facts.iter().map(|(fact, is_so)| ((*fact).to_string(), holds(*is_so))));
+        choices.values.insert("kernel", name.to_string());
         choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));
         let mut overlay = Overlay::new(setup.replaced);
         if let Some((module, part, other)) = setup.rewritten {

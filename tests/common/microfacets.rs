@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{self, NO_TEXTURE};
+use gpu_rt::gpu::link::{Embedded, Library, When};
 
 use super::kernel::{Kernel, Setup};
 use super::rows::glass;
@@ -103,20 +104,12 @@ pub fn planted_kernel(material: &str, times: usize, with: &[&str], planted: (&st
 fn kernel_with(material: &str, times: usize, with: &[&str], setup: &Setup<'_>) -> Kernel {
     let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
     let values = [("material", material), ("times", &*times), ("keyed", keyed)];
-    let own = [
-        ("multiscatter", "scene/multiscatter"),
-        ("layer", "material/pbr_own_layer"),
-        ("transmission", "material/pbr_transmission"),
-        ("sheen", "material/pbr_sheen"),
-        ("coat", "material/pbr_coat"),
-        ("facets", "material/anisotropic_facets"),
-        ("film", "material/thin_film"),
-        ("body", "material/pbr_translucent_body"),
-        ("boundary", "material/dispersed_boundary"),
-    ];
-    let choices: Vec<_> = own.into_iter().filter(|(_, module)| with.contains(module)).collect();
+    let heads = Embedded.heads().choices().values().flat_map(|choice| &choice.heads);
+    let those =
+        heads.filter(|head| with.contains(&&*head.module)).flat_map(|head| head.when.iter().flat_map(When::facts));
+    let facts: Vec<_> = those.map(|fact| (fact, true)).collect();
     let Setup { replaced, rewritten, .. } = *setup;
-    Kernel::with("test/rough", &Setup { replaced, rewritten, values: &values, choices: &choices, ..Setup::default() })
+    Kernel::with("test/rough", &Setup { replaced, rewritten, values: &values, facts: &facts, ..Setup::default() })
 }
 
 /// A ray that meets a surface from its front, at an angle with its normal.

@@ -184,7 +184,7 @@ fn spheres() -> Cell {
     // Linked as for a scene of spheres alone, with a stack for this tree.
     let one = flat(&["Sphere(center: (0, 0, -2), radius: 1, material: \"m\")".to_string()]);
     let mut features = one.features.clone();
-    features.stack_size = tree.stack_size.max(1);
+    features.quantities.stack_size = tree.stack_size.max(1);
     let plan = choices_of(&features, &RenderOptions::default(), &UniformTables::default());
     let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });

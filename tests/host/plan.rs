@@ -9,7 +9,7 @@ use gpu_rt::bvh::Quality;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::buffers::too_large;
 use gpu_rt::gpu::device::DeviceClass;
-use gpu_rt::gpu::link::{Choices, Chosen, Entry, Library, Reason, link};
+use gpu_rt::gpu::link::{Choices, Entry, Heads, Library, Reason, link};
 use gpu_rt::gpu::spirv;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{FeatureSet, Integrator, RenderOptions, Scatter};
@@ -986,17 +986,21 @@ fn sizes_are_those_of_the_kernels() {
 }
 
 /// Modules by their names.
-struct Texts(&'static [(&'static str, &'static str)]);
+struct Texts(&'static [(&'static str, &'static str)], Heads);
 
 impl Library for Texts {
     fn module(&self, name: &str) -> Option<&str> {
         self.0.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
     }
+
+    fn heads(&self) -> &Heads {
+        &self.1
+    }
 }
 
 #[test]
 fn the_linker_notes_users_reasons_choices_and_values() {
-    let library = Texts(&[
+    let texts = &[
         (
             "root",
             "//@ use empty\n//@ use long\n//@ use choice/x\n//@ each list\n//@ use ${name}\n//@ end\n//@ if asked\n//@ use leaf\n\
@@ -1006,23 +1010,28 @@ fn the_linker_notes_users_reasons_choices_and_values() {
         // Nothing of it is reached: it leads to `deep` all the same.
         ("empty", "//@ use deep\nfn unreached() -> u32 {\n    return ${lost}u;\n}\n"),
         ("long", "//@ use chosen\n//@ use deep\nfn g() {\n    deepest();\n}\n"),
-        ("chosen", "//@ use choice/y\nconst N: u32 = ${kept}u;\nfn h() {\n    var n = N;\n}\n"),
-        ("other", "fn unreached_too() {\n}\n"),
+        (
+            "chosen",
+            "//@ implements x when requested\n//@ use choice/y\nconst N: u32 = ${kept}u;\nfn h() {\n    var n = N;\n}\n",
+        ),
+        ("other", "//@ implements y when always\nfn unreached_too() {\n}\n"),
         ("deep", "fn deepest() {\n}\n"),
         ("entry", "//@ use leaf\n//@ use choice/z\nfn entry() {\n    leaf();\n    last();\n}\n"),
         ("leaf", "fn leaf() {\n}\n"),
-        ("last", "fn last() {\n}\n"),
-    ]);
+        ("last", "//@ implements z when always\nfn last() {\n}\n"),
+    ];
+    let library = Texts(texts, Heads::of(texts.iter().copied()));
     let requested = |by: &str| Reason::Requested(by.to_string());
-    let chosen = |module, why| Chosen { module, why };
     let entry = Entry { name: "entry".to_string(), number: 0, closes: true, why: requested("an object") };
     let choices = Choices {
-        conditions: BTreeMap::from([("asked", Some(requested("an option"))), ("absent", None)]),
-        modules: BTreeMap::from([
-            ("x", chosen("chosen", requested("a choice"))),
-            ("y", chosen("other", Reason::EveryRender)),
-            ("z", chosen("last", Reason::EveryRender)),
-        ]),
+        facts: [
+            ("asked", Some(requested("an option"))),
+            ("absent", None),
+            ("requested", Some(requested("a choice"))),
+            ("always", Some(Reason::EveryRender)),
+        ]
+        .map(|(fact, reason)| (fact.to_string(), reason))
+        .into(),
         lists: BTreeMap::from([("list", vec![entry])]),
         values: BTreeMap::from([("lost", "1".to_string()), ("kept", "2".to_string()), ("absent", "3".to_string())]),
         generated: BTreeMap::new(),
@@ -1046,8 +1055,7 @@ fn the_linker_notes_users_reasons_choices_and_values() {
     // `last` was chosen for the module that uses it: it has the reason of `entry`.
     let others = [("entry", "an object"), ("leaf", "an option"), ("last", "an object")];
     assert_eq!(pairs(&[["root", "deep", "long", "chosen"].map(every).as_slice(), &others].concat()), reasons);
-    let z = ("z", "last".to_string());
-    assert_eq!(linked.choices, BTreeMap::from([("x", "chosen".to_string()), z]));
+    assert_eq!(linked.choices, pairs(&[("x", "chosen"), ("z", "last")]));
     assert_eq!(linked.values, BTreeMap::from([("kept", ("2".to_string(), "chosen".to_string()))]));
 }
 

@@ -211,7 +211,7 @@ fn bodies_with_an_alpha_are_sampled_on_both_sides() {
     ] {
         let room = bodies(folder.path(), alpha, &objects);
         let flat = flatten(&room, (16, 16), &RenderOptions::default()).expect("it flattens");
-        assert!(flat.features.crossed_lights.is_some() && flat.features.not_sampled.is_none(), "{name}");
+        assert!(flat.features.reason("crossed_light").is_some() && flat.features.not_sampled.is_none(), "{name}");
         let bsdf = render(&room, &Request::default().seed(1).sobol());
         let mis = Request::default().mis().seed(2);
         for request in [

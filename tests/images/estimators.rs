@@ -550,7 +550,7 @@ fn lights_beyond_the_limit_are_found_by_bsdf_sampling() {
     let not_sampled = flat.features.not_sampled.as_ref().expect("something is left out");
     let faces = u64::from(2 * SIDE * SIDE);
     assert!(faces > MOST_LIGHTS as u64);
-    assert_eq!((flat.features.lights, not_sampled.lights, not_sampled.total), (8, faces, faces + 8));
+    assert_eq!((flat.features.quantities.lights, not_sampled.lights, not_sampled.total), (8, faces, faces + 8));
     assert!(
         flat.warnings
             .iter()

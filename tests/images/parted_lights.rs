@@ -144,7 +144,7 @@ fn parts_of_lights_change_no_expectation() {
     let folder = folder();
     for (name, camera, lamps) in LAMPS {
         let scene = room(folder.path(), camera, lamps);
-        let lights = flat(&scene).features.lights;
+        let lights = flat(&scene).features.quantities.lights;
         assert!(lights > 60, "{name}: {lights} lights");
         let bsdf = render(&scene, &Request::spp(8192).seed(1).sobol());
         let mis = Request::spp(2048).seed(2).mis();
@@ -200,7 +200,7 @@ fn a_hot_texel_is_sampled() {
         ),
     ] {
         let scene = room(folder.path(), "", lamp);
-        assert!(flat(&scene).features.lights > 16, "{name} is not cut");
+        assert!(flat(&scene).features.quantities.lights > 16, "{name} is not cut");
         let request = Request::spp(1024).seed(1).mis().depth(1);
         let parts = render(&scene, &request).mean_of_all();
         // A point that is uniform in the area of the lamp has a radiance with this relative variance alone: the texel is a tent of four texels,

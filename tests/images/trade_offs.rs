@@ -10,6 +10,7 @@ use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::commands::Cli;
 use gpu_rt::flatten::flatten;
+use gpu_rt::gpu::link::{Embedded, Library};
 use gpu_rt::options::{Class, Fresnel, OptionSpec, Precision, RenderOptions, TRADE_OFFS};
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use gpu_rt::plan::{UniformTables, choices_of};
@@ -147,13 +148,15 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
     };
     let linked = |objects: &str, options: &RenderOptions| {
         let flat = flatten(&render::scene(&text(objects)), (4, 4), options).expect("it flattens");
-        let choices = choices_of(&flat.features, options, &UniformTables::default()).modules;
+        let facts = choices_of(&flat.features, options, &UniformTables::default()).facts;
         let linked = [
             ("fresnel", "lib/fresnel_schlick"),
             ("clamp", "step/clamp"),
             ("sphere_chord", "geometry/sphere_chord_fast"),
         ];
-        linked.map(|(choice, module)| choices[choice].module == module)
+        linked.map(|(choice, module)| {
+            Embedded.heads().choose(choice, &facts).is_ok_and(|chosen| chosen.module == module && !chosen.is_without)
+        })
     };
     let box_of = |material: &str| format!("Box(min: (0, 0, 0), max: (1, 1, 1), material: \"{material}\")");
     let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";

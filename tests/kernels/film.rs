@@ -12,14 +12,15 @@ const PIXELS: u32 = 5;
 
 /// Adds runs to an empty film on the device.
 fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
-    linked_with(replaced, &[], records)
+    linked_with(replaced, false, records)
 }
 
-/// Adds runs with some modules behind `choice/…`.
-fn linked_with(replaced: &[(&str, &str)], choices: &[(&'static str, &'static str)], records: &[Run]) -> Film {
+/// Adds runs whose filter has negative lobes or not.
+fn linked_with(replaced: &[(&str, &str)], has_negative_lobes: bool, records: &[Run]) -> Film {
     let run_length = gpu_rt::data::RUN_LENGTH.to_string();
+    let facts = &[("filter.mitchell", has_negative_lobes)];
     let setup =
-        Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], choices, ..Setup::default() };
+        Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], facts, ..Setup::default() };
     let kernel = Kernel::with("test/film", &setup);
     let buffers = [
         BufferSpec::working("film", u64::from(PIXELS) * size_of::<PixelTotals>() as u64, "the test"),
@@ -135,9 +136,7 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
         film.add_signed_runs(records);
         film
     };
-    let on_device = |replaced: &[(&str, &str)], records: &[Run]| {
-        linked_with(replaced, &[("filter_weight", "step/filter_weight")], records)
-    };
+    let on_device = |replaced: &[(&str, &str)], records: &[Run]| linked_with(replaced, true, records);
     let host = on_host(&records);
     assert!(on_device(&[], &records) == host);
     assert_eq!(host.totals().rejected.refused, 0);

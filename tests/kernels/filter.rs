@@ -21,7 +21,7 @@ fn numbers() -> Vec<f32> {
 
 fn points(filter: &'static str) -> Vec<([f32; 2], Out)> {
     let signed = (filter == "mitchell").then_some(Reason::EveryRender);
-    let plan = Choices { conditions: BTreeMap::from([("signed", signed)]), ..Choices::default() };
+    let plan = Choices { facts: BTreeMap::from([("signed".to_string(), signed)]), ..Choices::default() };
     let kernel = Kernel::with("test/filter", &Setup { values: &[("filter", filter)], plan, ..Setup::default() });
     let numbers = numbers();
     let rows: Vec<[f32; 2]> = numbers.iter().flat_map(|y| numbers.iter().map(move |x| [*x, *y])).collect();

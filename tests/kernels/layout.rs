@@ -4,20 +4,14 @@
 use std::collections::BTreeMap;
 
 use gpu_rt::data;
-use gpu_rt::flatten::{Features, MATERIALS, NotSampled, PRIMITIVES};
+use gpu_rt::flatten::{Features, MATERIALS, Quantities};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
-use gpu_rt::material::{Lobe, Material};
-use gpu_rt::options::{Fresnel, LightPaths, RenderOptions, Scatter};
+use gpu_rt::options::{FeatureSet, Fresnel, LightPaths, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, UniformTables};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
-
-/// The kinds of material that can have such a lobe.
-fn with_lobe(lobe: Lobe) -> [Option<String>; MATERIALS.len()] {
-    std::array::from_fn(|i| Material::KINDS[i].lobes.contains(&lobe).then(|| "a test".to_string()))
-}
 
 /// The modules of every production kernel with every feature on, and the numerics probe's.
 fn modules() -> Vec<naga::Module> {
@@ -33,83 +27,23 @@ fn all_modules() -> Vec<naga::Module> {
 
 /// The modules of every production kernel with every feature on.
 fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
-    let on = |_| Some("a test".to_string());
-    let features = Features {
-        primitives: Default::default(),
-        materials: Default::default(),
-        panes: Default::default(),
-        alpha_bodies: Default::default(),
-        non_specular: with_lobe(Lobe::Wide),
-        specular: with_lobe(Lobe::Specular),
-        narrow: with_lobe(Lobe::Narrow),
-        narrow_media: Some("a test".to_string()),
-        textures: Default::default(),
-        texel_formats: Default::default(),
-        boundaries: Default::default(),
-        textured_media: Some("a test".to_string()),
-        motions: Default::default(),
-        moving_boundaries: Default::default(),
-        moving_lights: Some("a test".to_string()),
-        moving_media: Some("a test".to_string()),
-        moving_camera: Some("a test".to_string()),
+    let mut features =
+        Features::default().with_options(&RenderOptions { features: FeatureSet::All, ..RenderOptions::default() });
+    features.require("light_paths", || "a test".to_string());
+    features.quantities = Quantities {
         motion_iterations: 8,
         media: 3,
-        backgrounds: Default::default(),
-        thin_lens: Some("a test".to_string()),
-        camera_axes: Some("a test".to_string()),
-        brute_force: false,
         stack_size: 8,
         boundary_stack_size: 8,
-        uv_tables: Some("a test".to_string()),
-        vertex_tangents: Some("a test".to_string()),
-        smooth: Some("a test".to_string()),
-        emitters: Default::default(),
-        parted: Default::default(),
-        crossed_lights: Some("a test".to_string()),
-        textured_lights: Some("a test".to_string()),
-        extensions: Default::default(),
-        tinted: Default::default(),
-        absorbing: Default::default(),
-        emitting_sky: Some("a test".to_string()),
-        delta_lights: Some("a test".to_string()),
-        directional_lights: Some("a test".to_string()),
         sky_grid: (4, 2),
         lights: 1000,
+        sky_light: 999,
+        aims: 3,
         shadow_rays: true,
         alpha_textures: true,
         alpha_on_bodies: true,
         pane_textures: true,
-        sky_light: 999,
-        light_paths: Some("a test".to_string()),
-        solid_angle_of_lights: 0.0,
-        aims: 3,
-        first_delta_light: 0,
-        not_sampled: Some(NotSampled { lights: 1, total: 2, reason: "a test".to_string() }),
-    };
-    let features = Features {
-        primitives: features.primitives.map(on),
-        motions: features.motions.map(on),
-        moving_boundaries: features.moving_boundaries.map(on),
-        materials: features.materials.map(on),
-        textures: features.textures.map(on),
-        texel_formats: features.texel_formats.map(on),
-        boundaries: features.boundaries.map(on),
-        extensions: std::array::from_fn(|extension| {
-            std::array::from_fn(|i| {
-                let kinds = Material::KINDS[i].extensions;
-                kinds.iter().any(|kind| *kind as usize == extension).then(|| "a test".to_string())
-            })
-        }),
-        panes: features.panes.map(on),
-        alpha_bodies: features.alpha_bodies.map(on),
-        tinted: features.tinted.map(on),
-        absorbing: features.absorbing.map(on),
-        emitters: features.emitters.map(on),
-        parted: std::array::from_fn(|i| {
-            ["quad", "triangle", "disk"].contains(&PRIMITIVES[i]).then(|| "a test".to_string())
-        }),
-        backgrounds: features.backgrounds.map(on),
-        ..features
+        ..Quantities::default()
     };
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()

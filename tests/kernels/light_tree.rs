@@ -127,8 +127,8 @@ fn lights_are_chosen_as_often_as_is_said() {
         assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
         let draws = DRAWS.to_string();
         let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-        let lights = flat.features.lights.to_string();
-        assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
+        let lights = flat.features.quantities.lights.to_string();
+        assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
         let kernel = Kernel::with(
             "test/light_choice",
             &Setup { plan, values: &[("draws", &*draws), ("lights", &*lights)], ..Setup::default() },
@@ -173,7 +173,7 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     let flat = lights(&mut Random(78), false, false);
     let draws = DRAWS.to_string();
     let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-    let lights = flat.features.lights.to_string();
+    let lights = flat.features.quantities.lights.to_string();
     let kernel = Kernel::with(
         "test/light_choice",
         &Setup { plan, values: &[("draws", &*draws), ("lights", &*lights)], ..Setup::default() },
@@ -214,8 +214,8 @@ fn two_lights_and_a_lamp_under_a_sky() {
     };
     let probability = |flat: &DeviceScene, light: usize, from: DVec3| -> f64 {
         let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-        let lights = flat.features.lights.to_string();
-        assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
+        let lights = flat.features.quantities.lights.to_string();
+        assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
         let setup = Setup { plan, values: &[("draws", "2"), ("lights", &*lights)], ..Setup::default() };
         let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
         // The scene moved so that the camera is at the origin, and scaled by a power of two.
@@ -255,8 +255,8 @@ fn lights_without_size_are_chosen_by_their_irradiance() {
     // The probabilities of all lights, those with a position first and the sky last.
     let probabilities = |flat: &DeviceScene, from: DVec3| -> Vec<f64> {
         let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-        let lights = flat.features.lights.to_string();
-        assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
+        let lights = flat.features.quantities.lights.to_string();
+        assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
         let setup = Setup { plan, values: &[("draws", &*lights), ("lights", &*lights)], ..Setup::default() };
         let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
         // Render space is the scene's, but for its scale; the receiver's reach is 0.1.

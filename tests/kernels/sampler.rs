@@ -17,23 +17,23 @@ struct Out {
     u: [f32; 4],
 }
 
-fn sampler(module: &'static str, replaced: &[(&str, &str)]) -> Kernel {
+fn sampler(is_sobol: bool, replaced: &[(&str, &str)]) -> Kernel {
     let run_length = RUN_LENGTH.to_string();
-    let setup =
-        Setup { replaced, values: &[("run_length", &run_length)], choices: &[("sampler", module)], ..Setup::default() };
+    let facts = [("sampler.sobol", is_sobol), ("sampler.independent", !is_sobol)];
+    let setup = Setup { replaced, values: &[("run_length", &run_length)], facts: &facts, ..Setup::default() };
     Kernel::with("test/sampler", &setup)
 }
 
 fn sobol() -> Kernel {
-    sampler("sampler/sobol", &[])
+    sampler(true, &[])
 }
 
 fn independent() -> Kernel {
-    sampler("sampler/independent", &[])
+    sampler(false, &[])
 }
 
 fn planted(owen: &str) -> Kernel {
-    sampler("sampler/sobol", &[("lib/owen", owen)])
+    sampler(true, &[("lib/owen", owen)])
 }
 
 /// The sample that is the point `index` of a half: the even runs, or the odd ones.

@@ -6,12 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::bitmap::FORMATS;
 use gpu_rt::data::{KIND_INSTANCE, KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, NotSampled, PRIMITIVES, TEXTURES};
+use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, Quantities, TEXTURES};
 use gpu_rt::gpu::layout::BindingKind;
-use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason, When, link};
 use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
-use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch};
-use gpu_rt::plan::choices::ALTERNATIVES;
+use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
 
 use crate::common::referee::{differences, hashes};
@@ -42,29 +41,54 @@ const LOBES_OF_PBR: [&[ExtensionKind]; 12] = [
 const SOLID: usize = 0;
 const IMAGE: usize = 2;
 
-/// Each kind whose bit is on.
-fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
-    std::array::from_fn(|i| (bits >> i & 1 == 1).then(|| "a test".to_string()))
+/// Adds the facts of a group whose bits are on.
+fn with<T: AsRef<str>>(mut features: Features, group: &str, kinds: &[T], bits: usize) -> Features {
+    for kind in kinds.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, kind)| kind.as_ref()) {
+        features.require(format!("{group}.{kind}"), || "a test".to_string());
+    }
+    features
+}
+
+/// Adds single facts.
+fn having(mut features: Features, facts: &[&str]) -> Features {
+    facts.iter().for_each(|fact| features.require(*fact, || "a test".to_string()));
+    features
+}
+
+fn quantified(mut features: Features, change: impl FnOnce(&mut Quantities)) -> Features {
+    change(&mut features.quantities);
+    features
+}
+
+/// The bits of the kinds of a group that are there.
+fn bits_in<T: AsRef<str>>(features: &Features, group: &str, kinds: &[T]) -> usize {
+    let has = |kind: &T| features.reason(&format!("{group}.{}", kind.as_ref())).is_some();
+    kinds.iter().enumerate().filter(|(_, kind)| has(kind)).map(|(i, _)| 1 << i).sum()
+}
+
+fn boundaries() -> Vec<&'static str> {
+    BOUNDARIES.iter().map(|(name, _)| *name).collect()
 }
 
 /// Features by the bits of the kinds that are on.
 fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
-    let reason = |on: bool| on.then(|| "a test".to_string());
     let has_image = background == IMAGE
         || TEXTURES.iter().position(|name| *name == "image").is_some_and(|i| textures >> i & 1 == 1);
-    Features {
-        texel_formats: on(if has_image { all(FORMATS) } else { 0 }),
-        primitives: on(primitives),
-        materials: on(materials),
-        non_specular: on(materials & bits_of(spreads)),
-        specular: on(materials & bits_of(|kind| kind.lobes.contains(&Lobe::Specular))),
-        narrow: on(materials & bits_of(|kind| kind.lobes.contains(&Lobe::Narrow))),
-        textures: on(textures),
-        backgrounds: on(1 << background),
-        thin_lens: reason(thin_lens),
-        stack_size: 8,
-        ..Features::default()
+    let lobe = |lobe: Lobe| materials & bits_of(|kind| kind.lobes.contains(&lobe));
+    let mut found = quantified(Features::default(), |own| own.stack_size = 8);
+    for (group, kinds, bits) in [
+        ("texel", FORMATS, if has_image { all(FORMATS) } else { 0 }),
+        ("shape", PRIMITIVES, primitives),
+        ("material", MATERIALS, materials),
+        ("wide_lobe", MATERIALS, lobe(Lobe::Wide)),
+        ("specular_lobe", MATERIALS, lobe(Lobe::Specular)),
+        ("narrow_lobe", MATERIALS, lobe(Lobe::Narrow)),
+        ("texture", TEXTURES, textures),
+        ("background", BACKGROUNDS, 1 << background),
+    ] {
+        found = with(found, group, kinds, bits);
     }
+    having(found, if thin_lens { &["lens"] } else { &[] })
 }
 
 /// The bits of some kinds of material.
@@ -82,117 +106,110 @@ fn kind_of(shader: &str) -> &'static MaterialKind {
 }
 
 /// Adds media in these boundaries.
-fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Features {
-    let count = boundaries.count_ones() + 1;
-    let textured_media = textured_media.then(|| "a test".to_string());
-    Features { boundaries: on(boundaries), textured_media, media: count, boundary_stack_size: 8, ..features }
+fn with_media(features: Features, bits: usize, textured_media: bool) -> Features {
+    let found = having(
+        with(features, "boundary", &boundaries(), bits),
+        if textured_media { &["textured_medium"] } else { &[] },
+    );
+    quantified(found, |own| (own.media, own.boundary_stack_size) = (bits.count_ones() + 1, 8))
 }
 
-/// Adds Russian roulette, and these emitters sampled as lights where anything answers to them.
+/// Whether anything answers to lights.
+fn answers(features: &Features) -> bool {
+    features.quantities.media > 0 || features.any("wide_lobe").is_some()
+}
+
+/// Adds these emitters sampled as lights where anything answers to them.
 fn lit(features: Features, emitters: usize, sky: bool) -> Features {
-    if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
+    if !answers(&features) {
         return features;
     }
-    Features {
-        shadow_rays: true,
-        emitters: on(emitters),
-        textured_lights: (emitters % 2 == 1).then(|| "a test".to_string()),
-        emitting_sky: sky.then(|| "a test".to_string()),
-        lights: emitters.count_ones() + u32::from(sky),
-        sky_grid: (4, 2),
-        sky_light: emitters.count_ones(),
-        ..features
-    }
+    let mut found = with(features, "area_light", PRIMITIVES, emitters);
+    found = having(found, if emitters % 2 == 1 { &["textured_light"] } else { &[] });
+    found = having(found, if sky { &["sky_light"] } else { &[] });
+    let count = emitters.count_ones();
+    quantified(found, |own| {
+        (own.shadow_rays, own.lights, own.sky_grid, own.sky_light) = (true, count + u32::from(sky), (4, 2), count);
+    })
 }
 
 /// Adds an emission to the materials that scatter.
 fn emissive(features: Features) -> Features {
-    with_extension(features, ExtensionKind::Emission)
+    with_extension(features, "emission")
 }
 
 /// Adds an extension to all materials that may scatter into many directions.
-fn with_extension(features: Features, kind: ExtensionKind) -> Features {
-    let mut extensions = features.extensions.clone();
-    extensions[kind as usize] = features.non_specular.clone();
-    Features { extensions, ..features }
+fn with_extension(features: Features, name: &str) -> Features {
+    let wide = bits_in(&features, "wide_lobe", MATERIALS);
+    with(features, name, MATERIALS, wide)
 }
 
 /// Adds an alpha to materials, and colours and alphas of vertices, also for what they emit.
 fn covered(features: Features) -> Features {
-    let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha, ExtensionKind::VertexEmission];
-    of_vertices.into_iter().fold(with_extension(features, ExtensionKind::Alpha), with_extension)
+    let of_vertices = ["vertex_colours", "vertex_alpha", "vertex_emission"];
+    of_vertices.into_iter().fold(with_extension(features, "alpha"), with_extension)
 }
 
 /// Adds numbers of materials that vary.
 fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
-    let mut extensions = features.extensions.clone();
-    for kind in kinds {
-        let has_it = |i: usize| features.materials[i].clone().filter(|_| Material::KINDS[i].extensions.contains(kind));
-        extensions[*kind as usize] = std::array::from_fn(has_it);
-    }
-    Features { extensions, ..features }
+    let materials = bits_in(&features, "material", MATERIALS);
+    let of_kind = |kind: &ExtensionKind| materials & bits_of(|own| own.extensions.contains(kind));
+    kinds.iter().fold(features, |features, kind| with(features, kind.name(), MATERIALS, of_kind(kind)))
 }
 
 /// Adds colours to the clear materials.
 fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
-    let clear = bits_of(|kind| kind.is_transmissive);
-    let those = |requested: bool| -> [Option<String>; MATERIALS.len()] {
-        std::array::from_fn(|i| features.materials[i].clone().filter(|_| requested && clear >> i & 1 == 1))
-    };
-    Features { tinted: those(tinted), absorbing: those(absorbing), ..features }
+    let clear = bits_in(&features, "material", MATERIALS) & bits_of(|kind| kind.is_transmissive);
+    let found = with(features, "tinted", MATERIALS, if tinted { clear } else { 0 });
+    with(found, "absorbing", MATERIALS, if absorbing { clear } else { 0 })
 }
 
 /// Makes some kinds of primitive smooth panes.
 fn paned(features: Features, shapes: usize) -> Features {
-    let pane_textures = features.textures.iter().any(Option::is_some);
-    Features { panes: on(shapes), pane_textures, ..features }
+    let pane_textures = features.any("texture").is_some();
+    let found = with(features, "smooth_pane", PRIMITIVES, shapes);
+    quantified(having(found, if pane_textures { &["textured_pane"] } else { &[] }), |own| {
+        own.pane_textures = pane_textures
+    })
 }
 
 /// Adds lights without size, directional ones among them, where anything answers to them.
 fn delta_lit(features: Features, directional: bool) -> Features {
-    if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
+    if !answers(&features) {
         return features;
     }
-    Features {
-        shadow_rays: true,
-        delta_lights: Some("a test".to_string()),
-        directional_lights: directional.then(|| "a test".to_string()),
-        lights: features.lights + 1,
-        ..features
-    }
+    let found = having(features, if directional { &["delta_light", "directional_light"] } else { &["delta_light"] });
+    quantified(found, |own| (own.shadow_rays, own.lights) = (true, own.lights + 1))
 }
 
 /// Gives bodies of these shapes an alpha.
 fn holed(features: Features, shapes: usize) -> Features {
-    Features { alpha_bodies: on(shapes), ..features }
+    with(features, "body_with_alpha", PRIMITIVES, shapes)
 }
 
 /// Cuts the lights of these shapes into parts, and samples bodies with an alpha on both sides.
 fn parted(features: Features, shapes: usize) -> Features {
-    let has_parts = |i: usize| shapes >> i & 1 == 1 && ["quad", "triangle", "disk"].contains(&PRIMITIVES[i]);
-    let is_body = |i: usize| shapes >> i & 1 == 1 && BOUNDARIES.iter().any(|(name, _)| *name == PRIMITIVES[i]);
-    let crosses = features.alpha_bodies.iter().any(Option::is_some) && (0..PRIMITIVES.len()).any(is_body);
-    Features {
-        parted: std::array::from_fn(|i| has_parts(i).then(|| "a test".to_string())),
-        crossed_lights: crosses.then(|| "a test".to_string()),
-        ..features
-    }
+    let has_parts = (0..).zip(PRIMITIVES).filter(|(_, name)| ["quad", "triangle", "disk"].contains(*name));
+    let bodies = (0..).zip(PRIMITIVES).filter(|(_, name)| boundaries().contains(*name));
+    let bits = |those: &mut dyn Iterator<Item = usize>| those.map(|i| 1 << i).sum::<usize>() & shapes;
+    let crosses = features.any("body_with_alpha").is_some() && bits(&mut bodies.map(|(i, _)| i)) > 0;
+    let found = with(features, "parted", PRIMITIVES, bits(&mut has_parts.map(|(i, _)| i)));
+    having(found, if crosses { &["crossed_light"] } else { &[] })
 }
 
 /// Has so many lights that one is chosen by the tree.
 fn many_lights(features: Features) -> Features {
-    Features { lights: 2, sky_light: 1, ..features }
+    quantified(features, |own| (own.lights, own.sky_light) = (2, 1))
 }
 
 /// Adds images on meshes that have tables of their own, and tangents in them.
 fn with_tables(features: Features, tangents: bool) -> Features {
-    let reason = |on: bool| on.then(|| "a test".to_string());
-    Features { uv_tables: reason(true), vertex_tangents: reason(tangents), ..features }
+    having(features, if tangents { &["uv_tables", "vertex_tangents"] } else { &["uv_tables"] })
 }
 
 /// Adds smooth meshes.
 fn smooth(features: Features) -> Features {
-    Features { smooth: Some("a test".to_string()), ..features }
+    having(features, &["smooth"])
 }
 
 fn all<T>(names: &[T]) -> usize {
@@ -200,8 +217,7 @@ fn all<T>(names: &[T]) -> usize {
 }
 
 fn everything() -> Features {
-    let not_sampled = NotSampled { lights: 1, total: 2, reason: "a test".to_string() };
-    Features { not_sampled: Some(not_sampled), ..all_sampled() }
+    having(all_sampled(), &["not_sampled"])
 }
 
 fn all_sampled() -> Features {
@@ -229,33 +245,33 @@ fn all_sampled() -> Features {
         ],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
-    with_extension(covered(emissive(coloured(lit, true, true))), ExtensionKind::Normal)
+    with_extension(covered(emissive(coloured(lit, true, true))), "normal")
 }
 
 /// Turns render space to the camera's axes.
 fn turned(features: Features) -> Features {
-    Features { camera_axes: Some("a test".to_string()), ..features }
+    having(features, &["camera_axes"])
 }
 
 /// Everything that it has moves; the camera too, if `camera` does.
 fn moving(features: Features, camera: bool) -> Features {
-    let boundary =
-        |kind: u32| BOUNDARIES.iter().zip(&features.boundaries).any(|((_, of), used)| *of == kind && used.is_some());
-    let code = |number: usize| if number == KIND_TRIANGLE as usize { KIND_INSTANCE } else { number as u32 };
-    Features {
-        motions: features.primitives.clone(),
-        moving_boundaries: std::array::from_fn(|number| boundary(code(number)).then(|| "a test".to_string())),
-        moving_lights: features.delta_lights.clone(),
-        moving_media: features.textured_media.clone(),
-        moving_camera: camera.then(|| "a test".to_string()),
-        motion_iterations: 3,
-        ..features
-    }
+    let boundary = |name: &str| {
+        let number = PRIMITIVES.iter().position(|own| *own == name).expect("it is a shape") as u32;
+        let code = if number == KIND_TRIANGLE { KIND_INSTANCE } else { number };
+        BOUNDARIES.iter().any(|(own, kind)| *kind == code && features.reason(&format!("boundary.{own}")).is_some())
+    };
+    let boundaries = (0..).zip(PRIMITIVES).filter(|(_, name)| boundary(name)).map(|(i, _)| 1 << i).sum();
+    let shapes = bits_in(&features, "shape", PRIMITIVES);
+    let [lights, media] = ["delta_light", "textured_medium"].map(|fact| features.reason(fact).is_some());
+    let own = [(lights, "moving_light"), (media, "moving_medium"), (camera, "moving_camera")];
+    let own: Vec<&str> = own.into_iter().filter(|(moves, _)| *moves).map(|(_, fact)| fact).collect();
+    let found = with(with(features, "moves", PRIMITIVES, shapes), "boundary_moves", PRIMITIVES, boundaries);
+    quantified(having(found, &own), |own| own.motion_iterations = 3)
 }
 
 /// Has so few primitives that each ray tests all of them.
 fn few(features: Features) -> Features {
-    Features { brute_force: true, ..features }
+    quantified(features, |own| own.brute_force = true)
 }
 
 /// The defaults with one of the options that approximate, by its number.
@@ -300,7 +316,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     found.extend((0..=textures).map(|set| features(1, 1, set, SOLID, false)));
     // Images of every format, on surfaces and in the sky.
     for formats in (0..FORMATS.len()).map(|i| 1 << i) {
-        let images = |of: Features| Features { texel_formats: on(formats), ..of };
+        let only = |of: Features| {
+            FORMATS.iter().fold(of, |mut of, format| {
+                of.forget(&format!("texel.{format}"));
+                of
+            })
+        };
+        let images = |of: Features| with(only(of), "texel", FORMATS, formats);
         found.extend([images(features(1, 1, textures, SOLID, false)), images(features(1, 1, 0, IMAGE, false))]);
     }
     for background in 0..BACKGROUNDS.len() {
@@ -369,13 +391,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             emissive(own.clone()),
             lit(emissive(own.clone()), set, false),
             delta_lit(own.clone(), true),
-            with_extension(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
+            with_extension(features(set, 1, 0, SOLID, false), "alpha"),
         ]);
         found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
     }
     // Normal maps on each shape, in every material, with and without light.
     for (shapes, set) in (0..PRIMITIVES.len()).map(|i| (1 << i, 1)).chain([(primitives, materials)]) {
-        let mapped = with_extension(features(shapes, set, textures, SOLID, false), ExtensionKind::Normal);
+        let mapped = with_extension(features(shapes, set, textures, SOLID, false), "normal");
         found.extend([mapped.clone(), lit(mapped.clone(), shapes, false), lit(mapped.clone(), 0, true)]);
         if shapes == primitives {
             found.push(smooth(mapped));
@@ -385,18 +407,14 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for textures in (0..TEXTURES.len()).map(|i| 1 << i).chain([textures]) {
         for (shapes, set) in [(1 << KIND_TRIANGLE, 1), (primitives, materials)] {
             let own = with_tables(features(shapes, set, textures, SOLID, false), false);
-            let mapped = with_extension(own.clone(), ExtensionKind::Normal);
+            let mapped = with_extension(own.clone(), "normal");
             found.extend([own, lit(mapped.clone(), shapes, false), smooth(with_tables(mapped, true))]);
         }
     }
     // Light that microfacets scatter more than once: each material alone, and all.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Multiscatter)), materials] {
         let full = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
-        found.extend([
-            full.clone(),
-            lit(full.clone(), 1, false),
-            lit(with_extension(full, ExtensionKind::Normal), 0, true),
-        ]);
+        found.extend([full.clone(), lit(full.clone(), 1, false), lit(with_extension(full, "normal"), 0, true)]);
     }
     // Layers of their own: alone, and with all materials.
     for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Specular)), materials] {
@@ -440,7 +458,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let full = paned(covered(features(set, materials, textures, IMAGE, false)), set);
         let holes = holed(covered(lit(features(set, materials, textures, IMAGE, false), set, true)), set);
         found.extend([parted(holes.clone(), set), holes.clone(), paned(holes, set)]);
-        let mapped = paned(with_extension(features(set, pane, textures, SOLID, false), ExtensionKind::Normal), set);
+        let mapped = paned(with_extension(features(set, pane, textures, SOLID, false), "normal"), set);
         if set != primitives {
             let beside = paned(features(set, materials, 0, SOLID, false), set);
             found.extend([few(alone.clone()), delta_lit(few(beside), true)]);
@@ -453,7 +471,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let alone = |surfaces: Features| delta_lit(surfaces, directional);
         found.extend(pairs.iter().map(|set| alone(features(1, *set, 0, SOLID, false))));
         let several = pairs.iter().map(|set| alone(features(1, *set, 0, SOLID, false)));
-        found.extend(several.filter(|features| features.lights > 0).map(many_lights));
+        found.extend(several.filter(|features| features.quantities.lights > 0).map(many_lights));
         found.push(alone(with_media(features(0, 0, 0, SOLID, false), 1, false)));
         found.push(few(alone(features(1, 1, 0, SOLID, false))));
         for emitters in (0..PRIMITIVES.len()).map(|i| 1 << i) {
@@ -473,14 +491,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let panes = paned(features(set, materials, 0, SOLID, true), set);
         let all = [own.clone(), lit(own.clone(), set, false), covered(own.clone()), panes];
         found.extend(all.map(|features| moving(features, set > 1)));
-        found.push(moving(lit(with_extension(own, ExtensionKind::Normal), set, true), false));
+        found.push(moving(lit(with_extension(own, "normal"), set, true), false));
     }
     for boundaries in 1..=all(BOUNDARIES) {
         found.push(moving(with_media(features(0, 0, 1, SOLID, false), boundaries, true), false));
     }
     let still = features(1, 1, 0, SOLID, true);
-    let nothing_else = Features { primitives: Default::default(), ..still.clone() };
-    found.push(Features { moving_camera: moving(nothing_else, true).moving_camera, ..still });
+    found.push(having(still, &["moving_camera"]));
     found.extend([false, true].map(|camera| moving(many_lights(everything()), camera)));
     let mut found: Vec<_> = found.into_iter().map(|features| (features, RenderOptions::default())).collect();
     // What approximates: each beside the least and everything, with lights and without; all of it beside every kind.
@@ -501,7 +518,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend(beside.map(|features| (features, RenderOptions { filter, ..RenderOptions::default() })));
     }
     // Light paths: beside each kind of light, all materials and media, with each filter, and with everything.
-    let traced = |features: Features| Features { light_paths: Some("a test".to_string()), aims: 3, ..features };
+    let traced = |features| quantified(having(features, &["light_paths"]), |own| own.aims = 3);
     for (number, emitters) in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]).enumerate() {
         let surfaces = features(emitters, materials, textures, SOLID, number % 2 == 1);
         let glass = parted(coloured(lit(surfaces, emitters, false), true, number % 2 == 0), emitters);
@@ -525,7 +542,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         }
     }
     // `--features all`.
-    let all_backgrounds = Features { backgrounds: on(all(BACKGROUNDS)), ..turned(everything()) };
+    let all_backgrounds = with(turned(everything()), "background", BACKGROUNDS, all(BACKGROUNDS));
     found.push((all_backgrounds, RenderOptions { features: FeatureSet::All, ..RenderOptions::default() }));
     found
 }
@@ -599,32 +616,27 @@ fn check_combination(
             unused_lines.remove(line);
         }
         // Nothing that the scene lacks.
-        let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
-            let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
-            off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
+        let has = |group: &str, kind: &str| features.reason(&format!("{group}.{kind}")).is_some();
+        let unused = |names: &[&str], group: &str, folder: &str| {
+            let off = names.iter().filter(|name| !has(group, name));
+            off.map(|name| format!("{folder}/{name}")).collect::<Vec<_>>()
         };
-        let bounds = |kind: &str| {
-            // A closed mesh is made of triangles.
-            let of_mesh = kind == "triangle";
-            let names = BOUNDARIES.iter().zip(&features.boundaries);
-            names.into_iter().any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
-        };
+        // A closed mesh is made of triangles.
+        let bounds = |kind: &str| has("boundary", if kind == "triangle" { "mesh" } else { kind });
         // The glass of glTF's material is that of others.
-        let has_share = features.extensions[ExtensionKind::Transmission as usize].iter().any(Option::is_some);
-        let mut materials = features.materials.clone();
-        for (used, kind) in materials.iter_mut().zip(Material::KINDS) {
-            let is_glass = ["rough_dielectric", "thin_dielectric"].contains(&kind.shader);
-            *used = used.clone().or((has_share && is_glass).then(String::new));
-        }
+        let has_share = features.any("transmission").is_some();
+        let of_share = ["material/rough_dielectric", "material/thin_dielectric"];
         let lacking = [
-            unused(PRIMITIVES, &features.primitives, "geometry"),
-            unused(MATERIALS, &materials, "material"),
-            unused(TEXTURES, &features.textures, "texture"),
-            unused(FORMATS, &features.texel_formats, "texel"),
+            unused(PRIMITIVES, "shape", "geometry"),
+            unused(MATERIALS, "material", "material"),
+            unused(TEXTURES, "texture", "texture"),
+            unused(FORMATS, "texel", "texel"),
         ];
         // Nor approximations, unless requested, nor Fresnel's reflection without what reflects by it.
-        let glass = has_share
-            || (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
+        let any_material = |is_so: fn(&MaterialKind) -> bool| {
+            Material::KINDS.iter().zip(MATERIALS).any(|(kind, name)| is_so(kind) && has("material", name))
+        };
+        let glass = has_share || any_material(|kind| kind.is_transmissive);
         for (module, is_requested) in [
             ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
             ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
@@ -635,26 +647,26 @@ fn check_combination(
             assert!(is_requested || !linked, "{}: {module} is linked: {features:?}", kernel.name);
         }
         // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
-        let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
+        let answered = answers(features);
         let own = kernel.name.strip_prefix("scatter_").map(kind_of);
         for (module, wanted) in [
-            ("bind/lights", answered && features.lights > 0),
-            ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
+            ("bind/lights", answered && features.quantities.lights > 0),
+            ("step/surface_light", answered && features.quantities.lights > 0),
             // A kernel of mirrors or of glass sends probes to lights.
             (
                 "scene/responses",
-                answered && (own.is_none_or(spreads) || features.lights > 0) || !options.aov.is_empty(),
+                answered && (own.is_none_or(spreads) || features.quantities.lights > 0) || !options.aov.is_empty(),
             ),
             // Nor a second part of materials that have one alone.
-            (
-                "scene/second_parts",
-                (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].has_second_part),
-            ),
+            ("scene/second_parts", any_material(|kind| kind.has_second_part)),
         ] {
             let linked = kernel.linked.modules.iter().any(|linked| linked == module);
             assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
         }
         for module in lacking.concat() {
+            if has_share && of_share.contains(&module.as_str()) {
+                continue;
+            }
             let aims = ["geometry/cuboid", "light/cuboid", "light/quad"].contains(&module.as_str());
             if module.strip_prefix("geometry/").is_some_and(bounds) || (aims && options.light_paths.count() > 0) {
                 continue;
@@ -691,7 +703,7 @@ fn no_kernel_binds_too_many_storage_buffers() {
 }
 
 /// The folders whose modules a folder's modules may use, and the single modules beside them. What stands behind
-/// `choice/x` counts as the folder of the modules that a plan may choose.
+/// `choice/x` counts as the folder of the modules that implement it.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("lib", &["lib"]),
     ("sampler", &["data", "lib"]),
@@ -731,7 +743,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("slots", &["aov", "bind", "data", "generated", "lib", "scene", "slots"]),
     ("aov", &["aov", "bind", "camera", "data", "scene", "step"]),
     ("extension", &["bind", "data", "lib"]),
-    ("null", &["data", "lib", "light"]),
     (
         "step",
         &[
@@ -772,108 +783,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Where the modules behind `choice/x` live, but for null modules.
-const CHOICES: &[(&str, &str)] = &[
-    ("axes", "scene"),
-    ("camera", "camera"),
-    ("camera_pose", "camera"),
-    ("time", "motion"),
-    ("pose", "motion"),
-    ("pose_of_boundary", "motion"),
-    ("moved_${name}", "motion"),
-    ("moved_sphere", "motion"),
-    ("moved_large_sphere", "motion"),
-    ("moved_quad", "motion"),
-    ("moved_disk", "motion"),
-    ("moved_cuboid", "motion"),
-    ("moved_instance", "motion"),
-    ("moved_delta_light", "motion"),
-    ("moved_medium", "motion"),
-    ("filter", "filter"),
-    ("filter_weight", "step"),
-    ("colour", "scene"),
-    ("uv", "scene"),
-    ("shading", "scene"),
-    ("evaluation", "scene"),
-    ("vertex_colours", "scene"),
-    ("normal_map", "scene"),
-    ("second_parts", "scene"),
-    ("multiscatter", "scene"),
-    ("layer", "material"),
-    ("transmission", "material"),
-    ("sheen", "material"),
-    ("facets", "material"),
-    ("facet_tangent", "scene"),
-    ("coat", "material"),
-    ("film", "material"),
-    ("body", "material"),
-    ("boundary", "material"),
-    ("followed_channel", "step"),
-    ("coat_normal", "scene"),
-    ("light_coat", "scene"),
-    ("tint", "scene"),
-    ("absorption", "scene"),
-    ("stops", "scene"),
-    ("coverage", "scene"),
-    ("vertex_alpha", "scene"),
-    ("vertex_emission", "scene"),
-    ("panes", "step"),
-    ("passed_panes", "scene"),
-    ("pane_evaluation", "scene"),
-    ("crossings", "scene"),
-    ("flight_end", "step"),
-    ("media", "step"),
-    ("medium_albedo", "scene"),
-    ("transmittance", "scene"),
-    ("scatter", "step"),
-    ("roulette", "step"),
-    ("surface_light", "step"),
-    ("medium_light", "step"),
-    ("shadow", "step"),
-    ("both_sides", "scene"),
-    ("probe", "step"),
-    ("surface_emission", "step"),
-    ("found_light", "step"),
-    ("found_sky", "step"),
-    ("sampled_light", "step"),
-    ("density_ratio", "step"),
-    ("depth_limit", "step"),
-    ("light_absorption", "scene"),
-    ("delta_emission", "scene"),
-    ("splat_filter", "filter"),
-    ("filter_value", "filter"),
-    ("light_choice", "scene"),
-    ("light_parts", "scene"),
-    ("face_parts", "scene"),
-    ("light_crossings", "scene"),
-    ("delta_lights", "scene"),
-    ("sky_light", "scene"),
-    ("light_surfaces", "scene"),
-    ("surface_radiance", "scene"),
-    ("light_colour", "scene"),
-    ("light_coverage", "scene"),
-    ("clamp", "step"),
-    ("fresnel", "lib"),
-    ("sphere_chord", "geometry"),
-    ("sampler", "sampler"),
-    ("aov_hit", "aov"),
-    ("aov_surface", "aov"),
-    ("seen", "aov"),
-    ("aov_direct", "aov"),
-    ("aov_record", "aov"),
-    ("aov_film", "aov"),
-    ("aov_hit_slot", "slots"),
-    ("aov_direct_slot", "slots"),
-    ("walker_slot", "slots"),
-    ("pane_slot", "slots"),
-    ("shadow_slot", "slots"),
-    ("probe_slot", "slots"),
-    ("queue_of_hits", "slots"),
-    ("queue_of_events", "slots"),
-    ("queued_slot", "slots"),
-    ("walk", "scene"),
-];
-
 /// The uses of a module that its folder may not make, each with its line.
 fn violations(module: &str, text: &str) -> Vec<String> {
     let folder = |name: &str| name.split('/').next().unwrap_or_default().to_string();
@@ -885,10 +794,11 @@ fn violations(module: &str, text: &str) -> Vec<String> {
     for (number, line) in (1..).zip(text.lines()) {
         let Some(used) = line.trim().strip_prefix("//@ use ").map(str::trim) else { continue };
         let target = match used.strip_prefix("choice/") {
-            Some(choice) => match CHOICES.iter().find(|(name, _)| *name == choice) {
-                Some((_, folder)) => folder.to_string(),
+            // Of the shapes, any stands for all.
+            Some(choice) => match Embedded.heads().choices().get(&choice.replace("${name}", "sphere")) {
+                Some(choice) => folder(&choice.heads[0].module),
                 None => {
-                    found.push(format!("{module}:{number}: {used} is not in the table of this test"));
+                    found.push(format!("{module}:{number}: nothing implements {used}"));
                     continue;
                 }
             },
@@ -910,13 +820,10 @@ fn modules_use_what_their_folders_may() {
         assert_eq!(violations(&name, text), Vec::<String>::new());
     }
     assert!(uses > 100, "{uses} uses were looked at");
-    // The modules that a plan chooses are where the table says.
-    let mut options = RenderOptions::default();
-    options.aov.set(Aovs::parse("albedo").expect("a channel"));
-    let plan = kernels(&moving(everything(), true), &options, Scatter::Queues);
-    let linked: BTreeSet<&String> = plan.all().iter().flat_map(|kernel| &kernel.linked.modules).collect();
-    for (_, folder) in CHOICES {
-        assert!(linked.iter().any(|module| module.starts_with(&format!("{folder}/"))), "{folder}");
+    // All modules behind a choice are in one folder.
+    for (choice, own) in Embedded.heads().choices() {
+        let folders: BTreeSet<_> = own.heads.iter().filter_map(|head| head.module.split('/').next()).collect();
+        assert_eq!(folders.len(), 1, "{choice}: {folders:?}");
     }
     // Planted violations.
     for (module, used) in [
@@ -942,11 +849,15 @@ fn modules_use_what_their_folders_may() {
 }
 
 /// Modules of a test beside the production ones.
-struct With(BTreeMap<&'static str, &'static str>);
+struct With(BTreeMap<&'static str, &'static str>, Heads);
 
 impl Library for With {
     fn module(&self, name: &str) -> Option<&str> {
         self.0.get(name).copied().or_else(|| Embedded.module(name))
+    }
+
+    fn heads(&self) -> &Heads {
+        &self.1
     }
 }
 
@@ -954,13 +865,12 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
     let why = Reason::EveryRender;
     let entry = |name: &str, number, closes| Entry { name: name.to_string(), number, closes, why: why.clone() };
     let choices = Choices {
-        conditions: BTreeMap::from([("wet", Some(why.clone())), ("dry", None)]),
-        modules: BTreeMap::from([("known", Chosen { module: "lib/rng", why: why.clone() })]),
+        facts: BTreeMap::from([("wet".to_string(), Some(why.clone())), ("dry".to_string(), None)]),
         lists: BTreeMap::from([("animal", vec![entry("cat", 3, false), entry("dog", 5, true)])]),
         values: BTreeMap::from([("size", "7".to_string())]),
         generated: BTreeMap::new(),
     };
-    let library = With(modules.iter().copied().collect());
+    let library = With(modules.iter().copied().collect(), Heads::of(modules.iter().copied()));
     link(&library, "test/root", &choices).map_err(|error| error.to_string())
 }
 
@@ -993,11 +903,7 @@ fn the_linkers_errors_name_file_and_line() {
         "without `//@ if` or `//@ each`",
     );
     assert_fault(&[("test/root", "\n//@ each animal\nfn f() {}\n")], "shaders/test/root.wgsl:3:", "without `//@ end`");
-    assert_fault(
-        &[("test/root", "fn f() {}\n//@ if cold\n//@ end\n")],
-        "shaders/test/root.wgsl:2:",
-        "condition `cold`",
-    );
+    assert_fault(&[("test/root", "fn f() {}\n//@ if cold\n//@ end\n")], "shaders/test/root.wgsl:2:", "fact `cold`");
     for (outer, inner) in
         [("if wet", "if dry"), ("if dry", "each animal"), ("each animal", "if wet"), ("each animal", "each animal")]
     {
@@ -1065,16 +971,18 @@ fn lines_of_a_condition_are_there_where_it_holds() {
     assert_eq!(linked.modules, ["lib/rng", "test/root"]);
 }
 
-/// What shaders name and what the plan decides are the same names: none is unknown, and none is decided for nothing.
+/// What shaders name and what the plan decides are the same names: none is unknown, and no list or value is decided for nothing.
 #[test]
 fn directives_name_what_the_plan_decides_and_all_of_that() {
     let mut named: [BTreeSet<String>; 4] = Default::default();
-    let [conditions, lists, modules, values] = &mut named;
+    let [facts, lists, choices, values] = &mut named;
     for name in Embedded::names() {
         let mut is_in_list = false;
         for line in Embedded.module(&name).expect("it is listed").lines().map(str::trim) {
+            if let Some(condition) = line.strip_prefix("//@ if ") {
+                facts.extend(When::parse(condition).expect(&name).facts().into_iter().map(str::to_string));
+            }
             match line.split_whitespace().collect::<Vec<_>>()[..] {
-                ["//@", "if", condition] => drop(conditions.insert(condition.to_string())),
                 ["//@", "each", list] => {
                     is_in_list = true;
                     lists.insert(list.to_string());
@@ -1082,9 +990,9 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
                 ["//@", "end"] => is_in_list = false,
                 ["//@", "use", "choice/moved_${name}"] => {
                     let shapes = PRIMITIVES.iter().filter(|name| **name != "triangle");
-                    modules.extend(shapes.map(|name| format!("moved_{name}")));
+                    choices.extend(shapes.map(|name| format!("moved_{name}")));
                 }
-                ["//@", "use", used] => modules.extend(used.strip_prefix("choice/").map(str::to_string)),
+                ["//@", "use", used] => choices.extend(used.strip_prefix("choice/").map(str::to_string)),
                 _ if is_in_list => {}
                 _ => {
                     values.extend(line.split("${").skip(1).filter_map(|rest| Some(rest.split_once('}')?.0.to_string())))
@@ -1092,18 +1000,127 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
             }
         }
     }
-    let decided = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
-    let Choices { conditions, lists, modules, values, .. } = &decided;
-    assert!(ALTERNATIVES.iter().all(|name| modules.contains_key(name)), "plan lists a choice that there is not");
-    let decided: [BTreeSet<&str>; 4] = [
-        conditions.keys().copied().collect(),
-        lists.keys().copied().collect(),
-        modules.keys().copied().collect(),
-        values.keys().copied().collect(),
-    ];
-    for (named, decided) in named.iter().zip(decided) {
-        assert_eq!(named.iter().map(String::as_str).collect::<BTreeSet<_>>(), decided);
+    let heads = Embedded.heads().choices();
+    for head in heads.values().flat_map(|choice| &choice.heads) {
+        let when = head.when.as_ref().unwrap_or_else(|error| panic!("{}: {error}", head.module));
+        facts.extend(when.facts().into_iter().map(str::to_string));
     }
+    let decided = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
+    let unknown: Vec<_> = facts.iter().filter(|fact| !decided.facts.contains_key(*fact)).collect();
+    assert_eq!(unknown, Vec::<&String>::new());
+    assert_eq!(*choices, heads.keys().cloned().collect());
+    assert_eq!(*lists, decided.lists.keys().map(|list| list.to_string()).collect());
+    assert_eq!(*values, decided.values.keys().map(|value| value.to_string()).collect());
+}
+
+/// The truth of facts: all of them, but for the values of an option, of which one holds.
+fn assignments(facts: &BTreeSet<&str>) -> Vec<BTreeMap<String, Option<Reason>>> {
+    let option =
+        |fact: &&&str| TRADE_OFFS.iter().find(|spec| fact.split_once('.').is_some_and(|(name, _)| name == spec.name));
+    let (values, free): (Vec<&&str>, Vec<&&str>) = facts.iter().partition(|fact| option(fact).is_some());
+    let holds = |is_so: bool| is_so.then_some(Reason::EveryRender);
+    // A further value stands for those that no module names.
+    let of_option =
+        |chosen: usize| values.iter().enumerate().map(move |(i, fact)| (fact.to_string(), holds(i == chosen)));
+    let of_bits =
+        |bits: usize| free.iter().enumerate().map(move |(i, fact)| (fact.to_string(), holds(bits >> i & 1 == 1)));
+    let is_complete = |chosen: &usize| {
+        *chosen < values.len()
+            || option(values.first().unwrap_or(&&"")).is_none_or(|spec| spec.values.len() > values.len())
+    };
+    let chosen: Vec<usize> = (0..=values.len()).filter(is_complete).collect();
+    let each = (0..1 << free.len()).flat_map(|bits| chosen.iter().map(move |chosen| (bits, *chosen)));
+    each.map(|(bits, chosen)| of_bits(bits).chain(of_option(chosen)).collect()).collect()
+}
+
+/// Whatever the facts are, one part of a choice is there.
+#[test]
+fn one_part_of_a_choice_holds_whatever_the_facts_are() {
+    let mut tried = 0;
+    let mut choose = |heads: &Heads, choice: &str| {
+        let facts =
+            heads.choices()[choice].heads.iter().flat_map(|head| head.when.as_ref().expect("it is right").facts());
+        let facts: Vec<_> = assignments(&facts.collect());
+        tried += facts.len();
+        facts.iter().find_map(|facts| Some(format!("{}: {facts:?}", heads.choose(choice, facts).err()?)))
+    };
+    for choice in Embedded.heads().choices().keys() {
+        assert_eq!(choose(Embedded.heads(), choice), None, "{choice}");
+    }
+    // Two that hold, and none.
+    for (other, about) in [("when !wet | dry", "both implement"), ("when !wet & dry", "no module")] {
+        let text = format!("//@ implements x {other}\n");
+        let heads = Heads::of([("a", "//@ implements x when wet\n"), ("b", text.as_str())]);
+        assert!(choose(&heads, "x").is_some_and(|error| error.contains(about)), "{other}");
+    }
+    assert!(tried > 250, "{tried}");
+}
+
+/// The functions that a text declares: their names and all up to the body.
+fn signatures(text: &str) -> BTreeSet<String> {
+    let declared = text.split("\nfn ").skip(1).filter_map(|rest| Some(rest.split_once(" {")?.0));
+    declared.map(|signature| signature.split_whitespace().collect::<String>().replace(",)", ")")).collect()
+}
+
+/// What stands in the place of a feature has the functions of the feature.
+#[test]
+fn parts_have_the_same_functions() {
+    let missing = |text: &str| -> Vec<String> {
+        let (own, without) = text.split_once("\n//@ without").unwrap_or((text, ""));
+        signatures(without).difference(&signatures(own)).cloned().collect()
+    };
+    let mut parts = 0;
+    for name in Embedded::names() {
+        let text = Embedded.module(&name).expect("it is listed");
+        parts += usize::from(text.contains("\n//@ without\n"));
+        assert_eq!(missing(text), Vec::<String>::new(), "{name}");
+    }
+    assert!(parts > 60, "{parts}");
+    let text = "//@ implements x when wet\nfn f(\n    a: u32,\n) -> u32 {\n}\n//@ without\nfn f(a: u32) -> u32 {\n}\n";
+    assert_eq!(missing(text), Vec::<String>::new());
+    assert_eq!(missing(&text.replace("fn f(a: u32)", "fn f(a: i32)")).len(), 1);
+}
+
+#[test]
+fn heads_choose_the_part_of_a_module() {
+    let root = "//@ use choice/rain\n//@ use choice/snow\nfn root() {\n    rain();\n    snow();\n}\n";
+    let rain = "//@ implements rain when wet & !dry\n//@ use lib/rng\nfn rain() {\n}\n\n//@ without\n//@ use no/module\nfn rain() {\n    return;\n}\n";
+    let snow = "//@ implements snow when dry | (dry & wet)\n//@ implements hail when wet\n//@ use no/module\nfn snow() {\n}\n\n\
+                //@ without\nfn snow() {\n    return;\n}\n";
+    let modules = [("test/root", root), ("test/rain", rain), ("test/snow", snow)];
+    let found = linked(&modules).expect("it links");
+    assert!(
+        found.text.ends_with("fn rain() {\n}\nfn snow() {\n    return;\n}\nfn root() {\n    rain();\n    snow();\n}\n"),
+        "{}",
+        found.text
+    );
+    assert_eq!(found.modules, ["lib/rng", "test/rain", "test/root"]);
+    assert_eq!(found.choices, BTreeMap::from([("rain".to_string(), "test/rain".to_string())]));
+    // A use of the module itself means the part under the head.
+    let direct =
+        linked(&[("test/root", "//@ use test/rain\nfn root() {\n    rain();\n}\n"), modules[1]]).expect("it links");
+    assert!(direct.text.ends_with("fn rain() {\n}\nfn root() {\n    rain();\n}\n"), "{}", direct.text);
+    // Lines count from the beginning of the file in either part.
+    let wrong = snow.replace("    return;", "    return x;");
+    assert_fault(&[modules[0], modules[1], ("test/snow", wrong.leak())], "shaders/test/snow.wgsl:9:", "");
+    let uses = |text: &'static str| [("test/root", "\n//@ use choice/rain\n"), ("test/rain", text)];
+    for (text, about) in [
+        ("fn rain() {\n}\n", "no module implements `rain`"),
+        ("//@ implements rain when dry\n", "no module that implements `rain`"),
+        ("//@ implements rain when cold\n", "the plan has no fact `cold`, in the head of test/rain"),
+        ("//@ implements rain when wet &\n", "a fact is missing"),
+        ("//@ implements rain when (wet\n", "no `)`"),
+        ("//@ implements rain when wet dry\n", "left over"),
+        ("//@ implements rain\n", "a fact is missing"),
+        ("//@ implements rain when wet\n//@ alternative rain when wet\n", "both implement `rain`"),
+    ] {
+        assert_fault(&uses(text), "shaders/test/root.wgsl:2:", about);
+    }
+    assert_fault(
+        &uses("//@ implements rain when wet\n\n//@ implements snow when wet\n"),
+        "shaders/test/rain.wgsl:3:",
+        "no directive",
+    );
 }
 
 #[test]
@@ -1112,7 +1129,8 @@ fn modules_are_joined_once_and_lists_and_values_filled_in() {
                 //@ each animal\n        ${case}: { return ${name}() + ${rank}u; }\n//@ end\n    }\n}\n";
     let inner =
         "//@ use lib/rng\n//@ each animal\nfn ${name}() -> u32 { return 1u; }\n//@ end\nconst SIZE: u32 = ${size}u;\n";
-    let linked = linked(&[("test/root", root), ("test/inner", inner)]).expect("it links");
+    let known = "//@ implements known when wet\n//@ use lib/rng\n";
+    let linked = linked(&[("test/root", root), ("test/inner", inner), ("test/known", known)]).expect("it links");
     assert_eq!(linked.modules, ["lib/rng", "test/inner", "test/root"]);
     assert_eq!(linked.text.matches("fn pcg4d(").count(), 1);
     for text in ["case 3u: { return cat() + 0u; }", "default: { return dog() + 1u; }", "const SIZE: u32 = 7u;"] {

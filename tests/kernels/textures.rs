@@ -313,7 +313,7 @@ fn directions_map_to_their_texture_coordinates_on_sphere_and_sky() {
 }
 
 fn background(kind: &'static str, settings: &Settings, texels: &[[f32; 3]], rows: &[[f32; 4]]) -> Vec<Colour> {
-    let setup = Setup { values: &[("kind", kind)], choices: &[("axes", "scene/world_axes")], ..Setup::default() };
+    let setup = Setup { values: &[("kind", kind)], facts: &[("camera_axes", false)], ..Setup::default() };
     let kernel = Kernel::with("test/background", &setup);
     kernel.run_with(rows, rows.len(), &[kernel.settings(settings), array("texels", texels)])
 }

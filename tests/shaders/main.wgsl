@@ -1,4 +1,4 @@
-//@ use choice/kernel
+//@ use ${kernel}
 // The entry point of every test kernel.
 override WORKGROUP_SIZE: u32 = 64u;
 
