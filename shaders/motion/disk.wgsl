@@ -1,4 +1,4 @@
-//@ implements moved_disk when moves.disk | boundary_moves.disk
+//@ implements moved_disk when moves.disk
 //@ use data/primitive
 //@ use data/surface
 //@ use lib/tangents

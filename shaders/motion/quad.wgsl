@@ -1,4 +1,4 @@
-//@ implements moved_quad when moves.quad | boundary_moves.quad
+//@ implements moved_quad when moves.quad
 //@ use data/primitive
 //@ use data/surface
 //@ use lib/tangents

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::bitmap::FORMATS;
 use crate::material::{ExtensionKind, Lobe, MATERIALS, Material, MaterialKind};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
-use crate::shape::KINDS;
+use crate::shape::{KINDS, ShapeKind};
 use crate::texture::TEXTURES;
 
 pub use crate::shape::{BOUNDARIES, PRIMITIVES};
@@ -16,27 +16,22 @@ pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 /// The reason for features that only `--features all` requires.
 pub const EVERY_FEATURE: &str = "--features all";
 
-/// What `--features all` adds. Facts that choose between algorithms stay as they are.
-#[derive(Clone, Copy)]
+/// Whether `--features all` adds facts. It adds none that chooses between algorithms.
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Added {
     Never,
     Always,
     /// Where light is sampled.
     Lit,
-    /// For the shapes, or the materials, that can have it.
-    Shapes(fn(&crate::shape::ShapeKind) -> bool),
-    Materials(fn(&MaterialKind) -> bool),
-    LitMaterials(fn(&MaterialKind) -> bool),
-    Extension(ExtensionKind),
 }
 
 /// A fact that scenes bring, or a group of facts.
 pub struct Declared {
     pub name: &'static str,
-    /// The kinds of a group: that quads move is the fact `moves.quad`. None for a single fact.
+    /// The kinds that may have it: that quads move is the fact `moves.quad`. None for a single fact.
     pub kinds: Vec<&'static str>,
-    /// Whether the kinds are those of materials.
-    pub is_of_materials: bool,
+    /// The group of which the same kind holds, too: what moves is a shape of the scene.
+    needs: Option<&'static str>,
     /// The feature's name in `plan`, and the module that is linked for it alone; `{}` stands for the kind.
     pub feature: Option<(&'static str, &'static str)>,
     added: Added,
@@ -46,29 +41,38 @@ pub struct Declared {
 pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
     let none = Vec::new;
     let shapes = || PRIMITIVES.to_vec();
-    let group = |name, kinds, added| Declared { name, kinds, is_of_materials: false, feature: None, added };
+    let group = |name, kinds, added| Declared { name, kinds, needs: None, feature: None, added };
     let named =
         |name, kinds, added, label, module| Declared { feature: Some((label, module)), ..group(name, kinds, added) };
-    let of_materials = |name, added| Declared { is_of_materials: true, ..group(name, MATERIALS.to_vec(), added) };
+    let those_shapes =
+        |can: fn(&ShapeKind) -> bool| KINDS.iter().filter(|kind| can(kind)).map(|kind| kind.shader).collect::<Vec<_>>();
+    let of_shapes = |name, can, added| Declared { needs: Some("shape"), ..group(name, those_shapes(can), added) };
+    let of_materials = |name, added, can: &dyn Fn(&MaterialKind) -> bool| {
+        let those = Material::KINDS.iter().filter(|kind| can(kind)).map(|kind| kind.shader);
+        Declared { needs: Some("material"), ..group(name, those.collect(), added) }
+    };
+    let labelled = |declared, label, module| Declared { feature: Some((label, module)), ..declared };
     let boundaries = || BOUNDARIES.iter().map(|(name, _)| *name).collect();
-    use Added::{Always, Lit, LitMaterials, Materials, Never, Shapes};
+    use Added::{Always, Lit, Never};
     let mut all = vec![
         named("shape", shapes(), Always, "{}", "geometry/{}"),
         // Meshes with vertex normals.
         named("smooth", none(), Always, "smooth shading", "scene/smooth_shading"),
-        Declared { feature: Some(("{}", "material/{}")), ..of_materials("material", Always) },
+        named("material", MATERIALS.to_vec(), Always, "{}", "material/{}"),
         // Materials on objects, by the lobes that they have.
-        of_materials("wide_lobe", LitMaterials(|kind| kind.lobes.contains(&Lobe::Wide))),
-        of_materials("narrow_lobe", LitMaterials(|kind| kind.lobes.contains(&Lobe::Narrow))),
-        of_materials("specular_lobe", LitMaterials(|kind| kind.lobes.contains(&Lobe::Specular))),
+        of_materials("wide_lobe", Lit, &|kind| kind.lobes.contains(&Lobe::Wide)),
+        of_materials("narrow_lobe", Lit, &|kind| kind.lobes.contains(&Lobe::Narrow)),
+        of_materials("specular_lobe", Lit, &|kind| kind.lobes.contains(&Lobe::Specular)),
         // Transmissive materials with a colour; materials that absorb light inside.
-        of_materials("tinted", Materials(|kind| kind.is_transmissive)),
-        of_materials("absorbing", Materials(|kind| kind.is_transmissive)),
+        of_materials("tinted", Always, &|kind| kind.is_transmissive),
+        of_materials("absorbing", Always, &|kind| {
+            kind.is_transmissive || kind.extensions.contains(&ExtensionKind::Transmission)
+        }),
         // Shapes whose material is a smooth pane; panes with a texture.
-        named("smooth_pane", shapes(), Always, "{} pane", "step/panes"),
+        labelled(of_shapes("smooth_pane", |_| true, Always), "{} pane", "step/panes"),
         group("textured_pane", none(), Always),
         // Convex shapes with an alpha.
-        group("body_with_alpha", shapes(), Always),
+        of_shapes("body_with_alpha", |kind| kind.encloses(), Always),
         named("texture", TEXTURES.to_vec(), Always, "{} texture", "texture/{}"),
         // Formats of texels.
         group("texel", FORMATS.to_vec(), Always),
@@ -82,9 +86,12 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         named("textured_medium", none(), Always, "textured medium", "scene/textured_medium"),
         // Shapes that are sampled as lights; those whose lights are cut into parts; convex ones that emit on both sides and have an alpha; those
         // whose radiance is a texture.
-        named("area_light", shapes(), Lit, "{} light", "light/{}"),
+        labelled(of_shapes("area_light", |_| true, Lit), "{} light", "light/{}"),
         named("textured_light", none(), Lit, "textured light", "scene/textured_light"),
-        named("parted", shapes(), Shapes(|kind| kind.has_parts), "light in parts", "scene/light_parts"),
+        Declared {
+            needs: Some("area_light"),
+            ..named("parted", those_shapes(|kind| kind.has_parts), Lit, "light in parts", "scene/light_parts")
+        },
         named("crossed_light", none(), Lit, "light with two sides and an alpha", "scene/light_crossings"),
         // Lights without size that are sampled, and those of them that are directional.
         named("delta_light", none(), Lit, "delta light", "light/delta"),
@@ -100,8 +107,14 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         // Pixels are so narrow that render space has the camera's axes instead of the world's.
         named("camera_axes", none(), Always, "camera axes", "scene/camera_axes"),
         // What moves: shapes, boundaries of media, lights without size, media with a texture, and the camera.
-        named("moves", shapes(), Always, "{} motion", "motion/{}"),
-        named("boundary_moves", shapes(), Always, "{} boundary motion", "motion/boundaries"),
+        labelled(of_shapes("moves", |_| true, Always), "{} motion", "motion/{}"),
+        named(
+            "boundary_moves",
+            those_shapes(|kind| kind.boundary.is_some()),
+            Always,
+            "{} boundary motion",
+            "motion/boundaries",
+        ),
         named("moving_light", none(), Lit, "delta light motion", "motion/delta_light"),
         named("moving_medium", none(), Always, "medium motion", "motion/medium"),
         named("moving_camera", none(), Always, "camera motion", "camera/moving"),
@@ -118,32 +131,26 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
     let extensions = ExtensionKind::EVALUATED.into_iter().chain(ExtensionKind::OTHERS);
     all.extend(extensions.map(|(name, kind)| Declared {
         feature: features.get(name).copied(),
-        ..of_materials(name, Added::Extension(kind))
+        ..of_materials(name, Always, &|own| own.extensions.contains(&kind))
     }));
     all
 });
 
 impl Declared {
+    /// The group, or the fact, of this name.
+    pub fn of(name: &str) -> Option<&'static Declared> {
+        DECLARED.iter().find(|declared| declared.name == name)
+    }
+
+    /// Whether the kinds are those of materials.
+    pub fn is_of_materials(&self) -> bool {
+        self.name == "material" || self.needs == Some("material")
+    }
+
     /// The facts of the group, or the fact alone.
     pub fn facts(&self) -> impl Iterator<Item = String> {
         let alone = self.kinds.is_empty().then(|| self.name.to_string());
         alone.into_iter().chain(self.kinds.iter().map(|kind| format!("{}.{kind}", self.name)))
-    }
-
-    /// The facts that `--features all` adds.
-    fn added(&self, sample_lights: bool) -> Vec<String> {
-        let of_kinds = |is_added: &dyn Fn(usize) -> bool| {
-            self.facts().enumerate().filter(|(number, _)| is_added(*number)).map(|(_, fact)| fact).collect()
-        };
-        match self.added {
-            Added::Always => of_kinds(&|_| true),
-            Added::Lit if sample_lights => of_kinds(&|_| true),
-            Added::Shapes(have) if sample_lights => of_kinds(&|number| have(&KINDS[number])),
-            Added::LitMaterials(have) if sample_lights => of_kinds(&|number| have(&Material::KINDS[number])),
-            Added::Materials(have) => of_kinds(&|number| have(&Material::KINDS[number])),
-            Added::Extension(kind) => of_kinds(&|number| Material::KINDS[number].extensions.contains(&kind)),
-            Added::Never | Added::Lit | Added::Shapes(_) | Added::LitMaterials(_) => Vec::new(),
-        }
     }
 }
 
@@ -206,9 +213,20 @@ pub struct Features {
 }
 
 impl Features {
-    /// Notes a fact of [`DECLARED`], unless another object has brought it.
+    /// Notes a fact of [`DECLARED`] and those that it needs, unless another object has brought it.
     pub fn require(&mut self, fact: impl Into<String>, by: impl FnOnce() -> String) {
-        self.facts.entry(fact.into()).or_insert_with(by);
+        let fact = fact.into();
+        if self.facts.contains_key(&fact) {
+            return;
+        }
+        let by = by();
+        let (group, kind) = fact.split_once('.').unwrap_or((&fact, ""));
+        let declared = Declared::of(group);
+        debug_assert!(declared.is_some_and(|own| own.facts().any(|own| own == fact)), "{fact} is not declared");
+        if let Some(needed) = declared.and_then(|declared| declared.needs) {
+            self.facts.entry(format!("{needed}.{kind}")).or_insert_with(|| by.clone());
+        }
+        self.facts.insert(fact, by);
     }
 
     /// Takes a fact back.
@@ -223,8 +241,7 @@ impl Features {
 
     /// The first object that brings a fact of a group.
     pub fn any(&self, group: &str) -> Option<&String> {
-        let declared = DECLARED.iter().find(|declared| declared.name == group)?;
-        declared.facts().find_map(|fact| self.reason(&fact))
+        Declared::of(group)?.facts().find_map(|fact| self.reason(&fact))
     }
 
     /// The features that a render with these options requires; with `--features all`, everything that a scene can have.
@@ -237,7 +254,12 @@ impl Features {
     }
 
     fn add_all(&mut self, sample_lights: bool) {
-        let added = DECLARED.iter().flat_map(|declared| declared.added(sample_lights));
+        let is_added = |declared: &&Declared| match declared.added {
+            Added::Never => false,
+            Added::Always => true,
+            Added::Lit => sample_lights,
+        };
+        let added = DECLARED.iter().filter(is_added).flat_map(Declared::facts);
         added.for_each(|fact| self.require(fact, || EVERY_FEATURE.to_string()));
         let own = &mut self.quantities;
         own.brute_force = false;

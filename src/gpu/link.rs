@@ -44,7 +44,7 @@ pub struct Entry {
 pub struct Choices {
     pub facts: Facts,
     pub lists: BTreeMap<&'static str, Vec<Entry>>,
-    pub values: BTreeMap<&'static str, String>,
+    pub values: BTreeMap<String, String>,
     /// Modules that the plan has written, by name.
     pub generated: BTreeMap<&'static str, String>,
 }
@@ -74,7 +74,7 @@ pub struct Linked {
     /// The choices that it uses, with the chosen modules.
     pub choices: BTreeMap<String, String>,
     /// The plan's values that were filled in, each with a module that uses it.
-    pub values: BTreeMap<&'static str, (String, String)>,
+    pub values: BTreeMap<String, (String, String)>,
 }
 
 /// Links `root` with everything it uses.
@@ -139,7 +139,7 @@ impl OpenBlock<'_> {
 struct Line {
     number: usize,
     text: String,
-    values: Vec<&'static str>,
+    values: Vec<String>,
     why: Reason,
 }
 
@@ -160,7 +160,7 @@ struct Linker<'a> {
     /// The uses of modules, in the order of joining.
     uses: Vec<ModuleUse>,
     /// The lines of `joined` that have a value, with its name.
-    filled: Vec<(usize, &'static str)>,
+    filled: Vec<(usize, String)>,
 }
 
 impl Linker<'_> {
@@ -215,8 +215,9 @@ impl Linker<'_> {
         let Linker { mut linked, joined, uses, filled, choices, .. } = self;
         let reached = reach::reached(&joined);
         let values = filled.into_iter().filter(|(line, _)| reached[*line]);
-        let value = |(line, name): (usize, &'static str)| {
-            Some((name, (choices.values.get(name)?.clone(), file_of(&linked.lines.get(line)?.0).to_string())))
+        let value = |(line, name): (usize, String)| {
+            let filled = choices.values.get(&name)?.clone();
+            Some((name, (filled, file_of(&linked.lines.get(line)?.0).to_string())))
         };
         linked.values = values.filter_map(value).collect();
         let mut lines = Vec::with_capacity(joined.len());
@@ -317,12 +318,11 @@ impl Linker<'_> {
         let mut values = Vec::new();
         while let Some((before, after)) = rest.split_once("${") {
             let (name, tail) = after.split_once('}').ok_or_else(|| fault(module, number, "`${` without `}`"))?;
-            let known = self.choices.values.get_key_value(name);
-            let (name, value) =
-                known.ok_or_else(|| fault(module, number, &format!("the plan has no value `{name}`")))?;
+            let known = self.choices.values.get(name);
+            let value = known.ok_or_else(|| fault(module, number, &format!("the plan has no value `{name}`")))?;
             out.push_str(before);
             out.push_str(value);
-            values.push(*name);
+            values.push(name.to_string());
             rest = tail;
         }
         out.push_str(rest);

@@ -14,22 +14,8 @@ use crate::material::{ExtensionKind, Material, MaterialKind};
 use crate::options::RenderOptions;
 use crate::shape::KINDS;
 
-macro_rules! tables {
-    ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
-}
-/// All tables but those of shapes: the name, and the names of the values for its address space and its size.
-const OTHER_TABLES: [(&str, &str, &str); 10] = tables![
-    "nodes",
-    "media",
-    "lights",
-    "delta_lights",
-    "light_nodes",
-    "emitters",
-    "aims",
-    "materials",
-    "textures",
-    "frames"
-];
+/// All tables but those of shapes.
+const OTHER_TABLES: &str = "nodes media lights delta_lights light_nodes emitters aims materials textures frames";
 
 /// The kinds that the scene uses; a kind's number is the index of its name. The last one closes a switch over them.
 pub(super) fn entries(features: &Features, group: &str, names: &[&str]) -> Vec<Entry> {
@@ -80,13 +66,15 @@ pub(super) fn decide(
     lists.extend(lists_of_sums(&facts, &options.aov));
     lists.extend(lists_of_state(&path_fields));
     let values = values(&features.quantities, options, &facts, materials.len(), queue);
-    let table = |(name, space, size)| match tables.uniform.get(name) {
-        Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
-        None => [(space, "storage, read".to_string()), (size, String::new())],
+    let table = |name: &str| {
+        let (space, size) = match tables.uniform.get(name) {
+            Some(elements) => ("uniform".to_string(), format!(", {elements}")),
+            None => ("storage, read".to_string(), String::new()),
+        };
+        [(format!("space_of_{name}"), space), (format!("size_of_{name}"), size)]
     };
-    let of_shapes = KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size));
-    let of_tables = OTHER_TABLES.into_iter().chain(of_shapes).flat_map(table);
-    let values = values.into_iter().map(|(name, number)| (name, number.to_string()));
+    let of_tables = OTHER_TABLES.split(' ').chain(KINDS.iter().map(|kind| kind.table.name)).flat_map(table);
+    let values = values.into_iter().map(|(name, number)| (name.to_string(), number.to_string()));
     let choices = Choices {
         facts,
         lists,

@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 use crate::aov::{Finder, SeenSurface};
-use crate::flatten::{BACKGROUNDS, DECLARED, EVERY_FEATURE, Features, MATERIALS, PRIMITIVES, Quantities};
+use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, PRIMITIVES, Quantities};
 use crate::gpu::link::{Entry, Facts, Reason, When};
 use crate::material::{ExtensionKind, Material, MaterialKind};
 use crate::options::{self, OptionSpec, RenderOptions};
@@ -69,8 +69,8 @@ const DERIVED: &[(&str, &str)] = &[
     ("light_paths_through_solids", "scene.absorbing & light_paths"),
 ];
 
-/// The derived facts with their conditions, or what is wrong with these.
-static CONDITIONS: LazyLock<Vec<(String, Result<When, String>)>> = LazyLock::new(|| {
+/// The facts that follow from others, with their conditions, or what is wrong with these.
+pub static CONDITIONS: LazyLock<Vec<(String, Result<When, String>)>> = LazyLock::new(|| {
     let any = |names: &mut dyn Iterator<Item = String>| names.collect::<Vec<_>>().join(" | ");
     let extension = any(&mut ExtensionKind::EVALUATED.iter().map(|(name, _)| (*name).to_string()));
     // Convex bodies that a ray crosses: those that are panes, and those with an alpha.
@@ -126,8 +126,9 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
         [(name.to_string(), served), (format!("scene.{name}"), reasons.into_iter().flatten().next())]
     };
     for declared in DECLARED.iter() {
-        if declared.is_of_materials {
-            facts.extend(of_materials(declared.name, declared.facts().map(|fact| reason(&fact)).collect()));
+        if declared.is_of_materials() {
+            let of_kind = |kind| reason(&format!("{}.{kind}", declared.name));
+            facts.extend(of_materials(declared.name, MATERIALS.iter().map(of_kind).collect()));
         } else {
             let any = declared.facts().find_map(|fact| reason(&fact));
             facts.extend(declared.facts().map(|fact| (fact.clone(), reason(&fact))));
@@ -184,4 +185,32 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
         facts.insert(name.clone(), reason);
     }
     facts
+}
+
+/// A feature that a scene can need: its name, the object that needs it, and the module that is linked only for it.
+pub(super) struct Known<'a> {
+    pub name: String,
+    pub reason: Option<&'a str>,
+    pub module: String,
+}
+
+/// All features that a scene can need.
+pub(super) fn known_features(features: &Features) -> Vec<Known<'_>> {
+    let of = |declared: &'static Declared| {
+        let (label, module) = declared.feature?;
+        let of_kinds = declared.kinds.iter().copied().zip(declared.facts());
+        let facts = if label.contains("{}") { of_kinds.collect() } else { vec![("", declared.name.to_string())] };
+        let known = move |(kind, fact): (&str, String)| Known {
+            name: label.replace("{}", kind),
+            reason: features.reason(&fact).or_else(|| features.any(&fact)).map(String::as_str),
+            // Meshes have modules of their own.
+            module: match &*fact {
+                "boundary.mesh" => "scene/medium_in_mesh".to_string(),
+                "moves.triangle" => "motion/instance".to_string(),
+                _ => module.replace("{}", kind),
+            },
+        };
+        Some(facts.into_iter().map(known))
+    };
+    DECLARED.iter().filter_map(of).flatten().collect()
 }

@@ -2,9 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::facts::{Known, known_features};
 use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning};
 use crate::error::Result;
-use crate::flatten::{DECLARED, Declared, Features, NotSampled};
+use crate::flatten::{Features, NotSampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::{Embedded, Library, Reason, When};
@@ -219,39 +220,6 @@ impl Report {
     pub fn constants_of(&self, kernel: &str) -> Vec<&Constant> {
         self.constants.iter().filter(|constant| constant.kernels.iter().any(|name| name == kernel)).collect()
     }
-}
-
-/// A feature that a scene can need: its name, the object that needs it, and the module that is linked only for it.
-struct Known<'a> {
-    name: String,
-    reason: Option<&'a str>,
-    module: String,
-}
-
-/// All features that a scene can need.
-fn known_features(features: &Features) -> Vec<Known<'_>> {
-    let of = |declared: &Declared| {
-        let (label, module) = declared.feature?;
-        let known = |name: &str, fact: &str| {
-            // Meshes have modules of their own.
-            let module = match fact {
-                "boundary.mesh" => "scene/medium_in_mesh".to_string(),
-                "moves.triangle" => "motion/instance".to_string(),
-                _ => module.replace("{}", name),
-            };
-            Known { name: label.replace("{}", name), reason: features.reason(fact).map(String::as_str), module }
-        };
-        let known = match label.contains("{}") {
-            true => declared.kinds.iter().map(|kind| known(kind, &format!("{}.{kind}", declared.name))).collect(),
-            false => vec![Known {
-                name: label.to_string(),
-                reason: features.any(declared.name).map(String::as_str),
-                module: module.to_string(),
-            }],
-        };
-        Some(known)
-    };
-    DECLARED.iter().filter_map(of).flatten().collect()
 }
 
 /// The modules of a kernel, each after the one that uses it.

@@ -129,14 +129,17 @@ pub fn path_fields(facts: &Facts, aovs: &Aovs) -> Vec<PathField> {
 
 /// All fields, each with its reason if the scene has it.
 fn all_fields(facts: &Facts, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
-    let words = |fact: &str| facts.get(fact).and_then(Option::as_ref).map(Reason::to_string);
+    let why = |fact: &str| facts.get(fact).and_then(Option::as_ref).map(Reason::to_string);
     let always = Some(Reason::EveryRender.to_string());
     // Fields that only separate stages pass on.
-    let is_fused = words("fused").is_some();
-    let staged = |fact| words(fact).filter(|_| !is_fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
-    let (lights, instances, mesh_lights) = (staged("light"), staged("instance"), staged("light_instance"));
+    let is_fused = why("fused").is_some();
+    let staged = |fact| why(fact).filter(|_| !is_fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
     // Without a surface or a medium no stage needs the distance.
-    let events = (!is_fused && words("event").is_some()).then(|| A_KERNEL_A_STAGE.to_string());
+    let events = (!is_fused && why("event").is_some()).then(|| A_KERNEL_A_STAGE.to_string());
+    let [lights, instances, mesh_lights] = ["light", "instance", "light_instance"].map(staged);
+    let [probes, ratios] = ["probed", "light_paths_of_narrow_lobes"].map(staged);
+    let [sampled, traced, solids] = ["sampled_light", "light_paths", "light_paths_through_solids"].map(why);
+    let [aov_hit, aov_surface, aov_rough, aov_direct] = ["aov_hit", "aov_surface", "aov_rough", "aov.direct"].map(why);
     let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {
         let (name, member, what) = (name.to_string(), member.to_string(), what.to_string());
         (PathField { name, words, w_of, what, why: String::new(), group, member, code }, why.clone())
@@ -152,104 +155,41 @@ fn all_fields(facts: &Facts, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         vector(&always, "ray", "DIRECTION", "ray.direction", "its direction"),
         packed(&always, "ray", "DIRECTION", "status", Word, "what the path is doing, or what its ray has hit"),
         vector(&always, "throughput", "THROUGHPUT", "throughput", "the factor of the light that its ray finds"),
-        packed(
-            &always,
-            "throughput",
-            "THROUGHPUT",
-            "depth",
-            Depth,
-            "scattering events so far, and which of them had narrow lobes",
-        ),
+        packed(&always, "throughput", "THROUGHPUT", "depth", Depth, "events so far, and which had narrow lobes"),
         vector(&always, "run", "SUM", "sum.sum", "radiance of the run's samples"),
         packed(&always, "run", "SUM", "rays", Word, "their rays"),
         vector(&always, "run", "EXCESS", "sum.excess", "the compensation term of that sum"),
         vector(&always, "run", "SQUARES", "squares", "squared deviations of the run's samples from their mean"),
-        vector(
-            &words("sampled_light"),
-            "radiance",
-            "RADIANCE",
-            "radiance",
-            "radiance of the sample so far, by lights that were sampled and surfaces that emit and scatter",
-        ),
-        packed(
-            &words("sampled_light"),
-            "radiance",
-            "RADIANCE",
-            "pdf",
-            Float,
-            "density of the last scattering's direction",
-        ),
-        word(
-            &words("light_paths"),
-            "radiance",
-            "log_ratio",
-            Float,
-            "the density of light paths over that of the path, as a logarithm",
-        ),
-        word(
-            &words("light_paths"),
-            "radiance",
-            "narrow_share",
-            Float,
-            "the share of light paths that may begin with the last event",
-        ),
-        word(&words("light_paths"), "radiance", "bin", Word, "the bin in which a light path's light is counted"),
-        vector(
-            &words("light_paths_through_solids"),
-            "radiance",
-            "ABSORPTION",
-            "absorption",
-            "what absorbs the ray of a light path",
-        ),
-        vector(&words("aov.direct"), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
+        vector(&sampled, "radiance", "RADIANCE", "radiance", "radiance of the sample before the path's end"),
+        packed(&sampled, "radiance", "RADIANCE", "pdf", Float, "density of the last scattering's direction"),
+        word(&traced, "radiance", "log_ratio", Float, "logarithm of the light paths' density over the path's"),
+        word(&traced, "radiance", "narrow_share", Float, "share of light paths that begin with the last event"),
+        word(&traced, "radiance", "bin", Word, "the bin in which a light path's light is counted"),
+        vector(&solids, "radiance", "ABSORPTION", "absorption", "what absorbs the ray of a light path"),
+        vector(&aov_direct, "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
         vector(&lights, "shadow", "SHADOW_ORIGIN", "shadow.origin", "where the ray to a light starts"),
         packed(&lights, "shadow", "SHADOW_ORIGIN", "light", Word, "the light"),
         vector(&lights, "shadow", "SHADOW_DIRECTION", "shadow.direction", "the direction of that ray"),
-        vector(
-            &lights,
-            "light_weight",
-            "LIGHT_WEIGHT",
-            "light_weight",
-            "its contribution per radiance of the light, if nothing is between",
-        ),
-        packed(
-            &staged("probed"),
-            "light_weight",
-            "LIGHT_WEIGHT",
-            "probe",
-            Float,
-            "the weight of that ray as a probe for light of narrow lobes",
-        ),
-        word(
-            &staged("light_paths_of_narrow_lobes"),
-            "light_weight",
-            "light_ratio",
-            Float,
-            "the density of light paths over that of the ray to the light, as a logarithm",
-        ),
+        vector(&lights, "light_weight", "LIGHT_WEIGHT", "light_weight", "its contribution per radiance of the light"),
+        packed(&probes, "light_weight", "LIGHT_WEIGHT", "probe", Float, "its weight as a probe for narrow lobes"),
+        word(&ratios, "light_weight", "light_ratio", Float, "logarithm of the light paths' density over its own"),
         word(&events, "hit", "t", Float, "distance to what the ray has hit"),
         word(&always, "run", "counts", Word, "samples of the run, accepted and rejected"),
         word(&always, "sample_of_path", "pixel", Word, "the pixel"),
         word(&always, "sample_of_path", "sample", Word, "the sample of the pixel"),
-        word(
-            &words("aov_rough"),
-            "aov_surface",
-            "seen",
-            Word,
-            "whether the albedo and the normal of the sample are known",
-        ),
-        word(&instances, "hit", "instance", Word, "the instance whose mesh the ray has hit, or the side of a body"),
+        word(&aov_rough, "aov_surface", "seen", Word, "whether the sample's albedo and normal are known"),
+        word(&instances, "hit", "instance", Word, "the mesh's instance, or the side of the body, that was hit"),
         word(&mesh_lights, "shadow", "light_instance", Word, "the instance whose mesh the light is a face of"),
     ];
     for (index, (sum, name)) in aovs.sum_components().enumerate() {
         let (why, group) = match sum.finder() {
-            Finder::Hit => ("aov_hit", "aov_hit"),
-            Finder::Surface => ("aov_surface", "aov_surface"),
-            Finder::Direct => ("aov.direct", "aov_direct"),
+            Finder::Hit => (&aov_hit, "aov_hit"),
+            Finder::Surface => (&aov_surface, "aov_surface"),
+            Finder::Direct => (&aov_direct, "aov_direct"),
         };
         let what = format!("sum of {name} over the run's samples");
         let field = format!("sum_of_{}", name.replace('.', "_"));
-        all.push(row(&words(why), group, &field, 1, None, &format!("{AOV}[{index}]"), Float, &what));
+        all.push(row(why, group, &field, 1, None, &format!("{AOV}[{index}]"), Float, &what));
     }
     all
 }
@@ -358,40 +298,5 @@ impl PathLayout {
     /// Bytes of a slot's words outside the planes.
     pub fn word_bytes(&self) -> u64 {
         4 * self.others.len() as u64
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// No two vectors or words overlap, and all lie within the bytes of a slot, for any numbers of both.
-    #[test]
-    fn every_field_has_words_of_its_own() {
-        let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
-        for vectors in 0..5 {
-            for words in 0..10 {
-                let field = |name: &str, words| PathField {
-                    name: name.to_string(),
-                    words,
-                    w_of: None,
-                    what: String::new(),
-                    why: String::new(),
-                    group: "ray",
-                    member: String::new(),
-                    code: Code::Word,
-                };
-                let vectors_of = ["A", "B", "C", "D"].into_iter().take(vectors).map(|name| field(name, 3));
-                let fields: Vec<_> =
-                    vectors_of.chain(names.into_iter().take(words).map(|name| field(name, 1))).collect();
-                let layout = path_layout(&fields);
-                let of_vectors = layout.planes.iter().flat_map(|(_, plane)| (0..3).map(move |i| 4 * plane + i));
-                let mut taken: Vec<u32> = of_vectors.chain(layout.words.iter().map(|(_, word)| *word)).collect();
-                assert!(taken.iter().all(|word| u64::from(*word) * 4 < layout.plane_bytes()), "{layout:?}");
-                taken.sort_unstable();
-                taken.dedup();
-                assert_eq!(taken.len() + layout.others.len(), 3 * vectors + words, "{layout:?}");
-            }
-        }
     }
 }

@@ -45,9 +45,6 @@ pub struct Boundary {
 pub struct Table {
     /// The name of the file under shaders/bind.
     pub name: &'static str,
-    /// The linker's values that say how it is bound.
-    pub space: &'static str,
-    pub size: &'static str,
     /// Its contents, in words.
     pub why: &'static str,
     /// Bytes of an element.
@@ -67,8 +64,6 @@ macro_rules! table {
     ($member:ident of $element:ty, $why:literal) => {
         $crate::shape::geometry::Table {
             name: stringify!($member),
-            space: concat!("space_of_", stringify!($member)),
-            size: concat!("size_of_", stringify!($member)),
             why: $why,
             stride: size_of::<$element>(),
             bytes: |tables| bytemuck::cast_slice(&tables.$member),

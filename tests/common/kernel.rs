@@ -131,8 +131,8 @@ impl Kernel {
         choices.lists.entry("texel_format").or_insert(vec![float]);
         let holds = |is_so: bool| is_so.then_some(Reason::EveryRender);
         choices.facts.extend(setup.facts.iter().map(|(fact, is_so)| ((*fact).to_string(), holds(*is_so))));
-        choices.values.insert("kernel", name.to_string());
-        choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));
+        choices.values.insert("kernel".to_string(), name.to_string());
+        choices.values.extend(setup.values.iter().map(|(name, value)| (name.to_string(), value.to_string())));
         let mut overlay = Overlay::new(setup.replaced);
         if let Some((module, part, other)) = setup.rewritten {
             overlay = overlay.rewritten(module, |own| own.replace(part, other));

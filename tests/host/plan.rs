@@ -1023,6 +1023,9 @@ fn the_linker_notes_users_reasons_choices_and_values() {
     let library = Texts(texts, Heads::of(texts.iter().copied()));
     let requested = |by: &str| Reason::Requested(by.to_string());
     let entry = Entry { name: "entry".to_string(), number: 0, closes: true, why: requested("an object") };
+    let pairs = |pairs: &[(&str, &str)]| -> BTreeMap<String, String> {
+        pairs.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect()
+    };
     let choices = Choices {
         facts: [
             ("asked", Some(requested("an option"))),
@@ -1033,13 +1036,10 @@ fn the_linker_notes_users_reasons_choices_and_values() {
         .map(|(fact, reason)| (fact.to_string(), reason))
         .into(),
         lists: BTreeMap::from([("list", vec![entry])]),
-        values: BTreeMap::from([("lost", "1".to_string()), ("kept", "2".to_string()), ("absent", "3".to_string())]),
+        values: pairs(&[("lost", "1"), ("kept", "2"), ("absent", "3")]),
         generated: BTreeMap::new(),
     };
     let linked = link(&library, "root", &choices).unwrap_or_else(|error| panic!("{error}"));
-    let pairs = |pairs: &[(&str, &str)]| -> BTreeMap<String, String> {
-        pairs.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect()
-    };
     // `long` uses `chosen` in every render, `root` does where it was chosen; `root` uses `leaf` in fewer steps than `entry` does.
     let users = [
         ("deep", "root"),
@@ -1056,7 +1056,7 @@ fn the_linker_notes_users_reasons_choices_and_values() {
     let others = [("entry", "an object"), ("leaf", "an option"), ("last", "an object")];
     assert_eq!(pairs(&[["root", "deep", "long", "chosen"].map(every).as_slice(), &others].concat()), reasons);
     assert_eq!(linked.choices, pairs(&[("x", "chosen"), ("z", "last")]));
-    assert_eq!(linked.values, BTreeMap::from([("kept", ("2".to_string(), "chosen".to_string()))]));
+    assert_eq!(linked.values, BTreeMap::from([("kept".to_string(), ("2".to_string(), "chosen".to_string()))]));
 }
 
 fn run(arguments: &[&str]) -> Ran {

@@ -141,7 +141,7 @@ fn follow(text: &str, plant: Option<(&str, &str, &str)>) -> Followed {
         })
     });
     let choose = |choices: &mut Choices| {
-        choices.values.insert("tolerance", format!("{TOLERANCE:e}"));
+        choices.values.insert("tolerance".to_string(), format!("{TOLERANCE:e}"));
     };
     let request = Request::default().mis().light_paths(8).scatter(Scatter::Fused);
     let request = request.with(|options| options.bounces = Some(64));

@@ -8,7 +8,7 @@ use gpu_rt::flatten::{Features, MATERIALS, Quantities};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::options::{FeatureSet, Fresnel, LightPaths, RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, UniformTables};
+use gpu_rt::plan::{Code, Kernels, PathField, UniformTables, path_layout};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
@@ -273,4 +273,33 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     // It would find a wrong value.
     assert_ne!(constant(&modules, "HIT_NOTHING"), Some(data::SLOT_IDLE));
     assert_eq!(constant(&modules, "NO_SUCH_CONSTANT"), None);
+}
+
+/// No two vectors or words overlap, and all lie within the bytes of a slot, for any numbers of both.
+#[test]
+fn every_field_has_words_of_its_own() {
+    let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
+    for vectors in 0..5 {
+        for words in 0..10 {
+            let field = |name: &str, words| PathField {
+                name: name.to_string(),
+                words,
+                w_of: None,
+                what: String::new(),
+                why: String::new(),
+                group: "ray",
+                member: String::new(),
+                code: Code::Word,
+            };
+            let vectors_of = ["A", "B", "C", "D"].into_iter().take(vectors).map(|name| field(name, 3));
+            let fields: Vec<_> = vectors_of.chain(names.into_iter().take(words).map(|name| field(name, 1))).collect();
+            let layout = path_layout(&fields);
+            let of_vectors = layout.planes.iter().flat_map(|(_, plane)| (0..3).map(move |i| 4 * plane + i));
+            let mut taken: Vec<u32> = of_vectors.chain(layout.words.iter().map(|(_, word)| *word)).collect();
+            assert!(taken.iter().all(|word| u64::from(*word) * 4 < layout.plane_bytes()), "{layout:?}");
+            taken.sort_unstable();
+            taken.dedup();
+            assert_eq!(taken.len() + layout.others.len(), 3 * vectors + words, "{layout:?}");
+        }
+    }
 }

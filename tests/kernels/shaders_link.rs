@@ -6,12 +6,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::bitmap::FORMATS;
 use gpu_rt::data::{KIND_INSTANCE, KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, Quantities, TEXTURES};
+use gpu_rt::flatten::{
+    BACKGROUNDS, BOUNDARIES, DECLARED, Declared, Features, MATERIALS, PRIMITIVES, Quantities, TEXTURES,
+};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason, When, link};
 use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS};
-use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
+use gpu_rt::plan::{CONDITIONS, Kernel, Kernels, UniformTables, choices_of};
 
 use crate::common::referee::{differences, hashes};
 
@@ -41,9 +43,11 @@ const LOBES_OF_PBR: [&[ExtensionKind]; 12] = [
 const SOLID: usize = 0;
 const IMAGE: usize = 2;
 
-/// Adds the facts of a group whose bits are on.
+/// Adds the facts of a group whose bits are on, as far as these kinds can have it.
 fn with<T: AsRef<str>>(mut features: Features, group: &str, kinds: &[T], bits: usize) -> Features {
-    for kind in kinds.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, kind)| kind.as_ref()) {
+    let possible = &Declared::of(group).expect(group).kinds;
+    let on = kinds.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, kind)| kind.as_ref());
+    for kind in on.filter(|kind| possible.contains(kind)) {
         features.require(format!("{group}.{kind}"), || "a test".to_string());
     }
     features
@@ -867,7 +871,7 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
     let choices = Choices {
         facts: BTreeMap::from([("wet".to_string(), Some(why.clone())), ("dry".to_string(), None)]),
         lists: BTreeMap::from([("animal", vec![entry("cat", 3, false), entry("dog", 5, true)])]),
-        values: BTreeMap::from([("size", "7".to_string())]),
+        values: BTreeMap::from([("size".to_string(), "7".to_string())]),
         generated: BTreeMap::new(),
     };
     let library = With(modules.iter().copied().collect(), Heads::of(modules.iter().copied()));
@@ -1013,6 +1017,22 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
     assert_eq!(*values, decided.values.keys().map(|value| value.to_string()).collect());
 }
 
+/// The conditions of facts that follow from others can be read, and name facts that are known before them.
+#[test]
+fn derived_facts_follow_from_those_before_them() {
+    let decided = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
+    let mut known: BTreeSet<&str> = decided.facts.keys().map(String::as_str).collect();
+    for (name, _) in CONDITIONS.iter() {
+        assert!(known.remove(name.as_str()), "{name} is there twice, or no fact");
+    }
+    for (name, when) in CONDITIONS.iter() {
+        let when = when.as_ref().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let unknown: Vec<_> = when.facts().into_iter().filter(|fact| !known.contains(fact)).collect();
+        assert!(unknown.is_empty(), "{name} names {unknown:?}");
+        known.insert(name);
+    }
+}
+
 /// The truth of facts: all of them, but for the values of an option, of which one holds.
 fn assignments(facts: &BTreeSet<&str>) -> Vec<BTreeMap<String, Option<Reason>>> {
     let option =
@@ -1054,6 +1074,57 @@ fn one_part_of_a_choice_holds_whatever_the_facts_are() {
         assert!(choose(&heads, "x").is_some_and(|error| error.contains(about)), "{other}");
     }
     assert!(tried > 250, "{tried}");
+}
+
+/// The number of rows of facts, and for each fact the rows in which it holds, as bits. Two facts hold both, either without the other, and neither in
+/// some row: each has as many rows as the others, all have the last one, and no two have the same (Kleitman and Spencer, "Families of k-independent
+/// sets", 1973).
+const ROWS: u32 = 12;
+
+fn facts_in_rows() -> Vec<(String, u32)> {
+    let one_background = |fact: &String| !fact.starts_with("background.") || fact == "background.image";
+    let facts: Vec<String> = DECLARED.iter().flat_map(Declared::facts).filter(one_background).collect();
+    let rows: Vec<u32> = (1 << (ROWS - 1)..1 << ROWS).filter(|rows: &u32| rows.count_ones() == ROWS / 2).collect();
+    assert!(facts.len() <= rows.len(), "{} facts need more rows", facts.len());
+    facts.into_iter().zip(rows).collect()
+}
+
+/// Kernels of scenes in which any two facts hold or do not are valid. (Facts that need others bring these.)
+#[test]
+fn every_pair_of_facts_is_valid() {
+    let all = facts_in_rows();
+    let is_in_all_ways =
+        |a: u32, b: u32| [a & b, a & !b, b & !a, !(a | b) & ((1 << ROWS) - 1)].iter().all(|rows| *rows != 0);
+    let pairs = all.iter().enumerate().flat_map(|(i, (_, a))| all[..i].iter().map(move |(_, b)| (*a, *b)));
+    assert!(all.len() > 120, "{} facts", all.len());
+    assert!(pairs.into_iter().all(|(a, b)| is_in_all_ways(a, b)));
+    for number in 0..ROWS {
+        let facts = all.iter().filter(|(_, rows)| rows >> number & 1 == 1);
+        let facts: Vec<&str> = facts.map(|(fact, _)| fact.as_str()).collect();
+        let mut found = having(features(1, 1, 0, IMAGE, false), &facts);
+        // Facts of a scene that come with one of a group.
+        for (fact, group) in [
+            ("light_paths", "specular_lobe"),
+            ("textured_medium", "boundary"),
+            ("textured_medium", "texture"),
+            ("textured_light", "texture"),
+            ("textured_pane", "texture"),
+        ] {
+            if found.any(group).is_none() {
+                found.forget(fact);
+            }
+        }
+        let lights =
+            ["area_light", "sky_light", "delta_light"].iter().filter(|group| found.any(group).is_some()).count();
+        let found = quantified(found, |own| {
+            (own.media, own.boundary_stack_size, own.lights) =
+                (facts.iter().filter(|fact| fact.starts_with("boundary.")).count() as u32, 8, lights as u32);
+            (own.aims, own.motion_iterations, own.sky_grid) = (3, 3, (4, 2));
+        });
+        let light_paths = if number % 2 == 0 { LightPaths::Count(1) } else { LightPaths::Off };
+        let options = RenderOptions { light_paths, ..RenderOptions::default() };
+        kernels(&found, &options, if number % 3 == 0 { Scatter::Queues } else { Scatter::Fused });
+    }
 }
 
 /// The functions that a text declares: their names and all up to the body.
