@@ -5,6 +5,7 @@ pub mod compile_beside;
 pub mod compile_progress;
 pub mod device;
 pub mod kernel_cache;
+mod kinds;
 pub mod layout;
 pub mod link;
 pub mod modules;

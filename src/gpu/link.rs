@@ -22,6 +22,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::kinds;
 pub use super::modules::{Chosen, Embedded, Heads, Library};
 use super::modules::{WITHOUT, head_of};
 use super::numerics::PROPERTIES;
@@ -396,8 +397,13 @@ fn fault(part: &str, line: usize, message: &str) -> Error {
 impl Linked {
     /// Parses and validates the text. Errors name the file and line of the origin.
     pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
-        let module = naga::front::wgsl::parse_str(&self.text)
-            .map_err(|error| self.fault_at(error.location(&self.text), error.message()))?;
+        let module = naga::front::wgsl::parse_str(&self.text).map_err(|error| {
+            let unknown = error.message().strip_prefix("no definition in scope for identifier: `");
+            let name = unknown.and_then(|rest| rest.strip_suffix('`'));
+            let missing =
+                name.and_then(|name| kinds::missing(name, |kind| self.modules.iter().any(|known| known == kind)));
+            self.fault_at(error.location(&self.text), missing.as_deref().unwrap_or(error.message()))
+        })?;
         let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
             .validate(&module)
             .map_err(|error| {

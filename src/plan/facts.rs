@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 use crate::aov::{Finder, SeenSurface};
-use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, PRIMITIVES, Quantities};
+use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, Quantities};
 use crate::gpu::link::{Entry, Facts, Reason, When};
 use crate::material::{ExtensionKind, Material, MaterialKind};
 use crate::options::{self, OptionSpec, RenderOptions};
@@ -71,18 +71,16 @@ const DERIVED: &[(&str, &str)] = &[
 
 /// The facts that follow from others, with their conditions, or what is wrong with these.
 pub static CONDITIONS: LazyLock<Vec<(String, Result<When, String>)>> = LazyLock::new(|| {
-    let any = |names: &mut dyn Iterator<Item = String>| names.collect::<Vec<_>>().join(" | ");
-    let extension = any(&mut ExtensionKind::EVALUATED.iter().map(|(name, _)| (*name).to_string()));
+    let extension = ExtensionKind::EVALUATED.map(|(name, _)| name).join(" | ");
     // Convex bodies that a ray crosses: those that are panes, and those with an alpha.
-    let bodies = KINDS.iter().zip(PRIMITIVES).filter(|(kind, _)| kind.encloses()).map(|(_, name)| *name);
-    let bodies: Vec<&str> = bodies.collect();
+    let bodies: Vec<&str> = KINDS.iter().filter(|kind| kind.encloses()).map(|kind| kind.shader).collect();
     let crossed = |shape: &&str| {
         let condition = format!("shape.{shape} & (smooth_pane.{shape} & pane | body_with_alpha.{shape} & alpha_body)");
         (format!("crossed_body.{shape}"), condition)
     };
     let derived = DERIVED.iter().map(|(name, when)| ((*name).to_string(), (*when).to_string()));
     let all = [("extension".to_string(), extension)].into_iter().chain(derived).chain(bodies.iter().map(crossed));
-    let crossed_body = any(&mut bodies.iter().map(|shape| format!("crossed_body.{shape}")));
+    let crossed_body = format!("crossed_body.{}", bodies.join(" | crossed_body."));
     // A hit, or a light, has the instance of a mesh, or the side of a body.
     let sides = [("instance", "mesh | crossed_body"), ("light_instance", "area_light.triangle | crossed_light")];
     let sides = sides.map(|(name, when)| (name.to_string(), when.to_string()));

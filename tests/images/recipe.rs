@@ -339,3 +339,50 @@ fn errors_name_the_new_file() {
     let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();
     assert!(error.starts_with("shaders/material/retroreflector.wgsl:4:"), "{error}");
 }
+
+/// A function that the new material lacks is named, with the file where it belongs and what it does. Only light paths ask a material that transmits
+/// light for its index of refraction.
+#[test]
+fn a_missing_function_is_named_with_its_file() {
+    let glass = RETROREFLECTOR.replace(
+        "// A retro",
+        "fn retroreflector_index(material: Material, hit: Interaction) -> f32 {\n    return 1.5;\n}\n// A retro",
+    );
+    let flat =
+        gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain());
+    let mut features = flat.expect("the scene flattens").features;
+    ["specular_lobe.dielectric", "area_light.sphere", "light_paths"]
+        .map(|fact| features.require(fact, || "a test".to_string()));
+    (features.quantities.lights, features.quantities.aims) = (1, 1);
+    let options = gpu_rt::options::RenderOptions {
+        light_paths: gpu_rt::options::LightPaths::Count(1),
+        ..crate::common::render::plain()
+    };
+    let mut choices = gpu_rt::plan::choices_of(&features, &options, &gpu_rt::plan::UniformTables::default());
+    listed(&mut choices, NAME);
+    let transmissive =
+        Entry { name: NAME.to_string(), number: MATERIALS.len() as u32, ..choices.lists["material"][0].clone() };
+    choices.lists.insert("transmissive", vec![transmissive]);
+    let evaluation = VELVET_EVAL.replace("velvet", NAME);
+    let error = |text: &str, evaluation: &str| {
+        let modules = [(format!("material/{NAME}"), text), (format!("material/{NAME}_eval"), evaluation)];
+        let library = With(modules.map(|(name, text)| (name, text.to_string())).into());
+        let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
+        linked.validate().err().map_or(String::new(), |error| error.to_string())
+    };
+    assert_eq!(error(&glass, &evaluation), "");
+    for (function, file) in [
+        ("_index: it returns the index", ""),
+        ("_scatter: it draws", ""),
+        ("_is_non_specular: it says", "_eval"),
+        ("_eval: it returns", "_eval"),
+    ] {
+        let ending = function.split(':').next().expect("a word");
+        let without = |text: &str| text.replace(&format!("fn {NAME}{ending}("), "fn other(");
+        let error = error(&without(&glass), &without(&evaluation));
+        assert!(
+            error.contains(&format!("shaders/material/{NAME}{file}.wgsl must have the function {NAME}{function}")),
+            "{error}"
+        );
+    }
+}
