@@ -127,6 +127,29 @@ fn statements_of_physically_based_materials_are_read() {
     }
 }
 
+/// The name of an image begins behind its options and their values, also a name of spaces that begins with a number.
+#[test]
+fn images_are_found_behind_their_options() {
+    let model = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    for (line, file) in [
+        ("map_Kd -s 2 2 1 -o .5 0.25 -clamp on my wood.png", "my wood.png"),
+        ("map_Kd -s 2 2 1 3 woods.png", "3 woods.png"),
+        ("norm -bm 0.5 2 nails.png", "2 nails.png"),
+        ("map_Pr -imfchan r -mm 0 1 maps\\rough one.png", "maps/rough one.png"),
+        ("map_d -cc off C:\\me\\my alpha.png", "my alpha.png"),
+        ("map_Ke e.png", "e.png"),
+    ] {
+        let materials = format!("newmtl m\nKs 1 1 1\n{line}\n");
+        let folder = folder(&[("a.obj", model.as_bytes()), ("m.mtl", materials.as_bytes()), (file, &png())]);
+        let scene = scene(&folder, "a.obj");
+        let named = scene.inputs().iter().filter(|path| path.ends_with(file)).count();
+        let options = line.split(' ').filter(|word| word.starts_with('-') && word.len() > 1);
+        let notes = scene.warnings().join("\n");
+        let told = options.clone().all(|option| notes.contains(&format!("{option} of ")));
+        assert!(named == 1 && told && notes.contains("not read") == options.count().gt(&0), "{line}: {notes}");
+    }
+}
+
 /// Colours of vertices: of 8 and 16 bits and floats, in text and binary, they are those of sRGB; those of an .obj are named.
 #[test]
 fn a_ply_shows_the_colours_of_its_vertices() {
