@@ -132,11 +132,9 @@ fn triangles(
 pub fn view_of<'a>(root: &Root, buffers: &'a [Bytes], index: Index<View>) -> Result<&'a [u8]> {
     let number = index.value();
     let view = root.get(index).ok_or_else(|| format!("there is no bufferView {number}"))?;
-    let buffer = buffers.get(view.buffer.value());
-    let start = view.byte_offset.unwrap_or_default().0;
-    let bytes = start.checked_add(view.byte_length.0).and_then(|end| {
-        let range = usize::try_from(start).ok()?..usize::try_from(end).ok()?;
-        buffer?.get(range)
+    let bytes = buffers.get(view.buffer.value()).and_then(|all| {
+        let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
+        all.get(start..)?.get(..usize::try_from(view.byte_length.0).ok()?)
     });
     bytes.ok_or_else(|| format!("bufferView {number} reaches past the end of its buffer"))
 }
