@@ -111,7 +111,7 @@ fn packed_images_are_those_that_were_packed() {
         differences.sum::<f32>() / (3 * a.len()) as f32
     };
     // The means are those of Basis Universal's own decoder. The control: an image that is a texel off.
-    for (texels, expected) in [(etc1s, 0.040_846_477), (uastc, 0.002_499_383)] {
+    for (texels, expected) in [(etc1s, 0.040_846_48), (uastc, 0.002_499_383)] {
         let moved = [&texels[1..], &texels[..1]].concat();
         let is_it = |texels: &[[f32; 3]]| (mean(texels, &plain) - expected).abs() < 1e-6;
         assert!(is_it(&texels) && !is_it(&moved), "{}", mean(&texels, &plain));
@@ -151,7 +151,7 @@ fn what_cannot_be_unpacked_is_refused_with_its_place() {
     {
         let mut damaged = image("uastc.ktx2");
         damaged[at..at + 4].fill(0x7f);
-        let error = load(&with_image(&damaged)).err().expect("it claims too much");
+        let error = load(&with_image(&damaged)).expect_err("it claims too much");
         let Error::Scene { field, message, .. } = &error.each()[0] else { panic!("{error}") };
         assert!(field == "images[0]" && message.contains(reason), "{error}");
     }
