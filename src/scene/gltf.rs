@@ -45,6 +45,7 @@ pub use error::{GltfError, Result};
 pub use light::sun;
 pub use material::{default_material, radiance};
 use nodes::Pose;
+pub use packed::MESHOPT;
 use packed::{Bytes, view_of};
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
@@ -245,8 +246,8 @@ fn is_read(extension: &str) -> bool {
         "KHR_mesh_quantization",
         "EXT_mesh_gpu_instancing",
         packed::DRACO,
-        packed::MESHOPT[0],
-        packed::MESHOPT[1],
+        MESHOPT[0],
+        MESHOPT[1],
     ];
     const BY_MATERIAL: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "GPU_RT_materials_"];
     let is_of_material = BY_MATERIAL.iter().any(|start| extension.starts_with(start));

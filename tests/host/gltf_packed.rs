@@ -164,6 +164,15 @@ fn what_is_for_other_programs_is_not_read() {
     assert_eq!(json["buffers"][1]["extensions"]["KHR_meshopt_compression"]["fallback"], true);
     json["buffers"][1]["uri"] = json!("there is none.bin");
     assert!(load(&(json.clone(), buffer.clone())).is_ok());
+    // As a .gltf, it names the files that it is read from.
+    let folder = tempfile::tempdir().unwrap();
+    let mut named = json.clone();
+    named["buffers"][0]["uri"] = json!("own.bin");
+    fs::write(folder.path().join("own.bin"), &buffer).unwrap();
+    fs::write(folder.path().join("a.gltf"), named.to_string()).unwrap();
+    let inputs = Scene::load(&folder.path().join("a.gltf")).unwrap().inputs();
+    let names: Vec<_> = inputs.iter().map(|path| path.file_name().unwrap().to_string_lossy()).collect();
+    assert!(names.contains(&"own.bin".into()) && !names.contains(&"there is none.bin".into()), "{names:?}");
     json["buffers"][1]["extensions"] = json!({});
     assert!(load(&(json, buffer)).is_err_and(|error| error.to_string().contains("there is none.bin")));
     let (mut json, buffer) = with_image(&image("etc1s.ktx2"));

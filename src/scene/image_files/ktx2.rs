@@ -10,7 +10,7 @@ pub const MAGIC: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
 
 pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<DynamicImage, String> {
     let text = |error: basisu::Error| format!("{error:?}");
-    let texture = Transcoder::new(bytes).map_err(text)?;
+    let texture = Transcoder::new(bytes).map_err(|_| "expected a KTX2 file of Basis Universal that is complete")?;
     let (width, height) = texture.base_dimensions();
     // A block of 4 by 4 texels has 16 bytes, and 64 as texels.
     let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
