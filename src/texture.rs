@@ -48,7 +48,7 @@ declare! {
         }
         /// An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.
         Image: image, "Image(path: \"textures/planet.png\")" {
-            /// A PNG, JPEG, BMP, TGA, TIFF or WebP in sRGB, or a linear HDR or EXR; or an image of a glTF file, such as
+            /// A PNG, JPEG, BMP, TGA, TIFF, WebP or KTX2 (Basis Universal) in sRGB, or a linear HDR or EXR; or an image of a glTF file, such as
             /// `room.glb#images/0`.
             path: String = other(PATH);
             /// What its colours are multiplied by.

@@ -49,9 +49,12 @@ class Blur:
         if lost:
             self.notes.append(f"the blur of {len(lost)} objects, such as {min(lost)}: only {MOST} motions that differ are rendered")
 
-    def of_camera(self, view):
+    def of_camera(self, view, up):
         if not self.times:
             return ""
+        # Its keys have no up: it stays as upright as it is at the frame.
+        if any(up.cross(matrix.col[2].xyz).angle(matrix.col[0].xyz, 0) > math.radians(0.1) for matrix in self.camera):
+            self.notes.append("the blur of the camera's roll")
         keys = ", ".join(f"({time!r}, ({view(matrix)}))" for time, matrix in zip(self.times, self.camera))
         moves = any(matrix != self.camera[0] for matrix in self.camera)
         return f", shutter: ({self.times[0]!r}, {self.times[-1]!r})" + (f", moving: [{keys}]" if moves else "")

@@ -47,5 +47,5 @@ def fields(scene, depsgraph, size, blur):
     )
     return (
         f"    image: (width: {whole[0]}, height: {whole[1]}),\n"
-        f"    camera: ({view(matrix)}, up: {point(placed(up))}, vertical_fov: {angle!r}{aperture}{blur.of_camera(view)}),\n"
+        f"    camera: ({view(matrix)}, up: {point(placed(up))}, vertical_fov: {angle!r}{aperture}{blur.of_camera(view, up)}),\n"
     ), (abs(across) + across, abs(down) + down)

@@ -28,10 +28,11 @@ def losses(scene, layer):
         words = list(_of_object(shown))
         if shown.type == "LIGHT" and not shown.visible_camera and _is_in_picture(scene, shown):
             words.append("it is not hidden from the camera")
-        bends = shown.data and getattr(shown.data, "shape_keys", None) or any(each.type in BENDING for each in shown.modifiers)
-        moves = shown.type == "LIGHT" and (shown.animation_data or shown.parent or shown.constraints)
-        if scene.render.use_motion_blur and (bends or moves):
-            words.append("the blur of its motion" if moves else "the blur of its shape")
+        is_lamp, animated = shown.type == "LIGHT", getattr(shown.data, "animation_data", None)
+        bends = getattr(shown.data, "shape_keys", None) or (is_lamp and animated) or any(each.type in BENDING for each in shown.modifiers)
+        moves = is_lamp and (shown.animation_data or shown.parent or shown.constraints)
+        if scene.render.use_motion_blur:
+            words += [f"the blur of its {of}" for of, is_blurred in (("motion", moves), ("shape", bends)) if is_blurred]
         for material in {slot.material for slot in shown.material_slots if slot.material}:
             if material not in by_material:
                 by_material[material] = list(_of_material(material))

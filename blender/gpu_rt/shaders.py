@@ -227,6 +227,8 @@ class Reader:
         through, solid, emission, parts = surface
         fresnel = next(iter(fresnels(through)), None)
         is_coloured = is_number(through) and len(set(through)) > 1
+        if fresnel:
+            self.note("Fresnel: from behind, it reflects as from the front")
         if fresnel or (is_coloured and not parts and emission == ZERO):
             # What passes a pane is not bent. It reflects by Fresnel's equations, or without them nothing.
             own = {"Roughness": self.one(parts[0][1])["Roughness"], "IOR": (fresnel[1],) * 3} if fresnel else {"Roughness": ZERO, "IOR": ONE}
@@ -236,7 +238,10 @@ class Reader:
         alpha = sub(ONE, (sum(through) / 3,) * 3 if is_number(through) else through)
         if is_number(alpha):
             # Only a surface emits, so that of light alone a little stays.
-            alpha = (min(max(alpha[0], 0.0 if emission == ZERO else 1 / 32), 1.0),) * 3
+            least = 0.0 if emission == ZERO else 1 / 32
+            if alpha[0] < least:
+                self.note("Transparent BSDF: where it emits, it lets 31/32 pass at most")
+            alpha = (min(max(alpha[0], least), 1.0),) * 3
         scale = div(solid, alpha) if parts else ONE
         if is_number(scale) and scale[0] > 1.001:
             self.note("Add Shader: it returns no more light than there is")

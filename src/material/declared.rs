@@ -41,7 +41,7 @@ declare! {
             /// With it, the surface stops all light where its alpha is at least this, and none elsewhere.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             alpha_cutoff: Option<f64> = number(Range::NOT_NEGATIVE, NO_UNIT).or("no cutoff");
-            /// Whether the colours of a mesh's vertices multiply its colour. Those of glTF files are read (`COLOR_0`).
+            /// Whether the colours of a mesh's vertices multiply its colour. Those of .ply and glTF files (`COLOR_0`) are read.
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             vertex_colors: bool = flag().or("false");
             /// Whether the alpha of a mesh's vertices multiplies its alpha. That of glTF files is read (`COLOR_0`) where the file's own

@@ -18,6 +18,7 @@ mod light;
 mod lobes;
 mod material;
 mod nodes;
+mod packed;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -26,7 +27,7 @@ use std::sync::{Arc, Mutex};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use gltf::json::{Index, Root, buffer};
+use gltf::json::Root;
 use gltf::{Document, binary};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -44,6 +45,8 @@ pub use error::{GltfError, Result};
 pub use light::sun;
 pub use material::{default_material, radiance};
 use nodes::Pose;
+pub use packed::MESHOPT;
+use packed::{Bytes, view_of};
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
 const LONGEST_JSON: usize = 1 << 28;
@@ -68,9 +71,6 @@ impl Files {
         Ok(file)
     }
 }
-
-/// The bytes of a buffer. Buffers may share them.
-type Bytes = Arc<Vec<u8>>;
 
 /// A glTF file with its buffers.
 pub struct File {
@@ -108,13 +108,14 @@ impl File {
             false => (Cow::Borrowed(bytes.as_slice()), None),
         };
         check_json(&json)?;
-        let root = guarded(|| parse(&json))??;
+        let mut root = guarded(|| parse(&json))??;
         check(&root)?;
         let animations = if root.animations.is_empty() { Ok(Vec::new()) } else { channels::animations(&json) };
         drop(json);
         drop(bytes);
         let room = file::LONGEST.saturating_sub(length);
-        let buffers = buffers(&root, binary, path, room)?;
+        let mut buffers = buffers(&root, binary, path, room)?;
+        guarded(|| packed::unpack(&mut root, &mut buffers))??;
         progress(path, length, length);
         let rest = Arc::new(Pose::rest(&root)?);
         let document = Document::from_json_without_validation(root);
@@ -136,22 +137,9 @@ impl File {
             .ok_or_else(|| GltfError::new("images", format!("there is no image {index}")))?;
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => read_uri(uri, &self.path, "image", file::LONGEST).map(Cow::Owned).map_err(wrong),
-            (None, Some(view)) => self.bytes_of(view).map(Cow::Borrowed).map_err(wrong),
+            (None, Some(view)) => view_of(self.root(), &self.buffers, view).map(Cow::Borrowed).map_err(wrong),
             (None, None) => Err(wrong("expected a uri or a bufferView".to_owned())),
         }
-    }
-
-    /// The bytes of a view of a buffer.
-    fn bytes_of(&self, index: Index<buffer::View>) -> std::result::Result<&[u8], String> {
-        let number = index.value();
-        let view = self.root().get(index).ok_or_else(|| format!("there is no bufferView {number}"))?;
-        let buffer = self.buffers.get(view.buffer.value());
-        let start = view.byte_offset.unwrap_or_default().0;
-        let bytes = start.checked_add(view.byte_length.0).and_then(|end| {
-            let range = usize::try_from(start).ok()?..usize::try_from(end).ok()?;
-            buffer?.get(range)
-        });
-        bytes.ok_or_else(|| format!("bufferView {number} reaches past the end of its buffer"))
     }
 }
 
@@ -251,45 +239,26 @@ fn check_version(version: &str) -> Result<()> {
     }
 }
 
-fn check(root: &Root) -> Result<()> {
-    /// Extensions that can be ignored, and two that are read: quantization and instances.
-    const HARMLESS: [&str; 6] = [
-        "KHR_materials_",
-        "KHR_lights_",
-        "KHR_texture_",
-        "EXT_texture_",
+/// Whether an extension is read, or named with the materials that have it.
+fn is_read(extension: &str) -> bool {
+    const READ: [&str; 6] = [
+        "KHR_lights_punctual",
         "KHR_mesh_quantization",
         "EXT_mesh_gpu_instancing",
+        packed::DRACO,
+        MESHOPT[0],
+        MESHOPT[1],
     ];
-    /// Extensions that pack data, and the commands of the package @gltf-transform/cli that unpack it.
-    const PACKED: [(&str, &str); 4] = [
-        ("KHR_draco_mesh_compression", "copy"),
-        ("EXT_meshopt_compression", "copy"),
-        ("KHR_meshopt_compression", "copy"),
-        ("KHR_texture_basisu", "ktxdecompress"),
-    ];
+    const BY_MATERIAL: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "GPU_RT_materials_"];
+    let is_of_material = BY_MATERIAL.iter().any(|start| extension.starts_with(start));
+    READ.contains(&extension) || is_of_material && extension != "KHR_materials_variants"
+}
+
+fn check(root: &Root) -> Result<()> {
+    /// Extensions that are not read and can be ignored.
+    const HARMLESS: [&str; 2] = ["KHR_materials_variants", "KHR_lights_"];
     check_version(&root.asset.version)?;
-    // A file may have its data in one of them alone without saying so.
-    let of_draco = root.accessors.iter().any(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none());
-    let has_basisu = |texture: &gltf::json::Texture| {
-        let extensions = texture.extensions.as_ref();
-        texture.source.value() == u32::MAX as usize
-            && extensions.is_some_and(|found| found.others.contains_key("KHR_texture_basisu"))
-    };
-    let of_basisu = root.textures.iter().any(has_basisu);
-    let place = |list: &'static str, names: &[String], name: &str| {
-        names.iter().position(|found| found == name).map(|at| format!("{list}[{at}]"))
-    };
-    for (name, command) in PACKED {
-        let is_alone = name.contains("draco") && of_draco || name.contains("basisu") && of_basisu;
-        let used = || place("extensionsUsed", &root.extensions_used, name).filter(|_| is_alone);
-        if let Some(at) = place("extensionsRequired", &root.extensions_required, name).or_else(used) {
-            let unpack = format!("npx @gltf-transform/cli {command} IN.glb OUT.glb");
-            let reason = format!("it needs the extension {name:?}, which is not supported: unpack it with `{unpack}`");
-            return Err(GltfError::new(at, reason));
-        }
-    }
-    let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
+    let is_harmless = |name: &String| is_read(name) || HARMLESS.iter().any(|start| name.starts_with(start));
     match root.extensions_required.iter().enumerate().find(|(_, name)| !is_harmless(name)) {
         Some((at, name)) => Err(GltfError::new(
             format!("extensionsRequired[{at}]"),
@@ -308,6 +277,10 @@ fn buffers(root: &Root, mut binary: Option<Vec<u8>>, path: &Path, mut room: u64)
         let wrong = |reason: String| GltfError::new(format!("buffers[{index}]"), reason);
         let uri = buffer.uri.as_deref();
         let bytes = match (read.get(&uri), uri) {
+            _ if packed::is_fallback(buffer) => {
+                all.push(Bytes::default());
+                continue;
+            }
             (Some(bytes), _) => Arc::clone(bytes),
             (None, uri) => {
                 let bytes = match uri {

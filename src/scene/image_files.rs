@@ -3,6 +3,7 @@
 mod budget;
 mod exr;
 mod jpeg;
+mod ktx2;
 mod pack;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -155,10 +156,11 @@ fn decode(bytes: &[u8], by_name: Option<ImageFormat>, wanted: &Wanted) -> std::r
         true => exr::decode(bytes, wanted),
         false => {
             // The content identifies the format more reliably than the file's name, except for .tga, which has no magic number.
-            let format = image::guess_format(bytes).ok().or(by_name).ok_or("its format is not known")?;
-            let image = match format {
-                ImageFormat::Jpeg => jpeg::decode(bytes, wanted)?,
-                _ => decode_with_image(bytes, format, wanted)?,
+            let image = match image::guess_format(bytes).ok().or(by_name) {
+                _ if bytes.starts_with(&ktx2::MAGIC) => ktx2::decode(bytes, wanted)?,
+                Some(ImageFormat::Jpeg) => jpeg::decode(bytes, wanted)?,
+                Some(format) => decode_with_image(bytes, format, wanted)?,
+                None => return Err("its format is not known".to_owned()),
             };
             Ok(wanted.decodings.iter().map(|decoding| (*decoding, pack::bitmap(&image, *decoding))).collect())
         }

@@ -4,8 +4,10 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::file;
+use super::gltf::MESHOPT;
 use super::gltf_path::{split, unescape};
 use super::model::Scene;
 use super::types::Object;
@@ -67,10 +69,13 @@ pub(super) fn buffers(file: &Input) -> Vec<Input> {
     #[derive(Deserialize)]
     struct Buffer {
         uri: Option<String>,
+        #[serde(default)]
+        extensions: Value,
     }
     let json = file::read(path, "glTF file", file::LONGEST).ok();
     let root = json.and_then(|bytes| serde_json::from_slice::<Root>(&bytes).ok());
-    let uris = root.into_iter().flat_map(|root| root.buffers).filter_map(|buffer| buffer.uri);
+    let is_read = |of: &Buffer| !MESHOPT.iter().any(|name| of.extensions[*name]["fallback"] == true);
+    let uris = root.into_iter().flat_map(|root| root.buffers).filter(is_read).filter_map(|buffer| buffer.uri);
     let uris = uris.filter(|uri| !uri.contains(':'));
     let buffer = |uri: String| Input {
         path: path.parent().unwrap_or(Path::new("")).join(&uri),

@@ -342,6 +342,21 @@ class BesideCycles(InBlender):
 
         self.beside(add_sky, turned)
 
+    def test_world_of_a_studio_light(self):
+        """One that Blender ships: a room with lamps, whose file has an alpha and numbers below 0."""
+        self.stage()
+        self.scene.camera.location, self.scene.camera.data.lens = (3, -4, 1.5), 16
+        self.scene.camera.rotation_euler = [math.radians(angle) for angle in (95, 0, 40)]
+
+        def plant():
+            lights = pathlib.Path(bpy.utils.system_resource("DATAFILES", path="studiolights/world"))
+            add_sky().image = bpy.data.images.load(str(lights / "interior.exr"))
+
+        def turned():
+            add_sky((0, 0, 90)).image = bpy.data.images["interior.exr"]
+
+        self.beside(plant, turned)
+
     def test_world_that_is_baked(self):
         self.stage()
         self.scene.camera.location, self.scene.camera.data.lens = (3, -4, 1.5), 16
@@ -707,6 +722,18 @@ class Export(InBlender):
         self.assertIn("shutter: (0.0, 0.5)", self.export()[0])
         cube.cycles.use_motion_blur = other.cycles.use_motion_blur = False
         self.assertNotIn("Moving(", self.export()[0])
+        # A camera that moves is upright at all times, and one that turns around its own axis is told.
+        camera = self.scene.camera
+        for turns, expected in ((False, []), (True, ["the blur of the camera's roll"])):
+            for frame in (1, 3):
+                camera.location.x = frame
+                camera.keyframe_insert("location", frame=frame)
+                if turns:
+                    camera.rotation_mode, camera.rotation_axis_angle = "AXIS_ANGLE", (0.1 * frame, *camera.matrix_world.col[2].xyz)
+                    camera.keyframe_insert("rotation_axis_angle", frame=frame)
+            self.scene.frame_set(2)
+            self.export()
+            self.assertEqual(json.loads((self.files() / "answer.json").read_text())["notes"], expected)
 
     def test_materials_by_name(self):
         """What becomes of nodes that the balls of `Shaders` do not show."""
@@ -758,6 +785,13 @@ class Export(InBlender):
         found, told = exported(lambda tree: mixed(tree, node(tree, "BsdfPrincipled", Roughness=0.2), node(tree, "BsdfPrincipled", Roughness=0.6), 0.25))
         self.assertEqual(told, ["Mix of Principled BSDF: their values are mixed"])
         self.assertAlmostEqual(found["pbrMetallicRoughness"]["roughnessFactor"], 0.3, places=6)
+        found, told = exported(lambda tree: mixed(tree, clear(tree), glossy(tree), node(tree, "Fresnel", IOR=1.5).outputs[0]))
+        self.assertEqual(told, ["Fresnel: from behind, it reflects as from the front"])
+        self.assertEqual(found["extensions"]["KHR_materials_volume"], {"thicknessFactor": 0})
+        words = "Transparent BSDF: where it emits, it lets 31/32 pass at most"
+        for share, expected in ((0.9, []), (0.99, [words])):
+            self.assertEqual(exported(lambda tree: mixed(tree, emission(tree), clear(tree), share))[1], expected)
+        self.assertEqual(exported(lambda tree: added(tree, emission(tree), clear(tree)))[1], [words])
 
     def test_lamps_without_size_or_light(self):
         light = bpy.data.objects["Light"]
@@ -937,6 +971,7 @@ class Losses(InBlender):
         self.scene.cycles.rolling_shutter_type, self.scene.cycles.diffuse_bounces = "TOP", 2
         self.scene.cycles.pixel_filter_type, self.scene.cycles.filter_width = "BOX", 4
         bpy.data.objects["Light"].keyframe_insert("location", frame=1)
+        bpy.data.lights["Light"].keyframe_insert("shadow_soft_size", frame=1)
         library = self.folder / "gone.blend"
         bpy.data.libraries.write(str(library), {bpy.data.lights["Light"]})
         with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
@@ -948,7 +983,7 @@ class Losses(InBlender):
             ("Cube", "Material: its image Lost: there is no such file"), ("Cube", "hair: Hair"),
             ("Cube", "it is not hidden from rays (shadow)"), ("Volume", "a volume"),
             ("Area", "its spread: it shines in all directions"), ("Spot", "its radius: its shadows are sharp"),
-            ("Scene", "the rolling shutter"), ("Light", "the blur of its motion"),
+            ("Scene", "the rolling shutter"), ("Light", "the blur of its motion"), ("Light", "the blur of its shape"),
             ("Scene", "the pixel filter: its standard deviation is 0.49 pixels, and not 1.15"),
             ("Scene", "the limit of diffuse bounces: all kinds have that of Total"), ("Scene", "the library gone.blend: there is no such file"),
             ("Scene", "the transparent film: the world is in the image"),

@@ -45,6 +45,11 @@ pub fn images() -> Vec<(String, Vec<u8>)> {
     images
 }
 
+/// The glTF files of tests/corpus/packed, which encoders other than ours have made of plain.glb: names and bytes.
+pub fn packed() -> Vec<(String, Vec<u8>)> {
+    files(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/packed")))
+}
+
 /// The scene files that ship, and those of the tests.
 pub fn scenes() -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));

@@ -13,6 +13,7 @@ mod gltf;
 mod gltf_animation;
 mod gltf_extensions;
 mod gltf_glass;
+mod gltf_packed;
 mod image_files;
 mod mesh_files;
 mod mesh_scenes;

@@ -127,6 +127,77 @@ fn statements_of_physically_based_materials_are_read() {
     }
 }
 
+/// The name of an image begins behind its options and their values, also a name of spaces that begins with a number.
+#[test]
+fn images_are_found_behind_their_options() {
+    let model = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    for (line, file) in [
+        ("map_Kd -s 2 2 1 -o .5 0.25 -clamp on my wood.png", "my wood.png"),
+        ("map_Kd -s 2 2 1 3 woods.png", "3 woods.png"),
+        ("norm -bm 0.5 2 nails.png", "2 nails.png"),
+        ("map_Pr -imfchan r -mm 0 1 maps\\rough one.png", "maps/rough one.png"),
+        ("map_d -cc off C:\\me\\my alpha.png", "my alpha.png"),
+        ("map_Ke e.png", "e.png"),
+    ] {
+        let materials = format!("newmtl m\nKs 1 1 1\n{line}\n");
+        let folder = folder(&[("a.obj", model.as_bytes()), ("m.mtl", materials.as_bytes()), (file, &png())]);
+        let scene = scene(&folder, "a.obj");
+        let named = scene.inputs().iter().filter(|path| path.ends_with(file)).count();
+        let options = line.split(' ').filter(|word| word.starts_with('-') && word.len() > 1);
+        let notes = scene.warnings().join("\n");
+        let told = options.clone().all(|option| notes.contains(&format!("{option} of ")));
+        assert!(named == 1 && told && notes.contains("not read") == options.count().gt(&0), "{line}: {notes}");
+    }
+}
+
+/// Colours of vertices: of 8 and 16 bits and floats, in text and binary, they are those of sRGB; those of an .obj are named.
+#[test]
+fn a_ply_shows_the_colours_of_its_vertices() {
+    let header = |kind: &str, colour: &str| {
+        let colours: String = ["red", "green", "blue"].map(|name| format!("property {colour} {name}\n")).concat();
+        let position = "property float x\nproperty float y\nproperty float z\n";
+        format!(
+            "ply\nformat {kind} 1.0\nelement vertex 3\n{position}{colours}element face 1\n\
+             property list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let corners = ["0 0 0", "1 0 0", "0 1 0"];
+    let text = |kind: &str, colours: [&str; 3]| {
+        let rows: String = corners.iter().zip(colours).map(|(at, colour)| format!("{at} {colour}\n")).collect();
+        format!("{}{rows}3 0 1 2\n", header("ascii", kind)).into_bytes()
+    };
+    let bytes = [[0u8, 0, 0], [255, 128, 0], [0, 0, 255]];
+    let places = [[0f32, 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+    let mut binary = header("binary_little_endian", "uchar").into_bytes();
+    for (at, colour) in places.iter().zip(bytes) {
+        binary.extend(at.iter().flat_map(|x| x.to_le_bytes()).chain(colour));
+    }
+    binary.extend([3].into_iter().chain([0i32, 1, 2].into_iter().flat_map(i32::to_le_bytes)));
+    // By IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4 = 0.215 860 5, of 65535 steps 14 146.
+    let expected = [[0, 0, 0], [65535, 14146, 0], [0, 0, 65535]];
+    for file in [
+        binary,
+        text("uchar", ["0 0 0", "255 128 0", "0 0 255"]),
+        text("ushort", ["0 0 0", "65535 32896 0", "0 0 65535"]),
+        text("float", ["0 0 -1", "1 0.50196078 0", "0 0 7"]),
+    ] {
+        let scene = scene(&folder(&[("a.ply", &file)]), "a.ply");
+        assert!(matches!(material(&scene, "default"), Material::Pbr { vertex_colors: true, .. }));
+        assert_eq!(scene.meshes["a.ply"].colours, expected);
+    }
+    let plain = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+                  property list uchar int vertex_indices\nproperty uchar red\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9\n";
+    let scene = scene(&folder(&[("a.ply", plain)]), "a.ply");
+    assert!(matches!(material(&scene, "default"), Material::Pbr { vertex_colors: false, .. }));
+    let obj = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1 # blue\nusemtl x\nf 1 2 3\n";
+    let said = |obj: &str| self::scene(&folder(&[("a.obj", obj.as_bytes())]), "a.obj").warnings().join("\n");
+    let words = "the colours of its vertices are not read: save it as .ply or .glb";
+    assert!(said(obj).contains(words));
+    // A weight, and words behind a #.
+    let plain = "v 0 0 0 1\nv 1 0 0 # 1 2 3\nv 0 1 0\nusemtl x\nf 1 2 3\n";
+    assert!(!said(plain).contains(words));
+}
+
 #[test]
 fn what_an_obj_lacks_is_said_with_its_line() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

@@ -43,6 +43,7 @@ const FORMATS: &[(&str, &[&str], Reader)] = &[
     ("bmp", &["bmp"], read_image),
     ("hdr", &["hdr"], read_image),
     ("exr", &["exr"], read_image),
+    ("ktx2", &["ktx2"], read_image),
     ("obj", &["obj"], read_mesh),
     ("ply", &["ply", "PLY"], read_mesh),
     ("stl", &["stl"], read_mesh),
@@ -154,7 +155,7 @@ fn good_files(endings: &[&str], folder: &Path) -> Vec<(String, Vec<u8>)> {
     if endings != ["ron"] {
         let named = |(name, bytes): (&str, Vec<u8>)| (name.to_owned(), bytes);
         let meshes = cubes().into_iter().chain(more_meshes()).map(named);
-        let mut files: Vec<_> = corpus::images().into_iter().chain(meshes).collect();
+        let mut files: Vec<_> = corpus::images().into_iter().chain(corpus::packed()).chain(meshes).collect();
         files.retain(|(name, _)| endings.iter().any(|ending| name.ends_with(&format!(".{ending}"))));
         return files;
     }

@@ -10,7 +10,7 @@ use super::File;
 pub type Elements<'a, T> = Box<dyn Iterator<Item = T> + 'a>;
 
 /// Which of an accessor's elements are read.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// The first one.
     pub from: usize,
@@ -18,26 +18,15 @@ pub struct Extent {
     pub zeros: u64,
 }
 
+pub const ALL: Extent = Extent { from: 0, zeros: 0 };
+
 impl File {
     pub fn accessor(&self, index: Index<Accessor>) -> Option<&Accessor> {
         self.root().get(index)
     }
 
-    /// The elements of an accessor, each of N numbers.
-    pub fn elements<const N: usize>(&self, index: Index<Accessor>) -> Result<Elements<'_, [f64; N]>, String>
-    where
-        [i8; N]: Item,
-        [u8; N]: Item,
-        [i16; N]: Item,
-        [u16; N]: Item,
-        [u32; N]: Item,
-        [f32; N]: Item,
-    {
-        self.elements_in(index, Extent::default())
-    }
-
     /// Some elements of an accessor, each of N numbers.
-    pub fn elements_in<const N: usize>(
+    pub fn elements<const N: usize>(
         &self,
         index: Index<Accessor>,
         extent: Extent,
@@ -67,7 +56,7 @@ impl File {
 
     /// Numbers, from one of them on.
     pub fn scalars(&self, index: Index<Accessor>, from: usize) -> Result<Elements<'_, f64>, String> {
-        let extent = Extent { from, zeros: 0 };
+        let extent = Extent { from, ..ALL };
         match self.kind(index, Dimensions::Scalar)? {
             DataType::I8 => self.numbers::<i8, _>(index, extent),
             DataType::U8 => self.numbers::<u8, _>(index, extent),
@@ -81,7 +70,7 @@ impl File {
     /// Matrices, by columns.
     pub fn matrices(&self, index: Index<Accessor>) -> Result<Elements<'_, [[f64; 4]; 4]>, String> {
         match self.kind(index, Dimensions::Mat4)? {
-            DataType::F32 => self.numbers::<[[f32; 4]; 4], _>(index, Extent::default()),
+            DataType::F32 => self.numbers::<[[f32; 4]; 4], _>(index, ALL),
             _ => Err(format!("accessor {}: expected matrices of componentType 5126", index.value())),
         }
     }

@@ -7,7 +7,7 @@ use std::sync::{Arc, PoisonError};
 use gltf::json::Index;
 use gltf::json::accessor::Accessor;
 
-use super::accessors::Extent;
+use super::accessors::{ALL, Extent};
 use super::channels::{Interpolation, Sampler};
 use super::interpolate::{Position, locate, value};
 use super::nodes::{Animated, Pose};
@@ -151,11 +151,11 @@ impl File {
             return Err(wrong(format!("expected {needed} elements for {keys} keys, found {found}")));
         }
         let element = |number: usize| {
-            let extent = Extent { from: number.saturating_mul(width), zeros: 0 };
+            let extent = Extent { from: number.saturating_mul(width), ..ALL };
             let numbers: Vec<f64> = match property {
-                Property::Rotation => self.elements_in::<4>(index, extent)?.take(1).flatten().collect(),
+                Property::Rotation => self.elements::<4>(index, extent)?.take(1).flatten().collect(),
                 Property::Weights => self.scalars(index, extent.from)?.take(width).collect(),
-                _ => self.elements_in::<3>(index, extent)?.take(1).flatten().collect(),
+                _ => self.elements::<3>(index, extent)?.take(1).flatten().collect(),
             };
             match numbers.iter().find(|x| !x.is_finite()) {
                 Some(x) => Err(format!("expected finite numbers, found {x} in element {number}")),

@@ -13,7 +13,7 @@ use super::geometry::has_triangles;
 use super::instances::{self, MOST_INSTANCES, has_instances, has_unread_instances};
 use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
 use super::nodes::similarity;
-use super::{File, GltfError, Result};
+use super::{File, GltfError, Result, is_read};
 use crate::guard::guarded;
 use crate::scene::gltf_path::Part;
 use crate::scene::mesh_files::quote;
@@ -97,14 +97,6 @@ fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
     names.truncate(MOST);
     format!("expected one of {}", names.join(", "))
-}
-
-/// Whether an extension is read, or named with the materials that have it.
-fn is_read(extension: &str) -> bool {
-    const READ: [&str; 3] = ["KHR_lights_punctual", "KHR_mesh_quantization", instances::EXTENSION];
-    const BY_MATERIAL: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "GPU_RT_materials_"];
-    let is_of_material = BY_MATERIAL.iter().any(|start| extension.starts_with(start));
-    READ.contains(&extension) || is_of_material && extension != "KHR_materials_variants"
 }
 
 /// The smallest box around transformed meshes.

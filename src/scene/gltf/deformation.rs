@@ -9,7 +9,7 @@ use gltf::json::mesh::{MorphTarget, Primitive, Semantic};
 use gltf::json::skin::Skin;
 use gltf::json::validation::Checked;
 
-use super::accessors::{Elements, Extent};
+use super::accessors::{ALL, Elements, Extent};
 use super::nodes::{Pose, SceneNode};
 use super::{File, GltfError, Result};
 
@@ -201,7 +201,7 @@ impl File {
             if found != vertices {
                 return Err(wrong(format!("expected an element for each of {vertices} vertices, found {found}")));
             }
-            self.elements::<4>(index).map_err(wrong)
+            self.elements::<4>(index, ALL).map_err(wrong)
         };
         let both = |set: u32| -> Result<_> {
             Ok(of("JOINTS", Semantic::Joints, set)?.zip(of("WEIGHTS", Semantic::Weights, set)?))
@@ -246,7 +246,7 @@ impl File {
             if found != vertices {
                 return Err(wrong(format!("expected an element for each of {vertices} vertices, found {found}")));
             }
-            let elements = self.elements_in::<3>(index, Extent { from: 0, zeros: vertices });
+            let elements = self.elements::<3>(index, Extent { zeros: vertices, ..ALL });
             all.push((weight, elements.map_err(wrong)?));
         }
         Ok(move |value| {

@@ -7,7 +7,7 @@ use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-use super::accessors::Elements;
+use super::accessors::{ALL, Elements};
 use super::deformation::{Deformation, NORMAL, POSITION, TANGENT};
 use super::material::{UvTransform, is_opaque};
 use super::nodes::SceneNode;
@@ -130,7 +130,7 @@ impl File {
             return Ok(None);
         };
         let at = || format!("meshes[{mesh}].primitives[{primitive}].attributes.TEXCOORD_{set}");
-        let uvs = self.elements::<2>(index).map_err(|reason| GltfError::new(at(), reason))?;
+        let uvs = self.elements::<2>(index, ALL).map_err(|reason| GltfError::new(at(), reason))?;
         Ok(Some(uvs.map(|uv| placing.in_mesh(uv))))
     }
 
@@ -151,7 +151,7 @@ impl File {
                 format!("expected a tangent for each of {expected} vertices, found {found}"),
             ));
         }
-        let tangents = self.elements::<4>(index).map_err(|reason| GltfError::new(&at, reason))?;
+        let tangents = self.elements::<4>(index, ALL).map_err(|reason| GltfError::new(&at, reason))?;
         let mut morphed = self.morph((mesh, primitive), deformation, TANGENT)?;
         let transforms = self.transforms((mesh, primitive), deformation)?;
         let transformed = tangents.zip(transforms).map(|([x, y, z, w], to_scene)| {
@@ -185,33 +185,30 @@ impl File {
 
     /// Whether a primitive has vertices whose alpha is less than 1.
     pub fn has_vertex_alpha(&self, primitive: &Primitive) -> bool {
-        let is_there = |all: Option<Elements<'_, u16>>| all.into_iter().flatten().any(|alpha| alpha != u16::MAX);
+        let is_there = |mut all: Elements<'_, u16>| all.any(|alpha| alpha != u16::MAX);
         colours_of(primitive).is_some_and(|colours| self.alphas(colours).is_ok_and(is_there))
     }
 
-    /// The alphas of vertex colours; nothing if these have three numbers.
-    fn alphas(&self, index: Index<Accessor>) -> std::result::Result<Option<Elements<'_, u16>>, String> {
+    /// Vertex colours with their alpha, which is 1 if they have three numbers.
+    fn rgba(&self, index: Index<Accessor>) -> std::result::Result<Elements<'_, [f64; 4]>, String> {
         match self.accessor(index).map(|accessor| accessor.type_) {
-            Some(Checked::Valid(Dimensions::Vec3)) => Ok(None),
-            _ => Ok(Some(Box::new(self.elements::<4>(index)?.map(|[.., alpha]| code(alpha))))),
+            Some(Checked::Valid(Dimensions::Vec3)) => {
+                Ok(Box::new(self.elements::<3>(index, ALL)?.map(|[r, g, b]| [r, g, b, 1.0])))
+            }
+            _ => self.elements::<4>(index, ALL),
         }
+    }
+
+    fn alphas(&self, index: Index<Accessor>) -> std::result::Result<Elements<'_, u16>, String> {
+        Ok(Box::new(self.rgba(index)?.map(|[.., alpha]| code(alpha))))
     }
 
     /// Vertex colours, linear, without their alpha.
     fn colours(&self, index: Index<Accessor>) -> std::result::Result<Elements<'_, [u16; 3]>, String> {
-        let is_vec3 = self.accessor(index).is_some_and(|of| of.type_ == Checked::Valid(Dimensions::Vec3));
-        let is_bad = |colour: &[f64]| colour.iter().any(|x| !x.is_finite());
-        let bad = match is_vec3 {
-            true => self.elements::<3>(index)?.position(|colour| is_bad(&colour)),
-            false => self.elements::<4>(index)?.position(|colour| is_bad(&colour)),
-        };
-        if let Some(vertex) = bad {
+        if let Some(vertex) = self.rgba(index)?.position(|colour| !colour.iter().all(|x| x.is_finite())) {
             return Err(format!("expected finite numbers, found others at vertex {vertex}"));
         }
-        Ok(match is_vec3 {
-            true => Box::new(self.elements::<3>(index)?.map(|colour| colour.map(code))),
-            false => Box::new(self.elements::<4>(index)?.map(|[r, g, b, _]| [r, g, b].map(code))),
-        })
+        Ok(Box::new(self.rgba(index)?.map(|[r, g, b, _]| [r, g, b].map(code))))
     }
 
     /// Adds a primitive's triangles with what its vertices have; points and lines have none.
@@ -232,7 +229,7 @@ impl File {
         self.add_faces((mesh, number), deformation, draft)?;
         let end = draft.positions.len();
         let attribute = |semantic| self.complete_attribute(primitive, semantic);
-        let normals = attribute(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
+        let normals = attribute(Semantic::Normals).map(|index| self.elements::<3>(index, ALL)).transpose();
         let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
         let uvs = self.uvs(mesh, number, placing)?;
         let colours = attribute(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
@@ -240,7 +237,7 @@ impl File {
         // Opaque materials ignore it.
         let has_alpha = self.material_of(mesh, number)?.is_some_and(|material| !is_opaque(material));
         let alphas = attribute(Semantic::Colors(0)).filter(|_| has_alpha).map(|index| self.alphas(index)).transpose();
-        let alphas = alphas.map_err(|reason| wrong(".attributes.COLOR_0", reason))?.flatten();
+        let alphas = alphas.map_err(|reason| wrong(".attributes.COLOR_0", reason))?;
 
         if let Some(colours) = colours {
             draft.colour(first, colours)?;
@@ -293,7 +290,7 @@ impl File {
         let positions = attribute(Semantic::Positions)
             .ok_or_else(|| wrong(".attributes", "expected an attribute POSITION".to_owned()))?;
         let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
-        let positions = self.elements::<3>(positions).map_err(|reason| wrong(".attributes.POSITION", reason))?;
+        let positions = self.elements::<3>(positions, ALL).map_err(|reason| wrong(".attributes.POSITION", reason))?;
         let first = draft.positions.len();
         let mut morphed = self.morph((mesh, number), deformation, POSITION)?;
         let mut mirrored = 0;

@@ -3,13 +3,12 @@
 use std::iter::once;
 
 use glam::{DAffine3, DQuat, DVec3};
-use gltf::accessor::Item;
 use gltf::json::Index;
 use gltf::json::accessor::Accessor;
 use gltf::json::scene::Node;
 use serde_json::Value;
 
-use super::accessors::{Elements, Extent};
+use super::accessors::{ALL, Elements, Extent};
 use super::nodes::SceneNode;
 use super::{File, GltfError, Result};
 
@@ -81,9 +80,15 @@ impl File {
         if count > MOST_INSTANCES {
             return Err(GltfError::new(at(), format!("expected at most {MOST_INSTANCES} instances, found {count}")));
         }
-        let mut translations: Values<3> = self.values(node, attributes, ("TRANSLATION", from))?;
-        let mut rotations: Values<4> = self.values(node, attributes, ("ROTATION", from))?;
-        let mut scales: Values<3> = self.values(node, attributes, ("SCALE", from))?;
+        let extent = Extent { from, ..ALL };
+        let three = |name| -> Result<Values<3>> {
+            let elements = attribute(node, attributes, name)?.map(|index| self.elements(index, extent)).transpose();
+            elements.map_err(|reason| wrong(node, name, reason))
+        };
+        let (mut translations, mut scales) = (three("TRANSLATION")?, three("SCALE")?);
+        let rotations =
+            attribute(node, attributes, "ROTATION")?.map(|index| self.elements::<4>(index, extent)).transpose();
+        let mut rotations = rotations.map_err(|reason| wrong(node, "ROTATION", reason))?;
         Ok(Box::new((from as u64..count).map(move |instance| {
             let placed = DAffine3::from_scale_rotation_translation(
                 next(&mut scales).map_or(DVec3::ONE, DVec3::from_array),
@@ -104,25 +109,6 @@ impl File {
         found.unwrap_or_else(|| {
             Err(GltfError::new(format!("nodes[{}]", scene_node.index), format!("there is no instance {instance}")))
         })
-    }
-
-    fn values<const N: usize>(
-        &self,
-        node: usize,
-        attributes: &Value,
-        (name, from): (&str, usize),
-    ) -> Result<Values<'_, N>>
-    where
-        [i8; N]: Item,
-        [u8; N]: Item,
-        [i16; N]: Item,
-        [u16; N]: Item,
-        [u32; N]: Item,
-        [f32; N]: Item,
-    {
-        let Some(index) = attribute(node, attributes, name)? else { return Ok(None) };
-        let values = self.elements_in::<N>(index, Extent { from, zeros: 0 });
-        values.map(Some).map_err(|reason| wrong(node, name, reason))
     }
 }
 

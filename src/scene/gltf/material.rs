@@ -608,10 +608,11 @@ impl File {
             true => Ok(Some(source)),
             false => Err(GltfError::new(at, format!("there is no image {source}"))),
         };
-        // Its image is the one to use. The texture's own is for programs that do not read WebP.
-        let webp = texture.extensions.as_ref().and_then(|found| found.others.get("EXT_texture_webp"));
-        if let Some(source) = webp.and_then(|webp| webp.get("source")) {
-            let at = format!("{at}.extensions.EXT_texture_webp.source");
+        // Their image is the one to use. The texture's own is for programs that do not read them.
+        for name in ["KHR_texture_basisu", "EXT_texture_webp"] {
+            let given = texture.extensions.as_ref().and_then(|found| found.others.get(name)?.get("source"));
+            let Some(source) = given else { continue };
+            let at = format!("{at}.extensions.{name}.source");
             let number = source.as_u64().and_then(|source| usize::try_from(source).ok());
             let number = number.ok_or_else(|| GltfError::new(&at, "expected the number of an image"))?;
             return there(at, number);

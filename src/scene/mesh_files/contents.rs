@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3};
 
-use super::mtl;
+use super::{mtl, ply};
 use crate::error::Result;
 use crate::scene::assets::Assets;
 use crate::scene::file::OnProgress;
@@ -23,7 +23,8 @@ pub fn contents(
 ) -> Result<(Contents, Vec<PathBuf>)> {
     let (mut contents, name) = (Contents::default(), seen(path));
     if !has_ending(path, &["obj"]) {
-        contents.materials.push(("default".to_owned(), default_material(true, false)));
+        let has_colours = has_ending(path, &["ply"]) && ply::has_colours(path);
+        contents.materials.push(("default".to_owned(), default_material(true, has_colours)));
         let mesh = Object::Mesh { path: name.clone(), material: Some("default".to_owned()) };
         // STL is of CAD and of printers, whose z is up.
         let turn = -90.0;

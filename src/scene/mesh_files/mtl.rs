@@ -91,13 +91,15 @@ fn without_options(text: &str) -> (String, Vec<String>) {
         let (option, mut behind) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
         options.push(option.to_owned());
         behind = behind.trim_start();
-        // The option's values: numbers, or one word.
+        // The option's values: one word, or so many numbers at most.
         let words = ["-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-texres", "-type", "-colorspace"];
-        let mut is_word = words.contains(&option);
+        let is_word = words.contains(&option);
+        let mut left = if is_word || ["-bm", "-boost"].contains(&option) { 1 } else { 3 };
         while let Some((value, more)) = behind.split_once(char::is_whitespace)
+            && left > 0
             && (is_word || value.parse::<f64>().is_ok())
         {
-            (behind, is_word) = (more.trim_start(), false);
+            (behind, left) = (more.trim_start(), left - 1);
         }
         rest = behind;
     }

@@ -115,6 +115,9 @@ pub fn read(input: &mut Input, room: usize, by_material: bool) -> Result<Content
     if by_material {
         parts.retain(|part| part.draft.next_face() > 0);
     }
+    if let Some(part) = parts.first_mut().filter(|_| lists.have_colours) {
+        part.draft.warnings.push("the colours of its vertices are not read: save it as .ply or .glb".to_owned());
+    }
     Ok(Contents { parts, libraries })
 }
 
@@ -182,22 +185,26 @@ struct Lists {
     positions: Vec<DVec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
+    /// Whether a position has a colour behind it.
+    have_colours: bool,
     /// The bytes that are left for reading.
     left: usize,
 }
 
 impl Lists {
     fn new(bytes: &[u8]) -> Result<Lists, String> {
-        let mut lists = Lists { positions: Vec::new(), uvs: Vec::new(), normals: Vec::new(), left: MOST_BYTES };
+        let (positions, uvs, normals) = (Vec::new(), Vec::new(), Vec::new());
+        let mut lists = Lists { positions, uvs, normals, have_colours: false, left: MOST_BYTES };
         let mut tell = |_| {};
         let mut input = Input::new(bytes, &mut tell);
         let mut lines = Lines::new(&mut input);
         while lines.advance() {
-            let (mut words, line) = (words(&lines.line), lines.number);
+            let (words, line) = (words(&lines.line), lines.number);
+            let mut words = words.take_while(|word| !word.starts_with(b"#"));
             let Some(list) = words.next().and_then(list_of) else { continue };
             lists.left = lists.left.checked_sub(ENTRY).ok_or_else(no_memory)?;
             let (mut numbers, mut count) = ([0.0; 3], 0);
-            for (to, word) in numbers.iter_mut().zip(words.take_while(|word| !word.starts_with(b"#"))) {
+            for (to, word) in numbers.iter_mut().zip(&mut words) {
                 let found = || format!("line {line}: expected a number, found {}", quote(word));
                 *to = number(word).ok_or_else(found)?;
                 count += 1;
@@ -209,7 +216,10 @@ impl Lists {
             }
             let vector = DVec3::from_array(numbers);
             match list {
-                0 => lists.positions.push(vector),
+                0 => {
+                    lists.positions.push(vector);
+                    lists.have_colours |= words.count() >= 3;
+                }
                 1 => lists.uvs.push(vector.truncate().as_vec2()),
                 _ => lists.normals.push(vector.as_vec3()),
             }

@@ -4,7 +4,9 @@
 //! The crate hands out the numbers row by row and stores none. It reserves no memory for the counts in the header. It would ignore
 //! unknown lines of the header, so these are refused before.
 
+use std::fs::File;
 use std::io::{ErrorKind, Read};
+use std::iter::once;
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -13,6 +15,7 @@ use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyProperty,
 
 use super::draft::Draft;
 use super::input::{Input, number, quote, words};
+use crate::bitmap::from_srgb;
 use crate::guard::guarded;
 
 /// Vertices are numbered in 32 bits.
@@ -135,7 +138,7 @@ enum Column {
 }
 
 /// The names of a vertex's numbers.
-const NAMES: [&[&str]; 8] = [
+const NAMES: [&[&str]; 11] = [
     &["x"],
     &["y"],
     &["z"],
@@ -144,7 +147,20 @@ const NAMES: [&[&str]; 8] = [
     &["nz"],
     &["u", "s", "texture_u", "texture_s"],
     &["v", "t", "texture_v", "texture_t"],
+    &["red"],
+    &["green"],
+    &["blue"],
 ];
+
+/// Whether the header of a file gives its vertices colours. What is broken is reported where the mesh is read.
+pub fn has_colours(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(LONGEST_LINE as u64).read_to_end(&mut start));
+    let mut tell = |_| {};
+    let header = read.ok().and_then(|_| header(&header_text(&mut Input::new(&start, &mut tell)).ok()?).ok());
+    let has = |element: &ElementDef| element.name == "vertex" && element.properties.iter().any(|it| it.name == "red");
+    header.is_some_and(|header| header.elem_defs.iter().any(has))
+}
 
 /// Adds the rows of an element to the draft.
 struct Rows<'a> {
@@ -152,6 +168,8 @@ struct Rows<'a> {
     columns: Vec<Column>,
     has_normals: bool,
     has_uvs: bool,
+    /// The largest number of a colour, by the type of its red.
+    full: Option<f64>,
     draft: &'a mut Draft,
     values: [f64; NAMES.len()],
     corners: Vec<u32>,
@@ -193,11 +211,18 @@ impl<'a> Rows<'a> {
             return Err("expected a property list vertex_indices".to_owned());
         }
         let (has_normals, has_uvs) = (has(3..6), has(6..8));
+        let red = element.properties.iter().find(|property| property.name == "red").filter(|_| has(8..11));
+        let full = red.map(|red| match red.property_type {
+            PropertyType::Scalar(ScalarType::U8) => f64::from(u8::MAX),
+            PropertyType::Scalar(ScalarType::U16) => f64::from(u16::MAX),
+            _ => 1.0,
+        });
         Ok(Rows {
             element,
             columns,
             has_normals,
             has_uvs,
+            full,
             draft,
             values: [0.0; NAMES.len()],
             corners: Vec::new(),
@@ -239,7 +264,7 @@ impl<'a> Rows<'a> {
     fn add(&mut self) -> Result<(), String> {
         match self.element.name.as_str() {
             "vertex" => {
-                let [x, y, z, nx, ny, nz, u, v] = self.values;
+                let [x, y, z, nx, ny, nz, u, v, red, green, blue] = self.values;
                 self.draft.vertex(DVec3::new(x, y, z))?;
                 let row = self.row;
                 if self.has_normals {
@@ -261,6 +286,12 @@ impl<'a> Rows<'a> {
                         });
                     }
                     self.draft.uvs.push(uv);
+                }
+                if let Some(full) = self.full {
+                    // They are sRGB, as those of pictures.
+                    let code =
+                        |value: f64| (from_srgb((value / full).clamp(0.0, 1.0)) * f32::from(u16::MAX)).round() as u16;
+                    self.draft.colour(row, once([red, green, blue].map(code)))?;
                 }
             }
             "face" => self.draft.face(&self.corners)?,
