@@ -133,16 +133,14 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
             facts.insert(declared.name.to_string(), any);
         }
     }
-    let kinds: [(&str, fn(&MaterialKind) -> bool, &str); 4] = [
-        ("second_part", |kind| kind.has_second_part, "material"),
-        ("transmissive", |kind| kind.is_transmissive, "material"),
-        ("both_sided", |kind| kind.is_transmissive, "wide_lobe"),
-        ("shining", |kind| kind.emits, "material"),
-    ];
-    for (name, is_so, group) in kinds {
+    let mut of_kinds = |name: &str, group: &str, is_so: fn(&MaterialKind) -> bool| {
         let own = |(kind, name): (&MaterialKind, &&str)| reason(&format!("{group}.{name}")).filter(|_| is_so(kind));
         facts.extend(of_materials(name, Material::KINDS.iter().zip(MATERIALS).map(own).collect()));
-    }
+    };
+    of_kinds("second_part", "material", |kind| kind.has_second_part);
+    of_kinds("transmissive", "material", |kind| kind.is_transmissive);
+    of_kinds("both_sided", "wide_lobe", |kind| kind.is_transmissive);
+    of_kinds("shining", "material", |kind| kind.emits);
     let is = |name: &str, so: bool, why: Reason| (name.to_string(), so.then_some(why));
     let backgrounds = BACKGROUNDS.iter().filter(|name| features.reason(&format!("background.{name}")).is_some());
     let several_backgrounds = backgrounds.count() > 1;

@@ -18,7 +18,7 @@ fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
 /// Adds runs whose filter has negative lobes or not.
 fn linked_with(replaced: &[(&str, &str)], has_negative_lobes: bool, records: &[Run]) -> Film {
     let run_length = gpu_rt::data::RUN_LENGTH.to_string();
-    let facts = &[("filter.mitchell", has_negative_lobes)];
+    let facts = &[("filter.mitchell", has_negative_lobes), ("filter.box", !has_negative_lobes)];
     let setup =
         Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], facts, ..Setup::default() };
     let kernel = Kernel::with("test/film", &setup);
