@@ -569,9 +569,8 @@ pub const FILTER: OptionSpec = OptionSpec {
     values: &["box", "tent", "gauss", "mitchell"],
     default: Some("box"),
     class: Class::Look,
-    trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where the \
-                filter is negative, pixels beside a bright edge may be too. Wide filters overlap, but neighbouring \
-                pixels have independent noise.",
+    trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where the filter is negative, \
+                pixels beside a bright edge may be too. Wide filters overlap, but neighbouring pixels have independent noise.",
     reading: word!(filter: Filter),
     links: Some(|options| match options.filter {
         Filter::Box => "filter/box",
@@ -671,8 +670,8 @@ pub const BUILD: OptionSpec = OptionSpec {
 /// It leaves the image as it is, and writes another one beside it. `tradeoff` sweeps it nevertheless.
 pub const DENOISE: OptionSpec = OptionSpec {
     name: "denoise",
-    about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the final image, denoised \
-            by Open Image Denoise. NAME.exr gets the channels albedo and normal.",
+    about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the final image, denoised by Open Image \
+            Denoise. NAME.exr gets the channels albedo and normal.",
     values: &[""],
     class: Class::Bias,
     trade_off: "A denoised image loses detail that looks like noise, which biases the result.",
@@ -713,8 +712,8 @@ const OF_FILES: &[&OptionSpec] = &[
     &AOV,
     &OptionSpec {
         name: "aov-surface",
-        about: "The surface that `albedo` and `normal` show: the `first` one, or the first `rough` one, behind \
-                mirrors and clear glass, as denoisers want it.",
+        about: "The surface that `albedo` and `normal` show: the `first` one, or the first `rough` one, behind mirrors and clear glass, \
+                as denoisers want it.",
         default: Some("rough"),
         class: Class::Channels,
         reading: word!(aov.surface: SeenSurface),

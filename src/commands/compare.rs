@@ -102,7 +102,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let identities = identity(&args.image).zip(identity(&args.reference));
     if identities.as_ref().is_some_and(|(a, b)| !a.is_of_scene(b)) {
         tell(&format!(
-            "warning: the headers of {} and {} say that they show different scenes",
+            "warning: {} and {} are of different scenes, as their headers say",
             args.image.display(),
             args.reference.display()
         ));

@@ -117,7 +117,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             !Identity::new(&scene, &Frame::full(size), &job, &args.options).is_of_scene(&state.identity)
         })
     {
-        tell(&format!("warning: the header of {} says that it shows another scene", args.reference.display()));
+        tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));
     }
     let plan = Plan::new(&flat, &args.options, device.class(), &job)?;
     let mut renderer = Renderer::new(&device, &plan, &job, false)?;

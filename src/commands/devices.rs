@@ -61,8 +61,7 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
         let mark = if index == chosen { "  (default)" } else { "" };
         print_line(&format!("{index}: {name}{mark}"))?;
         print_line(&format!(
-            "   at most {} MiB per storage binding, {} MiB per buffer, {} storage buffers per stage, {} invocations \
-             per workgroup",
+            "   at most {} MiB per storage binding, {} MiB per buffer, {} storage buffers per stage, {} invocations per workgroup",
             limits.max_storage_buffer_binding_size >> 20,
             limits.max_buffer_size >> 20,
             limits.max_storage_buffers_per_shader_stage,

@@ -155,8 +155,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         if round >= FEWEST_ROUNDS && !enough {
             enough = true;
             loading.message(&format!(
-                "{round} rounds are measured, which suffice for a report; more make it more accurate. Ctrl-C ends the \
-                 measurement and writes the report"
+                "{round} rounds are measured, which suffice for a report; more make it more accurate. Ctrl-C ends the measurement and \
+                 writes the report"
             ));
         }
         loading.show(&format!("round {}: {name}", round + 1), share());

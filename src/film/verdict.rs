@@ -56,8 +56,8 @@ impl Verdict {
         }
         if self.lacks_light() && self.unfound > self.hidden.missing() {
             reasons.push(format!(
-                "BSDF sampling alone finds some of the light (a sky without an image, lights beyond the limit, all \
-                 with --integrator bsdf), and may have missed {} of the image's light. Raise --spp",
+                "BSDF sampling alone finds some of the light (a sky without an image, lights beyond the limit, all with --integrator \
+                 bsdf), and may have missed {} of the image's light. Raise --spp",
                 of_light(self.unfound)
             ));
         } else if self.lacks_light() {

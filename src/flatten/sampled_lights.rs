@@ -325,8 +325,8 @@ impl Builder<'_> {
             };
             self.flat.warnings.push(format!(
                 "{location}: materials[\"{name}\"]: {total} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
-                 {count} of them, on {objects}, are found by BSDF sampling alone, which takes many more samples: use \
-                 emitters with fewer faces"
+                 {count} of them, on {objects}, are found by BSDF sampling alone, which takes many more samples: use emitters with fewer \
+                 faces"
             ));
             self.flat.features.not_sampled = Some(not_sampled);
         }

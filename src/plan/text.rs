@@ -34,8 +34,8 @@ impl Report {
         let [uniform, storage] = self.limits;
         let total = self.gpu_bytes();
         out += &format!(
-            "\nbuffers: {total} bytes on the device, at least {LEAST} each; it allows {uniform} per uniform binding, \
-             {storage} per storage binding\n"
+            "\nbuffers: {total} bytes on the device, at least {LEAST} each; it allows {uniform} per uniform binding, {storage} per \
+             storage binding\n"
         );
         out += &buffer_rows(self.buffers.iter().map(|buffer| (buffer, None)));
         out

@@ -59,12 +59,11 @@ impl Scene {
         self.background = SKY;
         Some(match share {
             Some(share) => format!(
-                "its emitters give only {} of its light, so a white and blue sky lights it too: --sky none removes the sky, \
-                 --sky FILE gives another",
+                "its emitters give only {} of its light, so a white and blue sky lights it too: --sky none removes the sky, --sky FILE \
+                 gives another",
                 percent(share)
             ),
-            None => "nothing in it emits light, so a white and blue sky lights it: --sky FILE gives another, --sun \
-                     adds a sun"
+            None => "nothing in it emits light, so a white and blue sky lights it: --sky FILE gives another, --sun adds a sun"
                 .to_owned(),
         })
     }

@@ -304,8 +304,8 @@ impl Findings {
             false => String::new(),
         };
         let mut lines = vec![format!(
-            "{} of {of_all} settings measured at {w}x{h} pixels on {} ({}), each with {} images of {LEVEL} samples; \
-             on another device other settings may be best{busy}",
+            "{} of {of_all} settings measured at {w}x{h} pixels on {} ({}), each with {} images of {LEVEL} samples; on another device \
+             other settings may be best{busy}",
             self.measured.len(),
             self.device,
             self.driver,
@@ -314,8 +314,8 @@ impl Findings {
         let (w, h) = self.full_size;
         if let Some((width, height)) = self.middle_of {
             lines.push(format!(
-                "only the middle {w}x{h} pixels of the reference's {width}x{height} are measured, because these sides \
-                 have divisors for smaller images"
+                "only the middle {w}x{h} pixels of the reference's {width}x{height} are measured, because these sides have divisors for \
+                 smaller images"
             ));
         }
         match self.calibration {
@@ -325,16 +325,16 @@ impl Findings {
                  both measured; the other settings are assumed to change by the same factors"
             )),
             None => lines.push(format!(
-                "all seconds are estimates for {w}x{h}, where the budget was too short to measure: time is assumed to \
-                 grow with the number of pixels, and noise to stay the same"
+                "all seconds are estimates for {w}x{h}, where the budget was too short to measure: time is assumed to grow with the \
+                 number of pixels, and noise to stay the same"
             )),
         }
         if let Some(defaults) = self.measured.first().filter(|defaults| !defaults.reliable) {
             let known = self.measured.iter().any(|m| !m.setting.declared_unbiased() && m.bias_known);
             let so = if known { "" } else { "; so no bias is known, and no biased setting is recommended" };
             let noise = format!(
-                "the noise of the defaults is known only to within {:.0} %, because of rare bright paths, or because \
-                 there are too few rounds",
+                "the noise of the defaults is known only to within {:.0} %, because of rare bright paths, or because there are too few \
+                 rounds",
                 100.0 * defaults.noise_error
             );
             let reasons: Vec<String> = match defaults.reasons_unreliable.is_empty() {
@@ -364,10 +364,7 @@ impl Findings {
     fn measured_against(&self) -> Vec<String> {
         const TO_DEFAULTS: &str = "biases are differences from the defaults, rendered with the same random numbers";
         let own = self.error_of_truth.map(|own| {
-            format!(
-                "the noise of that image, a relative MSE of {own:.1e}, is subtracted from their \
-                                errors"
-            )
+            format!("the noise of that image, a relative MSE of {own:.1e}, is subtracted from their errors")
         });
         let Some(file) = &self.reference else {
             let own = own.map_or(String::new(), |own| format!("; {own}"));

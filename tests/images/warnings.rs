@@ -798,7 +798,7 @@ fn closed_lights_around_the_camera() {
     let sphere = "Sphere(center: (0, 0, 0), radius: 20";
     let cuboid = "Box(min: (-20, -20, -20), max: (20, 20, 20)";
     for (shape, name, field) in [(sphere, "sphere", "objects[1].Sphere"), (cuboid, "box", "objects[1].Box")] {
-        let words = [&*format!("the camera is inside this {name}"), "its inside is black", "make it two_sided"];
+        let words = [&*format!("the camera is inside this {name}"), "its inside is black", "Make it two_sided"];
         assert_warns(&around(shape, "spot"), field, &words);
         assert_silent(&around(shape, "lamp"));
         assert_silent(&around(&shape.replace("20", "4"), "spot"));

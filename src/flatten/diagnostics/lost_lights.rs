@@ -72,8 +72,8 @@ fn astray<'a>(search: &Search<'a>) -> Worst<'a> {
         }
         let mut bodies = search.bodies().chain(search.boundaries());
         if !bodies.any(|body| may_light(at - eye, axis, angle, &body.bounds)) {
-            let message = "no object is in the cone of this light, so that it lights nothing: aim it with towards, or \
-                           widen its outer angle";
+            let message = "no object is in the cone of this light, so that it lights nothing: aim it with towards, or widen its outer \
+                           angle";
             worst.add(0.0, || diagnostic(object, message.to_string()));
         }
     }

@@ -95,8 +95,8 @@ impl File {
                 };
                 let (this, other) = (name(number), name(mover));
                 format!(
-                    "animations[{number}]{this}: it moves nodes[{node}], which animations[{mover}]{other} moves too: \
-                     only the first in the file counts"
+                    "animations[{number}]{this}: it moves nodes[{node}], which animations[{mover}]{other} moves too: only the first in \
+                     the file counts"
                 )
             }));
         }

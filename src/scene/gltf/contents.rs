@@ -242,8 +242,8 @@ impl File {
                 (true, false) => "nodes or instances",
             };
             notes.push(format!(
-                "nodes[{first}]: transforms that mirror or scale unevenly are applied to the vertices: {count} {them} \
-                 cannot share a mesh with others, which takes memory"
+                "nodes[{first}]: transforms that mirror or scale unevenly are applied to the vertices: {count} {them} cannot share a mesh \
+                 with others, which takes memory"
             ));
         }
         if !root.animations.is_empty() && reading.seconds.is_none() {
@@ -259,8 +259,7 @@ impl File {
         for (is_there, note) in [
             (
                 primitives().any(has_more_joints),
-                "meshes: JOINTS_2 and later are not read: only the first 8 joints of \
-                                                 a vertex count",
+                "meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count",
             ),
             (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit"),
         ] {
