@@ -63,8 +63,10 @@ impl Scene {
                  gives another",
                 percent(share)
             ),
-            None => "nothing in it emits light, so a white and blue sky lights it: --sky FILE gives another, --sun adds a sun"
-                .to_owned(),
+            None => {
+                "nothing in it emits light, so a white and blue sky does: --sky FILE gives another, --sun adds a sun"
+                    .to_owned()
+            }
         })
     }
 

@@ -24,11 +24,8 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
     let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
     if cut.paths > 0 && (args.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
         let most = known_bound(finish.verdict.cut).map_or(String::new(), |cut| format!(" by up to {}", percent(cut)));
-        let depth = job.max_depth;
-        tell(&format!(
-            "{} of the paths were cut off at max_depth {depth}: the image may be too dark{most}",
-            percent(share)
-        ));
+        let (share, depth) = (percent(share), job.max_depth);
+        tell(&format!("{share} of the paths were cut off at max_depth {depth}: the image may be too dark{most}"));
     }
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
@@ -124,9 +121,7 @@ pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
                 two_decimals(bound)
             )
         }
-        None => {
-            format!("--noise {wanted} {words}: too few paths have found light to bound the error; give --spp or --time")
-        }
+        None => format!("--noise {wanted} {words}: too few paths find light to bound the error; give --spp or --time"),
     }
 }
 
