@@ -698,8 +698,7 @@ fn tangents_of_a_file_are_checked() {
         let scene = with_tangents(&bad).unwrap_or_else(|error| panic!("{error}"));
         assert!(scene.meshes["square.glb#meshes/0/primitives/0"].tangents.is_empty());
         let notes = scene.warnings().join("\n");
-        let expected =
-            "square.glb#meshes/0/primitives/0: some corners have a TANGENT without a length or a sign";
+        let expected = "square.glb#meshes/0/primitives/0: some corners have a TANGENT without a length or a sign";
         assert!(notes.contains(expected), "{notes}");
     }
     let error = with_tangents(&good[..12]).err().unwrap();
