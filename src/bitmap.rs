@@ -143,7 +143,7 @@ impl Bitmap {
             }
         }
         self.warning = Some(format!(
-            "{count} of {} texels have a number that is negative, infinite or NaN, the largest of them {largest:?}: it counts as 0",
+            "{count} of {} texels have a number that is negative, infinite or NaN, the largest of them {largest:?}: they count as 0",
             self.len()
         ));
     }

@@ -32,29 +32,29 @@ pub struct SceneArgs {
 /// What a glTF file leaves open.
 #[derive(Clone, Debug, Default, Args)]
 pub struct GltfArgs {
-    /// Of a .glb or .gltf: the camera, by its name or that of its node [default: the first one].
+    /// For a .glb or .gltf: the camera, by its name or that of its node [default: the first one].
     #[arg(long, value_name = "NAME", help_heading = GLTF)]
     pub camera: Option<String>,
-    /// Of a .glb, .gltf or mesh: an image of the sky, as `background: Image` takes it; `default`, from white to blue; or `none` [default: that
-    /// from white to blue, unless lamps or emitters light the file].
+    /// For a .glb, .gltf or mesh: the sky, an image as `background: Image` takes it; `default`, a gradient from white to blue; or `none`
+    /// [default: that gradient, unless lamps or emitters light the file].
     #[arg(long, value_name = "default|none|FILE", help_heading = GLTF)]
     pub sky: Option<PathBuf>,
-    /// Of a .glb, .gltf or mesh: add a sun, at this elevation, and this azimuth from -z to +x, in degrees.
+    /// For a .glb, .gltf or mesh: add a sun at this elevation and azimuth (from -z to +x), in degrees.
     #[arg(long, value_name = "ELEVATION,AZIMUTH", num_args = 0..=1, require_equals = true, default_missing_value = "45,60",
           value_parser = sun, allow_hyphen_values = true, help_heading = GLTF)]
     pub sun: Option<(f64, f64)>,
-    /// Of a .glb or .gltf: whether its lights are in Blender's watts, which are divided by 683 lm/W [default: on for files by Blender].
+    /// For a .glb or .gltf: whether its lights are in Blender's watts, which are divided by 683 lm/W [default: on for files by Blender].
     #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on",
           value_parser = on_or_off, help_heading = GLTF)]
     pub watts: Option<bool>,
-    /// Of a .glb or .gltf: which glass is thin. `auto`: of files by Blender open meshes, as it renders them; `pane`: glass without a
-    /// thickness in the file, as glTF says.
+    /// For a .glb or .gltf: which glass is a thin pane. `auto`: in files by Blender, glass whose mesh is open, as Blender renders it; in others,
+    /// as `pane`. `pane`: glass to which the file gives no thickness, as glTF says.
     #[arg(long, value_name = "WORD", value_enum, default_value_t, help_heading = GLTF)]
     pub thin: Thin,
-    /// Of a .glb or .gltf: the frame of its animations, at N / --fps seconds [default: its rest pose].
+    /// For a .glb or .gltf: the frame of its animations, at N / --fps seconds [default: its rest pose].
     #[arg(long, value_name = "N", value_parser = frame_number, allow_negative_numbers = true, help_heading = GLTF)]
     pub frame: Option<f64>,
-    /// The frames of a second, of --frame and --frames [default: 24].
+    /// Frames per second, for --frame and --frames [default: 24].
     #[arg(long, value_name = "N", value_parser = frames_per_second, help_heading = GLTF)]
     pub fps: Option<f64>,
 }

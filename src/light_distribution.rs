@@ -129,7 +129,7 @@ pub fn alias_entries(weights: &[f64], sizes: &[f64]) -> Option<Vec<AliasEntry>> 
 }
 
 /// The distribution of directions towards the sky, drawn by inversion (shaders/scene/sky.wgsl): the texels of its image, or blocks of them.
-/// The weight of one is its mean luminance times its solid angle.
+/// The weight of one is what its mean luminance has above a base, times its solid angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyDistribution {
     pub columns: u32,
@@ -146,11 +146,13 @@ fn covered(index: usize, count: usize, side: usize) -> impl Iterator<Item = (usi
 }
 
 impl SkyDistribution {
-    /// None if the image is black everywhere or empty, or has texels that are negative or not finite.
-    pub fn new(image: &Bitmap) -> Option<SkyDistribution> {
+    /// None if no texel is brighter than `base`, or one is infinite.
+    pub fn new(image: &Bitmap, base: f64) -> Option<SkyDistribution> {
         let (w, h) = (image.width as usize, image.height as usize);
         let block = w.div_ceil(MOST_COLUMNS).max(h.div_ceil(MOST_ROWS)).max(1);
         let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
+        // The sums below are those of blocks.
+        let base = base * (w * h) as f64 / (columns * rows) as f64;
         // The weight of a row, and the parts of its texels.
         let row = |r: usize| {
             let mut line = vec![0.0; w];
@@ -159,15 +161,15 @@ impl SkyDistribution {
                     *to += share * luminance(image.texel(index).map(f64::from));
                 }
             }
-            let mean = |c: usize| covered(c, columns, w).map(|(x, share)| share * line[x]).sum();
-            let means: Vec<f64> = (0..columns).map(mean).collect();
+            let above = |c: usize| covered(c, columns, w).map(|(x, share)| share * line[x]).sum::<f64>() - base;
+            let weights: Vec<f64> = (0..columns).map(|c| above(c).max(0.0)).collect();
             // The solid angle, but for a factor that all have.
             let size = ((r as f64 + 0.5) * PI / rows as f64).sin();
-            (size * means.iter().sum::<f64>(), running_sums(&means))
+            (size * weights.iter().sum::<f64>(), running_sums(&weights))
         };
         let (weights, texels): (Vec<f64>, Vec<_>) = each(cores(), 0..rows, row).into_iter().unzip();
         let mut sums = running_sums(&weights)?;
-        // A black row is never drawn.
+        // A row without weight is never drawn.
         sums.extend(texels.into_iter().flat_map(|sums| sums.unwrap_or_else(|| vec![0; columns + 1])));
         Some(SkyDistribution { columns: columns as u32, rows: rows as u32, sums })
     }

@@ -270,8 +270,8 @@ impl Class {
             Class::Exact => "Speed (the image stays the same to the byte)",
             Class::Noise => "Noise (the expectation stays the same)",
             Class::Detail => "Detail (fewer pixels, each of them right)",
-            Class::Look => "Look (what a pixel is the mean over)",
-            Class::Channels => "Channels beside the picture (whose bytes stay the same)",
+            Class::Look => "Look (the reconstruction filter)",
+            Class::Channels => "More channels (the picture keeps its bytes)",
             Class::Bias => "Bias (each biases the result; off by default)",
             Class::Numerics => "Numerics (wrong at the extremes of scale; off by default)",
         }
@@ -536,8 +536,8 @@ pub const FILTER: OptionSpec = OptionSpec {
     values: &["box", "tent", "gauss", "mitchell"],
     default: Some("box"),
     class: Class::Look,
-    trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where its filter is negative, \
-               pixels beside a bright edge may be too. Pixels share what they see, but not their noise.",
+    trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where the filter is negative, \
+                pixels beside a bright edge may be too. Wide filters overlap, but neighbouring pixels have independent noise.",
     reading: word!(filter: Filter),
     ..PLAIN
 };
@@ -580,12 +580,12 @@ pub const CLAMP: OptionSpec = OptionSpec {
 
 pub const LIGHT_PATHS: OptionSpec = OptionSpec {
     name: "light-paths",
-    about: "Paths from the lights through mirrors and glass, for each run of 8 samples of a pixel: a number from 1 to 8, `off`, or `auto`, \
-            which is 1 where lights are small, as seen from a mirror or glass, 4 where one has no size, and otherwise off.",
+    about: "Paths from the lights through mirrors and glass, for each run of 8 samples of a pixel: a number from 1 to 8, `off`, or \
+            `auto`, which is 1 if lights look small from a mirror or glass, 4 if one has no size, and otherwise off.",
     values: &["auto", "off", "1", "8"],
     default: Some("auto"),
     class: Class::Noise,
-    trade_off: "They find caustics, and take time from everything else.",
+    trade_off: "They find caustics, and take time from the other paths.",
     reading: Some(Reading {
         takes: Takes::Text("auto|off|N"),
         read: |options, text| LightPaths::read(text).map(|paths| options.light_paths = paths),
@@ -619,11 +619,11 @@ pub const BUILD: OptionSpec = OptionSpec {
 /// It leaves the image as it is, and writes another one beside it. `tradeoff` sweeps it nevertheless.
 pub const DENOISE: OptionSpec = OptionSpec {
     name: "denoise",
-    about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the image at the end without its noise, by Open Image \
-            Denoise. The image itself gets the channels albedo and normal.",
+    about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the final image, denoised by Open Image \
+            Denoise. NAME.exr gets the channels albedo and normal.",
     values: &[""],
     class: Class::Bias,
-    trade_off: "What is denoised loses detail that looks like noise, which biases the result.",
+    trade_off: "A denoised image loses detail that looks like noise, which biases the result.",
     own: Some(|arg| arg.action(ArgAction::SetTrue)),
     ..PLAIN
 };
@@ -661,7 +661,8 @@ const OF_FILES: &[&OptionSpec] = &[
     &AOV,
     &OptionSpec {
         name: "aov-surface",
-        about: "Of which surface `albedo` and `normal` are: `rough` passes mirrors and clear glass, as denoisers want it; `first` does not.",
+        about: "The surface that `albedo` and `normal` show: the `first` one, or the first `rough` one, behind mirrors and clear glass, \
+                as denoisers want it.",
         default: Some("rough"),
         class: Class::Channels,
         reading: word!(aov.surface: SeenSurface),
@@ -669,7 +670,7 @@ const OF_FILES: &[&OptionSpec] = &[
     },
     &OptionSpec {
         name: "aov-names",
-        about: "How the EXR names its channels: `plain`, or `blender` as the passes of Blender's multilayer files.",
+        about: "How the EXR names its channels: `plain`, or `blender`, like the passes in Blender's multilayer files.",
         default: Some("plain"),
         class: Class::Channels,
         reading: word!(aov.names: ChannelNames),

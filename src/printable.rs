@@ -20,6 +20,11 @@ pub fn percent(share: f64) -> String {
     format!("{value:.*} %", decimals as usize)
 }
 
+/// An upper bound of a share of light, or of an error relative to light; `None` if it says nothing, because it is all of the light or more.
+pub fn known_bound(bound: f64) -> Option<f64> {
+    Some(bound).filter(|bound| *bound < 1.0)
+}
+
 /// The text, with every character that controls a terminal written as `\u001b`. Newlines stay. This is JSON's own notation, so
 /// that JSON stays the same JSON.
 pub fn printable(text: &str) -> Cow<'_, str> {

@@ -61,7 +61,7 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
         let mark = if index == chosen { "  (default)" } else { "" };
         print_line(&format!("{index}: {name}{mark}"))?;
         print_line(&format!(
-            "   {} MiB a storage binding, {} MiB a buffer, {} storage buffers a stage, {} invocations a workgroup",
+            "   at most {} MiB per storage binding, {} MiB per buffer, {} storage buffers per stage, {} invocations per workgroup",
             limits.max_storage_buffer_binding_size >> 20,
             limits.max_buffer_size >> 20,
             limits.max_storage_buffers_per_shader_stage,
@@ -73,7 +73,7 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
             }
             Ok(found) => match lacking(found) {
                 lacking if lacking.is_empty() => {
-                    print_line("   numerics: as all kernels need them (--verbose lists the findings)")?
+                    print_line("   numerics: good for all kernels (--verbose lists the findings)")?
                 }
                 lacking => lacking.iter().try_for_each(|line| print_line(&format!("   {line}")))?,
             },

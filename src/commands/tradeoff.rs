@@ -79,7 +79,7 @@ const ROUNDS_LEFT: f64 = 1.3;
 const MARGIN: f64 = 1.3;
 
 /// The reasons why a setting is not measured.
-const UNREACHED: &str = "the budget did not reach it";
+const UNREACHED: &str = "the budget was too short";
 const INTERRUPTED: &str = "interrupted before it was measured";
 
 /// Measures and reports.
@@ -155,7 +155,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         if round >= FEWEST_ROUNDS && !enough {
             enough = true;
             loading.message(&format!(
-                "{round} rounds are measured; more reduce the error. An interrupt ends the measurement and writes the report"
+                "{round} rounds are measured, which suffice for a report; more make it more accurate. Ctrl-C ends the measurement and \
+                 writes the report"
             ));
         }
         loading.show(&format!("round {}: {name}", round + 1), share());
@@ -213,7 +214,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     } else {
         // The first line of the basis says what the rest holds for.
         report.basis().iter().take(1).try_for_each(|words| print_line(words))?;
-        print_line("the time to a relative MSE of 1e-1, 1e-2 and 1e-3, and the bias, of each setting:")?;
+        print_line("each setting's time to a relative MSE of 1e-1, 1e-2 and 1e-3, and its bias:")?;
         print_line(&report.table())?;
         report.advice().iter().try_for_each(|words| print_line(words))?;
     }

@@ -1,7 +1,7 @@
 //! The stated error of a film, and whether it is reliable.
 
 use super::{ErrorEstimate, Film, HiddenLight};
-use crate::printable::percent;
+use crate::printable::{known_bound, percent};
 
 /// The relative error by missing light, over its share of the image's light: 1 if all pixels lack it alike, and 4 if a sixteenth of them do, as
 /// in a caustic.
@@ -47,19 +47,16 @@ impl Verdict {
 
     /// Why the stated error is not reliable.
     pub fn reasons_unreliable(&self) -> Vec<String> {
-        let of_light = |share: f64| if share < 1.0 { percent(share) } else { "most".to_owned() };
+        let of_light = |share: f64| known_bound(share).map_or("most".to_owned(), percent);
         let mut reasons = Vec::new();
         if let Some(error) = self.error.filter(|error| !error.reliable) {
-            let may_be = match error.bound.is_finite() {
-                true if error.bound < 1.0 => format!(". It may be {}", percent(error.bound)),
-                true => ". It may be larger than the light itself".to_owned(),
-                false => String::new(),
-            };
+            let may_be =
+                known_bound(error.bound).map_or(String::new(), |bound| format!(". It may be {}", percent(bound)));
             reasons.push(format!("rare bright paths dominate it{may_be}"));
         }
         if self.lacks_light() && self.unfound > self.hidden.missing() {
             reasons.push(format!(
-                "paths find light that is not sampled by chance alone (a sky without an image, lights beyond the limit, all with --integrator \
+                "BSDF sampling alone finds some of the light (a sky without an image, lights beyond the limit, all with --integrator \
                  bsdf), and may have missed {} of the image's light. Raise --spp",
                 of_light(self.unfound)
             ));

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle, WeakProgressBar};
 
 use crate::job::{Goal, Job};
-use crate::printable::one_line;
+use crate::printable::{known_bound, one_line};
 use crate::terminal::{columns_of_stderr, fit_to_terminal};
 
 /// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
@@ -294,9 +294,9 @@ impl Until {
     /// Why the render goes on: what its error is below, what it is to be below, and what else it waits for.
     fn describe(&self, wanted: f64) -> String {
         let (bound, wanted) = (percent(self.bound), percent(wanted));
-        match (self.bound.is_finite(), self.lacks_light) {
-            (false, _) => format!("error unknown, until below {wanted} %"),
-            (true, false) => format!("error below {bound} %, until below {wanted} %"),
+        match (known_bound(self.bound).is_some(), self.lacks_light) {
+            (false, _) => format!("error unknown, goal below {wanted} %"),
+            (true, false) => format!("error below {bound} %, goal below {wanted} %"),
             (true, true) => format!("error below {bound} %, until light behind mirrors or glass is found"),
         }
     }
@@ -359,12 +359,12 @@ mod tests {
         assert_eq!(line(None), "125 spp  1.42 Mpaths/s  until the error is below 5.0 %  time 00:01:00");
         let until = Until { bound: 0.0532, samples: Some(250), lacks_light: false };
         let expected =
-            "125 of about 250 spp  1.42 Mpaths/s  error below 5.3 %, until below 5.0 %  time 00:01:00  ETA 00:01:00";
+            "125 of about 250 spp  1.42 Mpaths/s  error below 5.3 %, goal below 5.0 %  time 00:01:00  ETA 00:01:00";
         assert_eq!(line(Some(until)), expected);
         let lacking = line(Some(Until { bound: 0.04, lacks_light: true, ..until }));
         assert!(lacking.contains("error below 4.0 %, until light behind mirrors or glass is found"), "{lacking}");
         let unknown = line(Some(Until { bound: f64::INFINITY, samples: None, ..until }));
-        let expected = "125 spp  1.42 Mpaths/s  error unknown, until below 5.0 %  time 00:01:00";
+        let expected = "125 spp  1.42 Mpaths/s  error unknown, goal below 5.0 %  time 00:01:00";
         assert_eq!(unknown, expected);
     }
 

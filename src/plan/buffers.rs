@@ -36,11 +36,11 @@ impl Kernels {
             ),
             BufferSpec::working("records", slots * runs * record_bytes, "finished runs on their way to the film")
                 .made_of(format!("{slots} slots x {runs} runs x {record_bytes} bytes")),
-            BufferSpec::working("film", tile * pixel_bytes, "what each pixel has received")
+            BufferSpec::working("film", tile * pixel_bytes, "sums of each pixel's samples")
                 .made_of(format!("{tile} pixels x {pixel_bytes} bytes")),
             BufferSpec::working("paths", slots * plane_bytes, "the state of the paths in flight")
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
-            BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")
+            BufferSpec::working("path_words", slots * word_bytes, "the part of that state that fills no vec4")
                 .made_of(format!("{slots} slots x {word_bytes} bytes")),
             BufferSpec::scene(
                 "texels",

@@ -317,26 +317,26 @@ fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
 /// The meaning of a constant.
 fn about_constant(name: &str) -> String {
     if let Some(table) = name.strip_prefix("size_of_") {
-        return format!("elements that the binding `{table}` has room for");
+        return format!("capacity of the binding `{table}`");
     }
     let what = match name {
-        "WORKGROUP_SIZE" => "invocations of a workgroup",
+        "WORKGROUP_SIZE" => "invocations per workgroup",
         "MOST_STEPS_OF_WALK" => "steps after which a walk is given up; 262144 where the driver's loops have no limit",
         "MOST_STEPS_OF_CROSSINGS" => {
             "steps after which the walks of a ray through meshes that bound media are given up"
         }
-        "stack_size" => "what waits at most in a walk through the hierarchy",
+        "stack_size" => "most nodes that wait in a walk through the hierarchy",
         "boundary_stack_size" => "the same in a mesh that bounds a medium",
         "media" => "media that rays cross",
         "sky_light" => "the index of the sky among the lights",
-        "sky_columns" => "texels across of the distribution that directions to the sky are drawn from",
-        "sky_rows" => "rows of them",
-        "run_length" => "samples of a run at most",
-        "iterations_of_shading" => "loop iterations that the textures of a material take at most",
-        "pane_steps" => "steps that passing a pane takes of those of a walk",
+        "sky_columns" => "columns of the table that directions to the sky are sampled from",
+        "sky_rows" => "rows of that table",
+        "run_length" => "most samples in a run",
+        "iterations_of_shading" => "most loop iterations of a material's textures",
+        "pane_steps" => "steps of a walk that passing a pane costs",
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
-        "film_sums" => "sums that the film has of a pixel",
+        "film_sums" => "sums per pixel in the film",
         "path_sums" => "sums of --aov, one at least",
         _ => "",
     };
@@ -346,16 +346,16 @@ fn about_constant(name: &str) -> String {
 fn integrator_words(features: &Features, integrator: Integrator) -> String {
     let left = features.not_sampled.as_ref().map_or(String::new(), |left| {
         let NotSampled { lights, total, reason } = left;
-        format!("{lights} of {total} lights are left to chance, {reason}")
+        format!("{lights} of {total} lights are found by BSDF sampling alone, {reason}")
     });
     match features.quantities.lights {
         0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),
         0 if left.is_empty() => "bsdf: there is no light to sample".to_string(),
         0 => format!("bsdf: {left}"),
-        1 if left.is_empty() => "mis: rays to the light".to_string(),
-        lights if left.is_empty() => format!("mis: rays to {lights} lights, one an event"),
-        1 => format!("mis: rays to one light; {left}"),
-        lights => format!("mis: rays to {lights} lights, one an event; {left}"),
+        1 if left.is_empty() => "mis: a ray to the light at each event".to_string(),
+        lights if left.is_empty() => format!("mis: a ray to one of {lights} lights at each event"),
+        1 => format!("mis: a ray to one light at each event; {left}"),
+        lights => format!("mis: a ray to one of {lights} lights at each event; {left}"),
     }
 }
 
@@ -366,7 +366,8 @@ fn scatter_words(plan: &Plan<'_>) -> String {
                 .to_string()
         }
         (Bounce::Staged(_), _) if plan.tuning.is_short => {
-            "linked: so few paths are rendered before a fused kernel is compiled (docs/dev/performance.md)".to_string()
+            "linked: a fused kernel takes longer to compile than so few paths to render (docs/dev/performance.md)"
+                .to_string()
         }
         (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
         (Bounce::Staged(staged), _) if staged.dispatch.is_some() => {

@@ -11,7 +11,7 @@ impl Report {
     /// The summary of the plan.
     pub fn text(&self) -> String {
         let mut out = String::new();
-        out += "\nthe scene uses, first at\n";
+        out += "\nfeatures of the scene, and where each is used first\n";
         out += &table(self.features.iter().map(|(name, reason)| vec![name.clone(), reason.clone()]), &[]);
         let answers =
             self.choices.iter().map(|choice| format!("{} {}", choice.name.replace('_', " "), choice.answer()));
@@ -25,7 +25,7 @@ impl Report {
         out += &format!("  integrator: {}\n", self.integrator);
         out += &format!("  scatter: {}\n", self.scatter);
 
-        out += &format!("\npath state: {} bytes a slot\n", self.path_bytes());
+        out += &format!("\npath state: {} bytes per slot\n", self.path_bytes());
         out += &table(by_reason(&self.path_fields), &[0]);
 
         out += "\nconstants\n";
@@ -34,7 +34,7 @@ impl Report {
         let [uniform, storage] = self.limits;
         let total = self.gpu_bytes();
         out += &format!(
-            "\nbuffers: {total} bytes on the device, each {LEAST} at least; it allows {uniform} to a uniform binding, {storage} to a \
+            "\nbuffers: {total} bytes on the device, at least {LEAST} each; it allows {uniform} per uniform binding, {storage} per \
              storage binding\n"
         );
         out += &buffer_rows(self.buffers.iter().map(|buffer| (buffer, None)));
@@ -174,7 +174,7 @@ fn constant_table(constants: &[&Constant]) -> String {
         tables.map(|table| format!("{} {}", table.name.trim_start_matches("size_of_"), table.value)).collect();
     let mut out = table(rows, &[1]);
     if !sizes.is_empty() {
-        out += &paragraph("room in uniform tables", sizes);
+        out += &paragraph("capacity of uniform tables", sizes);
     }
     out
 }

@@ -417,10 +417,10 @@ fn default_fps() -> f64 {
 /// Which glass of a glTF file is thin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ValueEnum)]
 pub enum Thin {
-    /// Of files by Blender what is open, as it renders them; of others as they say.
+    /// In files by Blender, glass whose mesh is open, as Blender renders it; in others, as `pane`.
     #[default]
     Auto,
-    /// What has no thickness in the file, as glTF says.
+    /// Glass to which the file gives no thickness, as glTF says.
     Pane,
 }
 

@@ -54,16 +54,19 @@ impl Scene {
         }
         let share = self.share_of_emitters(meshes);
         if share.is_some_and(|share| share >= ENOUGH) {
-            return Some("its emitters light it, and no sky: --sky default adds one of white and blue".to_owned());
+            return Some("its emitters alone light it: --sky default adds a white and blue sky".to_owned());
         }
         self.background = SKY;
         Some(match share {
             Some(share) => format!(
-                "a sky of white and blue lights it, because its emitters give {} of its light: --sky none removes the sky, --sky FILE \
+                "its emitters give only {} of its light, so a white and blue sky lights it too: --sky none removes the sky, --sky FILE \
                  gives another",
                 percent(share)
             ),
-            None => "nothing in it emits light, and a sky of white and blue lights it: --sky FILE gives another, --sun adds a sun".to_owned(),
+            None => {
+                "nothing in it emits light, so a white and blue sky does: --sky FILE gives another, --sun adds a sun"
+                    .to_owned()
+            }
         })
     }
 

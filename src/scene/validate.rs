@@ -121,7 +121,7 @@ fn times<T>(at: &ValuePath, keys: &[(f64, T)]) -> Result<()> {
         let at = of_key.index(0);
         SECONDS.check(&at, "time", "seconds", *time)?;
         if *time < last {
-            return Err(at.error(format!("expected keys in the order of their times, found {time} behind {last}")));
+            return Err(at.error(format!("expected keys in the order of their times, found {time} after {last}")));
         }
         last = *time;
     }

@@ -42,8 +42,8 @@ impl Scene {
         let radius = 0.5 * self.camera.aperture;
         if focus < radius {
             let message = format!(
-                "the lens has a radius of {radius} and is in focus at {focus}, which is within it, so that nothing is sharp: write the distance of \
-                 what shall be sharp, or an aperture below {}",
+                "the focus distance of {focus} is less than the lens radius of {radius}, so that nothing is sharp: write the distance to \
+                 what should be sharp, or an aperture below {}",
                 2.0 * focus
             );
             warnings.push(camera.field("focus_distance").warning(&message));
@@ -52,7 +52,7 @@ impl Scene {
         let is_shut = open == close;
         let no_motion = |first: f64, last: f64| {
             format!(
-                "the shutter opens and closes at {open}, so that all of this is at rest in the image: write a camera.shutter of times such as \
+                "the shutter opens and closes at {open}, so that the motion does not show in the image: write a camera.shutter such as \
                  ({first}, {last})"
             )
         };
@@ -76,8 +76,8 @@ impl Scene {
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
             }
             Object::Gltf { frame: Some(_), .. } if self.camera.shutter.0 < self.camera.shutter.1 => {
-                let message = "it has the pose of one time, so that nothing in it moves while the shutter is open: put it into \
-                               Moving(..) to move it as a whole";
+                let message = "a frame is one pose, so that nothing in it moves while the shutter is open: put it into Moving(..) to move \
+                               it as a whole";
                 warnings.push(at.field("frame").warning(message));
             }
             Object::Transformed { by, .. } => warnings.extend(angles(&at.field("by"), by)),

@@ -27,7 +27,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 pub const RELIABLE: f64 = 0.2;
 
 /// The reason why the loss of detail of an image with fewer pixels is unknown.
-const NOT_AT_FULL_SIZE: &str = "its loss of detail is not measured at full size, which the budget did not reach";
+const NOT_AT_FULL_SIZE: &str = "its loss of detail needs images of full size, for which the budget was too short";
 
 /// The findings about a setting.
 #[derive(Clone, Debug)]
@@ -141,7 +141,7 @@ impl Measured {
         match (self.biased, self.setting.class()) {
             (true, Class::Noise | Class::Exact) if self.against_reference => words.push("differs from the reference"),
             (true, Class::Noise | Class::Exact) if !self.reliable => words.push("differs from the defaults"),
-            (true, Class::Noise | Class::Exact) => words.push("biased, and declared not to be: a defect"),
+            (true, Class::Noise | Class::Exact) => words.push("biased, which it should not be: a bug"),
             (true, Class::Detail) => words.push("loses detail"),
             (true, _) => words.push("biased"),
             (false, _) => {}
@@ -149,10 +149,10 @@ impl Measured {
         match (self.reliable, self.bias_known) {
             (true, _) => {}
             (false, _) if self.lacks_paths => {
-                words.push("unreliable: it differs by more than noise, as if it had missed rare bright paths");
+                words.push("unreliable: it differs by more than noise, and may have missed rare bright paths");
             }
-            (false, _) if !self.reasons_unreliable.is_empty() => words.push("unreliable, as `render` says of it"),
-            (false, false) => words.push("unreliable: the image that its bias refers to is not known well"),
+            (false, _) if !self.reasons_unreliable.is_empty() => words.push("unreliable, as `render` would say"),
+            (false, false) => words.push("unreliable: the image that it is compared with is too noisy"),
             (false, true) => words.push("unreliable: rare bright paths, or too few rounds"),
         }
         words.join(", ")

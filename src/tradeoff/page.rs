@@ -145,7 +145,7 @@ fn pictures(report: &Findings) -> String {
     }
     let mut text = format!(
         "<h2>What each setting gives in the same time</h2>\n<p class=\"note\">{}x{} pixels, in about the time that the defaults take for {LEVEL} samples. \
-         On the right is the difference that the eye sees (FLIP), from black (none) to white.</p>\n<div class=\"pictures\">\n",
+         On the right is the perceived difference (FLIP), from black (none) to white.</p>\n<div class=\"pictures\">\n",
         report.size.0, report.size.1
     );
     for picture in &report.examples {

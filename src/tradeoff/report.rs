@@ -188,7 +188,7 @@ fn cost_text(best: &Measured) -> String {
         return match value {
             _ if best.setting.denoise => {
                 let at_level = error_text(best.bias_squared());
-                format!("biased by a relative MSE of {at_level} with {LEVEL} samples, of less with more")
+                format!("biased by a relative MSE of {at_level} at {LEVEL} samples, and by less at more")
             }
             _ if best.setting.class() == Class::Detail => format!("loses detail, {stays}"),
             // Losses and gains of different pixels cancel in the mean.
@@ -265,14 +265,14 @@ impl Findings {
                     format!("; with a bias, {}: {time}, {}", other.named(), cost_text(other))
                 }
                 (None, Some(other)) if !best.is_faithful() => format!(
-                    "; without bias, {}: about {}, measured poorly",
+                    "; without bias, {}: about {}, but its noise is uncertain",
                     other.named(),
                     time_text(other.times[index])
                 ),
                 _ => String::new(),
             };
             let relmse = error_text(TARGETS[index] * best.relmse_ratio);
-            format!("To reach {target} use {what}: {time}, {cost}, at a relMSE of {relmse}{besides}")
+            format!("To reach {target}, which is a relMSE of {relmse}, use {what}: {time}, {cost}{besides}")
         };
         recommended(&self.measured).into_iter().enumerate().map(sentence).chain(self.flip_of_denoised()).collect()
     }
@@ -298,14 +298,14 @@ impl Findings {
         let (w, h) = self.size;
         let of_all = self.measured.len() + self.unmeasured.len();
         let busy = match self.swing > BUSY {
-            true => format!(
-                "; the machine was busy, and {:.1} times slower at times, so the seconds are uncertain",
-                self.swing
-            ),
+            true => {
+                format!("; the machine was busy, at times {:.1} times slower, so the seconds are uncertain", self.swing)
+            }
             false => String::new(),
         };
         let mut lines = vec![format!(
-            "{} of {of_all} settings measured at {w}x{h} on {} ({}), each by {} images of {LEVEL} samples; another device may need other settings{busy}",
+            "{} of {of_all} settings measured at {w}x{h} pixels on {} ({}), each with {} images of {LEVEL} samples; on another device \
+             other settings may be best{busy}",
             self.measured.len(),
             self.device,
             self.driver,
@@ -314,7 +314,8 @@ impl Findings {
         let (w, h) = self.full_size;
         if let Some((width, height)) = self.middle_of {
             lines.push(format!(
-                "only the middle {w}x{h} pixels of the reference's {width}x{height} are measured, because their sides divide into those of smaller images"
+                "only the middle {w}x{h} pixels of the reference's {width}x{height} are measured, because these sides have divisors for \
+                 smaller images"
             ));
         }
         match self.calibration {
@@ -324,15 +325,16 @@ impl Findings {
                  both measured; the other settings are assumed to change by the same factors"
             )),
             None => lines.push(format!(
-                "all seconds are for {w}x{h}, which the budget did not reach: time is assumed to grow with the number of pixels, and noise to \
-                 stay the same"
+                "all seconds are estimates for {w}x{h}, where the budget was too short to measure: time is assumed to grow with the \
+                 number of pixels, and noise to stay the same"
             )),
         }
         if let Some(defaults) = self.measured.first().filter(|defaults| !defaults.reliable) {
             let known = self.measured.iter().any(|m| !m.setting.declared_unbiased() && m.bias_known);
             let so = if known { "" } else { "; so no bias is known, and no biased setting is recommended" };
             let noise = format!(
-                "the noise of the defaults is known to {:.0} % only, because paths are rare and bright, or rounds are too few",
+                "the noise of the defaults is known only to within {:.0} %, because of rare bright paths, or because there are too few \
+                 rounds",
                 100.0 * defaults.noise_error
             );
             let reasons: Vec<String> = match defaults.reasons_unreliable.is_empty() {
@@ -361,9 +363,9 @@ impl Findings {
     /// The images that biases and the errors of pictures refer to.
     fn measured_against(&self) -> Vec<String> {
         const TO_DEFAULTS: &str = "biases are differences from the defaults, rendered with the same random numbers";
-        let own = self
-            .error_of_truth
-            .map(|own| format!("its own noise, a relative MSE of {own:.1e}, is subtracted from their errors"));
+        let own = self.error_of_truth.map(|own| {
+            format!("the noise of that image, a relative MSE of {own:.1e}, is subtracted from their errors")
+        });
         let Some(file) = &self.reference else {
             let own = own.map_or(String::new(), |own| format!("; {own}"));
             return vec![format!(

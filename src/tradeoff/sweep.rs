@@ -139,7 +139,7 @@ pub struct Sweep<'a> {
     /// When it began, and the times of the defaults' blocks of [`LEVEL`] samples since then.
     began: Instant,
     pub clock: Vec<Timed>,
-    /// The effect of the defaults. A setting with the same effect does nothing to this scene.
+    /// The effect of the defaults. A setting with the same effect changes nothing in this scene.
     defaults: Option<Effect>,
 }
 
@@ -209,7 +209,7 @@ impl<'a> Sweep<'a> {
         Sweep { denoiser, ..self }
     }
 
-    /// Compiles a setting; the first must be the defaults. A setting that does nothing to this scene, or that the
+    /// Compiles a setting; the first must be the defaults. A setting that changes nothing in this scene, or that the
     /// device refuses, is recorded as not measured.
     ///
     /// # Errors
@@ -218,7 +218,7 @@ impl<'a> Sweep<'a> {
         let is_first = self.defaults.is_none();
         match self.compile(&setting) {
             Ok(Some(subject)) => self.subjects.push(subject),
-            Ok(None) => self.leave_out(setting, "does nothing to this scene"),
+            Ok(None) => self.leave_out(setting, "it changes nothing in this scene"),
             Err(error) if is_first => return Err(error),
             Err(error) => self.leave_out(setting, &error.to_string()),
         }

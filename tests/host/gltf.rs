@@ -467,9 +467,9 @@ fn ignored_properties_are_named_once_with_their_material() {
     assert_eq!(
         notes(&room().0),
         [
-            "nodes[1]: transforms that mirror or scale unevenly are written into the vertices: 1 node with a mesh that others \
-             have too hold a copy of it",
-            "its emitters light it, and no sky: --sky default adds one of white and blue",
+            "nodes[1]: transforms that mirror or scale unevenly are applied to the vertices: 1 node cannot \
+             share a mesh with others, which takes memory",
+            "its emitters alone light it: --sky default adds a white and blue sky",
         ]
     );
     let wood = |more: Value| {
@@ -487,7 +487,10 @@ fn ignored_properties_are_named_once_with_their_material() {
                 "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}}}),
             "not read: KHR_materials_anisotropy on a pane",
         ),
-        (json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, 0.5, 1]}}), "baseColorFactor is cut to 0 .. 1"),
+        (
+            json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, 0.5, 1]}}),
+            "baseColorFactor is clamped to 0 .. 1",
+        ),
     ] {
         let note = wood(more);
         assert!(note.starts_with("materials[0] (\"Wood\") is approximated: ") && note.contains(expected), "{note}");
@@ -499,7 +502,11 @@ fn ignored_properties_are_named_once_with_their_material() {
             json!([0, 0, 0]),
             "room.glb#nodes/2/primitives/0: none of its faces has an area: it is left out",
         ),
-        ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read without a time: --frame N"),
+        (
+            "/animations",
+            json!([{"channels": [], "samplers": []}]),
+            "animations are not read without a frame: --frame N",
+        ),
         (
             "/extensionsUsed",
             json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_materials_ior"]),
@@ -655,8 +662,7 @@ fn tangents_of_a_file_are_checked() {
         let scene = with_tangents(&bad).unwrap_or_else(|error| panic!("{error}"));
         assert!(scene.meshes["square.glb#meshes/0/primitives/0"].tangents.is_empty());
         let notes = scene.warnings().join("\n");
-        let expected =
-            "square.glb#meshes/0/primitives/0: some corners have a TANGENT without a length, or without a sign";
+        let expected = "square.glb#meshes/0/primitives/0: some corners have a TANGENT without a length or a sign";
         assert!(notes.contains(expected), "{notes}");
     }
     let error = with_tangents(&good[..12]).err().unwrap();
@@ -692,7 +698,7 @@ fn lights_are_those_of_the_file() {
     let Object::DirectionalLight { direction, irradiance } = scene.objects[2] else { panic!() };
     assert!((direction + DVec3::X).length() < 1e-9 && irradiance == DVec3::splat(3.0), "{direction}");
     assert_eq!(scene.background, Background::Solid(DVec3::ZERO));
-    let range = "extensions.KHR_lights_punctual: the range of lights is not read: light has none";
+    let range = "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit";
     assert!(notes(&json).contains(&range.to_owned()), "{:?}", notes(&json));
 
     for (pointer, value, at) in [
@@ -795,9 +801,9 @@ fn lit_by(material: Value) -> Value {
 }
 
 /// What lights a file without a sky of its own, by the note on it.
-const DARK: &str = "nothing in it emits light, and a sky";
-const DIM: &str = "a sky of white and blue lights it, because its emitters give";
-const LIT: &str = "its emitters light it, and no sky";
+const DARK: &str = "nothing in it emits light, so a white";
+const DIM: &str = "a white and blue sky lights it too";
+const LIT: &str = "its emitters alone light it";
 
 /// Checks that a file has this note, and a sky that goes with it.
 fn lit_as(json: &Value, expected: &str) {

@@ -254,7 +254,7 @@ fn what_stands_still_stays_in_memory() {
 fn notes_say_what_of_animations_is_not_read() {
     let notes = |json: &Value, frame: Option<f64>| loaded(json, frame).warnings().join("\n");
     let (json, _) = moving();
-    assert!(notes(&json, None).contains("animations are not read without a time: --frame N poses them"));
+    assert!(notes(&json, None).contains("animations are not read without a frame: --frame N poses them"));
     assert_eq!(notes(&json, Some(3.0)).matches("animation").count(), 0);
     let mut more = json.clone();
     let all = more["animations"][0].clone();
@@ -265,12 +265,11 @@ fn notes_say_what_of_animations_is_not_read() {
     }));
     let found = notes(&more, Some(3.0));
     let says =
-        "animations[1]: it moves nodes[2], or more, as animations[0] (\"all\") does: the first in the file counts";
+        "animations[1]: it moves nodes[2], which animations[0] (\"all\") moves too: only the first in the file counts";
     assert!(found.contains(says), "{found}");
     assert!(
-        found.contains(
-            "animations: channels of KHR_animation_pointer are not read, and what they move stays still: 1 of them"
-        ),
+        found
+            .contains("animations: KHR_animation_pointer is not read, so that what it animates stays still: 1 channel"),
         "{found}"
     );
     let mut still = json;

@@ -100,7 +100,7 @@ fn an_unlit_material_emits_its_base_colour() {
     // What the file says too much of is cut, and said.
     let (scene, notes) = unlit(base(json!({"baseColorFactor": [2, 0, 0, 1]})), &[]);
     assert_eq!(scene.materials[0].1, written("DiffuseLight(emit: Rgb(1, 0, 0))"));
-    assert!(notes.len() == 1 && notes[0].contains("baseColorFactor is cut to 0 .. 1"), "{notes:?}");
+    assert!(notes.len() == 1 && notes[0].contains("baseColorFactor is clamped to 0 .. 1"), "{notes:?}");
 }
 
 /// What `convert` writes has the same materials.
@@ -228,7 +228,7 @@ fn instances_are_placed_by_the_node_and_their_own_transforms() {
     let own = |instance: usize| format!("a.glb#nodes/0/instances/{instance}/primitives/0");
     assert_eq!(names, [own(0), "a.glb#meshes/0/primitives/0".to_owned(), own(2)]);
     let notes = scene.warnings().join("\n");
-    assert!(notes.contains("1 node or instance with a mesh that others have too hold a copy of it"), "{notes}");
+    assert!(notes.contains("1 node or instance cannot share a mesh with others"), "{notes}");
     // What `convert` writes names them.
     assert!(scene.text().contains("a.glb#nodes/0/instances/2/primitives/0"), "{}", scene.text());
 

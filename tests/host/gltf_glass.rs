@@ -308,7 +308,7 @@ fn a_share_of_transmission_is_mixed() {
             assert_eq!((transmission, *solid), (&Texture::grey(share), share > 0.0));
         }
         let notes = scene.warnings().join("\n");
-        let is_said = notes.contains("both surfaces of its glass have the base colour");
+        let is_said = notes.contains("the base colour tints light at both surfaces");
         assert_eq!(is_said, share > 0.0 && share < 1.0, "{notes}");
     }
 }

@@ -277,7 +277,7 @@ fn both_forms_of_stl_are_one_closed_mesh_with_z_up() {
     }
     let more = scene(&folder(&[("a.stl", &binary(b"", 3))]), "a.stl");
     assert_eq!(more.meshes["a.stl"].triangles.len(), 3);
-    assert!(more.warnings().join("\n").contains("50 bytes behind its triangles are not read"));
+    assert!(more.warnings().join("\n").contains("50 bytes after its triangles are not read"));
 }
 
 #[test]

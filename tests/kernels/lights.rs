@@ -574,8 +574,8 @@ fn tables_of_nothing_are_none() {
     assert_eq!(host::alias_table(&[1.0, f64::NAN]), None);
     assert_eq!(host::alias_table(&[1.0, f64::INFINITY]), None);
     assert_eq!(host::alias_table(&vec![1.0; host::MAX_ENTRIES + 1]), None);
-    assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(2, 1, [[0.0; 3]; 2])), None);
-    assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(0, 0, [])), None);
+    assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(2, 1, [[0.0; 3]; 2]), 0.0), None);
+    assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(0, 0, []), 0.0), None);
 }
 
 #[repr(C)]
@@ -623,7 +623,7 @@ fn sky(width: usize, height: usize, random: &mut Random) -> Vec<[f32; 3]> {
 
 fn distribution(width: usize, height: usize, texels: &[[f32; 3]]) -> host::SkyDistribution {
     let image = Bitmap::of_floats(width as u32, height as u32, texels.iter().copied());
-    host::SkyDistribution::new(&image).expect("it is not black")
+    host::SkyDistribution::new(&image, 0.0).expect("it is not black")
 }
 
 /// The parts of a row and of a texel in it.
@@ -648,7 +648,10 @@ fn the_skys_table_has_its_texels_and_none_of_the_light_has_no_part() {
     let mut random = Random(720);
     for (width, height) in SKIES {
         let texels = if width == 1 { vec![[0.5, 0.0, 0.0]] } else { sky(width, height, &mut random) };
-        let sky = distribution(width, height, &texels);
+        let image = Bitmap::of_floats(width as u32, height as u32, texels.iter().copied());
+        // Of 0.106, the luminance of the one texel, and of texels over three decades.
+        const BASE: f64 = 0.1;
+        let sky = host::SkyDistribution::new(&image, BASE).expect("it is brighter");
         let (columns, rows) = (sky.columns as usize, sky.rows as usize);
         let is_whole = width <= host::MOST_COLUMNS && height <= host::MOST_ROWS;
         assert!(columns <= host::MOST_COLUMNS && rows <= host::MOST_ROWS);
@@ -682,16 +685,22 @@ fn the_skys_table_has_its_texels_and_none_of_the_light_has_no_part() {
                 }
             }
         }
+        let plain = weights.clone();
+        for (i, weight) in weights.iter_mut().enumerate() {
+            let size = ((i / columns) as f64 + 0.5) * PI / rows as f64;
+            let area = (width * height) as f64 / (columns * rows) as f64;
+            *weight = (*weight - BASE * area * size.sin()).max(0.0);
+        }
         let sum: f64 = weights.iter().sum();
         // A part for the rounding, and a part of each entry for those that would have none.
         let is_near = |parts: u32, weight: f64, of: f64, count: usize| {
             let off = 2.0 + (weight / of) * (count as f64 + 1e-3);
             (f64::from(parts) - weight / of * UNIFORMS as f64).abs() < off
         };
-        let mut told = 0;
+        let (mut told, mut told_of_base) = (0, 0);
         for row in 0..rows {
-            let texels = &weights[row * columns..][..columns];
-            let of_row: f64 = texels.iter().sum();
+            let [texels, plain] = [&weights, &plain].map(|weights| &weights[row * columns..][..columns]);
+            let [of_row, of_plain] = [texels, plain].map(|weights| weights.iter().sum::<f64>());
             for (column, weight) in texels.iter().enumerate() {
                 let [in_rows, in_row] = parts(&sky, column, row);
                 assert_eq!(in_rows > 0 && in_row > 0, *weight > 0.0, "{width} x {height}, texel {column}, {row}");
@@ -700,9 +709,11 @@ fn the_skys_table_has_its_texels_and_none_of_the_light_has_no_part() {
                     assert!(is_near(in_row, *weight, of_row, columns), "{width} x {height}, texel {column}, {row}");
                     // With its neighbour's radiance it would be another.
                     told += usize::from(!is_near(in_row, texels[(column + 1) % columns], of_row, columns));
+                    told_of_base += usize::from(!is_near(in_row, plain[column], of_plain, columns));
                 }
             }
         }
+        assert!(!is_whole || width < 8 || told_of_base > columns * rows / 4, "{width} x {height}: {told_of_base}");
         assert!(!is_whole || width < 8 || told > columns * rows / 4, "{width} x {height}: {told}");
     }
 }

@@ -87,6 +87,6 @@ fn a_narrow_terminal_gets_a_small_image() {
 fn without_a_terminal_it_is_refused() {
     let sandbox = Sandbox::new();
     let ran = sandbox.render(&["--preview"]).exits(2);
-    assert!(ran.stderr.contains("--preview draws in the terminal"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("--preview draws on standard error"), "{}", ran.stderr);
     assert!(sandbox.files().is_empty());
 }

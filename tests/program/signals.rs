@@ -217,7 +217,8 @@ fn a_second_signal_says_what_is_lost() {
         send(&child, libc::SIGHUP);
         let ran = finish(child);
         let second = if ran.code() == 129 { "SIGHUP" } else { "SIGINT" };
-        let lost = format!("a second signal, {second}; what came since the last checkpoint is lost. sphere.exr holds ");
+        let lost =
+            format!("a second signal, {second}; the samples since the last checkpoint are lost. sphere.exr holds ");
         let resumes = "--checkpoint 50ms -o sphere.exr --resume` goes on";
         assert!([129, 130].contains(&ran.code()), "{ran:?}");
         sandbox.exr("sphere.exr");

@@ -37,7 +37,7 @@ count=0 warned=0
 for file in "$work"/skies/*.exr; do
     scene "$(basename "$file")"
     found=$("$program" check "$work/scene.ron") || { echo "error: $file is refused"; exit 1; }
-    others=$(grep '^warning' <<<"$found" | grep -v 'negative, infinite or NaN, the largest of them -[0-9.e-]*: it counts as 0' || true)
+    others=$(grep '^warning' <<<"$found" | grep -v 'negative, infinite or NaN, the largest of them -[0-9.e-]*: they count as 0' || true)
     [ -z "$others" ] || { echo "error: $others"; exit 1; }
     ! grep -q '^warning' <<<"$found" || warned=$((warned + 1))
     count=$((count + 1))

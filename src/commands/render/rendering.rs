@@ -140,7 +140,7 @@ impl Rendering<'_> {
                 let attributes = attributes_of(&record(request, numerics, &finish, &seconds));
                 request.write(film, Some(&state), &attributes)?;
                 let kept = request.what_is_in(&request.image, &state.samples);
-                signals.set_loss(format!("what came since the last checkpoint is lost. {kept}"));
+                signals.set_loss(format!("the samples since the last checkpoint are lost. {kept}"));
                 Ok(())
             };
             observers.begin(job, earlier, clock.seconds.compile);

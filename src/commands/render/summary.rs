@@ -5,7 +5,7 @@ use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
 use crate::film::{Totals, Verdict};
-use crate::printable::{counted, percent};
+use crate::printable::{counted, known_bound, percent};
 use crate::render::{Noise, Outcome};
 
 /// The share of `--time` that a render may leave unused without a word.
@@ -23,12 +23,9 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
     let cut = finish.too_deep;
     let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
     if cut.paths > 0 && (args.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
-        // A bound of 1 says nothing: one light is far brighter than the image.
-        let effect = match finish.verdict.cut < 1.0 {
-            true => format!("the image may be too dark by up to {}", percent(finish.verdict.cut)),
-            false => "the image may be too dark".to_owned(),
-        };
-        tell(&format!("{} of the paths were cut off at max_depth {}: {effect}", percent(share), job.max_depth));
+        let most = known_bound(finish.verdict.cut).map_or(String::new(), |cut| format!(" by up to {}", percent(cut)));
+        let (share, depth) = (percent(share), job.max_depth);
+        tell(&format!("{share} of the paths were cut off at max_depth {depth}: the image may be too dark{most}"));
     }
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
@@ -88,11 +85,12 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
 
 /// The error with its bound.
 pub fn error_words(finish: &Finish) -> String {
+    let sure = |bound: f64| format!(" (95 % sure: below {})", two_decimals(bound));
     match finish.verdict.error {
-        Some(error) if error.bound.is_finite() => {
-            format!("relative error {} (95 % sure: below {})", two_decimals(error.value), two_decimals(error.bound))
+        Some(error) => {
+            let bound = known_bound(error.bound).map_or(String::new(), sure);
+            format!("relative error {}{bound}", two_decimals(error.value))
         }
-        Some(error) => format!("relative error {}", two_decimals(error.value)),
         None if finish.samples.count() <= u64::from(RUN_LENGTH) => {
             format!("error unknown (it needs {} samples per pixel)", RUN_LENGTH + 1)
         }
@@ -112,7 +110,7 @@ pub fn reliability_warnings(finish: &Finish) -> impl Iterator<Item = String> {
 /// What came of a render until an error.
 pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
-    match verdict.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+    match verdict.error.and_then(|error| known_bound(error.bound)) {
         Some(bound) if !noise.reached && bound < wanted => format!(
             "--noise {wanted} {words}: the noise is at most {}, with 95 % confidence, but light is missing that paths have not found",
             two_decimals(bound)
@@ -123,9 +121,7 @@ pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
                 two_decimals(bound)
             )
         }
-        None => format!(
-            "--noise {wanted} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
-        ),
+        None => format!("--noise {wanted} {words}: too few paths find light to bound the error; give --spp or --time"),
     }
 }
 

@@ -20,8 +20,7 @@ impl Viewers {
     pub fn check(args: &RenderArgs) -> Result<()> {
         match args.preview && !is_terminal() {
             true => Err(Error::Usage(
-                "--preview draws in the terminal that standard error is, and it is none; nothing has been rendered"
-                    .to_owned(),
+                "--preview draws on standard error, which is not a terminal; nothing has been rendered".to_owned(),
             )),
             false => Ok(()),
         }

@@ -135,8 +135,8 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
             }
             for source in hidden.into_iter().filter(|source| source.corners.iter().all(|p| is_cut_off(*p, source.w))) {
                 let message = format!(
-                    "no light of this comes into view: it is behind the opaque {} at {OTHER}, and the camera and all else are before it: move \
-                     the light to that side, or remove it",
+                    "this light is not seen: it is behind the opaque {} at {OTHER}, and the camera and all other objects are in front of \
+                     that: move the light to the front, or remove it",
                     wall.word()
                 );
                 worst.add(0.0, || Diagnostic { object: source.object, field: "", message, other: Some(wall.object) });

@@ -72,7 +72,8 @@ fn astray<'a>(search: &Search<'a>) -> Worst<'a> {
         }
         let mut bodies = search.bodies().chain(search.boundaries());
         if !bodies.any(|body| may_light(at - eye, axis, angle, &body.bounds)) {
-            let message = "no object is in the cone of this light, so that it lights nothing: aim it by towards, or widen its outer angle";
+            let message = "no object is in the cone of this light, so that it lights nothing: aim it with towards, or widen its outer \
+                           angle";
             worst.add(0.0, || diagnostic(object, message.to_string()));
         }
     }
@@ -129,8 +130,7 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
         let word = wall.word();
         if camera_is_inside && wall.role.light && wall.role.one_sided && is_outside_in_front(&wall) {
             let message = format!(
-                "this light emits outwards, and the camera is in this {word}: the camera sees none of its light, and its inside is black: \
-                 make it two_sided"
+                "the camera is inside this {word}, which emits outwards only: its inside is black. Make it two_sided"
             );
             outwards.add(0.0, || diagnostic(wall.object, message));
         }

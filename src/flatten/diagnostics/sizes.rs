@@ -34,8 +34,8 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
         if body.role.light && size < LEAST_LIGHT * far {
             dim.add(far / size, || {
                 let message = format!(
-                    "a light of size {}, in a scene where light goes up to {}: from farther than {} it gives nothing, because f32 does not \
-                     hold its solid angle: make it larger and as much fainter, or leave out what is so far away",
+                    "this light has a size of {}, and the scene extends up to {} from it: surfaces farther away than {} get none of its \
+                     light, because its solid angle underflows in f32: make the light larger and dimmer, or leave out what is so far away",
                     short(size),
                     short(far),
                     short(size / LEAST_LIGHT)
@@ -50,8 +50,8 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
         if path < limit {
             dense.add(limit / path, || {
                 let message = format!(
-                    "a mean free path of {}, up to {} from the camera, where f32 resolves none below {}: write a density below {}, or \
-                     replace the medium by a surface",
+                    "the mean free path is {}, and at {} from the camera, where the medium ends, f32 resolves no length below {}: write a \
+                     density below {}, or replace the medium by a surface",
                     short(path),
                     short(far),
                     short(limit),
@@ -92,7 +92,7 @@ fn unresolved<'a>(body: &Body<'a>, which: usize, size: f64, limit: f64) -> Diagn
     let names = body.shape.kind().sizes;
     let (name, field) = names.get(which).or(names.last()).copied().unwrap_or_default();
     let message = format!(
-        "{name} of {} at a distance of {} from the camera, where f32 resolves none below {}: make it larger, bring it nearer, or leave it out",
+        "{name} of {} at a distance of {} from the camera, where f32 resolves no size below {}: make it larger, bring it nearer, or leave it out",
         short(size),
         short(body.position.length()),
         short(limit)

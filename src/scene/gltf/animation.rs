@@ -12,6 +12,7 @@ use super::channels::{Interpolation, Sampler};
 use super::interpolate::{Position, locate, value};
 use super::nodes::{Animated, Pose};
 use super::{File, GltfError, Result};
+use crate::printable::counted;
 use crate::scene::mesh_files::quote;
 
 /// The most keys of all samplers. A time is searched among all keys of a sampler.
@@ -94,14 +95,15 @@ impl File {
                 };
                 let (this, other) = (name(number), name(mover));
                 format!(
-                    "animations[{number}]{this}: it moves nodes[{node}], or more, as animations[{mover}]{other} does: the first in the \
-                     file counts"
+                    "animations[{number}]{this}: it moves nodes[{node}], which animations[{mover}]{other} moves too: only the first in \
+                     the file counts"
                 )
             }));
         }
         if pointers > 0 {
             notes.push(format!(
-                "animations: channels of KHR_animation_pointer are not read, and what they move stays still: {pointers} of them"
+                "animations: KHR_animation_pointer is not read, so that what it animates stays still: {}",
+                counted(pointers as u64, "channel")
             ));
         }
         if animations.is_empty() {

@@ -46,7 +46,7 @@ impl File {
                 return Err(GltfError::new(at, "expected the properties perspective"));
             }
             (Checked::Valid(Type::Orthographic), _) => {
-                notes.push(format!("{at}: orthographic cameras are not supported, and it is left out"));
+                notes.push(format!("{at}: orthographic cameras are not supported: this one is left out"));
                 return Ok(None);
             }
             (Checked::Invalid, _) => {

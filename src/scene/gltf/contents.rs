@@ -234,12 +234,12 @@ impl File {
                 (true, false) => "nodes or instances",
             };
             notes.push(format!(
-                "nodes[{first}]: transforms that mirror or scale unevenly are written into the vertices: {count} {them} \
-                 with a mesh that others have too hold a copy of it"
+                "nodes[{first}]: transforms that mirror or scale unevenly are applied to the vertices: {count} {them} cannot share a mesh \
+                 with others, which takes memory"
             ));
         }
         if !root.animations.is_empty() && reading.seconds.is_none() {
-            notes.push(format!("animations are not read without a time: {} poses them", reading.asker.frame));
+            notes.push(format!("animations are not read without a frame: {} poses them", reading.asker.frame));
         }
         if let Some(node) = unread_instances {
             notes.push(format!("nodes[{node}]: {} is not read beside a skin", instances::EXTENSION));
@@ -249,8 +249,11 @@ impl File {
         }
         let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
         for (is_there, note) in [
-            (primitives().any(has_more_joints), "meshes: JOINTS_2 and later are not read: a vertex has up to 8 joints"),
-            (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: light has none"),
+            (
+                primitives().any(has_more_joints),
+                "meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count",
+            ),
+            (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit"),
         ] {
             if is_there {
                 notes.push(note.to_owned());

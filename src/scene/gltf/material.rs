@@ -419,7 +419,7 @@ impl File {
             && !lobes::has_lobes(given);
         let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
-        found.extend((!has_ior).then(|| format!("its ior of {ior} is taken for 1.5")));
+        found.extend((!has_ior).then(|| format!("its ior of {ior} is read as 1.5")));
         let ior = if has_ior { ior } else { 1.5 };
         let (is_light, is_unlit) = (model == Model::Light, model == Model::Unlit);
         let material = match model {
@@ -496,13 +496,14 @@ impl File {
                 let is_tinted = color.plain() != Some(Colour::ONE);
                 let (film, through) = (lobes::iridescence(given), lobes::diffuse_transmission(given));
                 let [iridescence_thickness_min, iridescence_thickness] = lobes::iridescence_thickness(given);
-                found.extend((through > 0.0 && volume.is_some() && !is_glassy).then(|| {
-                    "its inside is not read: scattered light passes its surface as it passes paper".to_owned()
-                }));
-                found
-                    .extend((is_glassy && glass.colour_of_body && is_tinted).then(|| {
-                        "both surfaces of its glass have the base colour, so that it counts twice".to_owned()
-                    }));
+                found.extend(
+                    (through > 0.0 && volume.is_some() && !is_glassy)
+                        .then(|| "its volume is not read: light passes its surface as it passes paper".to_owned()),
+                );
+                found.extend(
+                    (is_glassy && glass.colour_of_body && is_tinted)
+                        .then(|| "the base colour tints light at both surfaces of the glass, so twice".to_owned()),
+                );
                 Material::Pbr {
                     base_color: color,
                     metallic,
@@ -585,7 +586,7 @@ impl File {
             let is_cut = !repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t);
             notes.extend(is_cut.then(|| format!("{field} repeats")));
             let nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
-            notes.extend(nearest.then(|| format!("{field} is smooth between texels")));
+            notes.extend(nearest.then(|| format!("{field} is interpolated between texels")));
         }
         let image = self.root().images.get(source);
         match image.and_then(|image| image.uri.as_deref()).filter(|uri| !uri.starts_with("data:")) {
@@ -620,7 +621,7 @@ impl File {
         match texture.source.value() {
             // The crate's word for a source that is not given.
             source if source == u32::MAX as usize => {
-                notes.push(format!("without {field}, whose {at} has no source that is read"));
+                notes.push(format!("without {field}, because {at} has no image of a format that is read"));
                 Ok(None)
             }
             source => there(format!("{at}.source"), source),
@@ -654,7 +655,7 @@ fn root_of(colour: Texture, notes: &mut Vec<String>) -> Texture {
             Texture::Rgb(x, y, z)
         }
         Texture::Image { path, tint, channel, uv_set } => {
-            notes.push("both surfaces of the glass have the image of its colour, so that it counts twice".to_owned());
+            notes.push("the image of its colour tints light at both surfaces of the glass, so twice".to_owned());
             Texture::Image { path, tint: root(tint), channel, uv_set }
         }
         other => other,
@@ -664,7 +665,7 @@ fn root_of(colour: Texture, notes: &mut Vec<String>) -> Texture {
 /// A share of light, cut to its range.
 fn share(colour: Colour, name: &str, notes: &mut Vec<String>) -> Colour {
     let cut = colour.clamp(Colour::ZERO, Colour::ONE);
-    notes.extend((cut != colour).then(|| format!("{name} is cut to 0 .. 1")));
+    notes.extend((cut != colour).then(|| format!("{name} is clamped to 0 .. 1")));
     cut
 }
 

@@ -186,7 +186,8 @@ impl Draft {
         }));
         let tangents = self.take_tangents();
         warnings.extend(tangents.is_err().then(|| {
-            "some corners have a TANGENT without a length, or without a sign: all of them are ignored, and MikkTSpace finds them".to_owned()
+            "some corners have a TANGENT without a length or a sign: all are ignored, and MikkTSpace computes them"
+                .to_owned()
         }));
         // Where the last vertices have none, they are white.
         if !self.colours.is_empty() {

@@ -29,7 +29,7 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
             }
             let rest = bytes.len() - expected;
             if rest > 0 {
-                draft.warnings.push(format!("{rest} bytes behind its triangles are not read"));
+                draft.warnings.push(format!("{rest} bytes after its triangles are not read"));
             }
             draft.reserve(count.unwrap_or_default() as usize);
             input.take(HEADER);
