@@ -295,7 +295,7 @@ fn bad_motions() -> Vec<Bad> {
     let camera = |more: &str| scene(IMAGE, &format!("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40, {more})"), BACKGROUND, "");
     vec![
         bad(moving("§[]"), "objects[0].Moving.keys", &["there is no key", "[(0, [Translate((0, 0, 0))])"]),
-        bad(moving("[(1, [Scale(1)]), (§0, [Scale(2)])]"), "objects[0].Moving.keys[1][0]", &["in the order of their times", "found 0 behind 1"]),
+        bad(moving("[(1, [Scale(1)]), (§0, [Scale(2)])]"), "objects[0].Moving.keys[1][0]", &["in the order of their times", "found 0 after 1"]),
         bad(moving("[(0, [Scale(1)]), (1, §[RotateX(2)])]"), "objects[0].Moving.keys[1][1]", &["[Scale], found [RotateX]"]),
         bad(moving("[(0, [Scale(1)]), (1, [Scale(§0)])]"), "objects[0].Moving.keys[1][1][0].Scale", &["greater than 0"]),
         bad(moving("[(§1e10, [Scale(1)])]"), "objects[0].Moving.keys[0][0]", &["a time from -1e9 to 1e9"]),

@@ -351,8 +351,9 @@ fn a_missing_function_is_named_with_its_file() {
     let flat =
         gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain());
     let mut features = flat.expect("the scene flattens").features;
-    ["specular_lobe.dielectric", "area_light.sphere", "light_paths"]
-        .map(|fact| features.require(fact, || "a test".to_string()));
+    for fact in ["specular_lobe.dielectric", "area_light.sphere", "light_paths"] {
+        features.require(fact, || "a test".to_string());
+    }
     (features.quantities.lights, features.quantities.aims) = (1, 1);
     let options = gpu_rt::options::RenderOptions {
         light_paths: gpu_rt::options::LightPaths::Count(1),
