@@ -416,66 +416,16 @@ device_struct!(
 );
 
 device_struct!(
-    /// The extensions of a material: indices of rows behind those of all materials, or `NO_EXTENSION`.
+    /// The extensions of a material: what a solid absorbs, and indices of rows behind those of all materials, or `NO_EXTENSION`, by the kinds of
+    /// extension. The last two are padding.
     Extension {
         absorption: [f32; 3],
-        emission: u32,
-        alpha: u32,
-        roughness: u32,
-        metallic: u32,
-        normal: u32,
-        vertex_colours: u32,
-        multiscatter: u32,
-        specular: u32,
-        vertex_alpha: u32,
-        vertex_emission: u32,
-        specular_share: u32,
-        transmission: u32,
-        coat: u32,
-        coat_roughness: u32,
-        coat_normal: u32,
-        sheen: u32,
-        sheen_roughness: u32,
-        anisotropy: u32,
-        iridescence: u32,
-        iridescence_thickness: u32,
-        diffuse_transmission: u32,
-        diffuse_transmission_share: u32,
-        dispersion: u32,
-        padding0: u32,
-        padding1: u32,
+        rows: [u32; 25],
     }
 );
 
 impl Extension {
-    pub(crate) const NONE: Extension = Extension {
-        absorption: [0.0; 3],
-        emission: NO_EXTENSION,
-        alpha: NO_EXTENSION,
-        roughness: NO_EXTENSION,
-        metallic: NO_EXTENSION,
-        normal: NO_EXTENSION,
-        vertex_colours: NO_EXTENSION,
-        multiscatter: NO_EXTENSION,
-        specular: NO_EXTENSION,
-        vertex_alpha: NO_EXTENSION,
-        vertex_emission: NO_EXTENSION,
-        specular_share: NO_EXTENSION,
-        transmission: NO_EXTENSION,
-        coat: NO_EXTENSION,
-        coat_roughness: NO_EXTENSION,
-        coat_normal: NO_EXTENSION,
-        sheen: NO_EXTENSION,
-        sheen_roughness: NO_EXTENSION,
-        anisotropy: NO_EXTENSION,
-        iridescence: NO_EXTENSION,
-        iridescence_thickness: NO_EXTENSION,
-        diffuse_transmission: NO_EXTENSION,
-        diffuse_transmission_share: NO_EXTENSION,
-        dispersion: NO_EXTENSION,
-        padding0: 0,
-        padding1: 0,
-    };
+    pub(crate) const NONE: Extension = Extension { absorption: [0.0; 3], rows: [NO_EXTENSION; 25] };
 }
 
 device_struct!(

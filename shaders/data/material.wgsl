@@ -14,55 +14,15 @@ struct Material {
 
 const NO_TEXTURE: u32 = 0xffffffffu;
 
-// The extensions of a material. Each is the index of a row of the table of materials, behind those of all materials, or NO_EXTENSION.
+// The extensions of a material (src/material/model.rs). Each is the index of a row of the table of materials, behind those of all materials, or
+// NO_EXTENSION.
 // Such a row has a colour or a texture. Its `kind` is the offset of the texture's frame from that of the material's own texture.
 struct Extension {
     // The absorption of a transmissive solid, per unit of length. It is no index.
     absorption: vec3<f32>,
-    // The radiance that it emits. The row's parameter is 0 if it emits from its front alone.
-    emission: u32,
-    // The share of light that it stops.
-    alpha: u32,
-    // Its roughness and how metallic it is, where they vary over the surface.
-    roughness: u32,
-    metallic: u32,
-    // The normal in the frame of the texture coordinates.
-    normal: u32,
-    // A row if the colours of a mesh's vertices multiply the material's. The row is not read.
-    vertex_colours: u32,
-    // A row if the material has energy compensation (scene/multiscatter). The row is not read.
-    multiscatter: u32,
-    // Of glTF's material: the row's colour multiplies the layer's reflectance at normal incidence, and its parameter that at all angles.
-    specular: u32,
-    // A row if the alpha of a mesh's vertices multiplies the material's. The row is not read.
-    vertex_alpha: u32,
-    // A row if the colours of a mesh's vertices multiply the emitted radiance. The row is not read.
-    vertex_emission: u32,
-    // Of glTF's material: the share of the layer, where it varies over the surface.
-    specular_share: u32,
-    // Of glTF's material: the share of glass. The row has the numbers of a dielectric: the index of refraction as its parameter, 0 of a
-    // pane, and the contrasts.
-    transmission: u32,
-    // Of glTF's material: the share of a coat, with its roughness as the parameter and its reflectance at normal incidence as contrast_outside;
-    // the roughness where it varies; the normal of the coat.
-    coat: u32,
-    coat_roughness: u32,
-    coat_normal: u32,
-    // Of glTF's material: the colour of its sheen, with the roughness as the parameter; the roughness where it varies.
-    sheen: u32,
-    sheen_roughness: u32,
-    // The anisotropy of microfacets: the direction and the strength, with the factor of the strength as the parameter and the cosine and the sine of
-    // its rotation as the contrasts.
-    anisotropy: u32,
-    // Of glTF's material: the share of a thin film, with its index of refraction as the parameter and its thickness in nm as contrast_outside;
-    // the thickness where it varies, from contrast_outside to contrast_inside.
-    iridescence: u32,
-    iridescence_thickness: u32,
-    // Of glTF's material: the colour of scattered light that passes its matt body, with its share as the parameter; the share where it varies.
-    diffuse_transmission: u32,
-    diffuse_transmission_share: u32,
-    // Of glass: the index of refraction of blue less that of green, as the parameter.
-    dispersion: u32,
+    //@ each extension_row
+    ${name}: u32,
+    //@ end
     padding0: u32,
     padding1: u32,
 }

@@ -243,7 +243,7 @@ impl Builder<'_> {
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
             let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.has_frame())) };
             for extension in all {
-                *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
+                own.rows[extension.kind as usize] = self.flat.materials.len() as u32;
                 let row = data::Material {
                     kind: frame,
                     parameter: extension.parameter,

@@ -128,10 +128,9 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         ("anisotropy", ("anisotropy", "material/anisotropic_facets")),
         ("dispersion", ("dispersion", "material/dispersed_boundary")),
     ]);
-    let extensions = ExtensionKind::EVALUATED.into_iter().chain(ExtensionKind::OTHERS);
-    all.extend(extensions.map(|(name, kind)| Declared {
+    all.extend(ExtensionKind::ALL.iter().map(|(name, kind)| Declared {
         feature: features.get(name).copied(),
-        ..of_materials(name, Always, &|own| own.extensions.contains(&kind))
+        ..of_materials(name, Always, &|own| own.extensions.contains(kind))
     }));
     all
 });
@@ -277,8 +276,7 @@ impl Features {
 
     /// Whether a material has an extension.
     pub(super) fn has_extensions(&self) -> bool {
-        let mut names = ExtensionKind::EVALUATED.iter().chain(&ExtensionKind::OTHERS);
-        self.any("absorbing").is_some() || names.any(|(name, _)| self.any(name).is_some())
+        self.any("absorbing").is_some() || ExtensionKind::ALL.iter().any(|(name, _)| self.any(name).is_some())
     }
 
     /// Whether kernels have code for media.

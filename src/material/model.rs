@@ -86,115 +86,79 @@ pub struct Slot<'a> {
     pub texture: &'a Texture,
 }
 
-/// The extensions of materials, each with its own row of the table (shaders/data/material).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ExtensionKind {
-    /// The radiance that it emits in addition to what it scatters.
-    Emission,
+macro_rules! extensions {
+    ($($(#[$about:meta])* $kind:ident = $name:literal,)*) => {
+        /// The extensions of materials, each with its own row of the table of materials.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum ExtensionKind { $($(#[$about])* $kind,)* }
+
+        impl ExtensionKind {
+            /// All, by the names of their members of `Extension` on the device, in the order of these.
+            pub const ALL: &'static [(&'static str, ExtensionKind)] = &[$(($name, ExtensionKind::$kind)),*];
+        }
+    };
+}
+
+extensions! {
+    /// The radiance that it emits in addition to what it scatters. The row's parameter is 0 if it emits from its front alone.
+    Emission = "emission",
     /// The share of light that it stops.
-    Alpha,
+    Alpha = "alpha",
     /// Its roughness, where that varies over the surface.
-    Roughness,
+    Roughness = "roughness",
     /// How metallic it is, where that varies.
-    Metallic,
+    Metallic = "metallic",
     /// The normal in the frame of the texture coordinates.
-    Normal,
-    /// The colours of a mesh's vertices, which multiply its own.
-    VertexColours,
-    /// It makes up for light that microfacets scatter more than once.
-    Multiscatter,
-    /// How much the layer of glTF's material reflects, and in which colour.
-    Specular,
-    /// The alpha of a mesh's vertices, which multiplies its own.
-    VertexAlpha,
-    /// The colours of a mesh's vertices, which multiply what it emits.
-    VertexEmission,
+    Normal = "normal",
+    /// The colours of a mesh's vertices, which multiply its own. The row is not read.
+    VertexColours = "vertex_colours",
+    /// It makes up for light that microfacets scatter more than once. The row is not read.
+    Multiscatter = "multiscatter",
+    /// The colour multiplies what the layer of glTF's material reflects of light straight on it, the parameter what it reflects at all angles.
+    Specular = "specular",
+    /// The alpha of a mesh's vertices, which multiplies its own. The row is not read.
+    VertexAlpha = "vertex_alpha",
+    /// The colours of a mesh's vertices, which multiply what it emits. The row is not read.
+    VertexEmission = "vertex_emission",
     /// How much the layer of glTF's material reflects, where that varies.
-    SpecularShare,
-    /// The share of glass in glTF's material.
-    Transmission,
-    /// The share of a coat around glTF's material; its roughness where that varies; its normal.
-    Coat,
-    CoatRoughness,
-    CoatNormal,
-    /// The colour of the sheen on glTF's material; its roughness where that varies.
-    Sheen,
-    SheenRoughness,
-    /// The direction along which microfacets are rougher, and by how much.
-    Anisotropy,
-    /// The share of a thin film on glTF's material; its thickness where that varies.
-    Iridescence,
-    IridescenceThickness,
-    /// The colour of scattered light that passes glTF's material; its share where that varies.
-    DiffuseTransmission,
-    DiffuseTransmissionShare,
-    /// The index of refraction of glass depends on the channel.
-    Dispersion,
+    SpecularShare = "specular_share",
+    /// The share of glass in glTF's material. The row has the numbers of a dielectric; its parameter is 0 of a pane.
+    Transmission = "transmission",
+    /// The share of a coat around glTF's material, with its roughness as the parameter and its reflectance straight on as `contrast_outside`.
+    Coat = "coat",
+    /// The roughness of the coat, where that varies.
+    CoatRoughness = "coat_roughness",
+    /// The normal of the coat.
+    CoatNormal = "coat_normal",
+    /// The colour of the sheen on glTF's material, with its roughness as the parameter.
+    Sheen = "sheen",
+    /// The roughness of the sheen, where that varies.
+    SheenRoughness = "sheen_roughness",
+    /// The direction along which microfacets are rougher, and by how much: the factor of the strength is the parameter, the cosine and the sine of
+    /// the rotation are the contrasts.
+    Anisotropy = "anisotropy",
+    /// The share of a thin film on glTF's material, with its index of refraction as the parameter and its thickness in nm as `contrast_outside`.
+    Iridescence = "iridescence",
+    /// The thickness of the film where that varies, from `contrast_outside` to `contrast_inside`.
+    IridescenceThickness = "iridescence_thickness",
+    /// The colour of scattered light that passes glTF's material, with its share as the parameter.
+    DiffuseTransmission = "diffuse_transmission",
+    /// The share of that light, where it varies.
+    DiffuseTransmissionShare = "diffuse_transmission_share",
+    /// The index of refraction of blue in glass less that of green, as the parameter.
+    Dispersion = "dispersion",
 }
 
 impl ExtensionKind {
-    /// Those that kernels evaluate by a module of shaders/extension, by its name, in the order of evaluation.
-    pub const EVALUATED: [(&'static str, ExtensionKind); 18] = [
-        ("emission", ExtensionKind::Emission),
-        ("roughness", ExtensionKind::Roughness),
-        ("metallic", ExtensionKind::Metallic),
-        ("normal", ExtensionKind::Normal),
-        ("specular", ExtensionKind::Specular),
-        ("specular_share", ExtensionKind::SpecularShare),
-        ("transmission", ExtensionKind::Transmission),
-        ("coat", ExtensionKind::Coat),
-        ("coat_roughness", ExtensionKind::CoatRoughness),
-        ("coat_normal", ExtensionKind::CoatNormal),
-        ("sheen", ExtensionKind::Sheen),
-        ("sheen_roughness", ExtensionKind::SheenRoughness),
-        ("anisotropy", ExtensionKind::Anisotropy),
-        ("iridescence", ExtensionKind::Iridescence),
-        ("iridescence_thickness", ExtensionKind::IridescenceThickness),
-        ("diffuse_transmission", ExtensionKind::DiffuseTransmission),
-        ("diffuse_transmission_share", ExtensionKind::DiffuseTransmissionShare),
-        ("dispersion", ExtensionKind::Dispersion),
-    ];
-    /// The others, by name.
-    pub const OTHERS: [(&'static str, ExtensionKind); 5] = [
-        ("alpha", ExtensionKind::Alpha),
-        ("vertex_colours", ExtensionKind::VertexColours),
-        ("vertex_alpha", ExtensionKind::VertexAlpha),
-        ("vertex_emission", ExtensionKind::VertexEmission),
-        ("multiscatter", ExtensionKind::Multiscatter),
-    ];
-
     pub fn name(self) -> &'static str {
-        let mut names = ExtensionKind::EVALUATED.iter().chain(&ExtensionKind::OTHERS);
-        names.find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+        ExtensionKind::ALL.get(self as usize).map_or("", |(name, _)| name)
     }
 
-    /// The index of the row with a material's extension of this kind.
-    pub fn row_of(self, extensions: &mut data::Extension) -> &mut u32 {
-        match self {
-            ExtensionKind::Emission => &mut extensions.emission,
-            ExtensionKind::Alpha => &mut extensions.alpha,
-            ExtensionKind::Roughness => &mut extensions.roughness,
-            ExtensionKind::Metallic => &mut extensions.metallic,
-            ExtensionKind::Normal => &mut extensions.normal,
-            ExtensionKind::VertexColours => &mut extensions.vertex_colours,
-            ExtensionKind::Multiscatter => &mut extensions.multiscatter,
-            ExtensionKind::Specular => &mut extensions.specular,
-            ExtensionKind::VertexAlpha => &mut extensions.vertex_alpha,
-            ExtensionKind::VertexEmission => &mut extensions.vertex_emission,
-            ExtensionKind::SpecularShare => &mut extensions.specular_share,
-            ExtensionKind::Transmission => &mut extensions.transmission,
-            ExtensionKind::Coat => &mut extensions.coat,
-            ExtensionKind::CoatRoughness => &mut extensions.coat_roughness,
-            ExtensionKind::CoatNormal => &mut extensions.coat_normal,
-            ExtensionKind::Sheen => &mut extensions.sheen,
-            ExtensionKind::SheenRoughness => &mut extensions.sheen_roughness,
-            ExtensionKind::Anisotropy => &mut extensions.anisotropy,
-            ExtensionKind::Iridescence => &mut extensions.iridescence,
-            ExtensionKind::IridescenceThickness => &mut extensions.iridescence_thickness,
-            ExtensionKind::DiffuseTransmission => &mut extensions.diffuse_transmission,
-            ExtensionKind::DiffuseTransmissionShare => &mut extensions.diffuse_transmission_share,
-            ExtensionKind::Dispersion => &mut extensions.dispersion,
-        }
+    /// The names of those that kernels evaluate by a module of shaders/extension, in the order of evaluation.
+    pub fn evaluated() -> impl Iterator<Item = &'static str> {
+        use ExtensionKind::{Alpha, Multiscatter, VertexAlpha, VertexColours, VertexEmission};
+        let of_others = [Alpha, Multiscatter, VertexAlpha, VertexColours, VertexEmission];
+        ExtensionKind::ALL.iter().filter(move |(_, kind)| !of_others.contains(kind)).map(|(name, _)| *name)
     }
 }
 
@@ -203,9 +167,7 @@ impl ExtensionKind {
 pub struct Extension<'a> {
     pub kind: ExtensionKind,
     pub slot: Slot<'a>,
-    /// The parameter of its row. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1. Transmission: the index of
-    /// refraction, or 0 of a pane. Coat and sheen: the roughness. Iridescence: the index of refraction of the film. Diffuse transmission: its
-    /// share. Dispersion: the index of blue less that of green.
+    /// The parameter of its row. Of an alpha it is the cutoff, or -1.
     pub parameter: f32,
     /// Two more numbers of its row.
     pub contrasts: [f32; 2],

@@ -130,7 +130,8 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
     };
     let is_non_specular = |kind: &&Entry| features.reason(&format!("wide_lobe.{}", kind.name)).is_some();
     let non_specular: Vec<Entry> = served.iter().filter(is_non_specular).cloned().collect();
-    let extensions = (0..).zip(ExtensionKind::EVALUATED).map(|(number, (name, _))| (name, number, facts[name].clone()));
+    let extensions = (0..).zip(ExtensionKind::evaluated()).map(|(number, name)| (name, number, facts[name].clone()));
+    let every = |(number, (name, _)): (u32, &(&'static str, _))| (*name, number, Reason::EveryRender);
     BTreeMap::from([
         ("material", served.to_vec()),
         ("both_sided", those(&non_specular, |kind| kind.is_transmissive)),
@@ -140,7 +141,8 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
         ("two_part", those(served, |kind| kind.has_second_part)),
         // Those of the scene that can be smooth panes.
         ("pane", those(materials, |kind| kind.is_pane)),
-        // The extensions that the kernel evaluates.
+        // The members of `Extension`, and those that the kernel evaluates.
+        ("extension_row", closed((0..).zip(ExtensionKind::ALL).map(every))),
         ("extension", closed(extensions.filter_map(|(name, number, why)| Some((name, number, why?))))),
     ])
 }
@@ -192,7 +194,7 @@ fn values(
     queue: u32,
 ) -> Vec<(&'static str, u32)> {
     let has = |fact: &str| facts.get(fact).is_some_and(Option::is_some);
-    let extensions = ExtensionKind::EVALUATED.iter().filter(|(name, _)| has(name)).count() as u32;
+    let extensions = ExtensionKind::evaluated().filter(|name| has(name)).count() as u32;
     let splat_sums = if options.light_paths.count() > 0 { SPLAT_SUMS } else { 0 };
     vec![
         // WGSL has no empty arrays.

@@ -71,7 +71,7 @@ const DERIVED: &[(&str, &str)] = &[
 
 /// The facts that follow from others, with their conditions, or what is wrong with these.
 pub static CONDITIONS: LazyLock<Vec<(String, Result<When, String>)>> = LazyLock::new(|| {
-    let extension = ExtensionKind::EVALUATED.map(|(name, _)| name).join(" | ");
+    let extension = ExtensionKind::evaluated().collect::<Vec<_>>().join(" | ");
     // Convex bodies that a ray crosses: those that are panes, and those with an alpha.
     let bodies: Vec<&str> = KINDS.iter().filter(|kind| kind.encloses()).map(|kind| kind.shader).collect();
     let crossed = |shape: &&str| {
