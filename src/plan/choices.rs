@@ -102,7 +102,6 @@ fn lists_of_shapes(facts: &Facts) -> Lists {
     let (other_background, own_background) = (own_background.to_vec(), other_background.to_vec());
     BTreeMap::from([
         ("primitive", primitive),
-        // Those that move.
         ("moving", of_shapes("moves")),
         // Those that are sampled as lights, those of them whose lights are cut into parts, and the others.
         ("emitter", emitter),

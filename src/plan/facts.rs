@@ -154,7 +154,6 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
         is("several_lights", lights > 1, Reason::EveryRender),
         is("few_primitives", brute_force, Reason::EveryRender),
         is("several_backgrounds", several_backgrounds, Reason::Requested(EVERY_FEATURE.to_string())),
-        // The plan's own.
         is("fused", purpose.bounces.fused, Reason::EveryRender),
         is("queues", purpose.bounces.queues, Reason::Requested(QUEUES.to_string())),
         is("kernel.light_path", purpose.light_path, Reason::EveryRender),
