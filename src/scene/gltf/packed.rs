@@ -79,8 +79,8 @@ fn elements(given: &Value, buffers: &[Bytes], room: usize) -> Result<Vec<u8>> {
     const MOST: usize = 1024;
     let text = |error: draco_gltf::GltfError| error.to_string();
     let number = |name: &str| given[name].as_u64().and_then(|number| usize::try_from(number).ok()).unwrap_or(0);
-    let all = buffers.get(number("buffer")).and_then(|all| all.get(number("byteOffset")..));
-    let bytes = all.and_then(|all| all.get(..number("byteLength"))).ok_or("it reaches past the end of its buffer")?;
+    let bytes = part(buffers, number("buffer"), number("byteOffset"), number("byteLength"));
+    let bytes = bytes.ok_or("it reaches past the end of its buffer")?;
     let (count, stride) = (number("count"), number("byteStride"));
     let length = stride.saturating_mul(count);
     if length > room.min(bytes.len().saturating_mul(MOST)) {
@@ -132,9 +132,13 @@ fn triangles(
 pub fn view_of<'a>(root: &Root, buffers: &'a [Bytes], index: Index<View>) -> Result<&'a [u8]> {
     let number = index.value();
     let view = root.get(index).ok_or_else(|| format!("there is no bufferView {number}"))?;
-    let bytes = buffers.get(view.buffer.value()).and_then(|all| {
-        let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
-        all.get(start..)?.get(..usize::try_from(view.byte_length.0).ok()?)
-    });
-    bytes.ok_or_else(|| format!("bufferView {number} reaches past the end of its buffer"))
+    let [start, length] = [view.byte_offset.unwrap_or_default(), view.byte_length]
+        .map(|size| usize::try_from(size.0).unwrap_or(usize::MAX));
+    part(buffers, view.buffer.value(), start, length)
+        .ok_or_else(|| format!("bufferView {number} reaches past the end of its buffer"))
+}
+
+/// The bytes of a part of a buffer, if it has them.
+fn part(buffers: &[Bytes], number: usize, start: usize, length: usize) -> Option<&[u8]> {
+    buffers.get(number)?.get(start..)?.get(..length)
 }
