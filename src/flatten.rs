@@ -107,20 +107,21 @@ pub fn flatten_with(
     let has_alpha = |primitive: &Primitive<'_>| models[primitive.material as usize].has_alpha();
     let is_smooth = |shape: &Shape<'_>| shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty());
     let mut require = |fact: String, those: &dyn Fn(&Primitive<'_>) -> bool| {
-        let first = finder.primitives.iter().find(|primitive| those(primitive));
-        first.inspect(|first| features.require(fact, || scene.location_of(first.object).to_string())).is_some()
+        if let Some(first) = finder.primitives.iter().find(|primitive| those(primitive)) {
+            features.require(fact, || scene.location_of(first.object).to_string());
+        }
     };
-    let mut alpha_on_bodies = false;
     for (number, (name, kind)) in PRIMITIVES.iter().zip(KINDS).enumerate() {
         let is_own = |primitive: &Primitive<'_>| primitive.shape.number() == number;
         require(format!("shape.{name}"), &is_own);
         require(format!("smooth_pane.{name}"), &|own| is_own(own) && pane_of(own).is_some());
         let of_body = |own: &Primitive<'_>| is_own(own) && kind.encloses() && has_alpha(own);
-        alpha_on_bodies |= require(format!("body_with_alpha.{name}"), &of_body);
+        require(format!("body_with_alpha.{name}"), &of_body);
     }
     require("smooth".to_string(), &|primitive| is_smooth(&primitive.shape));
-    let pane_textures = require("textured_pane".to_string(), &|primitive| pane_of(primitive) == Some(true));
-    features.quantities = Quantities { alpha_on_bodies, pane_textures, ..Quantities::default() };
+    require("textured_pane".to_string(), &|primitive| pane_of(primitive) == Some(true));
+    features.quantities.alpha_on_bodies = features.any("body_with_alpha").is_some();
+    features.quantities.pane_textures = features.any("textured_pane").is_some();
     // Whether an object uses each material.
     let mut used = vec![false; scene.materials.len()];
     for primitive in &finder.primitives {

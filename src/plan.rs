@@ -15,7 +15,7 @@ use crate::aov::Aovs;
 use crate::bvh::Quality;
 use crate::data;
 use crate::error::Result;
-use crate::flatten::{Declared, DeviceScene, Features, MATERIALS};
+use crate::flatten::{Declared, DeviceScene, Features};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
@@ -23,9 +23,9 @@ use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 
-use choices::{decide, entries};
+use choices::{decide, materials};
 pub use facts::CONDITIONS;
-use facts::{Bounces, Purpose, QUEUES};
+use facts::{Bounces, Purpose, QUEUES, known_of};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 pub use state::{Code, PathField, most_path_bytes, path_layout};
 pub use tables::UniformTables;
@@ -195,7 +195,7 @@ impl Kernels {
         scatter: Scatter,
         tables: &UniformTables,
     ) -> Result<Kernels> {
-        let materials = entries(features, "material", MATERIALS);
+        let materials = materials(features);
         // With one material there is nothing to sort.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
@@ -206,12 +206,10 @@ impl Kernels {
         let (choices, path_fields) = choose(&materials, 0, false);
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();
-        let geometry = names_with_reasons(features, "shape", "");
-        let media = names_with_reasons(features, "boundary", " medium");
-        let emitters =
-            ["area_light", "delta_light", "sky_light"].map(|fact| names_with_reasons(features, fact, " light"));
-        let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
-        let all_materials = names_with_reasons(features, "material", "");
+        let geometry = names_with_reasons(features, &["shape"]);
+        let media = names_with_reasons(features, &["boundary"]);
+        let emitters = names_with_reasons(features, &["area_light", "delta_light", "sky_light"]);
+        let all_materials = names_with_reasons(features, &["material"]);
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
@@ -300,16 +298,16 @@ impl Kernels {
 }
 
 /// "sphere light (objects.ron:3:9), quad light (…)"
-fn names_with_reasons(features: &Features, group: &str, suffix: &str) -> String {
-    let facts = Declared::of(group).into_iter().flat_map(Declared::facts);
-    let name = |fact: &str| fact.split_once('.').map_or(fact.trim_end_matches("_light"), |(_, kind)| kind).to_string();
-    let each = facts.filter_map(|fact| Some(format!("{}{suffix} ({})", name(&fact), features.reason(&fact)?)));
+fn names_with_reasons(features: &Features, groups: &[&str]) -> String {
+    let declared = groups.iter().filter_map(|group| Declared::of(group));
+    let known = declared.flat_map(|declared| known_of(declared, features));
+    let each = known.filter_map(|known| Some(format!("{} ({})", known.name, known.reason?)));
     each.collect::<Vec<_>>().join(", ")
 }
 
 /// The choices of a kernel for all materials of the scene, for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
-    let materials = entries(features, "material", MATERIALS);
+    let materials = materials(features);
     let bounces = Bounces { fused: true, queues: false };
     decide(features, options, tables, &materials, 0, Purpose { served: &materials, bounces, light_path: false }).0
 }

@@ -27,7 +27,7 @@ pub use super::modules::{Chosen, Embedded, Heads, Library};
 use super::modules::{WITHOUT, head_of};
 use super::numerics::PROPERTIES;
 use super::reach;
-pub use super::when::{Facts, Reason, When};
+pub use super::when::{Facts, Reason, When, reason_of};
 use crate::error::{Error, Result};
 
 /// One entry of a list: a feature that the scene uses, and its number in the scene's data.
@@ -53,7 +53,7 @@ pub struct Choices {
 impl Choices {
     /// The reason for a fact that holds.
     pub fn reason(&self, fact: &str) -> Option<&Reason> {
-        self.facts.get(fact)?.as_ref()
+        reason_of(&self.facts, fact)
     }
 }
 

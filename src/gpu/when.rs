@@ -31,6 +31,11 @@ impl Reason {
 /// All facts that a kernel may have, by name. One that holds has its reason.
 pub type Facts = BTreeMap<String, Option<Reason>>;
 
+/// The reason for a fact that holds.
+pub fn reason_of<'a>(facts: &'a Facts, fact: &str) -> Option<&'a Reason> {
+    facts.get(fact)?.as_ref()
+}
+
 /// A condition: facts with `&`, `|`, `!` and brackets. `&` binds before `|`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum When {

@@ -9,20 +9,21 @@ use crate::aov::{Aovs, Finder, Sum};
 use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH, SPLAT_SUMS};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, PRIMITIVES, Quantities, TEXTURES};
-use crate::gpu::link::{Choices, Entry, Facts, Reason};
-use crate::material::{ExtensionKind, Material, MaterialKind};
+use crate::gpu::link::{Choices, Entry, Facts, Reason, reason_of};
+use crate::material::{ExtensionKind, MATERIALS, Material, MaterialKind};
 use crate::options::RenderOptions;
 use crate::shape::KINDS;
 
 /// All tables but those of shapes.
 const OTHER_TABLES: &str = "nodes media lights delta_lights light_nodes emitters aims materials textures frames";
 
-/// The kinds that the scene uses; a kind's number is the index of its name. The last one closes a switch over them.
-pub(super) fn entries(features: &Features, group: &str, names: &[&str]) -> Vec<Entry> {
-    let reason = |name: &str| features.reason(&format!("{group}.{name}")).cloned().map(Reason::Requested);
-    closed((0..).zip(names).filter_map(|(number, name)| Some((*name, number, reason(name)?))))
+/// The kinds of material that the scene uses.
+pub(super) fn materials(features: &Features) -> Vec<Entry> {
+    let reason = |name| features.reason(&format!("material.{name}")).cloned().map(Reason::Requested);
+    closed(numbered(MATERIALS).filter_map(|(number, name)| Some((name, number, reason(name)?))))
 }
 
+/// Kinds with their numbers. The last one closes a switch over them.
 fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32, Reason)>) -> Vec<Entry> {
     let entry = |(name, number, why): (&str, u32, _)| Entry { name: name.to_string(), number, closes: false, why };
     let mut entries: Vec<_> = kinds.map(entry).collect();
@@ -42,7 +43,7 @@ fn without_meshes(facts: &Facts, group: &str, kinds: impl Iterator<Item = (u32, 
 
 /// The kinds of a group of facts that hold, with their numbers.
 fn of_group(facts: &Facts, group: &str, kinds: impl Iterator<Item = (u32, &'static str)>) -> Vec<Entry> {
-    let reason = |name: &str| facts.get(&format!("{group}.{name}")).cloned().flatten();
+    let reason = |name: &str| reason_of(facts, &format!("{group}.{name}")).cloned();
     closed(kinds.filter_map(|(number, name)| Some((name, number, reason(name)?))))
 }
 
@@ -95,7 +96,7 @@ fn lists_of_shapes(facts: &Facts) -> Lists {
     let (primitive, emitter, parted) = (of_shapes("shape"), of_shapes("area_light"), of_shapes("parted"));
     let has_parts = |kind: &Entry| parted.iter().any(|other| other.number == kind.number);
     let (parted_emitter, whole_emitter): (Vec<_>, Vec<_>) = emitter.iter().cloned().partition(has_parts);
-    let is_crossed = |kind: &&Entry| facts.get(&format!("crossed_body.{}", kind.name)).is_some_and(Option::is_some);
+    let is_crossed = |kind: &&Entry| reason_of(facts, &format!("crossed_body.{}", kind.name)).is_some();
     let crossed_body = primitive.iter().filter(is_crossed).cloned().collect();
     let background = of_group(facts, "background", numbered(BACKGROUNDS));
     let (own_background, other_background) = background.split_at(background.len().saturating_sub(1));
@@ -103,11 +104,11 @@ fn lists_of_shapes(facts: &Facts) -> Lists {
     BTreeMap::from([
         ("primitive", primitive),
         ("moving", of_shapes("moves")),
-        // Those that are sampled as lights, those of them whose lights are cut into parts, and the others.
+        // The shapes that are sampled as lights: all, those cut into parts, and the others.
         ("emitter", emitter),
         ("parted_emitter", parted_emitter),
         ("whole_emitter", whole_emitter),
-        // Those that a ray leaves again through a pane or a hole of their alpha.
+        // The bodies that a ray leaves again through a pane or a hole of their alpha.
         ("crossed_body", crossed_body),
         // The kinds of boundary of media.
         ("convex_boundary", without_meshes(facts, "boundary", BOUNDARIES.iter().map(|(name, kind)| (*kind, *name)))),
@@ -129,7 +130,7 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
     };
     let is_non_specular = |kind: &&Entry| features.reason(&format!("wide_lobe.{}", kind.name)).is_some();
     let non_specular: Vec<Entry> = served.iter().filter(is_non_specular).cloned().collect();
-    let extensions = (0..).zip(ExtensionKind::evaluated()).map(|(number, name)| (name, number, facts[name].clone()));
+    let extension = |(number, name)| Some((name, number, reason_of(facts, name)?.clone()));
     let every = |(number, (name, _)): (u32, &(&'static str, _))| (*name, number, Reason::EveryRender);
     BTreeMap::from([
         ("material", served.to_vec()),
@@ -142,28 +143,28 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
         ("pane", those(materials, |kind| kind.is_pane)),
         // The members of `Extension`, and those that the kernel evaluates.
         ("extension_row", closed((0..).zip(ExtensionKind::ALL).map(every))),
-        ("extension", closed(extensions.filter_map(|(name, number, why)| Some((name, number, why?))))),
+        ("extension", closed((0..).zip(ExtensionKind::evaluated()).filter_map(extension))),
     ])
 }
 
 /// The lists of the sums of `--aov`: the channels of the first hit by their modules, then the components of the sums by the stage that finds them.
 fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
-    let of_fact = |name: &str| facts.get(name).cloned().flatten();
     let sums_of = |finder: Finder, fact: &str| {
-        let why = of_fact(fact);
+        let why = reason_of(facts, fact);
         let components = (0..).zip(aovs.sum_components()).filter(|(_, (sum, _))| sum.finder() == finder);
         let entry = |(number, (sum, name)): (u32, (Sum, String))| {
             let component = name.rsplit('.').next().unwrap_or_default().to_lowercase();
             // In the modules under shaders/aov: a function of the first hit, or a variable.
             let vector = if finder == Finder::Hit { format!("{}(path)", sum.name()) } else { sum.name().to_string() };
             let name = if sum.components().len() > 1 { format!("{vector}.{component}") } else { vector };
-            Some(Entry { name, number, closes: false, why: why.clone()? })
+            Some(Entry { name, number, closes: false, why: why?.clone() })
         };
         components.filter_map(entry).collect::<Vec<Entry>>()
     };
     let channels = (0..).zip(aovs.sums().filter(|sum| sum.finder() == Finder::Hit));
+    let channel = |(number, sum): (u32, Sum)| Some((sum.name(), number, reason_of(facts, "aov_hit")?.clone()));
     BTreeMap::from([
-        ("hit_channel", closed(channels.filter_map(|(i, sum)| Some((sum.name(), i, of_fact("aov_hit")?))))),
+        ("hit_channel", closed(channels.filter_map(channel))),
         ("hit_sum", sums_of(Finder::Hit, "aov_hit")),
         ("surface_sum", sums_of(Finder::Surface, "aov_surface")),
         ("direct_sum", sums_of(Finder::Direct, "aov.direct")),
@@ -173,14 +174,14 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
 /// The lists of the words of a path's state.
 fn lists_of_state(fields: &[PathField]) -> Lists {
     let layout = path_layout(fields);
-    let numbered = |all: Vec<(String, u32)>| {
+    let entries = |all: Vec<(String, u32)>| {
         let entry = |(name, number)| Entry { name, number, closes: false, why: Reason::EveryRender };
         all.into_iter().map(entry).collect::<Vec<_>>()
     };
     BTreeMap::from([
-        ("path_plane", numbered(layout.planes)),
-        ("path_word", numbered(layout.words)),
-        ("other_path_word", numbered(layout.others)),
+        ("path_plane", entries(layout.planes)),
+        ("path_word", entries(layout.words)),
+        ("other_path_word", entries(layout.others)),
     ])
 }
 
@@ -192,7 +193,7 @@ fn values(
     queues: usize,
     queue: u32,
 ) -> Vec<(&'static str, u32)> {
-    let has = |fact: &str| facts.get(fact).is_some_and(Option::is_some);
+    let has = |fact: &str| reason_of(facts, fact).is_some();
     let extensions = ExtensionKind::evaluated().filter(|name| has(name)).count() as u32;
     let splat_sums = if options.light_paths.count() > 0 { SPLAT_SUMS } else { 0 };
     vec![

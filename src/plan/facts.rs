@@ -48,7 +48,7 @@ const DERIVED: &[(&str, &str)] = &[
     ("ball", "shape.sphere | boundary.sphere"),
     // A surface lets a share of light pass.
     ("alpha", "scene.alpha & surface"),
-    // A convex body does.
+    // A convex body lets a share of light pass.
     ("alpha_body", "body_with_alpha & alpha"),
     // Light passes a smooth surface straight on.
     ("pane", "smooth_pane & surface"),
@@ -64,7 +64,7 @@ const DERIVED: &[(&str, &str)] = &[
     ("aov_hit", "aov.hit & surface"),
     ("aov_surface", "aov.surface & event"),
     ("aov_rough", "aov_surface & seen.rough"),
-    // Light paths find light that is sampled at narrow lobes; a solid absorbs theirs.
+    // Light paths meet narrow lobes, or solids that absorb light.
     ("light_paths_of_narrow_lobes", "scene.narrow_lobe & light_paths"),
     ("light_paths_through_solids", "scene.absorbing & light_paths"),
 ];
@@ -189,13 +189,12 @@ pub(super) struct Known<'a> {
     pub module: String,
 }
 
-/// All features that a scene can need.
-pub(super) fn known_features(features: &Features) -> Vec<Known<'_>> {
-    let of = |declared: &'static Declared| {
-        let (label, module) = declared.feature?;
+/// The features of a fact, or of a group of facts.
+pub(super) fn known_of<'a>(declared: &'static Declared, features: &'a Features) -> Vec<Known<'a>> {
+    let of = |(label, module): (&str, &str)| {
         let of_kinds = declared.kinds.iter().copied().zip(declared.facts());
         let facts = if label.contains("{}") { of_kinds.collect() } else { vec![("", declared.name.to_string())] };
-        let known = move |(kind, fact): (&str, String)| Known {
+        let known = |(kind, fact): (&str, String)| Known {
             name: label.replace("{}", kind),
             reason: features.reason(&fact).or_else(|| features.any(&fact)).map(String::as_str),
             // Meshes have modules of their own.
@@ -205,7 +204,7 @@ pub(super) fn known_features(features: &Features) -> Vec<Known<'_>> {
                 _ => module.replace("{}", kind),
             },
         };
-        Some(facts.into_iter().map(known))
+        facts.into_iter().map(known).collect()
     };
-    DECLARED.iter().filter_map(of).flatten().collect()
+    declared.feature.map_or_else(Vec::new, of)
 }

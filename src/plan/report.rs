@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::facts::{Known, known_features};
+use super::facts::{Known, known_of};
 use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning};
 use crate::error::Result;
-use crate::flatten::{Features, NotSampled};
+use crate::flatten::{DECLARED, Features, NotSampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::{Embedded, Library, Reason, When};
@@ -136,7 +136,7 @@ impl Report {
         let (features, tuning) = (&plan.kernels.features, &plan.tuning);
         let kernels = plan.kernels();
         let linked: BTreeSet<&String> = kernels.iter().flat_map(|kernel| &kernel.linked.modules).collect();
-        let known = known_features(features);
+        let known: Vec<_> = DECLARED.iter().flat_map(|declared| known_of(declared, features)).collect();
         let (there, left_out): (Vec<_>, Vec<_>) = known.iter().partition(|known| linked.contains(&known.module));
         let with_reason = |known: &&Known<'_>| Some((known.name.clone(), known.reason?.to_string()));
         let heads = Embedded.heads().choices();

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::aov::{Aovs, Finder};
-use crate::gpu::link::{Facts, Reason};
+use crate::gpu::link::{Facts, Reason, reason_of};
 
 /// The reason for fields that separate stages pass to each other.
 const A_KERNEL_A_STAGE: &str = "a kernel a stage";
@@ -129,7 +129,7 @@ pub fn path_fields(facts: &Facts, aovs: &Aovs) -> Vec<PathField> {
 
 /// All fields, each with its reason if the scene has it.
 fn all_fields(facts: &Facts, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
-    let why = |fact: &str| facts.get(fact).and_then(Option::as_ref).map(Reason::to_string);
+    let why = |fact: &str| reason_of(facts, fact).map(Reason::to_string);
     let always = Some(Reason::EveryRender.to_string());
     // Fields that only separate stages pass on.
     let is_fused = why("fused").is_some();
