@@ -204,7 +204,7 @@ pub fn blocks(samples: Range<u32>) -> Range<u32> {
 }
 
 /// The light paths that belong to a range of samples, where a block of samples has so many. Each sample has an equal share of those of its
-/// block, but for the last ones, which may have fewer or none (shaders/step/light_sample.wgsl).
+/// block, but for the last ones, which may have fewer or none (shaders/light_path/light_sample.wgsl).
 pub fn light_paths_of(samples: &Range<u32>, of_block: u64) -> u64 {
     let of_sample = of_block.div_ceil(u64::from(RUN_LENGTH));
     let before = |sample: u32| {

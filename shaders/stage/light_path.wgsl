@@ -1,7 +1,7 @@
 //@ use slots/state
 //@ use data/primitive
 //@ use step/trace
-//@ use step/light_path
+//@ use light_path/scatter
 //@ use bind/window
 //@ use choice/media
 //@ use choice/time

@@ -4,7 +4,7 @@
 //@ use choice/light_absorption
 //@ use choice/medium_albedo
 //@ use medium/phase_pdf
-//@ use step/lens_connection
+//@ use light_path/lens_connection
 // An event of a light path in a medium sends a ray to the lens, too.
 fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3<f32>, direction: vec3<f32>) {
     if (*path).depth == FIRST_LIGHT_EVENT {

@@ -155,8 +155,8 @@ fn a_ball_lens_and_a_spherical_mirror_focus_a_point_light() {
         let room = scene(&bench.with_point());
         let found = render(&room, &traced()).mean_of_all();
         found.is_near(expected, 0.015).unwrap_or_else(|error| panic!("{}: {error}", bench.material));
-        let planted =
-            Overlay::new(&[]).rewritten("step/lens_connection", |own| own.replace("* pixels)", "* pixels * 1.03)"));
+        let planted = Overlay::new(&[])
+            .rewritten("light_path/lens_connection", |own| own.replace("* pixels)", "* pixels * 1.03)"));
         let planted = render_planted(&room, &traced(), &planted).mean_of_all();
         assert!(planted.is_near(expected, 0.015).is_err(), "{}: 3 % less light is not found", bench.material);
     }
@@ -197,7 +197,7 @@ fn nothing_can_be_seen_in_a_furnace() {
     );
     let found = render(&room, &traced()).mean_of_all();
     found.is_near([1.0; 3], 5e-3).unwrap_or_else(|error| panic!("{error}"));
-    let squared = Overlay::new(&[]).rewritten("step/density_ratio", |own| {
+    let squared = Overlay::new(&[]).rewritten("light_path/density_ratio", |own| {
         own.replace("exp2((*path).log_ratio + log2(emission))", "exp2(2.0 * ((*path).log_ratio + log2(emission)))")
     });
     let planted = render_planted(&room, &traced(), &squared).mean_of_all();

@@ -69,25 +69,25 @@ fn follow(text: &str, plant: Option<(&str, &str, &str)>) -> Followed {
     let changes = [
         // Without other camera paths, there is less to compile.
         ("stage/bounce", "scatter_path(&path);", "path.status = PATH_ENDED;"),
-        ("stage/light_path", "//@ use step/light_path", "//@ use step/light_path\n//@ use test/followed_back"),
+        ("stage/light_path", "//@ use light_path/scatter", "//@ use light_path/scatter\n//@ use test/followed_back"),
         (
             "stage/light_path",
             "scatter_light_path(&path);",
             "scatter_light_path(&path);\n            follow_back(&path);",
         ),
-        ("step/light_path", "//@ use step/light_depth", "//@ use step/light_depth\n//@ use test/recorded_events"),
+        ("light_path/scatter", "//@ use step/light_depth", "//@ use step/light_depth\n//@ use test/recorded_events"),
         (
-            "step/light_path",
+            "light_path/scatter",
             "    // The next ray. A first event",
             "    record_event_of_light(path, drawn);\n    // A first event",
         ),
         (
-            "step/lens_connection",
-            "//@ use step/light_sample",
-            "//@ use step/light_sample\n//@ use test/recorded_events",
+            "light_path/lens_connection",
+            "//@ use light_path/light_sample",
+            "//@ use light_path/light_sample\n//@ use test/recorded_events",
         ),
         (
-            "step/lens_connection",
+            "light_path/lens_connection",
             "    (*path).shadow = Ray(origin, view.direction);",
             "    log_ratio_at_lens = log_ratio;\n    (*path).shadow = Ray(origin, view.direction);",
         ),
@@ -97,19 +97,19 @@ fn follow(text: &str, plant: Option<(&str, &str, &str)>) -> Followed {
             "scatter_by_material(evaluated.material, interaction, u);",
             "follow_recorded(scatter_by_material(evaluated.material, interaction, u), evaluated.material, interaction, depth == 0u);",
         ),
-        ("scene/emission", "//@ use scene/lights", "//@ use scene/lights\n//@ use test/recorded_events"),
+        ("light_path/emission", "//@ use scene/lights", "//@ use scene/lights\n//@ use test/recorded_events"),
         (
-            "scene/emission",
+            "light_path/emission",
             "    let light = lights[choice.index];",
             "    let light = lights[choice.index];\n    recorded_light = light.code;",
         ),
         // The counters are the test's own.
-        ("step/counted_splat", "    add_light(", "    let not_counted = value; //"),
+        ("light_path/counted_splat", "    add_light(", "    let not_counted = value; //"),
         // At the last event the camera path samples the same light.
         (
             "step/light",
             "//@ use scene/lights",
-            "//@ use scene/lights\n//@ use step/light_sample\n//@ use test/recorded_events",
+            "//@ use scene/lights\n//@ use light_path/light_sample\n//@ use test/recorded_events",
         ),
         (
             "step/light",
@@ -176,27 +176,35 @@ fn light_paths_and_camera_paths_agree_path_by_path() {
         found
     });
     for plant in [
-        ("scene/emission", "choice.density * aim.pdf / cosine", "1.01 * choice.density * aim.pdf / cosine"),
-        ("scene/aims", "weight_on_ray(ray, light, 0.0) / sum", "1.01 * weight_on_ray(ray, light, 0.0) / sum"),
-        ("step/light_path", "cos_camera / (cos_light * pdf)", "1.01 * cos_camera / (cos_light * pdf)"),
-        ("step/light_path", "log_of_density(of_sample.response.pdf)", "log_of_density(1.01 * of_sample.response.pdf)"),
+        ("light_path/emission", "choice.density * aim.pdf / cosine", "1.01 * choice.density * aim.pdf / cosine"),
+        ("light_path/aims", "weight_on_ray(ray, light, 0.0) / sum", "1.01 * weight_on_ray(ray, light, 0.0) / sum"),
+        ("light_path/scatter", "cos_camera / (cos_light * pdf)", "1.01 * cos_camera / (cos_light * pdf)"),
         (
-            "step/density_ratio",
+            "light_path/scatter",
+            "log_of_density(of_sample.response.pdf)",
+            "log_of_density(1.01 * of_sample.response.pdf)",
+        ),
+        (
+            "light_path/density_ratio",
             "log_of_density(of_sample.response.pdf) - ",
             "log_of_density(1.01 * of_sample.response.pdf) - ",
         ),
-        ("step/density_ratio", "log_of_density(light_paths) - density", "log_of_density(1.01 * light_paths) - density"),
-        ("step/lens_connection", "density / (distance * distance)", "1.01 * density / (distance * distance)"),
-        ("step/lens_connection", "(1.0 + exp2(-log_ratio))", "pow(1.0 + exp2(-log_ratio), 1.01)"),
+        (
+            "light_path/density_ratio",
+            "log_of_density(light_paths) - density",
+            "log_of_density(1.01 * light_paths) - density",
+        ),
+        ("light_path/lens_connection", "density / (distance * distance)", "1.01 * density / (distance * distance)"),
+        ("light_path/lens_connection", "(1.0 + exp2(-log_ratio))", "pow(1.0 + exp2(-log_ratio), 1.01)"),
     ] {
         let found = follow(&room("", ""), Some(plant));
         assert!(found.wrong > 3.0 * ROUNDED * found.all, "{plant:?}: {found:?}");
     }
     for plant in [
         ("step/light", "light_pdf + select(pdf", "1.02 * light_pdf + select(pdf"),
-        ("step/light_path", "sampled);", "1.02 * sampled);"),
+        ("light_path/scatter", "sampled);", "1.02 * sampled);"),
         (
-            "scene/delta_emission",
+            "light_path/delta_emission",
             "return probability * density_of_parallel_aim",
             "return 1.02 * probability * density_of_parallel_aim",
         ),

@@ -212,11 +212,11 @@ fn planted_errors_of_light_paths_are_found() {
     };
     plant(
         "a lamp and a matt ball in glass that absorbs and is tinted",
-        &[("step/light_path", "drawn.weight / ratio", "drawn.weight")],
+        &[("light_path/scatter", "drawn.weight / ratio", "drawn.weight")],
     );
     plant(
         "near mirrors",
-        &[("step/light_path", "(!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW))", "!is_first")],
+        &[("light_path/scatter", "(!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW))", "!is_first")],
     );
 }
 
@@ -295,7 +295,7 @@ fn a_point_light_shines_through_a_slab() {
     let found = render(&room, &traced(8)).mean_of_all();
     found.is_near(expected, 0.03).unwrap_or_else(|error| panic!("{error}"));
     let planted =
-        Overlay::new(&[]).rewritten("step/lens_connection", |own| own.replace("* pixels)", "* pixels * 1.04)"));
+        Overlay::new(&[]).rewritten("light_path/lens_connection", |own| own.replace("* pixels)", "* pixels * 1.04)"));
     let planted = render_planted(&room, &traced(8), &planted).mean_of_all();
     assert!(planted.is_near(expected, 0.03).is_err(), "4 % less light is not found");
 }

@@ -171,7 +171,7 @@ fn lights_are_where_those_of_stills_are() {
         assert!(later > 0.3, "{light}: a fiftieth of the time changes {later} of the pixels");
         if light_paths > 0 {
             let library = at_time(share)
-                .rewritten("step/light_sample", |text| text.replace("begin_time(path);", "now = 0.0;"))
+                .rewritten("light_path/light_sample", |text| text.replace("begin_time(path);", "now = 0.0;"))
                 .rewritten("stage/light_path", |text| text.replace("begin_time(&path);", "now = 0.0;"));
             let found = differing(&still, &render_planted(&moving, &request, &library));
             assert!(found > 0.1, "{light}: light paths of another time change {found} of the pixels");

@@ -1,4 +1,4 @@
-//! scene/aims, scene/parallel_aims: the directions of light paths against their densities, from starts on, in and beside the boxes that are aimed at.
+//! light_path/aims, light_path/parallel_aims: the directions of light paths against their densities, from starts on, in and beside the boxes that are aimed at.
 //! (What a camera path claims of its density is tests/images/followed_back.rs.)
 
 use std::f64::consts::PI;
@@ -265,17 +265,17 @@ fn light_paths_go_where_their_density_says() {
     let mut found = Vec::new();
     for (module, part, other) in [
         // The box of the lamp forgotten where a box is chosen, or where its weight is summed up.
-        ("scene/aims", "if is_aimed_at(i, light)", "if true"),
-        ("scene/aims", "&& is_aimed_at(i, light)", ""),
+        ("light_path/aims", "if is_aimed_at(i, light)", "if true"),
+        ("light_path/aims", "&& is_aimed_at(i, light)", ""),
         // A start in a box.
         ("light/cuboid", "4.0 * PI, is_in_cuboid", "3.96 * PI, is_in_cuboid"),
         // 1 % of a density.
         (
-            "scene/aims",
+            "light_path/aims",
             "return DirectionSample(direction, weight / choice.sum)",
             "return DirectionSample(direction, 1.01 * weight / choice.sum)",
         ),
-        ("scene/aims", "weight_on_ray(ray, light, 0.0) / sum", "1.01 * weight_on_ray(ray, light, 0.0) / sum"),
+        ("light_path/aims", "weight_on_ray(ray, light, 0.0) / sum", "1.01 * weight_on_ray(ray, light, 0.0) / sum"),
     ] {
         let planted = Some((module, part, other));
         let (draws, densities) = (kernel(DRAWS, planted), kernel(1, planted));

@@ -1,5 +1,5 @@
-//@ use scene/aims
-//@ use scene/parallel_aims
+//@ use light_path/aims
+//@ use light_path/parallel_aims
 //@ use sampler/independent
 // Where light paths of a light go: directions from a point of it, or rays of a directional light, with their densities.
 struct In {

@@ -5,7 +5,7 @@
 //@ use choice/delta_lights
 //@ use lib/float
 //@ use medium/phase_pdf
-//@ use step/density_ratio
+//@ use light_path/density_ratio
 //@ use step/light
 //@ use step/scatter
 //@ use step/trace

@@ -1,6 +1,6 @@
 //@ use lib/float
 //@ use light/cuboid
-//@ use scene/aims
+//@ use light_path/aims
 // Light paths of directional lights: parallel rays to the boxes, each uniform in the area of a box's shadow.
 
 // The distance from which such rays come: beyond everything but large spheres. (Render space has an extent near 1.)

@@ -9,14 +9,14 @@
 //@ use geometry/offset
 //@ use light/alias
 //@ use light/sample
-//@ use scene/aims
+//@ use light_path/aims
 //@ use scene/at_run_time
 //@ use scene/lights
 //@ use choice/light_coverage
 //@ use choice/delta_emission
 //@ use choice/delta_lights
 //@ use choice/light_surfaces
-// The emission of light paths: a light by its power that the boxes of scene/aims receive, a point uniform in its area, and a direction to one
+// The emission of light paths: a light by its power that the boxes of light_path/aims receive, a point uniform in its area, and a direction to one
 // of the boxes.
 
 const LIGHTS: u32 = ${lights}u;

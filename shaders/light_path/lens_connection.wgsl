@@ -10,11 +10,11 @@
 //@ use choice/sampler
 //@ use choice/transmittance
 //@ use lib/float
-//@ use step/counted_splat
-//@ use step/density_ratio
+//@ use light_path/counted_splat
+//@ use light_path/density_ratio
 //@ use step/light
-//@ use step/light_sample
-//@ use step/splat
+//@ use light_path/light_sample
+//@ use light_path/splat
 // Connections of light paths: each event but the first sends a ray to a point of the lens, and what arrives is added to the film there. The
 // shadow ray of a path is that ray.
 
@@ -24,7 +24,7 @@ struct LensView {
     direction: vec3<f32>,
     distance: f32,
     film_point: vec2<f32>,
-    // Chooses the pixel (step/splat).
+    // Chooses the pixel (light_path/splat).
     u: vec2<f32>,
     // The density of camera rays per pixel over the squared distance; 0 behind the camera.
     density: f32,

@@ -17,12 +17,12 @@
 //@ use scene/interaction
 //@ use scene/materials
 //@ use scene/responses
-//@ use scene/reversal
+//@ use light_path/reversal
 //@ use scene/surfaces
-//@ use step/density_ratio
-//@ use step/lens_connection
+//@ use light_path/density_ratio
+//@ use light_path/lens_connection
 //@ use step/light_depth
-//@ use step/light_sample
+//@ use light_path/light_sample
 // An event of a light path. What light does there is what camera paths compute: the BSDF is evaluated in their order, with the side of
 // the camera as the incoming one, since not every BSDF is reciprocal. With i the direction to the light and o that to the camera, and the
 // normals n_s of shading and n_g of the surface, the throughput gets the factor f |n_s i| |n_g o| / (|n_g i| pdf(o)) (Veach 1997, section 5.3).

@@ -13,9 +13,9 @@
 //@ use data/primitive
 //@ use data/ray
 //@ use lib/float
-//@ use scene/emission
+//@ use light_path/emission
 //@ use scene/lights
-//@ use step/counted_splat
+//@ use light_path/counted_splat
 // The start of light paths. A block of samples of all pixels has the light paths 0, 1, ... of pixel 0, then those of pixel 1, and so on. Their
 // numbers are the samples of one sequence over the whole image, which is more even than a sequence for each pixel. The blocks of a pair are
 // the two halves of the sampler.

@@ -2,9 +2,9 @@
 //@ use data/emitted_ray
 //@ use data/primitive
 //@ use bind/emitters
-//@ use scene/aims
+//@ use light_path/aims
 //@ use scene/at_run_time
-//@ use scene/parallel_aims
+//@ use light_path/parallel_aims
 //@ use scene/delta_lights
 // Light paths of lights without size.
 

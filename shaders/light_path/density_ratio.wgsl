@@ -12,10 +12,10 @@
 //@ use choice/delta_lights
 //@ use choice/light_surfaces
 //@ use choice/normal_map
-//@ use scene/emission
+//@ use light_path/emission
 //@ use scene/interaction
 //@ use scene/responses
-//@ use scene/reversal
+//@ use light_path/reversal
 // Camera paths beside light paths. The paths that both find have a first event that is not specular and a last one that scatters into a specular
 // or a narrow lobe. Three techniques find their light: BSDF sampling, light sampling and light paths, with the densities p_b, p_l and p_t. By
 // the balance heuristic (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, sections 9.2 and 10.2), light paths have the
