@@ -119,17 +119,8 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         named("moving_medium", none(), Always, "medium motion", "motion/medium"),
         named("moving_camera", none(), Always, "camera motion", "camera/moving"),
     ];
-    let features = BTreeMap::from([
-        ("transmission", ("pbr transmission", "material/pbr_transmission")),
-        ("coat", ("pbr coat", "material/pbr_coat")),
-        ("sheen", ("pbr sheen", "material/pbr_sheen")),
-        ("iridescence", ("pbr film", "material/thin_film")),
-        ("diffuse_transmission", ("pbr diffuse transmission", "material/pbr_translucent_body")),
-        ("anisotropy", ("anisotropy", "material/anisotropic_facets")),
-        ("dispersion", ("dispersion", "material/dispersed_boundary")),
-    ]);
     all.extend(ExtensionKind::ALL.iter().map(|(name, kind)| Declared {
-        feature: features.get(name).copied(),
+        feature: ExtensionKind::LOBES.iter().find(|(lobe, _)| lobe == name).map(|(_, feature)| *feature),
         ..of_materials(name, Always, &|own| own.extensions.contains(kind))
     }));
     all

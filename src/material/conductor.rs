@@ -20,7 +20,7 @@ pub const KIND: MaterialKind = MaterialKind {
     has_second_part: true,
 };
 
-/// The largest alpha of microfacets of this roughness and anisotropy, as widest_alpha (shaders/material/anisotropic_facets).
+/// The largest alpha of microfacets of this roughness and anisotropy, as widest_alpha (shaders/lobe/anisotropy).
 pub fn widest_alpha(roughness: f32, anisotropy: f64) -> f32 {
     let alpha = roughness * roughness;
     let along = (anisotropy as f32).powi(2);

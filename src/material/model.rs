@@ -87,7 +87,7 @@ pub struct Slot<'a> {
 }
 
 macro_rules! extensions {
-    ($($(#[$about:meta])* $kind:ident = $name:literal,)*) => {
+    ($($(#[$about:meta])* $kind:ident = $name:literal $(, a lobe: $label:literal)?;)*) => {
         /// The extensions of materials, each with its own row of the table of materials.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum ExtensionKind { $($(#[$about])* $kind,)* }
@@ -95,58 +95,62 @@ macro_rules! extensions {
         impl ExtensionKind {
             /// All, by the names of their members of `Extension` on the device, in the order of these.
             pub const ALL: &'static [(&'static str, ExtensionKind)] = &[$(($name, ExtensionKind::$kind)),*];
+
+            /// The lobes among them, by name: what `plan` calls one, and its module.
+            pub const LOBES: &'static [(&'static str, (&'static str, &'static str))] =
+                &[$($(($name, ($label, concat!("lobe/", $name))),)?)*];
         }
     };
 }
 
 extensions! {
     /// The radiance that it emits in addition to what it scatters. The row's parameter is 0 if it emits from its front alone.
-    Emission = "emission",
+    Emission = "emission";
     /// The share of light that it stops.
-    Alpha = "alpha",
+    Alpha = "alpha";
     /// Its roughness, where that varies over the surface.
-    Roughness = "roughness",
+    Roughness = "roughness";
     /// How metallic it is, where that varies.
-    Metallic = "metallic",
+    Metallic = "metallic";
     /// The normal in the frame of the texture coordinates.
-    Normal = "normal",
+    Normal = "normal";
     /// The colours of a mesh's vertices, which multiply its own. The row is not read.
-    VertexColours = "vertex_colours",
+    VertexColours = "vertex_colours";
     /// It makes up for light that microfacets scatter more than once. The row is not read.
-    Multiscatter = "multiscatter",
+    Multiscatter = "multiscatter";
     /// The colour multiplies what the layer of glTF's material reflects of light straight on it, the parameter what it reflects at all angles.
-    Specular = "specular",
+    Specular = "specular";
     /// The alpha of a mesh's vertices, which multiplies its own. The row is not read.
-    VertexAlpha = "vertex_alpha",
+    VertexAlpha = "vertex_alpha";
     /// The colours of a mesh's vertices, which multiply what it emits. The row is not read.
-    VertexEmission = "vertex_emission",
+    VertexEmission = "vertex_emission";
     /// How much the layer of glTF's material reflects, where that varies.
-    SpecularShare = "specular_share",
+    SpecularShare = "specular_share";
     /// The share of glass in glTF's material. The row has the numbers of a dielectric; its parameter is 0 of a pane.
-    Transmission = "transmission",
+    Transmission = "transmission", a lobe: "pbr transmission";
     /// The share of a coat around glTF's material, with its roughness as the parameter and its reflectance straight on as `contrast_outside`.
-    Coat = "coat",
+    Coat = "coat", a lobe: "pbr coat";
     /// The roughness of the coat, where that varies.
-    CoatRoughness = "coat_roughness",
+    CoatRoughness = "coat_roughness";
     /// The normal of the coat.
-    CoatNormal = "coat_normal",
+    CoatNormal = "coat_normal";
     /// The colour of the sheen on glTF's material, with its roughness as the parameter.
-    Sheen = "sheen",
+    Sheen = "sheen", a lobe: "pbr sheen";
     /// The roughness of the sheen, where that varies.
-    SheenRoughness = "sheen_roughness",
+    SheenRoughness = "sheen_roughness";
     /// The direction along which microfacets are rougher, and by how much: the factor of the strength is the parameter, the cosine and the sine of
     /// the rotation are the contrasts.
-    Anisotropy = "anisotropy",
+    Anisotropy = "anisotropy", a lobe: "anisotropy";
     /// The share of a thin film on glTF's material, with its index of refraction as the parameter and its thickness in nm as `contrast_outside`.
-    Iridescence = "iridescence",
+    Iridescence = "iridescence", a lobe: "pbr film";
     /// The thickness of the film where that varies, from `contrast_outside` to `contrast_inside`.
-    IridescenceThickness = "iridescence_thickness",
+    IridescenceThickness = "iridescence_thickness";
     /// The colour of scattered light that passes glTF's material, with its share as the parameter.
-    DiffuseTransmission = "diffuse_transmission",
+    DiffuseTransmission = "diffuse_transmission", a lobe: "pbr diffuse transmission";
     /// The share of that light, where it varies.
-    DiffuseTransmissionShare = "diffuse_transmission_share",
+    DiffuseTransmissionShare = "diffuse_transmission_share";
     /// The index of refraction of blue in glass less that of green, as the parameter.
-    Dispersion = "dispersion",
+    Dispersion = "dispersion", a lobe: "dispersion";
 }
 
 impl ExtensionKind {
@@ -512,7 +516,7 @@ impl<'a> Model<'a> {
         let emits = self.emission().is_some();
         let [is_rough, is_brushed] = [ExtensionKind::Roughness, ExtensionKind::Anisotropy].map(|kind| self.has(kind));
         let is_mirror = self.on_device.parameter < LEAST_ROUGHNESS && !is_rough && !is_brushed;
-        // A film without a thickness is none (shaders/material/thin_film), and one of the index of air has no boundary.
+        // A film without a thickness is none (shaders/lobe/iridescence), and one of the index of air has no boundary.
         let has_film = self.find(ExtensionKind::Iridescence).is_some_and(|film| {
             let thickness =
                 self.find(ExtensionKind::IridescenceThickness).map_or(film.contrasts, |film| film.contrasts);

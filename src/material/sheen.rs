@@ -1,4 +1,4 @@
-//! The directional albedo of white sheen: a table that shaders/scene/sheen_albedo interpolates.
+//! The directional albedo of white sheen: a table that shaders/lobe/sheen_albedo interpolates.
 
 use std::f64::consts::{PI, TAU};
 

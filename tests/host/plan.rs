@@ -785,7 +785,7 @@ fn modules_by_kernel(flat: &DeviceScene, class: &Class, scatter: Scatter) -> BTr
 
 #[test]
 fn a_glass_sphere_adds_its_material_and_nothing_else() {
-    let glass = ["lib/fresnel", "lib/refraction", "material/dielectric", "material/plain_boundary"].map(str::to_string);
+    let glass = ["lib/fresnel", "lib/refraction", "lobe/plain_boundary", "material/dielectric"].map(str::to_string);
     let queues = ["bind/queues", "data/queue", "slots/sort_by_material"].map(str::to_string);
     let (before, after) = (flat(&parse(SPHERE), FeatureSet::Scene), flat(&parse(&glass_sphere()), FeatureSet::Scene));
     for class in classes() {
@@ -824,7 +824,7 @@ fn a_glass_sphere_adds_its_material_and_nothing_else() {
                 "lib/fresnel",
                 "lib/refraction",
                 "material/dielectric",
-                "material/plain_boundary",
+                "lobe/plain_boundary",
                 "slots/queued_slot",
                 "slots/sort_by_material",
                 "stage/dispatch",

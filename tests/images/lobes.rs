@@ -180,15 +180,11 @@ fn light_sampling_changes_no_expectation_beside_lobes() {
     let sobol = render(&room, &Request::default().seed(3).mis().sobol());
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let errors = [
-        ("material/pbr_coat", "let value = vec3<f32>(pdf * smith", "let value = vec3<f32>(0.0 * pdf * smith"),
+        ("lobe/coat", "let value = vec3<f32>(pdf * smith", "let value = vec3<f32>(0.0 * pdf * smith"),
         ("scene/light_coat", "return emission_under_coat(radiance, seen);", "return radiance;"),
-        ("material/pbr_sheen", "let of_sheen = share *", "let of_sheen = 0.0 * share *"),
-        ("material/pbr_transmission", "glass.value *= tint_of_glass(hit, direction);", ""),
-        (
-            "material/pbr_translucent_body",
-            "return hit.lobes.through * hit.lobes.colour_through;",
-            "return vec3<f32>(0.0);",
-        ),
+        ("lobe/sheen", "let of_sheen = share *", "let of_sheen = 0.0 * share *"),
+        ("lobe/transmission", "glass.value *= tint_of_glass(hit, direction);", ""),
+        ("lobe/diffuse_transmission", "return hit.lobes.through * hit.lobes.colour_through;", "return vec3<f32>(0.0);"),
     ];
     let is_found = |error| same_expectation(&bsdf, &planted(&room, &mis, error), 1e-5, ALPHA).is_err();
     let lost: Vec<_> = errors.into_iter().filter(|error| !is_found(*error)).collect();

@@ -1,4 +1,4 @@
-//! material/anisotropic_facets: microfacets that are rougher along a direction, against their formulas in f64, for each material that has them.
+//! lobe/anisotropy: microfacets that are rougher along a direction, against their formulas in f64, for each material that has them.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use crate::pbr::{NO_LAYER, RINGS, SECTORS, cell, hemisphere, pbr};
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
 const DRAWS: usize = 1 << 18;
-const FACETS: &str = "material/anisotropic_facets";
+const FACETS: &str = "lobe/anisotropy";
 
 /// The row with this strength along a random direction.
 fn along(random: &mut Random, row: In, strength: f64) -> In {

@@ -297,7 +297,7 @@ fn pbr_responds_by_the_formula_of_gltf() {
 #[test]
 fn pbr_has_the_layer_of_the_extension() {
     let mut random = Random(207);
-    let own = kernel_of("pbr", 1, &[], &["material/pbr_own_layer"]);
+    let own = kernel_of("pbr", 1, &[], &["lobe/specular"]);
     for towards_light in [false, true] {
         let layered = |(i, row): (usize, In)| {
             let f90 = [0.0, 0.5, 1.0, 0.01][i % 4];

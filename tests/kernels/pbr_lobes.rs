@@ -30,14 +30,14 @@ const ALPHA: f64 = 1e-6;
 const DRAWS: usize = 1 << 18;
 /// The modules of all lobes.
 pub const ALL: [&str; 8] = [
-    "material/pbr_own_layer",
-    "material/pbr_transmission",
-    "material/pbr_sheen",
-    "material/pbr_coat",
-    "material/anisotropic_facets",
-    "material/thin_film",
-    "material/pbr_translucent_body",
-    "material/dispersed_boundary",
+    "lobe/specular",
+    "lobe/transmission",
+    "lobe/sheen",
+    "lobe/coat",
+    "lobe/anisotropy",
+    "lobe/iridescence",
+    "lobe/diffuse_transmission",
+    "lobe/dispersion",
 ];
 
 /// The table of the kernels: that of rough metals, and that of sheen behind it.
@@ -596,9 +596,9 @@ fn a_share_of_glass_is_mixed_with_the_base() {
         &[
             ("data/material", "(1.0 - weight) * inner.value", "(1.0 - 0.97 * weight) * inner.value"),
             ("data/material", "share * outer.pdf", "1.02 * share * outer.pdf"),
-            ("material/pbr_transmission", "select(vec3<f32>(1.0), hit.colour,", "select(hit.colour, hit.colour,"),
+            ("lobe/transmission", "select(vec3<f32>(1.0), hit.colour,", "select(hit.colour, hit.colour,"),
             (
-                "material/pbr_transmission",
+                "lobe/transmission",
                 "own.second.parameter = hit.lobes.ior",
                 "own.second.parameter = 1.01 * hit.lobes.ior",
             ),
@@ -612,14 +612,14 @@ fn a_coat_reflects_what_lies_below_does_not_get() {
         coated_rows,
         611,
         &[
-            ("material/pbr_coat", "cos_view, vec3<f32>(hit.lobes.coat_f0)", "1.0, vec3<f32>(hit.lobes.coat_f0)"),
+            ("lobe/coat", "cos_view, vec3<f32>(hit.lobes.coat_f0)", "1.0, vec3<f32>(hit.lobes.coat_f0)"),
             (
-                "material/pbr_coat",
+                "lobe/coat",
                 "microfacet_density(half_way, hit.coat_normal, alpha)",
                 "microfacet_density(half_way, hit.normal, alpha)",
             ),
             (
-                "material/pbr_coat",
+                "lobe/coat",
                 "dot(direction, hit.coat_normal) > 0.0 && dot(direction, hit.normal) > 0.0",
                 "dot(direction, hit.coat_normal) > 0.0",
             ),
@@ -633,10 +633,10 @@ fn a_sheen_takes_from_what_lies_below_what_it_reflects() {
         sheened_rows,
         613,
         &[
-            ("material/pbr_sheen", "max(albedos.x, albedos.y), 1.0);\n}", "albedos.x, 1.0);\n}"),
+            ("lobe/sheen", "max(albedos.x, albedos.y), 1.0);\n}", "albedos.x, 1.0);\n}"),
             ("lib/charlie", "2.0 * charlie_fit(0.5, alpha) - fit", "1.99 * charlie_fit(0.5, alpha) - fit"),
             ("lib/charlie", "0.5 / alpha", "0.51 / alpha"),
-            ("scene/sheen_albedo", "sqrt(sqrt(cosine))", "sqrt(cosine)"),
+            ("lobe/sheen_albedo", "sqrt(sqrt(cosine))", "sqrt(cosine)"),
         ],
     );
 }
@@ -647,14 +647,14 @@ fn a_film_reflects_in_place_of_the_base_and_its_glass() {
         filmed_rows,
         631,
         &[
-            ("material/thin_film", "share * film;", "0.97 * share * film;"),
+            ("lobe/iridescence", "share * film;", "0.97 * share * film;"),
             (
-                "material/thin_film",
+                "lobe/iridescence",
                 "return hit.lobes.film * smoothstep(0.0, 0.03, hit.lobes.film_thickness);",
                 "return hit.lobes.film;",
             ),
-            ("material/thin_film", "max(max(film.x, film.y), film.z)", "film.x"),
-            ("material/thin_film", "colour / chance, chance", "under.colour, chance"),
+            ("lobe/iridescence", "max(max(film.x, film.y), film.z)", "film.x"),
+            ("lobe/iridescence", "colour / chance, chance", "under.colour, chance"),
             (
                 "material/pbr_base",
                 "with_film(schlick(cos_facet, hit.colour)",
@@ -676,13 +676,13 @@ fn light_passes_a_translucent_body() {
         633,
         &[
             (
-                "material/pbr_translucent_body",
+                "lobe/diffuse_transmission",
                 "return hit.lobes.through * hit.lobes.colour_through;",
                 "return hit.lobes.through * hit.colour;",
             ),
-            ("material/pbr_translucent_body", "select(far, 1.0 - far,", "select(0.98 * far, 1.0 - far,"),
-            ("material/pbr_translucent_body", "direction - 2.0 *", "direction - 1.9 *"),
-            ("material/pbr_translucent_body", "return (1.0 - hit.lobes.through) * hit.colour;", "return hit.colour;"),
+            ("lobe/diffuse_transmission", "select(far, 1.0 - far,", "select(0.98 * far, 1.0 - far,"),
+            ("lobe/diffuse_transmission", "direction - 2.0 *", "direction - 1.9 *"),
+            ("lobe/diffuse_transmission", "return (1.0 - hit.lobes.through) * hit.colour;", "return hit.colour;"),
         ],
     );
 }
@@ -693,9 +693,9 @@ fn glass_with_dispersion_has_an_index_for_each_channel() {
         dispersed_rows,
         635,
         &[
-            ("material/dispersed_boundary", "let own = ior + shift;", "let own = ior - shift;"),
-            ("material/dispersed_boundary", "shift * (2.0 * ior + shift)", "shift * 2.0 * ior"),
-            ("material/dispersed_boundary", "all / reflectance, reflectance", "vec3<f32>(1.0), reflectance"),
+            ("lobe/dispersion", "let own = ior + shift;", "let own = ior - shift;"),
+            ("lobe/dispersion", "shift * (2.0 * ior + shift)", "shift * 2.0 * ior"),
+            ("lobe/dispersion", "all / reflectance, reflectance", "vec3<f32>(1.0), reflectance"),
         ],
     );
 }

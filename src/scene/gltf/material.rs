@@ -1,5 +1,7 @@
 //! The materials of a glTF file, in terms of ours. What has no counterpart is named, once for each material.
 
+mod reader;
+
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -10,9 +12,10 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
+use reader::Reader;
+
 use super::lobes::{self, LobeTexture};
 use super::{File, GltfError, Result, decimal, path_of_uri};
-use crate::bitmap::Channel;
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
 use crate::scene::mesh_files::quote;
@@ -337,227 +340,42 @@ impl File {
         let given = given.ok_or_else(|| GltfError::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
         lobes::check(given, &at)?;
-        let pbr = &given.pbr_metallic_roughness;
-        // What is not as the file says.
-        let mut found: Vec<String> = Vec::new();
-        let [r, g, b, _] = pbr.base_color_factor.0;
-        let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
-        let placings = placings(given);
-        // The path of an image, and which of the sets of texture coordinates it has.
-        let mut image = |named: Option<Named>| -> Result<Option<(String, u32)>> {
-            let Some((field, info)) = named else { return Ok(None) };
-            let placing = UvTransform::from_info(&info);
-            let uv_set = placings.iter().position(|known| *known == placing).unwrap_or_default() as u32;
-            Ok(self.image_path(&at, field, &info, path, &mut found)?.map(|path| (path, uv_set)))
-        };
-        let texture = |image: Option<(String, u32)>, tint: Colour, channel| match image {
-            Some((path, uv_set)) => Texture::Image { path, tint, channel, uv_set },
-            None => Texture::Rgb(tint.x, tint.y, tint.z),
-        };
-        let of_base = image(base_texture(given))?;
-        let color = texture(of_base.clone(), base, None);
-        let light = match model(given) {
-            Model::Unlit => texture(of_base.clone(), radiance(base), None),
-            _ => texture(image(emissive_texture(given))?, radiance(emission(given)), None),
-        };
-        let of_numbers = image(number_texture(given))?;
-        let [of_specular, of_specular_color, of_transmission] = [
-            image(specular_texture(given))?,
-            image(specular_color_texture(given))?,
-            image(transmission_texture(given))?,
-        ];
-        let mut of_lobe = |of: LobeTexture| -> Result<Option<(String, u32)>> {
-            let Some(info) = lobes::texture(given, &of) else { return Ok(None) };
-            image(Some((of.field, Cow::Owned(info))))
-        };
-        let has_anisotropy = lobes::anisotropy(given) > 0.0;
-        let (anisotropy, anisotropy_rotation) = match has_anisotropy {
-            true => (lobes::anisotropy(given), lobes::anisotropy_rotation(given)),
-            false => (0.0, 0.0),
-        };
-        let of_anisotropy = of_lobe(lobes::ANISOTROPY_TEXTURE)?;
-        let coat_map = of_lobe(lobes::COAT_NORMAL_TEXTURE)?;
-        let (of_coat, of_coat_roughness) = (of_lobe(lobes::COAT_TEXTURE)?, of_lobe(lobes::COAT_ROUGHNESS_TEXTURE)?);
-        let (of_sheen, of_sheen_roughness) = (of_lobe(lobes::SHEEN_TEXTURE)?, of_lobe(lobes::SHEEN_ROUGHNESS_TEXTURE)?);
-        let of_film = of_lobe(lobes::IRIDESCENCE_TEXTURE)?;
-        let of_thickness = of_lobe(lobes::IRIDESCENCE_THICKNESS_TEXTURE)?;
-        let of_through = of_lobe(lobes::DIFFUSE_TRANSMISSION_TEXTURE)?;
-        let of_colour_through = of_lobe(lobes::DIFFUSE_TRANSMISSION_COLOR_TEXTURE)?;
-        let normal = image(normal_texture(given))?.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
-        let anisotropy_texture = of_anisotropy.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
-        let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
-        let normal_scale = if normal.is_some() { scale } else { 1.0 };
-        let number = |factor: f64, channel| {
-            // Nothing of a texture is left by a factor of 0.
-            let image = of_numbers.clone().filter(|_| factor != 0.0);
-            texture(image, Colour::splat(factor), Some(channel))
-        };
-        let [roughness, metallic] = numbers(given);
-        let (roughness, metallic) = (number(roughness, Channel::G), number(metallic, Channel::B));
-        let [is_smooth, is_no_metal, is_metal] =
-            [(&roughness, 0.0), (&metallic, 0.0), (&metallic, 1.0)].map(|(number, x)| *number == Texture::grey(x));
-        let emission = Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO));
-        let model = model(given);
-        let (factor, alpha_cutoff) = alpha(given);
-        let of_alpha = of_base.filter(|_| factor != 0.0 && !is_opaque(given));
-        let alpha = texture(of_alpha, Colour::splat(factor), Some(Channel::A));
-        let OfVertices { colors: vertex_colors, alpha: vertex_alpha } = of_vertices;
-        // A cutoff that all of it reaches changes nothing.
-        let is_opaque = alpha == Texture::grey(1.0) && !vertex_alpha && alpha_cutoff.is_none_or(|cutoff| cutoff <= 1.0);
-        let alpha_cutoff = alpha_cutoff.filter(|_| !is_opaque);
-        // What is unlit has its base colour and nothing else.
-        let extensions = given.extensions.as_ref().filter(|_| model != Model::Unlit);
-        let specular = extensions.and_then(|found| found.specular.as_ref());
-        // A factor of 0 leaves nothing of a texture.
-        let share_of = |image: Option<(String, u32)>, factor: f64, channel| {
-            texture(image.filter(|_| factor != 0.0), Colour::splat(factor), Some(channel))
-        };
-        let transmission = share_of(of_transmission, transmission(given), Channel::R);
-        let is_glassy = transmission != Texture::grey(0.0);
-        let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0)
-            && !is_glassy
-            && !lobes::has_lobes(given);
-        let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
-        let has_ior = (1.0..=MOST_IOR).contains(&ior);
-        found.extend((!has_ior).then(|| format!("its ior of {ior} is read as 1.5")));
-        let ior = if has_ior { ior } else { 1.5 };
-        let (is_light, is_unlit) = (model == Model::Light, model == Model::Unlit);
-        let material = match model {
-            Model::Light if is_opaque => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
+        let mut reader = Reader { file: self, given, at, path, placings: placings(given), found: Vec::new() };
+        let parts = reader.parts(of_vertices)?;
+        let is_metal = parts.metallic == Texture::grey(1.0);
+        let is_dark = parts.emission.is_none();
+        let has_colours = of_vertices.colors;
+        let material = match parts.model {
+            Model::Light if parts.is_opaque => {
+                Material::DiffuseLight { emit: parts.light, two_sided: given.double_sided }
+            }
             // Other surfaces have two sides, whatever doubleSided says.
-            Model::Unlit if is_opaque && !vertex_colors && emission.is_some() => {
-                Material::DiffuseLight { emit: light, two_sided: true }
+            Model::Unlit if parts.is_opaque && !has_colours && !is_dark => {
+                Material::DiffuseLight { emit: parts.light, two_sided: true }
             }
-            Model::Glass => {
-                found.extend((!is_opaque).then(|| "without its alpha".to_owned()));
-                found.extend(vertex_colors.then(|| "without vertex colours".to_owned()));
-                let volume = extensions.and_then(|found| found.volume.as_ref());
-                let color = if glass.colour_of_body { root_of(color, &mut found) } else { color };
-                let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
-                let absorption = volume.and_then(absorption);
-                let dispersion = lobes::dispersion(given);
-                match glass.is_solid {
-                    false => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
-                    true if is_smooth && normal.is_none() && !has_anisotropy => {
-                        Material::Dielectric { ior, transmittance, absorption, dispersion }
-                    }
-                    true => Material::RoughDielectric {
-                        ior,
-                        roughness,
-                        transmittance,
-                        absorption,
-                        dispersion,
-                        anisotropy,
-                        anisotropy_rotation,
-                        anisotropy_texture,
-                        normal,
-                        normal_scale,
-                    },
-                }
-            }
+            Model::Glass => reader.glass(parts, glass, has_colours),
             // Of a metal nothing is glass.
-            Model::Surface
-                if is_metal && emission.is_none() && is_opaque && !vertex_colors && !lobes::has_lobes(given) =>
-            {
-                let (albedo, multiscatter) = (Some(color), lobes::multiscatter(given));
+            Model::Surface if is_metal && is_dark && parts.is_opaque && !has_colours && !lobes::has_lobes(given) => {
                 Material::Conductor {
-                    albedo,
+                    albedo: Some(parts.color),
                     eta: None,
                     k: None,
-                    roughness,
-                    multiscatter,
-                    anisotropy,
-                    anisotropy_rotation,
-                    anisotropy_texture,
-                    normal,
-                    normal_scale,
+                    roughness: parts.roughness,
+                    multiscatter: lobes::multiscatter(given),
+                    anisotropy: parts.anisotropy,
+                    anisotropy_rotation: parts.anisotropy_rotation,
+                    anisotropy_texture: parts.anisotropy_texture,
+                    normal: parts.normal,
+                    normal_scale: parts.normal_scale,
                 }
             }
             // A DiffuseLight has no alpha.
-            _ if is_light || is_unlit || is_matt && is_no_metal => {
-                let of_one_side = is_light && !given.double_sided;
-                found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
-                Material::Lambertian {
-                    albedo: if is_unlit { Texture::grey(0.0) } else { color },
-                    emission: if is_light { Some(light) } else { emission },
-                    alpha,
-                    alpha_cutoff,
-                    vertex_colors: vertex_colors && !is_unlit,
-                    vertex_alpha,
-                    vertex_emission: vertex_colors && is_unlit,
-                    normal,
-                    normal_scale,
-                }
-            }
-            _ => {
-                let (specular, ior, layer_color) = specular.map_or((1.0, ior, Colour::ONE), |it| layer(it, ior));
-                let volume = extensions.and_then(|found| found.volume.as_ref());
-                let solid = glass.is_solid && is_glassy;
-                let is_tinted = color.plain() != Some(Colour::ONE);
-                let (film, through) = (lobes::iridescence(given), lobes::diffuse_transmission(given));
-                let [iridescence_thickness_min, iridescence_thickness] = lobes::iridescence_thickness(given);
-                found.extend(
-                    (through > 0.0 && volume.is_some() && !is_glassy)
-                        .then(|| "its volume is not read: light passes its surface as it passes paper".to_owned()),
-                );
-                found.extend(
-                    (is_glassy && glass.colour_of_body && is_tinted)
-                        .then(|| "the base colour tints light at both surfaces of the glass, so twice".to_owned()),
-                );
-                Material::Pbr {
-                    base_color: color,
-                    metallic,
-                    roughness,
-                    ior,
-                    specular: share_of(of_specular, specular, Channel::A),
-                    specular_color: texture(of_specular_color, layer_color, None),
-                    transmission,
-                    solid,
-                    absorption: volume.filter(|_| solid).and_then(absorption),
-                    dispersion: if solid { lobes::dispersion(given) } else { 0.0 },
-                    diffuse_transmission: share_of(of_through, through, Channel::A),
-                    diffuse_transmission_color: match through > 0.0 {
-                        true => texture(of_colour_through, lobes::diffuse_transmission_color(given), None),
-                        false => Texture::grey(1.0),
-                    },
-                    iridescence: share_of(of_film, film, Channel::R),
-                    iridescence_ior: lobes::iridescence_ior(given),
-                    iridescence_thickness,
-                    iridescence_thickness_min,
-                    iridescence_thickness_texture: texture(of_thickness, Colour::ONE, Some(Channel::G)),
-                    coat: share_of(of_coat, lobes::coat(given), Channel::R),
-                    coat_roughness: share_of(of_coat_roughness, lobes::coat_roughness(given), Channel::G),
-                    coat_ior: 1.5,
-                    coat_normal_scale: if coat_map.is_some() { lobes::coat_normal_scale(given) } else { 1.0 },
-                    coat_normal: coat_map.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb))),
-                    sheen: texture(of_sheen, lobes::sheen(given), None),
-                    sheen_roughness: share_of(of_sheen_roughness, lobes::sheen_roughness(given), Channel::A),
-                    multiscatter: lobes::multiscatter(given),
-                    emission,
-                    alpha,
-                    alpha_cutoff,
-                    vertex_colors,
-                    vertex_alpha,
-                    anisotropy,
-                    anisotropy_rotation,
-                    anisotropy_texture,
-                    normal,
-                    normal_scale,
-                }
-            }
+            Model::Light | Model::Unlit => reader.matt(parts, of_vertices),
+            Model::Surface if reader.is_matt(&parts) => reader.matt(parts, of_vertices),
+            Model::Surface => reader.pbr(parts, glass, of_vertices)?,
         };
-        let emits = given.emissive_factor.0 != [0.0; 3];
-        let has = |it: bool, name: &str| it.then(|| name.to_owned());
-        let unread = [
-            has(model == Model::Glass && emits, "emissiveFactor"),
-            has(model == Model::Glass && !glass.is_solid && has_anisotropy, "KHR_materials_anisotropy on a pane"),
-            has(model == Model::Glass && specular.is_some_and(changes_the_layer), "KHR_materials_specular"),
-            has(!is_light && !is_unlit && given.occlusion_texture.is_some(), "occlusionTexture"),
-        ];
-        let others = extensions.into_iter().flat_map(|found| found.others.keys());
-        let others = others.filter(|name| !lobes::is_read(name)).map(|name| quote(name.as_bytes()));
-        let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
-        found.extend((!unread.is_empty()).then(|| format!("not read: {}", unread.join(", "))));
+        reader.tell_unread(glass);
+        let Reader { found, at, .. } = reader;
         if !found.is_empty() {
             let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
             notes.push(format!("{at}{name} is approximated: {}", found.join("; ")));

@@ -1,0 +1,299 @@
+//! Reads one material of a glTF file: its textures and numbers, and the material of ours that they make.
+
+use std::borrow::Cow;
+
+use gltf::json::extensions::material::{Material as Extensions, Specular, Volume};
+use gltf::json::material::Material as Given;
+
+use super::{
+    Glass, Model, Named, OfVertices, UvTransform, absorption, alpha, base_texture, changes_the_layer, colour, emission,
+    emissive_texture, is_opaque, layer, model, normal_texture, number_texture, numbers, radiance, root_of, share,
+    specular_color_texture, specular_texture, transmission, transmission_texture,
+};
+use crate::bitmap::Channel;
+use crate::material::MOST_IOR;
+use crate::scene::gltf::lobes::{self, LobeTexture};
+use crate::scene::gltf::{File, Result, decimal};
+use crate::scene::mesh_files::quote;
+use crate::scene::types::{Colour, Material, Texture};
+
+/// Reads one material.
+pub struct Reader<'a> {
+    pub file: &'a File,
+    pub given: &'a Given,
+    /// Its path in the JSON.
+    pub at: String,
+    /// The file as the scene names it.
+    pub path: &'a str,
+    pub placings: Vec<UvTransform>,
+    /// What is not as the file says.
+    pub found: Vec<String>,
+}
+
+/// The path of an image, and which of the sets of texture coordinates it has.
+type Image = Option<(String, u32)>;
+
+/// What several of our materials have.
+pub struct Parts {
+    pub model: Model,
+    pub color: Texture,
+    /// The emitted radiance, which is black where there is none.
+    pub light: Texture,
+    pub emission: Option<Texture>,
+    pub alpha: Texture,
+    pub alpha_cutoff: Option<f64>,
+    /// Whether no light passes straight on.
+    pub is_opaque: bool,
+    pub roughness: Texture,
+    pub metallic: Texture,
+    pub ior: f64,
+    pub transmission: Texture,
+    pub anisotropy: f64,
+    pub anisotropy_rotation: f64,
+    pub anisotropy_texture: Option<Texture>,
+    pub normal: Option<Texture>,
+    pub normal_scale: f64,
+}
+
+fn texture(image: Image, tint: Colour, channel: Option<Channel>) -> Texture {
+    match image {
+        Some((path, uv_set)) => Texture::Image { path, tint, channel, uv_set },
+        None => Texture::Rgb(tint.x, tint.y, tint.z),
+    }
+}
+
+/// A number in a channel of an image. A factor of 0 leaves nothing of the image.
+fn share_of(image: Image, factor: f64, channel: Channel) -> Texture {
+    texture(image.filter(|_| factor != 0.0), Colour::splat(factor), Some(channel))
+}
+
+/// The map that an image is.
+fn map_of(image: Image) -> Option<Texture> {
+    image.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)))
+}
+
+impl<'a> Reader<'a> {
+    fn image(&mut self, named: Option<Named<'_>>) -> Result<Image> {
+        let Some((field, info)) = named else { return Ok(None) };
+        let placing = UvTransform::from_info(&info);
+        let uv_set = self.placings.iter().position(|known| *known == placing).unwrap_or_default() as u32;
+        let image = self.file.image_path(&self.at, field, &info, self.path, &mut self.found)?;
+        Ok(image.map(|path| (path, uv_set)))
+    }
+
+    /// The image of a lobe that the material has.
+    fn lobe_image(&mut self, of: &LobeTexture) -> Result<Image> {
+        let Some(info) = lobes::texture(self.given, of) else { return Ok(None) };
+        self.image(Some((of.field, Cow::Owned(info))))
+    }
+
+    /// Its extensions. What is unlit has its base colour and nothing else.
+    fn extensions(&self) -> Option<&'a Extensions> {
+        self.given.extensions.as_ref().filter(|_| model(self.given) != Model::Unlit)
+    }
+
+    fn specular(&self) -> Option<&'a Specular> {
+        self.extensions()?.specular.as_ref()
+    }
+
+    fn volume(&self) -> Option<&'a Volume> {
+        self.extensions()?.volume.as_ref()
+    }
+
+    pub fn parts(&mut self, of_vertices: OfVertices) -> Result<Parts> {
+        let given = self.given;
+        let [r, g, b, _] = given.pbr_metallic_roughness.base_color_factor.0;
+        let base = share(colour([r, g, b]), "baseColorFactor", &mut self.found);
+        let of_base = self.image(base_texture(given))?;
+        let light = match model(given) {
+            Model::Unlit => texture(of_base.clone(), radiance(base), None),
+            _ => texture(self.image(emissive_texture(given))?, radiance(emission(given)), None),
+        };
+        let of_numbers = self.image(number_texture(given))?;
+        let [roughness, metallic] = numbers(given);
+        let of_transmission = self.image(transmission_texture(given))?;
+        let anisotropy_texture = map_of(self.lobe_image(&lobes::ANISOTROPY_TEXTURE)?);
+        let normal = map_of(self.image(normal_texture(given))?);
+        let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
+        let (factor, alpha_cutoff) = alpha(given);
+        let of_alpha = of_base.clone().filter(|_| !is_opaque(given));
+        let alpha = share_of(of_alpha, factor, Channel::A);
+        // A cutoff that all of it reaches changes nothing.
+        let is_opaque =
+            alpha == Texture::grey(1.0) && !of_vertices.alpha && alpha_cutoff.is_none_or(|cutoff| cutoff <= 1.0);
+        let ior = self.extensions().and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
+        let has_ior = (1.0..=MOST_IOR).contains(&ior);
+        self.found.extend((!has_ior).then(|| format!("its ior of {ior} is read as 1.5")));
+        Ok(Parts {
+            model: model(given),
+            color: texture(of_base, base, None),
+            emission: Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO)),
+            light,
+            alpha,
+            alpha_cutoff: alpha_cutoff.filter(|_| !is_opaque),
+            is_opaque,
+            roughness: share_of(of_numbers.clone(), roughness, Channel::G),
+            metallic: share_of(of_numbers, metallic, Channel::B),
+            ior: if has_ior { ior } else { 1.5 },
+            transmission: share_of(of_transmission, transmission(given), Channel::R),
+            anisotropy: lobes::anisotropy(given),
+            anisotropy_rotation: match lobes::anisotropy(given) > 0.0 {
+                true => lobes::anisotropy_rotation(given),
+                false => 0.0,
+            },
+            anisotropy_texture,
+            normal_scale: if normal.is_some() { scale } else { 1.0 },
+            normal,
+        })
+    }
+
+    pub fn glass(&mut self, parts: Parts, glass: Glass, has_colours: bool) -> Material {
+        self.found.extend((!parts.is_opaque).then(|| "without its alpha".to_owned()));
+        self.found.extend(has_colours.then(|| "without vertex colours".to_owned()));
+        let Parts { ior, roughness, anisotropy, anisotropy_rotation, anisotropy_texture, .. } = parts;
+        let (normal, normal_scale) = (parts.normal, parts.normal_scale);
+        let color = if glass.colour_of_body { root_of(parts.color, &mut self.found) } else { parts.color };
+        let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
+        let absorption = self.volume().and_then(absorption);
+        let dispersion = lobes::dispersion(self.given);
+        let is_smooth = roughness == Texture::grey(0.0) && normal.is_none() && anisotropy == 0.0;
+        match glass.is_solid {
+            false => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
+            true if is_smooth => Material::Dielectric { ior, transmittance, absorption, dispersion },
+            true => Material::RoughDielectric {
+                ior,
+                roughness,
+                transmittance,
+                absorption,
+                dispersion,
+                anisotropy,
+                anisotropy_rotation,
+                anisotropy_texture,
+                normal,
+                normal_scale,
+            },
+        }
+    }
+
+    /// Whether a surface has a matt body and nothing else.
+    pub fn is_matt(&self, parts: &Parts) -> bool {
+        let black = Texture::grey(0.0);
+        self.specular().is_some_and(|specular| specular.specular_factor.0 == 0.0)
+            && parts.transmission == black
+            && parts.metallic == black
+            && !lobes::has_lobes(self.given)
+    }
+
+    pub fn matt(&mut self, parts: Parts, of_vertices: OfVertices) -> Material {
+        let (is_light, is_unlit) = (parts.model == Model::Light, parts.model == Model::Unlit);
+        let of_one_side = is_light && !self.given.double_sided;
+        self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
+        Material::Lambertian {
+            albedo: if is_unlit { Texture::grey(0.0) } else { parts.color },
+            emission: if is_light { Some(parts.light) } else { parts.emission },
+            alpha: parts.alpha,
+            alpha_cutoff: parts.alpha_cutoff,
+            vertex_colors: of_vertices.colors && !is_unlit,
+            vertex_alpha: of_vertices.alpha,
+            vertex_emission: of_vertices.colors && is_unlit,
+            normal: parts.normal,
+            normal_scale: parts.normal_scale,
+        }
+    }
+
+    pub fn pbr(&mut self, parts: Parts, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
+        let given = self.given;
+        let [of_specular, of_specular_color] =
+            [self.image(specular_texture(given))?, self.image(specular_color_texture(given))?];
+        let (specular, ior, layer_color) =
+            self.specular().map_or((1.0, parts.ior, Colour::ONE), |it| layer(it, parts.ior));
+        let coat_normal = map_of(self.lobe_image(&lobes::COAT_NORMAL_TEXTURE)?);
+        let (film, through) = (lobes::iridescence(given), lobes::diffuse_transmission(given));
+        let [iridescence_thickness_min, iridescence_thickness] = lobes::iridescence_thickness(given);
+        let mut share_of_lobe = |of: &LobeTexture, factor: f64, channel| -> Result<Texture> {
+            Ok(share_of(self.lobe_image(of)?, factor, channel))
+        };
+        let coat = share_of_lobe(&lobes::COAT_TEXTURE, lobes::coat(given), Channel::R)?;
+        let coat_roughness = share_of_lobe(&lobes::COAT_ROUGHNESS_TEXTURE, lobes::coat_roughness(given), Channel::G)?;
+        let sheen_roughness =
+            share_of_lobe(&lobes::SHEEN_ROUGHNESS_TEXTURE, lobes::sheen_roughness(given), Channel::A)?;
+        let iridescence = share_of_lobe(&lobes::IRIDESCENCE_TEXTURE, film, Channel::R)?;
+        let iridescence_thickness_texture = share_of_lobe(&lobes::IRIDESCENCE_THICKNESS_TEXTURE, 1.0, Channel::G)?;
+        let diffuse_transmission = share_of_lobe(&lobes::DIFFUSE_TRANSMISSION_TEXTURE, through, Channel::A)?;
+        let sheen = texture(self.lobe_image(&lobes::SHEEN_TEXTURE)?, lobes::sheen(given), None);
+        let of_colour_through = self.lobe_image(&lobes::DIFFUSE_TRANSMISSION_COLOR_TEXTURE)?;
+        let diffuse_transmission_color = match through > 0.0 {
+            true => texture(of_colour_through, lobes::diffuse_transmission_color(given), None),
+            false => Texture::grey(1.0),
+        };
+        let volume = self.volume();
+        let is_glassy = parts.transmission != Texture::grey(0.0);
+        let solid = glass.is_solid && is_glassy;
+        let is_tinted = parts.color.plain() != Some(Colour::ONE);
+        self.found.extend(
+            (through > 0.0 && volume.is_some() && !is_glassy)
+                .then(|| "its volume is not read: light passes its surface as it passes paper".to_owned()),
+        );
+        self.found.extend(
+            (is_glassy && glass.colour_of_body && is_tinted)
+                .then(|| "the base colour tints light at both surfaces of the glass, so twice".to_owned()),
+        );
+        Ok(Material::Pbr {
+            base_color: parts.color,
+            metallic: parts.metallic,
+            roughness: parts.roughness,
+            ior,
+            specular: share_of(of_specular, specular, Channel::A),
+            specular_color: texture(of_specular_color, layer_color, None),
+            transmission: parts.transmission,
+            solid,
+            absorption: volume.filter(|_| solid).and_then(absorption),
+            dispersion: if solid { lobes::dispersion(given) } else { 0.0 },
+            diffuse_transmission,
+            diffuse_transmission_color,
+            iridescence,
+            iridescence_ior: lobes::iridescence_ior(given),
+            iridescence_thickness,
+            iridescence_thickness_min,
+            iridescence_thickness_texture,
+            coat,
+            coat_roughness,
+            coat_ior: 1.5,
+            coat_normal_scale: if coat_normal.is_some() { lobes::coat_normal_scale(given) } else { 1.0 },
+            coat_normal,
+            sheen,
+            sheen_roughness,
+            multiscatter: lobes::multiscatter(given),
+            emission: parts.emission,
+            alpha: parts.alpha,
+            alpha_cutoff: parts.alpha_cutoff,
+            vertex_colors: of_vertices.colors,
+            vertex_alpha: of_vertices.alpha,
+            anisotropy: parts.anisotropy,
+            anisotropy_rotation: parts.anisotropy_rotation,
+            anisotropy_texture: parts.anisotropy_texture,
+            normal: parts.normal,
+            normal_scale: parts.normal_scale,
+        })
+    }
+
+    /// Notes the fields and the extensions that are not read.
+    pub fn tell_unread(&mut self, glass: Glass) {
+        let given = self.given;
+        let model = model(given);
+        let has = |it: bool, name: &str| it.then(|| name.to_owned());
+        let emits = given.emissive_factor.0 != [0.0; 3];
+        let is_brushed_pane = !glass.is_solid && lobes::anisotropy(given) > 0.0;
+        let is_lit = !matches!(model, Model::Light | Model::Unlit);
+        let unread = [
+            has(model == Model::Glass && emits, "emissiveFactor"),
+            has(model == Model::Glass && is_brushed_pane, "KHR_materials_anisotropy on a pane"),
+            has(model == Model::Glass && self.specular().is_some_and(changes_the_layer), "KHR_materials_specular"),
+            has(is_lit && given.occlusion_texture.is_some(), "occlusionTexture"),
+        ];
+        let others = self.extensions().into_iter().flat_map(|found| found.others.keys());
+        let others = others.filter(|name| !lobes::is_read(name)).map(|name| quote(name.as_bytes()));
+        let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
+        self.found.extend((!unread.is_empty()).then(|| format!("not read: {}", unread.join(", "))));
+    }
+}
