@@ -151,6 +151,14 @@ pub enum Sampler {
     Sobol,
 }
 
+impl Sampler {
+    /// Whether a pixel's samples are independent: their deviations give the variance of their mean, which falls as 1/N. Otherwise the two
+    /// halves of the runs give it, and it may fall faster.
+    pub fn is_independent(self) -> bool {
+        self == Sampler::Independent
+    }
+}
+
 /// Declares a struct for the device, with its fields' names kept for the layout test.
 macro_rules! device_struct {
     ($(#[$meta:meta])* $name:ident { $($field:ident: $ty:ty,)* }) => {
@@ -344,6 +352,17 @@ device_struct!(
         to_uvs: u32,
     }
 );
+
+/// The elements of all shapes.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    pub spheres: Vec<Sphere>,
+    pub quads: Vec<Quad>,
+    pub cuboids: Vec<Cuboid>,
+    pub instances: Vec<Instance>,
+    pub large_spheres: Vec<LargeSphere>,
+    pub disks: Vec<Quad>,
+}
 
 device_struct!(
     /// A participating medium, in render space.

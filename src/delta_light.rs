@@ -48,7 +48,13 @@ impl DeltaLight {
         }
     }
 
-    /// Its intensity, or the irradiance of a directional light.
+    /// The warning about numbers with which it emits no light.
+    pub fn warning(&self, above: &ValuePath) -> Option<String> {
+        let message = "an outer angle of 0 has no cone, so that it emits no light: write an angle above 0";
+        matches!(self, DeltaLight::Spot { outer: 0.0, .. }).then(|| above.field("outer").warning(message))
+    }
+
+    /// The intensity, or the irradiance of a directional light.
     pub fn colour(&self) -> Colour {
         match *self {
             DeltaLight::Point { intensity, .. } | DeltaLight::Spot { intensity, .. } => intensity,
@@ -153,6 +159,11 @@ impl WorldLight {
     /// A box around its position in render space.
     pub fn around(&self, space: RenderSpace) -> Aabb {
         Aabb::around([self.in_space(space).0])
+    }
+
+    /// Whether it emits no light.
+    pub fn is_dark(&self) -> bool {
+        self.colour == Colour::ZERO || self.beam.is_some_and(|beam| beam.outer == 0.0)
     }
 
     /// Where its light goes, for the light tree: an axis, and an angle from it beyond which there is no light.

@@ -1,6 +1,6 @@
 //! The shapes: sphere, quad, box, mesh and disk, and the large sphere, which is a sphere to scene files; one file each.
 //!
-//! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
+//! `shapes!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
 
 mod bounding_shape;
 mod closed;
@@ -23,7 +23,7 @@ use crate::source::form::kinds;
 pub use bounding_shape::{BoundingShape, half_extent_of, normal};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
-pub use geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Table, Tables};
+pub use geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Table};
 pub use large_sphere::LargeSphere;
 use mesh::MeshShape;
 pub use quad::Quad;
@@ -31,40 +31,36 @@ use similarity::Similarity;
 pub use space::{Aabb, ObjectTransform, RenderSpace, binary_exponent, error_bound, exp2, padded};
 pub use sphere::Sphere;
 
-/// A shape in its own space.
-#[derive(Clone, Copy)]
-pub enum Shape<'a> {
-    Sphere(Sphere),
-    Quad(Quad),
-    Cuboid(Cuboid),
-    Mesh(&'a MeshShape<'a>),
-    LargeSphere(LargeSphere),
-    Disk(Disk),
-}
-
-kinds! {
-    Shape<'_>: ShapeKind;
-    Sphere => sphere::KIND,
-    Quad => quad::KIND,
-    Cuboid => cuboid::KIND,
-    Mesh => mesh::KIND,
-    LargeSphere => large_sphere::KIND,
-    Disk => disk::KIND,
-}
-
-impl<'a> Deref for Shape<'a> {
-    type Target = dyn Geometry + 'a;
-
-    fn deref(&self) -> &Self::Target {
-        match self {
-            Shape::Sphere(shape) => shape,
-            Shape::Quad(shape) => shape,
-            Shape::Cuboid(shape) => shape,
-            Shape::Mesh(shape) => shape,
-            Shape::LargeSphere(shape) => shape,
-            Shape::Disk(shape) => shape,
+/// Declares the shapes, each by its variant, its struct and its kind.
+macro_rules! shapes {
+    ($($variant:ident($shape:ty) => $kind:expr),* $(,)?) => {
+        /// A shape in its own space.
+        #[derive(Clone, Copy)]
+        pub enum Shape<'a> {
+            $($variant($shape)),*
         }
-    }
+
+        kinds!(Shape<'_>: ShapeKind; $($variant => $kind),*);
+
+        impl<'a> Deref for Shape<'a> {
+            type Target = dyn Geometry + 'a;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Shape::$variant(shape) => shape),*
+                }
+            }
+        }
+    };
+}
+
+shapes! {
+    Sphere(Sphere) => sphere::KIND,
+    Quad(Quad) => quad::KIND,
+    Cuboid(Cuboid) => cuboid::KIND,
+    Mesh(&'a MeshShape<'a>) => mesh::KIND,
+    LargeSphere(LargeSphere) => large_sphere::KIND,
+    Disk(Disk) => disk::KIND,
 }
 
 /// The kinds of shape by number.
@@ -102,7 +98,7 @@ impl<'a> Shape<'a> {
 
     /// Whether it is its bounding shape; of a disk, that is the square around it.
     pub fn fills_bounding_shape(&self) -> bool {
-        self.mesh().is_none()
+        self.kind().covered > 0.0
     }
 
     pub fn code_kind(&self) -> u32 {

@@ -57,13 +57,11 @@ impl Estimate {
         let Estimate { pixel, splats: Splats { halves, squares }, .. } = self;
         let sums = [pixel.sum, pixel.squared_deviations, halves[0], halves[1], *squares];
         let saturated = sums.iter().any(|sum| sum[channel] == i128::MAX);
-        match (saturated || !pixel.has_halves(), sampler) {
-            (true, _) => None,
-            (false, Sampler::Independent) => {
-                Some(self.variance_of_samples(channel).unwrap_or_else(|| self.variance_of_halves(channel)))
-            }
-            (false, Sampler::Sobol) => Some(self.variance_of_halves(channel)),
+        if saturated || !pixel.has_halves() {
+            return None;
         }
+        let of_samples = sampler.is_independent().then(|| self.variance_of_samples(channel)).flatten();
+        Some(of_samples.unwrap_or_else(|| self.variance_of_halves(channel)))
     }
 
     /// The variances of all channels.
@@ -74,7 +72,7 @@ impl Estimate {
     /// Degrees of freedom of the variance.
     pub fn degrees(&self, sampler: Sampler) -> f64 {
         let known = || (0..3).all(|channel| self.variance_of_samples(channel).is_some());
-        match sampler == Sampler::Independent && known() {
+        match sampler.is_independent() && known() {
             true => (self.pixel.samples() - u64::from(self.pixel.runs)) as f64,
             false => 1.0,
         }

@@ -4,10 +4,9 @@ use super::features::Features;
 use crate::aov::SceneSpace;
 use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
-use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT};
+use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT, Tables};
 use crate::options::{LightPaths, RenderOptions};
 use crate::scene::Bitmap;
-use crate::shape::Tables;
 
 /// Light paths pay if the solid angle of the lights, seen from what is specular, is below this, in sr. Measured (docs/dev/performance-log.md).
 const LARGEST_SOLID_ANGLE: f64 = 0.17;

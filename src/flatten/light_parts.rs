@@ -121,7 +121,7 @@ impl Outline {
                     uv_edges: [q - p, r - p],
                 })
             }
-            Shape::Sphere(_) | Shape::Cuboid(_) | Shape::LargeSphere(_) => None,
+            _ => None,
         }
     }
 

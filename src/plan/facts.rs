@@ -9,7 +9,7 @@ use crate::aov::{Finder, SeenSurface};
 use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, Quantities};
 use crate::gpu::link::{Entry, Facts, Reason, When};
 use crate::material::{ExtensionKind, Material, MaterialKind};
-use crate::options::{self, OptionSpec, RenderOptions};
+use crate::options::{self, RenderOptions, TRADE_OFFS};
 use crate::shape::KINDS;
 
 /// The facts that follow from others, by the conditions for them. Each names those before it.
@@ -88,10 +88,6 @@ pub static CONDITIONS: LazyLock<Vec<(String, Result<When, String>)>> = LazyLock:
     all.map(|(name, when)| (name, When::parse(&when))).collect()
 });
 
-/// The options whose values are facts. The option's name alone holds if its value is not the default.
-const OPTIONS: [&OptionSpec; 6] =
-    [&options::ROULETTE, &options::SAMPLER, &options::FILTER, &options::FRESNEL, &options::CLAMP, &options::PRECISION];
-
 /// The reason for kernels and modules that sort slots into queues.
 pub(super) const QUEUES: &str = "--scatter queues";
 
@@ -158,7 +154,8 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
         is("queues", purpose.bounces.queues, Reason::Requested(QUEUES.to_string())),
         is("kernel.light_path", purpose.light_path, Reason::EveryRender),
     ]);
-    for spec in OPTIONS {
+    // Each value of an option is a fact, such as `filter.box`. The option's name alone holds if its value is not the default.
+    for spec in TRADE_OFFS {
         let (value, why) = (spec.value(options), Reason::Requested(spec.as_given(options)));
         let of_value =
             |known: &&str| is(&format!("{}.{known}", spec.name), value.as_deref() == Some(known), why.clone());

@@ -236,16 +236,18 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
             });
             findings.record_all(object.check_fields(at));
         }
-        Object::PointLight { .. } | Object::SpotLight { .. } | Object::DirectionalLight { .. } => {
-            let Some(light) = object.delta_light() else { return };
-            let is_in_range = bound.holds(1.0, light.distance());
-            let in_range = || if is_in_range { Ok(()) } else { Err(at.error(OUT_OF_RANGE)) };
-            findings.record(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_range()));
-        }
-        _ => {
-            findings.record(shape(known, at, object, bound));
-            findings.record(known.check_material(at, object));
-        }
+        _ => match object.delta_light() {
+            Some(light) => {
+                let is_in_range = bound.holds(1.0, light.distance());
+                let in_range = || if is_in_range { Ok(()) } else { Err(at.error(OUT_OF_RANGE)) };
+                findings
+                    .record(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_range()));
+            }
+            None => {
+                findings.record(shape(known, at, object, bound));
+                findings.record(known.check_material(at, object));
+            }
+        },
     }
 }
 

@@ -93,11 +93,7 @@ impl Scene {
                     at_rest.push(keys_field.warning(&no_motion(first.0, last.0)));
                 }
             }
-            Object::SpotLight { outer: 0.0, .. } => {
-                let message = "an outer angle of 0 has no cone, so that it emits no light: write an angle above 0";
-                warnings.push(at.field("outer").warning(message));
-            }
-            _ => {}
+            _ => warnings.extend(object.delta_light().and_then(|light| light.warning(at))),
         });
         let more = at_rest.len().saturating_sub(1);
         let more = if more > 0 { format!(" (and {more} more like it)") } else { String::new() };

@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
-use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::space::{Aabb, ObjectTransform, error_bound, padded};
-use crate::data::{self, f32s};
+use crate::data::{self, Tables, f32s};
 use crate::error::Result;
 use crate::source::{SMALLEST, ValuePath};
 
@@ -16,6 +16,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a side", "")],
     table: table!(cuboids of data::Cuboid, "boxes"),
     boundary: Some(Boundary { name: "cuboid", is_convex: true, words: "a" }),
+    covered: 1.0,
     has_parts: false,
 };
 

@@ -1,14 +1,14 @@
 //! A disk. Kernels get it as the square around it.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
-use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
+use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::quad::Quad;
 use super::space::{Aabb, ObjectTransform, padded};
-use crate::data;
+use crate::data::{self, Tables};
 use crate::error::Result;
 use crate::source::{SMALLEST, ValuePath, parallel};
 
@@ -19,6 +19,8 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a diameter", "radius")],
     table: table!(disks of data::Quad, "disks"),
     boundary: None,
+    // The square inside.
+    covered: FRAC_1_SQRT_2,
     has_parts: true,
 };
 

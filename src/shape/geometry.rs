@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::space::{Aabb, ObjectTransform};
-use crate::data;
+use crate::data::Tables;
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -22,6 +22,8 @@ pub struct ShapeKind {
     pub table: Table,
     /// Its properties as a medium's boundary, if it can be one.
     pub boundary: Option<Boundary>,
+    /// The part that it covers of its bounding shape, around the middle: a share of each edge. 0 if that is not known.
+    pub covered: f64,
     /// Whether it is cut into parts as a light whose radiance varies. Its parts then have a file under shaders/light, and the faces of meshes one under shaders/scene.
     pub has_parts: bool,
 }
@@ -71,17 +73,6 @@ macro_rules! table {
     };
 }
 pub(super) use table;
-
-/// The elements of all shapes, as the kernels read them.
-#[derive(Clone, Debug, Default)]
-pub struct Tables {
-    pub spheres: Vec<data::Sphere>,
-    pub quads: Vec<data::Quad>,
-    pub cuboids: Vec<data::Cuboid>,
-    pub instances: Vec<data::Instance>,
-    pub large_spheres: Vec<data::LargeSphere>,
-    pub disks: Vec<data::Quad>,
-}
 
 /// Where a mesh lies in the device's tables.
 #[derive(Clone, Copy, Default)]

@@ -7,11 +7,11 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
-use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::similarity::Similarity;
 use super::space::{ObjectTransform, error_bound, padded};
 use super::sphere::{self, Sphere};
-use crate::data::{self, f32s};
+use crate::data::{self, Tables, f32s};
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -22,6 +22,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: sphere::KIND.sizes,
     table: table!(large_spheres of data::LargeSphere, "spheres that are large against their distance from the camera"),
     boundary: Some(Boundary { name: "large_sphere", is_convex: true, words: "a" }),
+    covered: 1.0,
     has_parts: false,
 };
 

@@ -6,9 +6,9 @@ use std::sync::{Arc, OnceLock};
 use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::bounding_shape::BoundingShape;
-use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::space::{Aabb, ObjectTransform, binary_exponent, error_bound, exp2, padded};
-use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
+use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, Tables, f32s, primitive_code};
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -20,6 +20,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a size", "")],
     table: table!(instances of data::Instance, "where meshes stand"),
     boundary: Some(Boundary { name: "mesh", is_convex: false, words: "a closed" }),
+    covered: 0.0,
     has_parts: true,
 };
 

@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
-use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
+use super::geometry::{Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::space::{Aabb, ObjectTransform, error_bound, padded};
-use crate::data::{self, f32s};
+use crate::data::{self, Tables, f32s};
 use crate::error::Result;
 use crate::source::{SMALLEST, ValuePath, parallel};
 
@@ -16,6 +16,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("an edge", "u"), ("an edge", "v")],
     table: table!(quads of data::Quad, "quads"),
     boundary: None,
+    covered: 1.0,
     has_parts: true,
 };
 

@@ -6,9 +6,9 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::disk;
-use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, Tables, table};
+use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::space::{Aabb, ObjectTransform, error_bound, padded};
-use crate::data;
+use crate::data::{self, Tables};
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -19,6 +19,7 @@ pub const KIND: ShapeKind = ShapeKind {
     sizes: &[("a radius", "radius")],
     table: table!(spheres of data::Sphere, "spheres"),
     boundary: Some(Boundary { name: "sphere", is_convex: true, words: "a" }),
+    covered: 1.0,
     has_parts: false,
 };
 

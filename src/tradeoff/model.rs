@@ -91,7 +91,7 @@ impl Model {
 
 /// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its precision. With independent samples p is 1.
 pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> {
-    fitted(levels, (sampler == Sampler::Sobol).then_some(EXPONENTS))
+    fitted(levels, (!sampler.is_independent()).then_some(EXPONENTS))
 }
 
 /// Fits c and p of c N^-p to the errors of denoised images, which may fall slowly.

@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::search::{Body, Diagnostic, OTHER, Search, Worst};
 use crate::flatten::finder::MovingLight;
 use crate::scene::Object;
-use crate::shape::{Aabb, BoundingShape, disk, normal};
+use crate::shape::{Aabb, BoundingShape, normal};
 
 /// The limit on comparisons of a light with a surface, and of surfaces with all bodies.
 const MOST_TESTS: usize = 1 << 20;
@@ -30,11 +30,7 @@ impl Face {
         };
         match body.bounds {
             BoundingShape::Parallelogram { corner, u, v } if body.shape.fills_bounding_shape() => {
-                vec![face(corner, u, v)]
-            }
-            // The square in a disk.
-            BoundingShape::Parallelogram { corner, u, v } if body.shape.kind().shader == disk::KIND.shader => {
-                let share = 0.5f64.sqrt();
+                let share = body.shape.kind().covered;
                 vec![face(corner + 0.5 * (1.0 - share) * (u + v), share * u, share * v)]
             }
             BoundingShape::Cuboid { center, half, axes } if body.shape.fills_bounding_shape() => {

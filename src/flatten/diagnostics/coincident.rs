@@ -5,12 +5,11 @@
 //! floor. Nor do media, because their boundaries are not surfaces.
 
 use std::collections::HashSet;
-use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec2, DVec3};
 
 use super::search::{Body, Search, U, Worst, coincidence};
-use crate::shape::{BoundingShape, Shape, half_extent_of, normal};
+use crate::shape::{BoundingShape, half_extent_of, normal};
 
 /// Each surface in a plane is compared with this number of others, those next to it along an edge.
 const TESTS_EACH: usize = 64;
@@ -70,8 +69,7 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
     match body.bounds {
         BoundingShape::Ball { .. } => Vec::new(),
         BoundingShape::Parallelogram { corner, u, v } => {
-            // The square inside a disk, which the disk covers.
-            let margin = if matches!(body.shape, Shape::Disk(_)) { 0.5 * (1.0 - FRAC_1_SQRT_2) } else { 0.0 };
+            let margin = 0.5 * (1.0 - body.shape.kind().covered);
             let [low, high] = [margin, 1.0 - margin];
             let at = |a: f64, b: f64| corner + a * u + b * v;
             let corners = [at(low, low), at(high, low), at(high, high), at(low, high)];

@@ -11,7 +11,6 @@ use super::within::{Within, is_outside_in_front};
 use crate::flatten::finder::MovingLight;
 use crate::scene::Object;
 use crate::shape::{BoundingShape, normal};
-use crate::texture::Colour;
 
 /// The most lights that the search tests.
 const MOST_LIGHTS: usize = 4096;
@@ -66,8 +65,7 @@ fn astray<'a>(search: &Search<'a>) -> Worst<'a> {
     for MovingLight { object, light, motion } in search.finder.lights.iter().take(most) {
         let (Some(at), (axis, Some(angle))) = (light.position, light.cone()) else { continue };
         // Without a cone or an intensity it has other warnings.
-        let is_dark = light.colour == Colour::ZERO || matches!(object, Object::SpotLight { outer: 0.0, .. });
-        if is_dark || !motion.is_empty() {
+        if light.is_dark() || !motion.is_empty() {
             continue;
         }
         let mut bodies = search.bodies().chain(search.boundaries());
