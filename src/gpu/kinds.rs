@@ -1,4 +1,4 @@
-//! The functions that the modules of a kind of material, shape, texture or background have. They are called by their names in lists
+//! The functions that the modules of a kind of material, shape, texture, background or channel have. They are called by their names in lists
 //! (`//@ each material`), so that a missing one is an unknown name elsewhere.
 
 /// The beginning and the end of the function's name, with the kind's name between; the module; and what the function does.
@@ -19,12 +19,17 @@ const FUNCTIONS: &[(&str, &str, &str, &str)] = &[
     ("", "_light_distance", "light", "it returns the distance of the light"),
     ("", "_light_point", "light", "it draws a point at which a light path starts"),
     ("", "_light_leaves", "light", "it says whether a light path leaves the light in a direction"),
+    ("", "_part_sample", "light/_parts", "it draws a direction to a part of the light"),
+    ("", "_part_pdf", "light/_parts", "it returns the density of a direction to a part"),
+    ("", "_part_point", "light/_parts", "it draws a point of a part at which a light path starts"),
+    ("", "_part_coordinates", "light/_parts", "it returns the coordinates of parts at a point"),
     ("moved_", "", "motion", "it returns the shape in a pose"),
     ("", "_at_rest", "motion", "it returns the surface with the local point of the shape at rest"),
     ("", "_unturned", "motion", "it returns the surface in the axes of the shape at rest"),
     ("", "_tangents_with", "motion", "it returns the tangents in a pose"),
     ("", "_colour", "texture", "it returns the colour at a point"),
     ("", "_background", "background", "it returns the radiance from a direction"),
+    ("", "", "aov", "it returns a channel of the first hit"),
 ];
 
 /// Where a function of this name is missing, and what it does. `has` says whether a module is there.

@@ -7,9 +7,10 @@ use std::collections::BTreeMap;
 use crate::common::render::{Change, Request, Shot, render, render_changed, scene};
 use gpu_rt::aov::Aov;
 use gpu_rt::data::{KIND_DELTA_LIGHT, MAX_PRIMITIVES, primitive_code};
-use gpu_rt::flatten::{DeviceScene, MATERIALS, PRIMITIVES};
-use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library};
-use gpu_rt::options::Scatter;
+use gpu_rt::flatten::{DeviceScene, Features, MATERIALS, PRIMITIVES};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, link};
+use gpu_rt::options::{FeatureSet, Integrator, LightPaths, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 
 /// Step 1: the shader file. The first of two materials answers to no light but what goes back the way it came: a retroreflector sends all light back to where it came from.
 const RETROREFLECTOR: &str = "//@ use data/material
@@ -178,8 +179,12 @@ const RING_LIGHT: &str = "//@ use data/ray
 //@ use light/sample
 //@ use lib/sampling
 //@ use geometry/quad_plane
+fn disk_coordinates(u: vec2<f32>) -> vec2<f32> {
+    return 0.5 + 0.5 * sqrt(0.25 + 0.75 * u.x) * sample_circle(u.y);
+}
+
 fn disk_light_sample(from_point: vec3<f32>, square: Quad, u: vec2<f32>) -> DirectionSample {
-    let at = 0.5 + 0.5 * sqrt(0.25 + 0.75 * u.x) * sample_circle(u.y);
+    let at = disk_coordinates(u);
     let direction = normalize((square.corner - from_point) + (at.x * square.u + at.y * square.v));
     return DirectionSample(direction, disk_light_pdf(from_point, direction, square));
 }
@@ -196,7 +201,69 @@ fn disk_light_front(ray: Ray, normal: vec3<f32>, square: Quad) -> bool {
 fn disk_light_distance(ray: Ray, square: Quad) -> f32 {
     return quad_plane_distance(ray, square);
 }
+
+fn disk_light_point(square: Quad, u: vec2<f32>) -> LightPoint {
+    let at = disk_coordinates(u);
+    return LightPoint(square.corner + (at.x * square.u + at.y * square.v), vec3<f32>(0.0));
+}
+
+fn disk_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
+    return true;
+}
 ";
+const RING_TANGENT: &str = "//@ use data/primitive
+//@ use data/surface
+//@ use data/texture
+//@ use lib/tangents
+fn disk_tangents(surface: Surface, square: Quad, frame: Frame) -> Tangents {
+    return Tangents(square.u, square.v);
+}
+";
+const RING_MOTION: &str = "//@ implements moved_disk when moves.disk
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+//@ use motion/square
+fn moved_disk(square: Quad, pose: Pose) -> Quad {
+    return moved_square(square, pose);
+}
+
+fn disk_at_rest(surface: Surface, square: Quad) -> Surface {
+    return surface;
+}
+
+fn disk_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
+}
+
+//@ without
+//@ use data/motion
+//@ use data/primitive
+//@ use data/surface
+//@ use lib/tangents
+fn moved_disk(square: Quad, pose: Pose) -> Quad {
+    return square;
+}
+
+fn disk_at_rest(surface: Surface, square: Quad) -> Surface {
+    return surface;
+}
+
+fn disk_unturned(surface: Surface) -> Surface {
+    return surface;
+}
+
+fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
+    return tangents;
+}
+";
+/// The ring's files, by their modules.
+const RING_FILES: [(&str, &str); 4] =
+    [("geometry/disk", RING), ("light/disk", RING_LIGHT), ("tangent/disk", RING_TANGENT), ("motion/disk", RING_MOTION)];
 /// The highest number that a kind of shape can have.
 const LAST_KIND: u32 = KIND_DELTA_LIGHT - 1;
 
@@ -212,22 +279,41 @@ fn renumbered(flat: &mut DeviceScene) {
     }
 }
 
-fn ring_shot(camera: &str, objects: &str, scatter: Scatter, shape: &str, light: &str) -> Shot {
-    let modules = [("geometry/disk", shape), ("light/disk", light)];
-    let library = With(modules.map(|(name, text)| (name.to_string(), text.to_string())).into());
-    let list = |choices: &mut Choices| {
-        for list in ["primitive", "emitter", "whole_emitter"] {
-            let entries = choices.lists.get_mut(list).expect("the plan has the list");
-            entries.iter_mut().filter(|entry| entry.name == "disk").for_each(|entry| entry.number = LAST_KIND);
-        }
-    };
-    let change = Change { flat: Some(&renumbered), choices: Some(&list), library: Some(&library) };
+/// The disks of the lists, with the number of the ring.
+fn renumber_disks(choices: &mut Choices) {
+    let disks = choices.lists.values_mut().flatten().filter(|entry| entry.name == "disk");
+    disks.for_each(|entry| entry.number = LAST_KIND);
+}
+
+/// How a scene with a ring is rendered.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    scatter: Scatter,
+    /// Whether more objects stand there than a ray tests one by one, so that codes are in a hierarchy.
+    is_crowded: bool,
+    /// Whether the ring turns about its axis, by which it looks as at rest.
+    turns: bool,
+}
+
+/// The ring from a camera, with objects beside it. `plant` is a text of one of its files, and another in its place.
+fn ring_shot(camera: &str, objects: &str, way: Way, plant: (&str, &str)) -> Shot {
+    assert!(plant.0.is_empty() || RING_FILES.iter().any(|(_, text)| text.contains(plant.0)));
+    let planted = |text: &str| if plant.0.is_empty() { text.to_string() } else { text.replace(plant.0, plant.1) };
+    let library = With(RING_FILES.map(|(name, text)| (name.to_string(), planted(text))).into());
+    let change = Change { flat: Some(&renumbered), choices: Some(&renumber_disks), library: Some(&library) };
+    let ring = "Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: \"lamp\")";
+    let turning = format!("Moving(keys: [(0, [RotateZ(0)]), (1, [RotateZ(250)])], object: {ring})");
+    let crowd = (0..if way.is_crowded { 40 } else { 0 })
+        .map(|i| format!("Sphere(center: ({i}, 0, 30), radius: 0.4, material: \"grey\"),"));
     let scene = scene(&format!(
-        "Scene(image: (width: 16, height: 16), camera: {camera}, background: Solid((0, 0, 0)),
+        "Scene(image: (width: 16, height: 16), camera: ({camera}, shutter: (0, {})), background: Solid((0, 0, 0)),
         materials: {{ \"lamp\": DiffuseLight(emit: Rgb(1, 2, 4)), \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }},
-        objects: [Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: \"lamp\"), {objects}], render: (samples: 256))"
+        objects: [{}, {objects} {}], render: (samples: 256))",
+        u32::from(way.turns),
+        if way.turns { &turning } else { ring },
+        crowd.collect::<String>(),
     ));
-    render_changed(&scene, &Request::default().mis().scatter(scatter), &change)
+    render_changed(&scene, &Request::default().mis().scatter(way.scatter), &change)
 }
 
 /// Pixels that do not show the ring and its hole, seen from four units before it.
@@ -246,31 +332,85 @@ fn wrong_pixels(shot: &Shot) -> usize {
     (0..256).filter(|i| off(i % 16, i / 16)).count()
 }
 
-/// The floor under the ring's middle is lit by 1/2 - 1/5: the form factor R² / (h² + R²) of a disk less that of its hole. Three channels of the same
-/// 65,536 samples; 5.1 standard errors are met by chance once in 1e6 times three.
+/// The largest error of the light on the floor above the ring's middle, in standard errors. It is lit by 1/2 - 1/5: the form factor
+/// R² / (h² + R²) of a disk less that of its hole.
+fn light_is_off(way: Way, plant: (&str, &str)) -> f64 {
+    let floor = "Quad(corner: (-4, -4, 1), u: (8, 0, 0), v: (0, 8, 0), material: \"grey\"),";
+    let camera = "look_from: (3, 0, 0.5), look_at: (0, 0, 1), vertical_fov: 0.2";
+    let shown = ring_shot(camera, floor, way, plant).mean_of_all();
+    let off = |c: usize| (shown.value[c] - 0.5 * 0.3 * [1.0, 2.0, 4.0][c]) / shown.variance[c].sqrt();
+    (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
+}
+
+const BEFORE_RING: &str = "look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40";
+const FUSED: Way = Way { scatter: Scatter::Fused, is_crowded: false, turns: false };
+const PLAIN: (&str, &str) = ("", "");
+
+/// Three channels of the same 65,536 samples; 5.1 standard errors are met by chance once in 1e6 times three.
 #[test]
 fn a_shape_is_added_by_the_recipe() {
-    let before = "(look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40)";
-    let beside = "(look_from: (3, 0, 0.5), look_at: (0, 0, 1), vertical_fov: 0.2)";
-    // With more objects than a ray tests one by one, the codes are in a hierarchy.
-    let floor = "Quad(corner: (-4, -4, 1), u: (8, 0, 0), v: (0, 8, 0), material: \"grey\"),";
-    let crowd: Vec<String> =
-        (0..40).map(|i| format!("Sphere(center: ({i}, 0, 30), radius: 0.4, material: \"grey\")")).collect();
-    for (scatter, others) in
-        [(Scatter::Fused, ""), (Scatter::Linked, ""), (Scatter::Queues, ""), (Scatter::Fused, &*crowd.join(", "))]
-    {
-        assert_eq!(wrong_pixels(&ring_shot(before, others, scatter, RING, RING_LIGHT)), 0, "{scatter:?}");
-        let off = |light: &str| {
-            let shown = ring_shot(beside, &format!("{floor} {others}"), scatter, RING, light).mean_of_all();
-            let off = |c: usize| (shown.value[c] - 0.5 * 0.3 * [1.0, 2.0, 4.0][c]) / shown.variance[c].sqrt();
-            (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
-        };
-        assert!(off(RING_LIGHT).abs() < 5.1, "{scatter:?}: {} standard errors", off(RING_LIGHT));
+    let others = [Way { scatter: Scatter::Linked, ..FUSED }, Way { scatter: Scatter::Queues, ..FUSED }];
+    for way in [FUSED, others[0], others[1], Way { is_crowded: true, ..FUSED }] {
+        assert_eq!(wrong_pixels(&ring_shot(BEFORE_RING, "", way, PLAIN)), 0, "{way:?}");
+        assert!(light_is_off(way, PLAIN).abs() < 5.1, "{way:?}: {} standard errors", light_is_off(way, PLAIN));
         // Without its hole, and with a pdf that is too small by a tenth.
-        let full = RING.replace("radii >= 0.5 && ", "");
-        assert!(wrong_pixels(&ring_shot(before, others, scatter, &full, RING_LIGHT)) > 10, "{scatter:?}, a disk");
-        let brighter = off(&RING_LIGHT.replace("4.0 / (0.75", "3.6 / (0.75"));
-        assert!(brighter > 8.0, "{scatter:?}: {brighter} standard errors");
+        let full = ring_shot(BEFORE_RING, "", way, ("radii >= 0.5 && ", ""));
+        assert!(wrong_pixels(&full) > 10, "{way:?}, a disk");
+        let brighter = light_is_off(way, ("4.0 / (0.75", "3.6 / (0.75"));
+        assert!(brighter > 8.0, "{way:?}: {brighter} standard errors");
+    }
+}
+
+#[test]
+fn a_shape_that_moves_is_added_by_the_recipe() {
+    let turning = Way { turns: true, ..FUSED };
+    assert_eq!(wrong_pixels(&ring_shot(BEFORE_RING, "", turning, PLAIN)), 0);
+    assert!(light_is_off(turning, PLAIN).abs() < 5.1, "{} standard errors", light_is_off(turning, PLAIN));
+    // Its corner turns about the middle, its edges do not.
+    let torn =
+        ("return moved_square(square, pose);", "var moved = square;\n moved.corner += pose.shift;\n return moved;");
+    assert!(wrong_pixels(&ring_shot(BEFORE_RING, "", turning, torn)) > 10, "only its corner turns");
+}
+
+/// What is wrong with the kernels of light paths, motion and every feature, where the entries of their lists are changed.
+fn faults_with_every_feature(options: RenderOptions, library: &With, list: &dyn Fn(&mut Choices)) -> Vec<String> {
+    let options = RenderOptions {
+        integrator: Integrator::Mis,
+        light_paths: LightPaths::Count(1),
+        features: FeatureSet::All,
+        ..options
+    };
+    let mut features = Features::default().with_options(&options);
+    features.require("light_paths", || "a test".to_string());
+    features.quantities.aims = 1;
+    let kernels = Kernels::link(&features, &options, Scatter::Fused, &UniformTables::default()).expect("all links");
+    let large = kernels.all().into_iter().filter(|kernel| ["bounce", "light_path"].contains(&kernel.stage));
+    let fault = |kernel: &Kernel| {
+        let mut choices = kernel.choices.clone();
+        list(&mut choices);
+        let linked = link(library, &format!("stage/{}", kernel.stage), &choices).expect("it links");
+        linked.validate().err().map(|error| error.to_string())
+    };
+    large.filter_map(fault).collect()
+}
+
+/// The ring has all functions that any kernel calls. Without one of them, the error names it with its file.
+#[test]
+fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
+    let faults = |missing: &str| {
+        let files = RING_FILES.map(|(name, text)| (name.to_string(), text.replace(missing, "fn other(")));
+        faults_with_every_feature(RenderOptions::default(), &With(files.into()), &renumber_disks)
+    };
+    assert_eq!(faults("no function"), Vec::<String>::new());
+    for (file, text) in RING_FILES {
+        let linked = text.split("//@ without").next().unwrap_or_default();
+        let names = linked.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0));
+        // The parts of disks call `disk_coordinates`, which is no function of every shape.
+        for name in names.filter(|name| *name != "disk_coordinates") {
+            let words = format!("shaders/{file}.wgsl must have the function {name}: ");
+            let found = faults(&format!("fn {name}("));
+            assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
+        }
     }
 }
 
@@ -281,20 +421,20 @@ fn distance_of_hit(path: ptr<function, Path>) -> f32 {
 }
 ";
 
+/// The lists of channels, with the distance for the depth.
+fn list_distance(choices: &mut Choices) {
+    for (list, name) in [("hit_channel", "distance_of_hit"), ("hit_sum", "distance_of_hit(path)")] {
+        let entries = choices.lists.get_mut(list).expect("the plan has the list");
+        let depths = entries.iter_mut().filter(|entry| entry.name.starts_with("depth"));
+        depths.for_each(|entry| entry.name = name.to_string());
+    }
+}
+
 /// The largest relative error of the channel over a wall four units before the camera, seen from its middle. A pixel is the mean over its width,
 /// 1/16 of 2 tan(20 degrees) there: the distance 4 sqrt(1 + x² + y²) bends by less than 2^-12 of itself within.
 fn distance_is_off(shader: &str, scatter: Scatter) -> f64 {
     let library = With(BTreeMap::from([("aov/distance_of_hit".to_string(), shader.to_string())]));
-    let list = |choices: &mut Choices| {
-        for (list, name) in [("hit_channel", "distance_of_hit"), ("hit_sum", "distance_of_hit(path)")] {
-            let entries = choices.lists.get_mut(list).expect("the plan has the list");
-            entries
-                .iter_mut()
-                .filter(|entry| entry.name.starts_with("depth"))
-                .for_each(|entry| entry.name = name.to_string());
-        }
-    };
-    let change = Change { choices: Some(&list), library: Some(&library), ..Change::default() };
+    let change = Change { choices: Some(&list_distance), library: Some(&library), ..Change::default() };
     let wall = scene(
         "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40),
         background: Solid((1, 1, 1)), materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) },
@@ -320,6 +460,20 @@ fn a_channel_is_added_by_the_recipe() {
         let depth = DISTANCE.replace("(*path).t", "4.0");
         assert!(distance_is_off(&depth, scatter) > 0.05, "{scatter:?}");
     }
+}
+
+#[test]
+fn a_channel_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
+    let mut options = RenderOptions::default();
+    options.aov.set(vec![Aov::Depth]);
+    let faults = |shader: &str| {
+        let library = With(BTreeMap::from([("aov/distance_of_hit".to_string(), shader.to_string())]));
+        faults_with_every_feature(options.clone(), &library, &list_distance)
+    };
+    assert_eq!(faults(DISTANCE), Vec::<String>::new());
+    let words = "shaders/aov/distance_of_hit.wgsl must have the function distance_of_hit: ";
+    let found = faults(&DISTANCE.replace("fn distance_of_hit", "fn other"));
+    assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(words)), "{found:?}");
 }
 
 /// An error in the new file names it, with its line.
