@@ -12,13 +12,10 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use reader::Reader;
-
 use super::lobes::{self, LobeTexture};
 use super::{File, GltfError, Result, decimal, path_of_uri};
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
-use crate::scene::mesh_files::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
 
@@ -325,62 +322,6 @@ impl File {
                 || lobes::anisotropy(given) > 0.0
         };
         Ok(self.material_of(mesh, primitive)?.is_some_and(has_map))
-    }
-
-    /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
-    pub fn material(
-        &self,
-        index: usize,
-        path: &str,
-        of_vertices: OfVertices,
-        glass: Glass,
-        notes: &mut Vec<String>,
-    ) -> Result<Material> {
-        let given = self.root().materials.get(index);
-        let given = given.ok_or_else(|| GltfError::new("materials", format!("there is no material {index}")))?;
-        let at = format!("materials[{index}]");
-        lobes::check(given, &at)?;
-        let mut reader = Reader { file: self, given, at, path, placings: placings(given), found: Vec::new() };
-        let parts = reader.parts(of_vertices)?;
-        let is_metal = parts.metallic == Texture::grey(1.0);
-        let is_dark = parts.emission.is_none();
-        let has_colours = of_vertices.colors;
-        let material = match parts.model {
-            Model::Light if parts.is_opaque => {
-                Material::DiffuseLight { emit: parts.light, two_sided: given.double_sided }
-            }
-            // Other surfaces have two sides, whatever doubleSided says.
-            Model::Unlit if parts.is_opaque && !has_colours && !is_dark => {
-                Material::DiffuseLight { emit: parts.light, two_sided: true }
-            }
-            Model::Glass => reader.glass(parts, glass, has_colours),
-            // Of a metal nothing is glass.
-            Model::Surface if is_metal && is_dark && parts.is_opaque && !has_colours && !lobes::has_lobes(given) => {
-                Material::Conductor {
-                    albedo: Some(parts.color),
-                    eta: None,
-                    k: None,
-                    roughness: parts.roughness,
-                    multiscatter: lobes::multiscatter(given),
-                    anisotropy: parts.anisotropy,
-                    anisotropy_rotation: parts.anisotropy_rotation,
-                    anisotropy_texture: parts.anisotropy_texture,
-                    normal: parts.normal,
-                    normal_scale: parts.normal_scale,
-                }
-            }
-            // A DiffuseLight has no alpha.
-            Model::Light | Model::Unlit => reader.matt(parts, of_vertices),
-            Model::Surface if reader.is_matt(&parts) => reader.matt(parts, of_vertices),
-            Model::Surface => reader.pbr(parts, glass, of_vertices)?,
-        };
-        reader.tell_unread(glass);
-        let Reader { found, at, .. } = reader;
-        if !found.is_empty() {
-            let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
-            notes.push(format!("{at}{name} is approximated: {}", found.join("; ")));
-        }
-        Ok(material)
     }
 
     /// The path of a texture's image, as the scene would write it. Nothing, with a note, where it is of a format that is not read.

@@ -7,52 +7,52 @@ use gltf::json::material::Material as Given;
 
 use super::{
     Glass, Model, Named, OfVertices, UvTransform, absorption, alpha, base_texture, changes_the_layer, colour, emission,
-    emissive_texture, is_opaque, layer, model, normal_texture, number_texture, numbers, radiance, root_of, share,
-    specular_color_texture, specular_texture, transmission, transmission_texture,
+    emissive_texture, is_opaque, layer, model, normal_texture, number_texture, numbers, placings, radiance, root_of,
+    share, specular_color_texture, specular_texture, transmission, transmission_texture,
 };
 use crate::bitmap::Channel;
 use crate::material::MOST_IOR;
 use crate::scene::gltf::lobes::{self, LobeTexture};
-use crate::scene::gltf::{File, Result, decimal};
+use crate::scene::gltf::{File, GltfError, Result, decimal};
 use crate::scene::mesh_files::quote;
 use crate::scene::types::{Colour, Material, Texture};
 
 /// Reads one material.
-pub struct Reader<'a> {
-    pub file: &'a File,
-    pub given: &'a Given,
+struct Reader<'a> {
+    file: &'a File,
+    given: &'a Given,
     /// Its path in the JSON.
-    pub at: String,
+    at: String,
     /// The file as the scene names it.
-    pub path: &'a str,
-    pub placings: Vec<UvTransform>,
+    path: &'a str,
+    placings: Vec<UvTransform>,
     /// What is not as the file says.
-    pub found: Vec<String>,
+    found: Vec<String>,
 }
 
 /// The path of an image, and which of the sets of texture coordinates it has.
 type Image = Option<(String, u32)>;
 
 /// What several of our materials have.
-pub struct Parts {
-    pub model: Model,
-    pub color: Texture,
+struct Parts {
+    model: Model,
+    color: Texture,
     /// The emitted radiance, which is black where there is none.
-    pub light: Texture,
-    pub emission: Option<Texture>,
-    pub alpha: Texture,
-    pub alpha_cutoff: Option<f64>,
+    light: Texture,
+    emission: Option<Texture>,
+    alpha: Texture,
+    alpha_cutoff: Option<f64>,
     /// Whether no light passes straight on.
-    pub is_opaque: bool,
-    pub roughness: Texture,
-    pub metallic: Texture,
-    pub ior: f64,
-    pub transmission: Texture,
-    pub anisotropy: f64,
-    pub anisotropy_rotation: f64,
-    pub anisotropy_texture: Option<Texture>,
-    pub normal: Option<Texture>,
-    pub normal_scale: f64,
+    is_opaque: bool,
+    roughness: Texture,
+    metallic: Texture,
+    ior: f64,
+    transmission: Texture,
+    anisotropy: f64,
+    anisotropy_rotation: f64,
+    anisotropy_texture: Option<Texture>,
+    normal: Option<Texture>,
+    normal_scale: f64,
 }
 
 fn texture(image: Image, tint: Colour, channel: Option<Channel>) -> Texture {
@@ -70,6 +70,64 @@ fn share_of(image: Image, factor: f64, channel: Channel) -> Texture {
 /// The map that an image is.
 fn map_of(image: Image) -> Option<Texture> {
     image.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)))
+}
+
+impl File {
+    /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
+    pub fn material(
+        &self,
+        index: usize,
+        path: &str,
+        of_vertices: OfVertices,
+        glass: Glass,
+        notes: &mut Vec<String>,
+    ) -> Result<Material> {
+        let given = self.root().materials.get(index);
+        let given = given.ok_or_else(|| GltfError::new("materials", format!("there is no material {index}")))?;
+        let at = format!("materials[{index}]");
+        lobes::check(given, &at)?;
+        let mut reader = Reader { file: self, given, at, path, placings: placings(given), found: Vec::new() };
+        let parts = reader.parts(of_vertices)?;
+        let is_metal = parts.metallic == Texture::grey(1.0);
+        let is_dark = parts.emission.is_none();
+        let has_colours = of_vertices.colors;
+        let material = match parts.model {
+            Model::Light if parts.is_opaque => {
+                Material::DiffuseLight { emit: parts.light, two_sided: given.double_sided }
+            }
+            // Other surfaces have two sides, whatever doubleSided says.
+            Model::Unlit if parts.is_opaque && !has_colours && !is_dark => {
+                Material::DiffuseLight { emit: parts.light, two_sided: true }
+            }
+            Model::Glass => reader.glass(parts, glass, has_colours),
+            // Of a metal nothing is glass.
+            Model::Surface if is_metal && is_dark && parts.is_opaque && !has_colours && !lobes::has_lobes(given) => {
+                Material::Conductor {
+                    albedo: Some(parts.color),
+                    eta: None,
+                    k: None,
+                    roughness: parts.roughness,
+                    multiscatter: lobes::multiscatter(given),
+                    anisotropy: parts.anisotropy,
+                    anisotropy_rotation: parts.anisotropy_rotation,
+                    anisotropy_texture: parts.anisotropy_texture,
+                    normal: parts.normal,
+                    normal_scale: parts.normal_scale,
+                }
+            }
+            // A DiffuseLight has no alpha.
+            Model::Light | Model::Unlit => reader.matt(parts, of_vertices),
+            Model::Surface if reader.is_matt(&parts) => reader.matt(parts, of_vertices),
+            Model::Surface => reader.pbr(parts, glass, of_vertices)?,
+        };
+        reader.tell_unread(glass);
+        let Reader { found, at, .. } = reader;
+        if !found.is_empty() {
+            let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
+            notes.push(format!("{at}{name} is approximated: {}", found.join("; ")));
+        }
+        Ok(material)
+    }
 }
 
 impl<'a> Reader<'a> {
@@ -100,7 +158,7 @@ impl<'a> Reader<'a> {
         self.extensions()?.volume.as_ref()
     }
 
-    pub fn parts(&mut self, of_vertices: OfVertices) -> Result<Parts> {
+    fn parts(&mut self, of_vertices: OfVertices) -> Result<Parts> {
         let given = self.given;
         let [r, g, b, _] = given.pbr_metallic_roughness.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut self.found);
@@ -147,7 +205,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    pub fn glass(&mut self, parts: Parts, glass: Glass, has_colours: bool) -> Material {
+    fn glass(&mut self, parts: Parts, glass: Glass, has_colours: bool) -> Material {
         self.found.extend((!parts.is_opaque).then(|| "without its alpha".to_owned()));
         self.found.extend(has_colours.then(|| "without vertex colours".to_owned()));
         let Parts { ior, roughness, anisotropy, anisotropy_rotation, anisotropy_texture, .. } = parts;
@@ -176,7 +234,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Whether a surface has a matt body and nothing else.
-    pub fn is_matt(&self, parts: &Parts) -> bool {
+    fn is_matt(&self, parts: &Parts) -> bool {
         let black = Texture::grey(0.0);
         self.specular().is_some_and(|specular| specular.specular_factor.0 == 0.0)
             && parts.transmission == black
@@ -184,7 +242,7 @@ impl<'a> Reader<'a> {
             && !lobes::has_lobes(self.given)
     }
 
-    pub fn matt(&mut self, parts: Parts, of_vertices: OfVertices) -> Material {
+    fn matt(&mut self, parts: Parts, of_vertices: OfVertices) -> Material {
         let (is_light, is_unlit) = (parts.model == Model::Light, parts.model == Model::Unlit);
         let of_one_side = is_light && !self.given.double_sided;
         self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
@@ -201,7 +259,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    pub fn pbr(&mut self, parts: Parts, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
+    fn pbr(&mut self, parts: Parts, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
         let given = self.given;
         let [of_specular, of_specular_color] =
             [self.image(specular_texture(given))?, self.image(specular_color_texture(given))?];
@@ -278,7 +336,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Notes the fields and the extensions that are not read.
-    pub fn tell_unread(&mut self, glass: Glass) {
+    fn tell_unread(&mut self, glass: Glass) {
         let given = self.given;
         let model = model(given);
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
