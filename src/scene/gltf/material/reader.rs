@@ -34,7 +34,7 @@ struct Reader<'a> {
 type Image = Option<(String, u32)>;
 
 /// What several of our materials have.
-struct Parts {
+struct Common {
     model: Model,
     color: Texture,
     /// The emitted radiance, which is black where there is none.
@@ -87,38 +87,38 @@ impl File {
         let at = format!("materials[{index}]");
         lobes::check(given, &at)?;
         let mut reader = Reader { file: self, given, at, path, placings: placings(given), found: Vec::new() };
-        let parts = reader.parts(of_vertices)?;
-        let is_metal = parts.metallic == Texture::grey(1.0);
-        let is_dark = parts.emission.is_none();
+        let common = reader.common(of_vertices)?;
+        let is_metal = common.metallic == Texture::grey(1.0);
+        let is_dark = common.emission.is_none();
         let has_colours = of_vertices.colors;
-        let material = match parts.model {
-            Model::Light if parts.is_opaque => {
-                Material::DiffuseLight { emit: parts.light, two_sided: given.double_sided }
+        let material = match common.model {
+            Model::Light if common.is_opaque => {
+                Material::DiffuseLight { emit: common.light, two_sided: given.double_sided }
             }
             // Other surfaces have two sides, whatever doubleSided says.
-            Model::Unlit if parts.is_opaque && !has_colours && !is_dark => {
-                Material::DiffuseLight { emit: parts.light, two_sided: true }
+            Model::Unlit if common.is_opaque && !has_colours && !is_dark => {
+                Material::DiffuseLight { emit: common.light, two_sided: true }
             }
-            Model::Glass => reader.glass(parts, glass, has_colours),
+            Model::Glass => reader.glass(common, glass, has_colours),
             // Of a metal nothing is glass.
-            Model::Surface if is_metal && is_dark && parts.is_opaque && !has_colours && !lobes::has_lobes(given) => {
+            Model::Surface if is_metal && is_dark && common.is_opaque && !has_colours && !lobes::has_lobes(given) => {
                 Material::Conductor {
-                    albedo: Some(parts.color),
+                    albedo: Some(common.color),
                     eta: None,
                     k: None,
-                    roughness: parts.roughness,
+                    roughness: common.roughness,
                     multiscatter: lobes::multiscatter(given),
-                    anisotropy: parts.anisotropy,
-                    anisotropy_rotation: parts.anisotropy_rotation,
-                    anisotropy_texture: parts.anisotropy_texture,
-                    normal: parts.normal,
-                    normal_scale: parts.normal_scale,
+                    anisotropy: common.anisotropy,
+                    anisotropy_rotation: common.anisotropy_rotation,
+                    anisotropy_texture: common.anisotropy_texture,
+                    normal: common.normal,
+                    normal_scale: common.normal_scale,
                 }
             }
             // A DiffuseLight has no alpha.
-            Model::Light | Model::Unlit => reader.matt(parts, of_vertices),
-            Model::Surface if reader.is_matt(&parts) => reader.matt(parts, of_vertices),
-            Model::Surface => reader.pbr(parts, glass, of_vertices)?,
+            Model::Light | Model::Unlit => reader.matt(common, of_vertices),
+            Model::Surface if reader.is_matt(&common) => reader.matt(common, of_vertices),
+            Model::Surface => reader.pbr(common, glass, of_vertices)?,
         };
         reader.tell_unread(glass);
         let Reader { found, at, .. } = reader;
@@ -158,7 +158,7 @@ impl<'a> Reader<'a> {
         self.extensions()?.volume.as_ref()
     }
 
-    fn parts(&mut self, of_vertices: OfVertices) -> Result<Parts> {
+    fn common(&mut self, of_vertices: OfVertices) -> Result<Common> {
         let given = self.given;
         let [r, g, b, _] = given.pbr_metallic_roughness.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut self.found);
@@ -182,7 +182,7 @@ impl<'a> Reader<'a> {
         let ior = self.extensions().and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
         self.found.extend((!has_ior).then(|| format!("its ior of {ior} is read as 1.5")));
-        Ok(Parts {
+        Ok(Common {
             model: model(given),
             color: texture(of_base, base, None),
             emission: Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO)),
@@ -205,12 +205,12 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn glass(&mut self, parts: Parts, glass: Glass, has_colours: bool) -> Material {
-        self.found.extend((!parts.is_opaque).then(|| "without its alpha".to_owned()));
+    fn glass(&mut self, common: Common, glass: Glass, has_colours: bool) -> Material {
+        self.found.extend((!common.is_opaque).then(|| "without its alpha".to_owned()));
         self.found.extend(has_colours.then(|| "without vertex colours".to_owned()));
-        let Parts { ior, roughness, anisotropy, anisotropy_rotation, anisotropy_texture, .. } = parts;
-        let (normal, normal_scale) = (parts.normal, parts.normal_scale);
-        let color = if glass.colour_of_body { root_of(parts.color, &mut self.found) } else { parts.color };
+        let Common { ior, roughness, anisotropy, anisotropy_rotation, anisotropy_texture, .. } = common;
+        let (normal, normal_scale) = (common.normal, common.normal_scale);
+        let color = if glass.colour_of_body { root_of(common.color, &mut self.found) } else { common.color };
         let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
         let absorption = self.volume().and_then(absorption);
         let dispersion = lobes::dispersion(self.given);
@@ -234,37 +234,37 @@ impl<'a> Reader<'a> {
     }
 
     /// Whether a surface has a matt body and nothing else.
-    fn is_matt(&self, parts: &Parts) -> bool {
+    fn is_matt(&self, common: &Common) -> bool {
         let black = Texture::grey(0.0);
         self.specular().is_some_and(|specular| specular.specular_factor.0 == 0.0)
-            && parts.transmission == black
-            && parts.metallic == black
+            && common.transmission == black
+            && common.metallic == black
             && !lobes::has_lobes(self.given)
     }
 
-    fn matt(&mut self, parts: Parts, of_vertices: OfVertices) -> Material {
-        let (is_light, is_unlit) = (parts.model == Model::Light, parts.model == Model::Unlit);
+    fn matt(&mut self, common: Common, of_vertices: OfVertices) -> Material {
+        let (is_light, is_unlit) = (common.model == Model::Light, common.model == Model::Unlit);
         let of_one_side = is_light && !self.given.double_sided;
         self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
         Material::Lambertian {
-            albedo: if is_unlit { Texture::grey(0.0) } else { parts.color },
-            emission: if is_light { Some(parts.light) } else { parts.emission },
-            alpha: parts.alpha,
-            alpha_cutoff: parts.alpha_cutoff,
+            albedo: if is_unlit { Texture::grey(0.0) } else { common.color },
+            emission: if is_light { Some(common.light) } else { common.emission },
+            alpha: common.alpha,
+            alpha_cutoff: common.alpha_cutoff,
             vertex_colors: of_vertices.colors && !is_unlit,
             vertex_alpha: of_vertices.alpha,
             vertex_emission: of_vertices.colors && is_unlit,
-            normal: parts.normal,
-            normal_scale: parts.normal_scale,
+            normal: common.normal,
+            normal_scale: common.normal_scale,
         }
     }
 
-    fn pbr(&mut self, parts: Parts, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
+    fn pbr(&mut self, common: Common, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
         let given = self.given;
         let [of_specular, of_specular_color] =
             [self.image(specular_texture(given))?, self.image(specular_color_texture(given))?];
         let (specular, ior, layer_color) =
-            self.specular().map_or((1.0, parts.ior, Colour::ONE), |it| layer(it, parts.ior));
+            self.specular().map_or((1.0, common.ior, Colour::ONE), |it| layer(it, common.ior));
         let coat_normal = map_of(self.lobe_image(&lobes::COAT_NORMAL_TEXTURE)?);
         let (film, through) = (lobes::iridescence(given), lobes::diffuse_transmission(given));
         let [iridescence_thickness_min, iridescence_thickness] = lobes::iridescence_thickness(given);
@@ -285,9 +285,9 @@ impl<'a> Reader<'a> {
             false => Texture::grey(1.0),
         };
         let volume = self.volume();
-        let is_glassy = parts.transmission != Texture::grey(0.0);
+        let is_glassy = common.transmission != Texture::grey(0.0);
         let solid = glass.is_solid && is_glassy;
-        let is_tinted = parts.color.plain() != Some(Colour::ONE);
+        let is_tinted = common.color.plain() != Some(Colour::ONE);
         self.found.extend(
             (through > 0.0 && volume.is_some() && !is_glassy)
                 .then(|| "its volume is not read: light passes its surface as it passes paper".to_owned()),
@@ -297,13 +297,13 @@ impl<'a> Reader<'a> {
                 .then(|| "the base colour tints light at both surfaces of the glass, so twice".to_owned()),
         );
         Ok(Material::Pbr {
-            base_color: parts.color,
-            metallic: parts.metallic,
-            roughness: parts.roughness,
+            base_color: common.color,
+            metallic: common.metallic,
+            roughness: common.roughness,
             ior,
             specular: share_of(of_specular, specular, Channel::A),
             specular_color: texture(of_specular_color, layer_color, None),
-            transmission: parts.transmission,
+            transmission: common.transmission,
             solid,
             absorption: volume.filter(|_| solid).and_then(absorption),
             dispersion: if solid { lobes::dispersion(given) } else { 0.0 },
@@ -322,16 +322,16 @@ impl<'a> Reader<'a> {
             sheen,
             sheen_roughness,
             multiscatter: lobes::multiscatter(given),
-            emission: parts.emission,
-            alpha: parts.alpha,
-            alpha_cutoff: parts.alpha_cutoff,
+            emission: common.emission,
+            alpha: common.alpha,
+            alpha_cutoff: common.alpha_cutoff,
             vertex_colors: of_vertices.colors,
             vertex_alpha: of_vertices.alpha,
-            anisotropy: parts.anisotropy,
-            anisotropy_rotation: parts.anisotropy_rotation,
-            anisotropy_texture: parts.anisotropy_texture,
-            normal: parts.normal,
-            normal_scale: parts.normal_scale,
+            anisotropy: common.anisotropy,
+            anisotropy_rotation: common.anisotropy_rotation,
+            anisotropy_texture: common.anisotropy_texture,
+            normal: common.normal,
+            normal_scale: common.normal_scale,
         })
     }
 
