@@ -240,8 +240,8 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
             Some(light) => {
                 let is_in_range = bound.holds(1.0, light.distance());
                 let in_range = || if is_in_range { Ok(()) } else { Err(at.error(OUT_OF_RANGE)) };
-                findings
-                    .record(first(object.check_fields(at)).and_then(|()| light.check(at)).and_then(|()| in_range()));
+                let checked = first(object.check_fields(at)).and_then(|()| light.check(at));
+                findings.record(checked.and_then(|()| in_range()));
             }
             None => {
                 findings.record(shape(known, at, object, bound));

@@ -163,9 +163,10 @@ pub fn anisotropy(given: &Given) -> f64 {
     factor(given, ANISOTROPY, "anisotropyStrength")
 }
 
-/// Degrees.
+/// Degrees; 0 where there is no anisotropy.
 pub fn anisotropy_rotation(given: &Given) -> f64 {
-    number(given, ANISOTROPY, "anisotropyRotation").unwrap_or(0.0).to_degrees()
+    let rotation = number(given, ANISOTROPY, "anisotropyRotation").filter(|_| anisotropy(given) > 0.0);
+    rotation.unwrap_or(0.0).to_degrees()
 }
 
 pub fn iridescence(given: &Given) -> f64 {

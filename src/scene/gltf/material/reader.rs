@@ -33,9 +33,8 @@ struct Reader<'a> {
 /// The path of an image, and which of the sets of texture coordinates it has.
 type Image = Option<(String, u32)>;
 
-/// What several of our materials have.
+/// The parts that several of our materials have.
 struct Common {
-    model: Model,
     color: Texture,
     /// The emitted radiance, which is black where there is none.
     light: Texture,
@@ -91,7 +90,7 @@ impl File {
         let is_metal = common.metallic == Texture::grey(1.0);
         let is_dark = common.emission.is_none();
         let has_colours = of_vertices.colors;
-        let material = match common.model {
+        let material = match model(given) {
             Model::Light if common.is_opaque => {
                 Material::DiffuseLight { emit: common.light, two_sided: given.double_sided }
             }
@@ -183,7 +182,6 @@ impl<'a> Reader<'a> {
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
         self.found.extend((!has_ior).then(|| format!("its ior of {ior} is read as 1.5")));
         Ok(Common {
-            model: model(given),
             color: texture(of_base, base, None),
             emission: Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO)),
             light,
@@ -195,10 +193,7 @@ impl<'a> Reader<'a> {
             ior: if has_ior { ior } else { 1.5 },
             transmission: share_of(of_transmission, transmission(given), Channel::R),
             anisotropy: lobes::anisotropy(given),
-            anisotropy_rotation: match lobes::anisotropy(given) > 0.0 {
-                true => lobes::anisotropy_rotation(given),
-                false => 0.0,
-            },
+            anisotropy_rotation: lobes::anisotropy_rotation(given),
             anisotropy_texture,
             normal_scale: if normal.is_some() { scale } else { 1.0 },
             normal,
@@ -243,7 +238,7 @@ impl<'a> Reader<'a> {
     }
 
     fn matt(&mut self, common: Common, of_vertices: OfVertices) -> Material {
-        let (is_light, is_unlit) = (common.model == Model::Light, common.model == Model::Unlit);
+        let (is_light, is_unlit) = (model(self.given) == Model::Light, model(self.given) == Model::Unlit);
         let of_one_side = is_light && !self.given.double_sided;
         self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
         Material::Lambertian {
