@@ -18,11 +18,12 @@ use crate::bitmap::Bitmaps;
 use crate::error::Result;
 use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
-use crate::texture::{Colour, Texture, Use};
+use crate::texture::{Texture, Use};
 
-use declared::is_zero;
-pub use declared::{MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS, Material};
-use model::{Along, Coat, Film, lobes_of_roughness};
+pub use declared::{
+    Conductor, Dielectric, DiffuseLight, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS,
+    Material, Metal, Pbr, RoughDielectric, ThinDielectric,
+};
 pub use model::{
     Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
     Vertices,
@@ -44,145 +45,25 @@ impl Material {
     /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian {
-                albedo,
-                emission,
-                alpha,
-                alpha_cutoff,
-                vertex_colors,
-                vertex_alpha,
-                vertex_emission,
-                normal,
-                normal_scale,
-            } => {
-                let model = lambertian::model(albedo).emissive(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
-                let model = model.coloured_by_vertices(*vertex_colors).emissive_by_vertices(*vertex_emission);
-                model.bumped(normal, *normal_scale)
-            }
-            Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
-            Material::Dielectric { ior, transmittance, absorption, dispersion } => {
-                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
-            }
-            Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
-            Material::Conductor {
-                albedo,
-                eta,
-                k,
-                roughness,
-                multiscatter,
-                anisotropy,
-                anisotropy_rotation,
-                anisotropy_texture,
-                normal,
-                normal_scale,
-            } => {
-                let model = conductor::model(albedo.as_ref(), *eta, *k, roughness);
-                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
-                model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
-            }
-            Material::RoughDielectric {
-                ior,
-                roughness,
-                transmittance,
-                absorption,
-                dispersion,
-                anisotropy,
-                anisotropy_rotation,
-                anisotropy_texture,
-                normal,
-                normal_scale,
-            } => {
-                let model = rough_dielectric::model(*ior, roughness).dispersing(*ior, *dispersion);
-                let model = model.tinted(transmittance).absorbing(*absorption).bumped(normal, *normal_scale);
-                model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture)
-            }
-            Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale } => {
-                thin_dielectric::model(*ior, roughness).tinted(transmittance).bumped(normal, *normal_scale)
-            }
-            Material::Pbr {
-                base_color,
-                metallic,
-                roughness,
-                ior,
-                specular,
-                specular_color,
-                transmission,
-                solid,
-                absorption,
-                dispersion,
-                diffuse_transmission,
-                diffuse_transmission_color,
-                iridescence,
-                iridescence_ior,
-                iridescence_thickness,
-                iridescence_thickness_min,
-                iridescence_thickness_texture,
-                coat,
-                coat_roughness,
-                coat_ior,
-                coat_normal,
-                coat_normal_scale,
-                sheen,
-                sheen_roughness,
-                multiscatter,
-                emission,
-                alpha,
-                alpha_cutoff,
-                vertex_colors,
-                vertex_alpha,
-                anisotropy,
-                anisotropy_rotation,
-                anisotropy_texture,
-                normal,
-                normal_scale,
-            } => {
-                let model = pbr::model(base_color, metallic, roughness, *ior).emissive(emission);
-                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
-                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
-                let model = model.layered(specular, specular_color, !is_zero(iridescence)).transmitting(
-                    transmission,
-                    &dielectric::model(*ior).on_device,
-                    *solid,
-                );
-                let coat = Coat {
-                    share: coat,
-                    roughness: coat_roughness,
-                    ior: *coat_ior,
-                    normal: coat_normal,
-                    normal_scale: *coat_normal_scale,
-                };
-                let model = model.coated(coat).sheened(sheen, sheen_roughness);
-                let film = Film {
-                    share: iridescence,
-                    ior: *iridescence_ior,
-                    thickness: iridescence_thickness_texture,
-                    least: *iridescence_thickness_min,
-                    most: *iridescence_thickness,
-                };
-                let model = model.filmed(film).translucent(diffuse_transmission, diffuse_transmission_color);
-                let model = model.anisotropic(*anisotropy, *anisotropy_rotation, anisotropy_texture);
-                let has_inside = *solid && !is_zero(transmission);
-                let model = model.dispersing(*ior, if has_inside { *dispersion } else { 0.0 });
-                let lacks = (absorption.is_some() && !has_inside)
-                    .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
-                let disperses_nothing = (*dispersion != 0.0 && !has_inside).then_some(
-                    "no dispersion without `solid: true` and a transmission: it is of light that a body bends",
-                );
-                Model { lacks: lacks.or(disperses_nothing), ..model.absorbing(*absorption) }
-            }
+            Material::Lambertian(own) => own.model(),
+            Material::Metal(own) => own.model(),
+            Material::Dielectric(own) => own.model(),
+            Material::DiffuseLight(own) => own.model(),
+            Material::Conductor(own) => own.model(),
+            Material::RoughDielectric(own) => own.model(),
+            Material::Pbr(own) => own.model(),
+            Material::ThinDielectric(own) => own.model(),
         }
     }
 
     /// The material as kernels have it, on objects whose vertices have these attributes. Neutral values are left out.
     pub fn model_on_device(&self, vertices: Vertices) -> Model<'_> {
         let model = match self {
-            Material::RoughDielectric { ior, transmittance, absorption, dispersion, .. } if self.is_smooth_glass() => {
-                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption).dispersing(*ior, *dispersion)
-            }
+            Material::RoughDielectric(own) if own.is_smooth() => own.as_smooth_glass(),
             _ => self.model(),
         };
         let metallic = match self {
-            Material::Pbr { metallic, .. } => metallic.plain().map(|metallic| metallic.x),
+            Material::Pbr(own) => own.metallic.plain().map(|metallic| metallic.x),
             _ => None,
         };
         model.without_neutral(vertices, metallic)
@@ -196,11 +77,7 @@ impl Material {
     }
 
     fn is_smooth_glass(&self) -> bool {
-        let Material::RoughDielectric { ior, roughness, anisotropy, normal, normal_scale, .. } = self else {
-            return false;
-        };
-        let is_smooth = |roughness: Colour| rough_dielectric::lobes(*ior, roughness.x, *anisotropy) == [Lobe::Specular];
-        roughness.plain().is_some_and(is_smooth) && (normal.is_none() || *normal_scale == 0.0)
+        matches!(self, Material::RoughDielectric(own) if own.is_smooth())
     }
 
     /// Whether light passes it.
@@ -216,42 +93,10 @@ impl Material {
     /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
     pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
         match self {
-            Material::Conductor { roughness, anisotropy, anisotropy_texture, .. } => {
-                let along = Along::new(*anisotropy, anisotropy_texture);
-                lobes_of_roughness(roughness, along, bitmaps, |roughness, along| {
-                    vec![conductor::lobe(roughness, along)]
-                })
-            }
-            Material::RoughDielectric { ior, roughness, anisotropy, anisotropy_texture, .. } => {
-                let along = Along::new(*anisotropy, anisotropy_texture);
-                lobes_of_roughness(roughness, along, bitmaps, |roughness, along| {
-                    rough_dielectric::lobes(*ior, roughness, along)
-                })
-            }
-            Material::ThinDielectric { roughness, .. } => {
-                lobes_of_roughness(roughness, Along::NONE, bitmaps, |roughness, _| {
-                    vec![conductor::lobe(roughness, 0.0)]
-                })
-            }
-            Material::Pbr {
-                metallic,
-                roughness,
-                ior,
-                transmission,
-                solid,
-                coat,
-                coat_roughness,
-                sheen,
-                anisotropy,
-                anisotropy_texture,
-                ..
-            } => {
-                let along = Along::new(*anisotropy, anisotropy_texture);
-                let (ior, is_solid) = (*ior, *solid);
-                let parts =
-                    pbr::Parts { metallic, roughness, along, ior, transmission, is_solid, coat, coat_roughness, sheen };
-                pbr::lobes(&parts, bitmaps)
-            }
+            Material::Conductor(own) => own.lobes(bitmaps),
+            Material::RoughDielectric(own) => own.lobes(bitmaps),
+            Material::ThinDielectric(own) => own.lobes(bitmaps),
+            Material::Pbr(own) => own.lobes(bitmaps),
             _ => self.model().lobes,
         }
     }
@@ -295,6 +140,12 @@ pub fn a_material() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_gives_nothing_has_the_default() {
+        let read: Material = ron::from_str("Pbr()").expect("all fields have defaults");
+        assert_eq!(read, Material::Pbr(Pbr::default()));
+    }
 
     #[test]
     fn the_words_for_a_material_name_the_kinds() {

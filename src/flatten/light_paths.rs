@@ -62,7 +62,7 @@ impl Builder<'_> {
             if primitive.shape.large_sphere().is_none() {
                 reason.get_or_insert_with(|| format!("\"{name}\" at {}", self.scene.material_location(name)));
                 let at = ObjectTransform { to_world: &primitive.to_world, space: self.space };
-                let is_pane = matches!(material, Material::ThinDielectric { .. });
+                let is_pane = matches!(material, Material::ThinDielectric(_));
                 let shapes = if is_pane { &mut panes } else { &mut solid };
                 let shape = primitive.shape.bounding_shape(&at);
                 let is_alone = primitive.shape.fills_bounding_shape();

@@ -1,9 +1,13 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
+use super::declared::Conductor;
 use super::declared::conductor::FIELDS;
-use super::model::{ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, Slot, varying};
+use super::model::{
+    ANY_LOBE, Along, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, Slot, lobes_of_roughness, varying,
+};
+use crate::bitmap::Bitmaps;
 use crate::data::{self, f32s};
-use crate::texture::{Colour, Texture, Use};
+use crate::texture::{Colour, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "conductor",
@@ -34,36 +38,39 @@ pub fn lobe(roughness: f64, anisotropy: f64) -> Lobe {
     if roughness < LEAST_ROUGHNESS { Lobe::Specular } else { Lobe::of_width(width) }
 }
 
-pub fn model<'a>(
-    albedo: Option<&'a Texture>,
-    eta: Option<Colour>,
-    k: Option<Colour>,
-    roughness: &'a Texture,
-) -> Model<'a> {
-    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
-    let on_device = data::Material {
-        // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it reflects.
-        colour: f32s(eta.map_or(Colour::ZERO, |eta| eta - 1.0)),
-        parameter: roughness as f32,
-        ..data::Material::default()
-    };
-    let is_complete =
-        albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
-    let is_measured = f32::from(u8::from(eta.is_some()));
-    Model {
-        slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
-        lobes: vec![lobe(roughness, 0.0)],
-        two_sided: None,
-        warning: None,
-        lacks: (!is_complete).then_some("either an albedo, or both eta and k"),
-        extensions: extension.into_iter().collect(),
-        absorption: None,
-        on_device,
-        second_part: Some(data::Material {
-            colour: f32s(k.unwrap_or_default()),
-            parameter: is_measured,
-            texture: data::NO_TEXTURE,
-            ..data::Material::default()
-        }),
+impl Conductor {
+    pub fn model(&self) -> Model<'_> {
+        let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, &self.roughness);
+        let (albedo, eta, k) = (self.albedo.as_ref(), self.eta, self.k);
+        let is_complete =
+            albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
+        let is_measured = f32::from(u8::from(eta.is_some()));
+        let model = Model {
+            slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
+            lobes: vec![lobe(roughness, 0.0)],
+            lacks: (!is_complete).then_some("either an albedo, or both eta and k"),
+            extensions: extension.into_iter().collect(),
+            on_device: data::Material {
+                // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it
+                // reflects.
+                colour: f32s(eta.map_or(Colour::ZERO, |eta| eta - 1.0)),
+                parameter: roughness as f32,
+                ..data::Material::default()
+            },
+            second_part: Some(data::Material {
+                colour: f32s(k.unwrap_or_default()),
+                parameter: is_measured,
+                texture: data::NO_TEXTURE,
+                ..data::Material::default()
+            }),
+            ..Model::default()
+        };
+        let model = model.scattering_many_times(self.multiscatter).bumped(&self.normal, self.normal_scale);
+        model.anisotropic(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture)
+    }
+
+    pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
+        let along = Along::new(self.anisotropy, &self.anisotropy_texture);
+        lobes_of_roughness(&self.roughness, along, bitmaps, |roughness, along| vec![lobe(roughness, along)])
     }
 }

@@ -25,9 +25,13 @@ const SHARE: Field = varying(Range::SHARE);
 declare! {
     /// A material as the scene file writes it.
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-    #[serde(deny_unknown_fields)]
+    #[serde(from = "Written", into = "Written")]
     #[expect(clippy::large_enum_variant, reason = "a scene has few materials")]
-    pub enum Material {
+    pub enum Material of structs,
+    #[derive(Deserialize, Serialize)]
+    #[serde(rename = "Material", deny_unknown_fields)]
+    #[expect(clippy::large_enum_variant, reason = "a scene has few materials")]
+    enum Written {
         /// A matt surface: it looks equally bright from all directions.
         Lambertian: lambertian, "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))" {
             /// The reflected share of light.

@@ -1,5 +1,6 @@
 //! A clear solid: glass, water.
 
+use super::declared::Dielectric;
 use super::declared::dielectric::FIELDS;
 use super::model::{ExtensionKind, Lobe, MaterialKind, Model};
 use crate::data;
@@ -17,23 +18,26 @@ pub const KIND: MaterialKind = MaterialKind {
 /// A refractive index within this of 1, but not 1, is visible only at grazing incidence: rays are bent by |n - 1| tan θ.
 const NEAR_ONE: f64 = 1e-6;
 
-pub fn model(ior: f64) -> Model<'static> {
+impl Dielectric {
+    pub fn model(&self) -> Model<'_> {
+        let model = glass(self.ior).tinted(&self.transmittance).absorbing(self.absorption);
+        model.dispersing(self.ior, self.dispersion)
+    }
+}
+
+/// Clear glass of this index.
+pub fn glass(ior: f64) -> Model<'static> {
     let inside = 1.0 / ior;
     Model {
-        slot: None,
         lobes: vec![Lobe::Specular],
-        two_sided: None,
         warning: warning(ior).map(|warning| (&FIELDS.ior, warning)),
-        lacks: None,
-        second_part: None,
-        extensions: Vec::new(),
-        absorption: None,
         on_device: data::Material {
             parameter: ior as f32,
             contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,
             contrast_inside: ((inside - 1.0) * (inside + 1.0)) as f32,
             ..data::Material::default()
         },
+        ..Model::default()
     }
 }
 

@@ -1,9 +1,10 @@
 //! A diffuse light: it emits the same radiance in all directions, and reflects nothing.
 
+use super::declared::DiffuseLight;
 use super::declared::diffuse_light::FIELDS;
 use super::model::{MaterialKind, Model, Slot};
 use crate::data;
-use crate::texture::{Texture, Use};
+use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "diffuse_light",
@@ -15,16 +16,13 @@ pub const KIND: MaterialKind = MaterialKind {
     has_second_part: false,
 };
 
-pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
-    Model {
-        slot: Some(Slot { field: &FIELDS.emit, usage: Use::Radiance, texture: emit }),
-        lobes: Vec::new(),
-        two_sided: Some(two_sided),
-        warning: None,
-        lacks: None,
-        second_part: None,
-        extensions: Vec::new(),
-        absorption: None,
-        on_device: data::Material { parameter: f32::from(u8::from(two_sided)), ..data::Material::default() },
+impl DiffuseLight {
+    pub fn model(&self) -> Model<'_> {
+        Model {
+            slot: Some(Slot { field: &FIELDS.emit, usage: Use::Radiance, texture: &self.emit }),
+            two_sided: Some(self.two_sided),
+            on_device: data::Material { parameter: f32::from(u8::from(self.two_sided)), ..data::Material::default() },
+            ..Model::default()
+        }
     }
 }

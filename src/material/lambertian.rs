@@ -1,9 +1,9 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
+use super::declared::Lambertian;
 use super::declared::lambertian::FIELDS;
 use super::model::{ExtensionKind, Lobe, MaterialKind, Model, Slot};
-use crate::data;
-use crate::texture::{Texture, Use};
+use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "lambertian",
@@ -22,16 +22,15 @@ pub const KIND: MaterialKind = MaterialKind {
     has_second_part: false,
 };
 
-pub fn model(albedo: &Texture) -> Model<'_> {
-    Model {
-        slot: Some(Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture: albedo }),
-        lobes: vec![Lobe::Wide],
-        two_sided: None,
-        warning: None,
-        lacks: None,
-        second_part: None,
-        extensions: Vec::new(),
-        absorption: None,
-        on_device: data::Material::default(),
+impl Lambertian {
+    pub fn model(&self) -> Model<'_> {
+        let model = Model {
+            slot: Some(Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture: &self.albedo }),
+            lobes: vec![Lobe::Wide],
+            ..Model::default()
+        };
+        let model = model.emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
+        let model = model.coloured_by_vertices(self.vertex_colors).emissive_by_vertices(self.vertex_emission);
+        model.bumped(&self.normal, self.normal_scale)
     }
 }

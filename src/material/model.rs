@@ -56,7 +56,8 @@ impl Lobe {
 /// The lobes of a kind of material whose roughness is a parameter.
 pub const ANY_LOBE: &[Lobe] = &[Lobe::Wide, Lobe::Narrow, Lobe::Specular];
 
-/// The properties of a material on the host. No field has a default, so that a new material cannot forget one.
+/// The properties of a material on the host.
+#[derive(Default)]
 pub struct Model<'a> {
     /// Its texture, if it has one.
     pub slot: Option<Slot<'a>>,

@@ -1,11 +1,11 @@
 //! A pane of clear solid that is too thin to bend light: a window, a bubble.
 
-use super::conductor;
+use super::declared::ThinDielectric;
 use super::declared::thin_dielectric::FIELDS;
-use super::dielectric;
-use super::model::{ANY_LOBE, ExtensionKind, MaterialKind, Model, varying};
+use super::model::{ANY_LOBE, Along, ExtensionKind, Lobe, MaterialKind, Model, lobes_of_roughness, varying};
+use super::{conductor, dielectric};
+use crate::bitmap::Bitmaps;
 use crate::data;
-use crate::texture::Texture;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "thin_dielectric",
@@ -17,14 +17,21 @@ pub const KIND: MaterialKind = MaterialKind {
     has_second_part: false,
 };
 
-pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
-    let smooth = dielectric::model(ior);
-    let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, roughness);
-    Model {
-        lobes: vec![conductor::lobe(roughness, 0.0)],
-        warning: None,
-        extensions: extension.into_iter().collect(),
-        on_device: data::Material { parameter: roughness as f32, ..smooth.on_device },
-        ..smooth
+impl ThinDielectric {
+    pub fn model(&self) -> Model<'_> {
+        let smooth = dielectric::glass(self.ior);
+        let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, &self.roughness);
+        let model = Model {
+            lobes: vec![conductor::lobe(roughness, 0.0)],
+            warning: None,
+            extensions: extension.into_iter().collect(),
+            on_device: data::Material { parameter: roughness as f32, ..smooth.on_device },
+            ..smooth
+        };
+        model.tinted(&self.transmittance).bumped(&self.normal, self.normal_scale)
+    }
+
+    pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
+        lobes_of_roughness(&self.roughness, Along::NONE, bitmaps, |roughness, _| vec![conductor::lobe(roughness, 0.0)])
     }
 }

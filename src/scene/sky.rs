@@ -113,7 +113,7 @@ impl Scene {
         let model = material.model();
         let is_seen = model.most_emitted(&self.bitmaps, || [1.0; 2]).is_seen();
         let emission = model.emission().filter(|_| is_seen).map(|emission| emission.slot.texture);
-        let is_black = matches!(material, Material::Lambertian { albedo, .. } if albedo.plain() == Some(Colour::ZERO));
+        let is_black = matches!(material, Material::Lambertian(own) if own.albedo.plain() == Some(Colour::ZERO));
         let mean = emission.map_or(0.0, |texture| texture.mean_luminance(&self.bitmaps));
         let image = emission
             .filter(|_| mean > 0.0)

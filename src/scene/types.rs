@@ -4,5 +4,7 @@ pub use super::declared::{
     Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, Thin, Transform, keys_around, keys_up_to,
 };
 pub use crate::bitmap::{Bitmap, Bitmaps};
-pub use crate::material::Material;
+pub use crate::material::{
+    Conductor, Dielectric, DiffuseLight, Lambertian, Material, Metal, Pbr, RoughDielectric, ThinDielectric,
+};
 pub use crate::texture::{Colour, Texture, Use};

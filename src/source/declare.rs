@@ -1,6 +1,7 @@
 //! Declares what a scene file has: each field once, with its meaning, its type, what it takes and its default.
 
 /// Declares an enum or a struct that serde reads. Each variant, and the struct, gets a module with its `FORM` and its `FIELDS`.
+/// The variants of an enum `of structs` hold structs of their names. RON writes such a variant as one with fields, so that serde reads another enum.
 ///
 /// ```ignore
 /// declare! {
@@ -74,6 +75,60 @@ macro_rules! declare {
                     $($($unnamed = $unnamed_form, concat!($($unnamed_meaning),*);)*)?
                 }
             }
+        )*
+    };
+    ($(#[$attribute:meta])* pub enum $enum:ident of structs, $(#[$written_attribute:meta])* enum $written:ident { $(
+        $(#[doc = $about:literal])*
+        $variant:ident: $module:ident, $example:literal { $(
+            $(#[doc = $meaning:literal])*
+            $(#[serde $serde:tt])?
+            $field:ident: $type:ty = $form:expr;
+        )* }
+    )* }) => {
+        $(#[$attribute])*
+        pub enum $enum { $($(#[doc = $about])* $variant($variant)),* }
+
+        $(#[$written_attribute])*
+        enum $written { $($variant { $($(#[serde $serde])? $field: $type),* }),* }
+
+        impl From<$written> for $enum {
+            fn from(written: $written) -> $enum {
+                match written { $($written::$variant { $($field),* } => $enum::$variant($variant { $($field),* })),* }
+            }
+        }
+
+        impl From<$enum> for $written {
+            fn from(own: $enum) -> $written {
+                match own { $($enum::$variant($variant { $($field),* }) => $written::$variant { $($field),* }),* }
+            }
+        }
+
+        impl $enum {
+            /// The forms of the variants.
+            pub const FORMS: &[Form] = &[$($module::FORM),*];
+
+            /// The variant's name, as the scene file writes it.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$variant(_) => stringify!($variant)),* }
+            }
+
+            /// The errors of the numbers that have names; `at` is the path of the variant.
+            pub fn check_fields(&self, at: &ValuePath) -> Vec<Error> {
+                let checks = match self {
+                    $(Self::$variant(own) => vec![$(own.$field.check_as(&$module::FIELDS.$field, at)),*]),*
+                };
+                checks.into_iter().filter_map(Result::err).collect()
+            }
+        }
+
+        $(
+            $(#[doc = $about])*
+            #[derive(Clone, Debug, PartialEq)]
+            pub struct $variant { $($(#[doc = $meaning])* pub $field: $type),* }
+
+            declare! { @module $module, stringify!($variant), concat!($($about),*), $example, false, {
+                $($field = $form, concat!($($meaning),*);)*
+            } }
         )*
     };
     ($(#[doc = $about:literal])* #[derive $derive:tt] #[serde $read:tt]

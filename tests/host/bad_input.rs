@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gpu_rt::error::{Error, Location};
-use gpu_rt::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Transform};
+use gpu_rt::scene::{Background, Bitmap, DiffuseLight, Material, Metal, Object, Scene, Step, Texture, Transform};
 
 /// A bad scene, marked, with the field and some words of the message.
 struct Bad {
@@ -467,10 +467,10 @@ fn every_feature_of_the_format_parses() {
     let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     let in_order = "ground|steel|mirror|glass|air \"in\" glass|lamp é|one \"side\"|cloud|marble";
     assert_eq!(names.join("|"), in_order);
-    let mirror = Material::Metal { albedo: Texture::Rgb(0.0, 1.0, 1.0), fuzz: 0.0 };
+    let mirror = Material::Metal(Metal { albedo: Texture::Rgb(0.0, 1.0, 1.0), fuzz: 0.0 });
     assert_eq!(scene.materials[2].1, mirror);
-    assert!(matches!(scene.materials[5].1, Material::DiffuseLight { two_sided: true, .. }));
-    assert!(matches!(scene.materials[6].1, Material::DiffuseLight { two_sided: false, .. }));
+    assert!(matches!(scene.materials[5].1, Material::DiffuseLight(DiffuseLight { two_sided: true, .. })));
+    assert!(matches!(scene.materials[6].1, Material::DiffuseLight(DiffuseLight { two_sided: false, .. })));
     let Object::Transformed { by, object } = &scene.objects[3] else {
         panic!("{:?}", scene.objects[3]);
     };

@@ -6,7 +6,10 @@ use std::path::Path;
 use base64::Engine;
 use glam::DVec3;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, Camera, GltfOptions, Material, Object, Scene, Sky, Texture, Transform};
+use gpu_rt::scene::{
+    Assets, Background, Camera, Conductor, Dielectric, GltfOptions, Lambertian, Material, Object, Pbr, RoughDielectric,
+    Scene, Sky, Texture, Transform,
+};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, gltf, png, room, square};
@@ -127,7 +130,7 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     assert_eq!(pbr(0.0, json!({"specularFactor": 0.25, "specularColorFactor": [1, 0.5, 0]})), written(expected));
     // A colour above 1 is a larger index of refraction.
     let bright = pbr(0.0, json!({"specularColorFactor": [2, 1, 0]}));
-    let Material::Pbr { ior, specular, specular_color, .. } = bright else { panic!("{bright:?}") };
+    let Material::Pbr(Pbr { ior, specular, specular_color, .. }) = bright else { panic!("{bright:?}") };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
     assert!((reflectance(ior) - 2.0 * reflectance(1.4)).abs() < 1e-12);
     assert_eq!((specular, specular_color), (Texture::grey(1.0), Texture::Rgb(1.0, 0.5, 0.0)));
@@ -167,7 +170,7 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         steel(json!({"pbrMetallicRoughness": base, "extensions": extensions}))
     };
     assert_eq!(solid(json!({})), written("Dielectric(ior: 1.5, transmittance: Rgb(0.5, 1, 1))"));
-    let Material::Dielectric { absorption: Some(absorption), .. } =
+    let Material::Dielectric(Dielectric { absorption: Some(absorption), .. }) =
         solid(json!({"attenuationDistance": 2, "attenuationColor": [0.5, 1, 0]}))
     else {
         panic!("it absorbs")
@@ -248,8 +251,8 @@ fn the_alpha_of_vertex_colours_is_read_where_the_material_has_one() {
         fs::write(&path, glb(&json, &binary)).unwrap();
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let flags = match scene.materials[0].1 {
-            Material::Pbr { vertex_colors, vertex_alpha, .. }
-            | Material::Lambertian { vertex_colors, vertex_alpha, .. } => (vertex_colors, vertex_alpha),
+            Material::Pbr(Pbr { vertex_colors, vertex_alpha, .. })
+            | Material::Lambertian(Lambertian { vertex_colors, vertex_alpha, .. }) => (vertex_colors, vertex_alpha),
             _ => (false, false),
         };
         // The mirrored node has vertices of its own.
@@ -342,7 +345,7 @@ fn the_lobes_of_the_extensions_are_read() {
         pbr(&format!("transmission: {}", image("R", 1.0)))
     );
     let volume = json!({"thicknessFactor": 1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 1});
-    let Material::Pbr { solid: true, absorption: Some(absorption), transmission, .. } =
+    let Material::Pbr(Pbr { solid: true, absorption: Some(absorption), transmission, .. }) =
         lobes(json!({"KHR_materials_transmission": {"transmissionFactor": 0.5}, "KHR_materials_volume": volume}))
     else {
         panic!("it is no body");
@@ -388,7 +391,7 @@ fn the_lobes_of_the_extensions_are_read() {
     // Dispersion is of bodies alone: of plain glass, and of a share.
     let dispersion = json!({"dispersion": 0.5});
     for (factor, thickness, expected) in [(0.5, 1, 0.5), (0.5, 0, 0.0)] {
-        let Material::Pbr { dispersion, .. } = lobes(json!({"KHR_materials_dispersion": dispersion,
+        let Material::Pbr(Pbr { dispersion, .. }) = lobes(json!({"KHR_materials_dispersion": dispersion,
             "KHR_materials_transmission": {"transmissionFactor": factor}, "KHR_materials_volume": {"thicknessFactor": thickness}}))
         else {
             panic!("it is no share of glass");
@@ -398,13 +401,15 @@ fn the_lobes_of_the_extensions_are_read() {
     let clear =
         lobes(json!({"KHR_materials_dispersion": dispersion, "KHR_materials_transmission": {"transmissionFactor": 1},
         "KHR_materials_volume": {"thicknessFactor": 1}}));
-    let (Material::Dielectric { dispersion, .. } | Material::RoughDielectric { dispersion, .. }) = clear else {
+    let (Material::Dielectric(Dielectric { dispersion, .. })
+    | Material::RoughDielectric(RoughDielectric { dispersion, .. })) = clear
+    else {
         panic!("it is no glass");
     };
     assert_eq!(dispersion, 0.5);
     // A quarter turn, of a metal that stays one.
     let brushed = json!({"anisotropyStrength": 0.5, "anisotropyRotation": 1.5, "anisotropyTexture": texture});
-    let Material::Conductor { anisotropy, anisotropy_rotation, anisotropy_texture, .. } =
+    let Material::Conductor(Conductor { anisotropy, anisotropy_rotation, anisotropy_texture, .. }) =
         steel(json!({"extensions": {"KHR_materials_anisotropy": brushed}}))
     else {
         panic!("it is no metal");
@@ -419,14 +424,14 @@ fn the_lobes_of_the_extensions_are_read() {
     assert_eq!(lobes(none), pbr(""));
     // Metals and matt surfaces with a lobe are no plain ones.
     let coated = steel(json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}}));
-    assert!(matches!(coated, Material::Pbr { .. }), "{coated:?}");
+    assert!(matches!(coated, Material::Pbr(_)), "{coated:?}");
     // Each placing of a texture is a set of texture coordinates.
     let moved = json!({"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0]}}});
     let set_of = |texture: &Texture| match texture {
         Texture::Image { uv_set, .. } => Some(*uv_set),
         _ => None,
     };
-    let Material::Pbr { coat, sheen, .. } = lobes(json!({
+    let Material::Pbr(Pbr { coat, sheen, .. }) = lobes(json!({
         "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": texture},
         "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenColorTexture": moved}}))
     else {

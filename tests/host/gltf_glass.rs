@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use gpu_rt::scene::{Assets, GltfOptions, Material, Object, Scene, Texture, Thin};
+use gpu_rt::scene::{Assets, Dielectric, GltfOptions, Material, Object, Pbr, Scene, Texture, Thin, ThinDielectric};
 use serde_json::{Value, json};
 
 use crate::common::gltf::glb;
@@ -304,7 +304,7 @@ fn a_share_of_transmission_is_mixed() {
         let scene = load_as(&file(&[&[cube()]], &[glass("Glass", transmission)]), Thin::Auto);
         let material = &scene.materials[0].1;
         assert_eq!(material.name(), kind, "{share}");
-        if let Material::Pbr { transmission, solid, .. } = material {
+        if let Material::Pbr(Pbr { transmission, solid, .. }) = material {
             assert_eq!((transmission, *solid), (&Texture::grey(share), share > 0.0));
         }
         let notes = scene.warnings().join("\n");
@@ -357,7 +357,8 @@ fn both_surfaces_of_blenders_glass_have_its_colour_together() {
         let mut file = file(&[&[cube()]], &[glass("Glass", own)]);
         file.0["asset"]["generator"] = generator.into();
         match &load_as(&file, thin).materials[0].1 {
-            Material::Dielectric { transmittance, .. } | Material::ThinDielectric { transmittance, .. } => {
+            Material::Dielectric(Dielectric { transmittance, .. })
+            | Material::ThinDielectric(ThinDielectric { transmittance, .. }) => {
                 transmittance.as_ref().and_then(|texture| texture.plain()).map(|colour| colour.to_array())
             }
             other => panic!("{other:?}"),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Background, Material, Object, Scene, Texture, Transform};
+use gpu_rt::scene::{Background, Dielectric, Lambertian, Material, Object, Pbr, Scene, Texture, Transform};
 use tempfile::TempDir;
 
 use crate::common::gltf::png;
@@ -68,13 +68,13 @@ fn an_obj_has_a_mesh_for_each_of_its_materials() {
     assert_eq!(paint.positions[0], DVec3::new(0.0, 1.5, 0.0), "negative numbers count backwards");
     let image = folder.path().join("maps/check er.png");
     match material(&scene, "the floor") {
-        Material::Lambertian { albedo: Texture::Image { path, tint, .. }, emission: None, .. } => {
+        Material::Lambertian(Lambertian { albedo: Texture::Image { path, tint, .. }, emission: None, .. }) => {
             assert_eq!((scene_path(&folder, path), *tint), (image, DVec3::ONE));
         }
         other => panic!("{other:?}"),
     }
     match material(&scene, "red paint") {
-        Material::Pbr { base_color, roughness, metallic, ior, .. } => {
+        Material::Pbr(Pbr { base_color, roughness, metallic, ior, .. }) => {
             assert_eq!(*base_color, Texture::Rgb(0.8, 0.1, 0.1));
             assert_eq!(
                 (roughness.clone(), metallic.clone(), *ior),
@@ -106,20 +106,23 @@ fn statements_of_physically_based_materials_are_read() {
         material(&scene(&folder, "a model.obj"), "b").clone()
     };
     match read("Kd 0.5 0.4 0.3\nPr 0.25\nPm 0.75\nNi 1.33\nKe 3 2 1\nTr 0.25\n") {
-        Material::Pbr { roughness, metallic, ior, emission, alpha, .. } => {
+        Material::Pbr(Pbr { roughness, metallic, ior, emission, alpha, .. }) => {
             assert_eq!((roughness, metallic, ior), (Texture::grey(0.25), Texture::grey(0.75), 1.33));
             assert_eq!((emission, alpha), (Some(Texture::Rgb(3.0, 2.0, 1.0)), Texture::grey(0.75)));
         }
         other => panic!("{other:?}"),
     }
-    let glass = Material::Dielectric {
+    let glass = Material::Dielectric(Dielectric {
         ior: 1.4,
         transmittance: Some(Texture::Rgb(1.0, 0.5, 0.5)),
         absorption: None,
         dispersion: 0.0,
-    };
+    });
     assert_eq!(read("illum 7\nNi 1.4\nTf 1 0.5 0.5\n"), glass);
-    assert!(matches!(read("Ks 0 0 0\nKd 0.5\n"), Material::Lambertian { albedo: Texture::Rgb(0.5, 0.5, 0.5), .. }));
+    assert!(matches!(
+        read("Ks 0 0 0\nKd 0.5\n"),
+        Material::Lambertian(Lambertian { albedo: Texture::Rgb(0.5, 0.5, 0.5), .. })
+    ));
     // An emitter lights the file, and a dim one does not.
     for (light, has_sky) in [("Ke 20 20 20", false), ("Ke 0.001 0 0", true), ("", true)] {
         let folder = files(&model, &format!("newmtl a\nnewmtl b\n{light}\n"), &png());
@@ -182,13 +185,13 @@ fn a_ply_shows_the_colours_of_its_vertices() {
         text("float", ["0 0 -1", "1 0.50196078 0", "0 0 7"]),
     ] {
         let scene = scene(&folder(&[("a.ply", &file)]), "a.ply");
-        assert!(matches!(material(&scene, "default"), Material::Pbr { vertex_colors: true, .. }));
+        assert!(matches!(material(&scene, "default"), Material::Pbr(Pbr { vertex_colors: true, .. })));
         assert_eq!(scene.meshes["a.ply"].colours, expected);
     }
     let plain = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
                   property list uchar int vertex_indices\nproperty uchar red\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9\n";
     let scene = scene(&folder(&[("a.ply", plain)]), "a.ply");
-    assert!(matches!(material(&scene, "default"), Material::Pbr { vertex_colors: false, .. }));
+    assert!(matches!(material(&scene, "default"), Material::Pbr(Pbr { vertex_colors: false, .. })));
     let obj = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1 # blue\nusemtl x\nf 1 2 3\n";
     let said = |obj: &str| self::scene(&folder(&[("a.obj", obj.as_bytes())]), "a.obj").warnings().join("\n");
     let words = "the colours of its vertices are not read: save it as .ply or .glb";
@@ -211,7 +214,7 @@ fn what_an_obj_lacks_is_said_with_its_line() {
         scene
     };
     let grey = |scene: &Scene, name: &str| {
-        assert!(matches!(material(scene, name), Material::Pbr { base_color: Texture::Rgb(0.8, 0.8, 0.8), .. }));
+        assert!(matches!(material(scene, name), Material::Pbr(Pbr { base_color: Texture::Rgb(0.8, 0.8, 0.8), .. })));
     };
     grey(&said(&[("a.obj", triangle)], &["nothing in it emits light"]), "default");
     let named = format!("\nmtllib gone.mtl\nusemtl x\n{triangle}");
@@ -221,7 +224,10 @@ fn what_an_obj_lacks_is_said_with_its_line() {
     let image =
         [("a.obj", named.as_str()), ("gone.mtl", "newmtl x\nKd 0.5 0.25 0.5\nmap_Kd C:\\me\\wood.png\nbump b.png\n")];
     let scene = said(&image, &["gone.mtl:3: map_Kd: there is no file", "gone.mtl:1: \"x\": not read: bump"]);
-    assert!(matches!(material(&scene, "x"), Material::Lambertian { albedo: Texture::Rgb(0.5, 0.25, 0.5), .. }));
+    assert!(matches!(
+        material(&scene, "x"),
+        Material::Lambertian(Lambertian { albedo: Texture::Rgb(0.5, 0.25, 0.5), .. })
+    ));
     // An image that is there, on faces without texture coordinates.
     let beside = folder(&[
         ("a.obj", named.as_bytes()),

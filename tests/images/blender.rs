@@ -7,7 +7,9 @@ use glam::{DMat3, DVec3};
 use gpu_rt::metrics::flip::error_map;
 use gpu_rt::options::LightPaths;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Assets, Background, GltfOptions, Material, Object, Scene, Sky, Texture, Thin};
+use gpu_rt::scene::{
+    Assets, Background, Conductor, DiffuseLight, GltfOptions, Material, Object, Pbr, Scene, Sky, Texture, Thin,
+};
 use serde_json::Value;
 
 use crate::common::gltf::glb;
@@ -158,7 +160,7 @@ type Planted = fn(&mut Scene);
 fn a_wrong_roughness_and_a_wrong_light_are_found() {
     let rougher: Planted = |scene| {
         let metal = scene.materials.iter_mut().find(|(name, _)| name == "Metal 0.3").expect("the third sphere");
-        let Material::Conductor { roughness, .. } = &mut metal.1 else { panic!("it is a metal") };
+        let Material::Conductor(Conductor { roughness, .. }) = &mut metal.1 else { panic!("it is a metal") };
         *roughness = Texture::grey(0.6);
     };
     let wider: Planted = |scene| {
@@ -235,7 +237,7 @@ fn area_lamp(scene: &mut Scene) {
     let sides = [DVec3::new(0.0, 2.0, 0.0), DVec3::new(2.0, 0.0, 0.0)].map(|side| with_y_up(turn * side));
     let ([u, v], at) = (sides, with_y_up(DVec3::new(1.5, -1.5, 4.0)));
     let emit = Texture::grey(300.0 / (std::f64::consts::PI * 4.0));
-    scene.materials.push(("Area".to_owned(), Material::DiffuseLight { emit, two_sided: false }));
+    scene.materials.push(("Area".to_owned(), Material::DiffuseLight(DiffuseLight { emit, two_sided: false })));
     scene.objects.push(Object::Quad { corner: at - 0.5 * (u + v), u, v, material: Some("Area".to_owned()) });
 }
 
@@ -287,7 +289,7 @@ fn scenes_of_users_that_are_read_otherwise_are_found() {
     read("point", GltfOptions { watts: Some(false), ..GltfOptions::default() }, nothing);
     read("suzanne", GltfOptions::default(), |scene| {
         let material = &mut scene.materials.iter_mut().find(|(name, _)| name == "default").expect("it has none").1;
-        let Material::Pbr { base_color, metallic, roughness, .. } = material else { panic!("{material:?}") };
+        let Material::Pbr(Pbr { base_color, metallic, roughness, .. }) = material else { panic!("{material:?}") };
         [*base_color, *metallic, *roughness] = [1.0; 3].map(Texture::grey);
     });
     read("world", with_sky("world-in-blender"), nothing);

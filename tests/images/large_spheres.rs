@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use gpu_rt::flatten::flatten;
-use gpu_rt::scene::{Material, Scene, Texture};
+use gpu_rt::scene::{DiffuseLight, Material, Scene, Texture};
 
 use crate::common::instances::ball_file;
 use crate::common::render::{Request, Shot, diagnostics, plain, render, same_expectation, scene_in};
@@ -336,7 +336,7 @@ fn light_sampling_keeps_the_image_of_grounds_and_domes_that_emit() {
             assert_eq!(large_spheres(&scene), 1);
             for (name, material) in &mut scene.materials {
                 if name == emit
-                    && let Material::DiffuseLight { emit, .. } = material
+                    && let Material::DiffuseLight(DiffuseLight { emit, .. }) = material
                 {
                     *emit = Texture::Rgb(1.03, 1.03, 1.03);
                 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::common::render::{Request, Shot, render};
 use crate::common::stats::{mean_and_variance, sidak, student_two_sided};
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Material, Object, Scene, Texture, Transform};
+use gpu_rt::scene::{Lambertian, Material, Object, Scene, Texture, Transform};
 
 /// False-alarm rate of each test function here, shared by its areas and channels.
 const ALPHA: f64 = 1e-6;
@@ -175,7 +175,7 @@ type Planted = fn(&mut Scene);
 fn a_scene_with_one_thing_else_is_found() {
     let darker: Planted = |scene| {
         let brown = scene.materials.iter_mut().find(|(name, _)| name == "brown").expect("the sphere's material");
-        let Material::Lambertian { albedo: Texture::Rgb(r, g, b), .. } = &mut brown.1 else {
+        let Material::Lambertian(Lambertian { albedo: Texture::Rgb(r, g, b), .. }) = &mut brown.1 else {
             panic!("the sphere is Lambertian and plain");
         };
         (*r, *g, *b) = (0.975 * *r, 0.975 * *g, 0.975 * *b);

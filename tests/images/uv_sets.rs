@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DMat2, DVec2, DVec3};
-use gpu_rt::scene::{Assets, GltfOptions, Material, Scene};
+use gpu_rt::scene::{Assets, GltfOptions, Lambertian, Material, Scene};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, square};
@@ -133,7 +133,7 @@ fn parts(scene: &Scene) -> [Scene; 2] {
     let (mut emissive, mut lit) = (scene.clone(), scene.clone());
     emissive.objects.pop();
     for (_, material) in &mut lit.materials {
-        if let Material::Lambertian { emission, .. } = material {
+        if let Material::Lambertian(Lambertian { emission, .. }) = material {
             *emission = None;
         }
     }

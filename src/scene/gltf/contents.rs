@@ -353,7 +353,7 @@ impl Materials<'_> {
                 let of_blender = self.file.blender().is_some();
                 let note = "meshes: those without a material are grey plastic, as Blender renders them";
                 contents.notes.extend(of_blender.then(|| note.to_owned()));
-                ("default".to_owned(), default_material(of_blender, of_vertices.colors))
+                ("default".to_owned(), Material::Pbr(default_material(of_blender, of_vertices.colors)))
             }
         };
         let mut name = format!("{}{own}", self.prefix);

@@ -16,7 +16,7 @@ use super::lobes::{self, LobeTexture};
 use super::{File, GltfError, Result, decimal, path_of_uri};
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
-use crate::scene::types::{Colour, Material, Texture};
+use crate::scene::types::{Colour, Pbr, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
 
 /// How the texture coordinates of a mesh become those of its material's image: the set, and KHR_texture_transform.
@@ -113,48 +113,10 @@ pub fn thickness(given: &Given) -> Option<f32> {
 
 /// What a primitive without a material has: by the standard a white metal that is as rough as can be; in files by Blender its default, a
 /// Principled BSDF with the values of a new one.
-pub fn default_material(of_blender: bool, vertex_colors: bool) -> Material {
-    let (base, metallic, roughness) = if of_blender { (0.8, 0.0, 0.5) } else { (1.0, 1.0, 1.0) };
-    let [base_color, metallic, roughness, alpha] = [base, metallic, roughness, 1.0].map(Texture::grey);
-    let (emission, alpha_cutoff, normal, normal_scale) = (None, None, None, 1.0);
-    Material::Pbr {
-        base_color,
-        metallic,
-        roughness,
-        ior: 1.5,
-        specular: Texture::grey(1.0),
-        specular_color: Texture::grey(1.0),
-        transmission: Texture::grey(0.0),
-        solid: false,
-        absorption: None,
-        dispersion: 0.0,
-        diffuse_transmission: Texture::grey(0.0),
-        diffuse_transmission_color: Texture::grey(1.0),
-        iridescence: Texture::grey(0.0),
-        iridescence_ior: 1.3,
-        iridescence_thickness: 400.0,
-        iridescence_thickness_min: 100.0,
-        iridescence_thickness_texture: Texture::grey(1.0),
-        coat: Texture::grey(0.0),
-        coat_roughness: Texture::grey(0.0),
-        coat_ior: 1.5,
-        coat_normal: None,
-        coat_normal_scale: 1.0,
-        sheen: Texture::grey(0.0),
-        sheen_roughness: Texture::grey(0.0),
-        multiscatter: false,
-        emission,
-        alpha,
-        alpha_cutoff,
-        vertex_colors,
-        // It is opaque, so that vertices have none.
-        vertex_alpha: false,
-        anisotropy: 0.0,
-        anisotropy_rotation: 0.0,
-        anisotropy_texture: None,
-        normal,
-        normal_scale,
-    }
+pub fn default_material(of_blender: bool, vertex_colors: bool) -> Pbr {
+    let (base_color, metallic, roughness) = if of_blender { (0.8, 0.0, 0.5) } else { (1.0, 1.0, 1.0) };
+    let [base_color, metallic, roughness] = [base_color, metallic, roughness].map(Texture::grey);
+    Pbr { base_color, metallic, roughness, vertex_colors, ..Pbr::default() }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {

@@ -11,7 +11,7 @@ use crate::scene::assets::Assets;
 use crate::scene::file::OnProgress;
 use crate::scene::gltf::{Contents, default_material};
 use crate::scene::gltf_path::{Part, has_ending};
-use crate::scene::types::{Object, Transform};
+use crate::scene::types::{Material, Object, Transform};
 use crate::source::error_in_file;
 
 /// The contents of a mesh file, and the files of materials that they were read from. `seen` gives a file's path as the scene names it.
@@ -24,7 +24,7 @@ pub fn contents(
     let (mut contents, name) = (Contents::default(), seen(path));
     if !has_ending(path, &["obj"]) {
         let has_colours = has_ending(path, &["ply"]) && ply::has_colours(path);
-        contents.materials.push(("default".to_owned(), default_material(true, has_colours)));
+        contents.materials.push(("default".to_owned(), Material::Pbr(default_material(true, has_colours))));
         let mesh = Object::Mesh { path: name.clone(), material: Some("default".to_owned()) };
         // STL is of CAD and of printers, whose z is up.
         let turn = -90.0;
@@ -66,9 +66,9 @@ pub fn contents(
                 let note =
                     format!("{}:{line}: usemtl: there is no material {own_name:?}: it is grey plastic", path.display());
                 contents.notes.extend((!read.is_empty()).then_some(note));
-                default_material(true, false)
+                Material::Pbr(default_material(true, false))
             }
-            None => default_material(true, false),
+            None => Material::Pbr(default_material(true, false)),
         };
         let mut unique = own_name.to_owned();
         while !taken.insert(unique.clone()) {

@@ -11,7 +11,7 @@ use crate::bitmap::Channel;
 use crate::material::MOST_IOR;
 use crate::scene::file;
 use crate::scene::gltf::{default_material, radiance};
-use crate::scene::types::{Colour, Material, Texture};
+use crate::scene::types::{Colour, Dielectric, Lambertian, Material, Pbr, Texture};
 
 /// The longest file, in bytes.
 const LONGEST: u64 = 1 << 26;
@@ -174,9 +174,9 @@ impl Given {
             let transmittance =
                 given("Tf").map(|through| through.clamp(Colour::ZERO, Colour::ONE)).filter(|it| *it != Colour::ONE);
             let transmittance = transmittance.map(|through| texture(None, through, None));
-            Material::Dielectric { ior, transmittance, absorption: None, dispersion: 0.0 }
+            Material::Dielectric(Dielectric { ior, transmittance, absorption: None, dispersion: 0.0 })
         } else if !is_physical && given("Ks").is_none_or(|specular| specular == Colour::ZERO) {
-            Material::Lambertian {
+            Material::Lambertian(Lambertian {
                 albedo: color,
                 emission,
                 alpha,
@@ -186,24 +186,10 @@ impl Given {
                 vertex_emission: false,
                 normal,
                 normal_scale: 1.0,
-            }
+            })
         } else {
-            let mut material = default_material(true, false);
-            if let Material::Pbr {
-                base_color: to_base,
-                metallic: to_metallic,
-                roughness: to_roughness,
-                ior: to_ior,
-                emission: to_emission,
-                alpha: to_alpha,
-                normal: to_normal,
-                ..
-            } = &mut material
-            {
-                (*to_base, *to_metallic, *to_roughness, *to_ior) = (color, metallic, roughness, ior);
-                (*to_emission, *to_alpha, *to_normal) = (emission, alpha, normal);
-            }
-            material
+            let default = default_material(true, false);
+            Material::Pbr(Pbr { base_color: color, metallic, roughness, ior, emission, alpha, normal, ..default })
         };
         let lost = (refracts && light != Colour::ZERO).then(|| "Ke of clear glass".to_owned());
         let found: Vec<String> = self.unread.iter().cloned().chain(lost).collect();

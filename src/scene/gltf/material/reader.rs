@@ -15,7 +15,9 @@ use crate::material::MOST_IOR;
 use crate::scene::gltf::lobes::{self, LobeTexture};
 use crate::scene::gltf::{File, GltfError, Result, decimal};
 use crate::scene::mesh_files::quote;
-use crate::scene::types::{Colour, Material, Texture};
+use crate::scene::types::{
+    Colour, Conductor, Dielectric, DiffuseLight, Lambertian, Material, Pbr, RoughDielectric, Texture, ThinDielectric,
+};
 
 /// Reads one material.
 struct Reader<'a> {
@@ -92,16 +94,16 @@ impl File {
         let has_colours = of_vertices.colors;
         let material = match model(given) {
             Model::Light if common.is_opaque => {
-                Material::DiffuseLight { emit: common.light, two_sided: given.double_sided }
+                Material::DiffuseLight(DiffuseLight { emit: common.light, two_sided: given.double_sided })
             }
             // Other surfaces have two sides, whatever doubleSided says.
             Model::Unlit if common.is_opaque && !has_colours && !is_dark => {
-                Material::DiffuseLight { emit: common.light, two_sided: true }
+                Material::DiffuseLight(DiffuseLight { emit: common.light, two_sided: true })
             }
             Model::Glass => reader.glass(common, glass, has_colours),
             // Of a metal nothing is glass.
             Model::Surface if is_metal && is_dark && common.is_opaque && !has_colours && !lobes::has_lobes(given) => {
-                Material::Conductor {
+                Material::Conductor(Conductor {
                     albedo: Some(common.color),
                     eta: None,
                     k: None,
@@ -112,7 +114,7 @@ impl File {
                     anisotropy_texture: common.anisotropy_texture,
                     normal: common.normal,
                     normal_scale: common.normal_scale,
-                }
+                })
             }
             // A DiffuseLight has no alpha.
             Model::Light | Model::Unlit => reader.matt(common, of_vertices),
@@ -211,9 +213,9 @@ impl<'a> Reader<'a> {
         let dispersion = lobes::dispersion(self.given);
         let is_smooth = roughness == Texture::grey(0.0) && normal.is_none() && anisotropy == 0.0;
         match glass.is_solid {
-            false => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
-            true if is_smooth => Material::Dielectric { ior, transmittance, absorption, dispersion },
-            true => Material::RoughDielectric {
+            false => Material::ThinDielectric(ThinDielectric { ior, roughness, transmittance, normal, normal_scale }),
+            true if is_smooth => Material::Dielectric(Dielectric { ior, transmittance, absorption, dispersion }),
+            true => Material::RoughDielectric(RoughDielectric {
                 ior,
                 roughness,
                 transmittance,
@@ -224,7 +226,7 @@ impl<'a> Reader<'a> {
                 anisotropy_texture,
                 normal,
                 normal_scale,
-            },
+            }),
         }
     }
 
@@ -241,7 +243,7 @@ impl<'a> Reader<'a> {
         let (is_light, is_unlit) = (model(self.given) == Model::Light, model(self.given) == Model::Unlit);
         let of_one_side = is_light && !self.given.double_sided;
         self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
-        Material::Lambertian {
+        Material::Lambertian(Lambertian {
             albedo: if is_unlit { Texture::grey(0.0) } else { common.color },
             emission: if is_light { Some(common.light) } else { common.emission },
             alpha: common.alpha,
@@ -251,7 +253,7 @@ impl<'a> Reader<'a> {
             vertex_emission: of_vertices.colors && is_unlit,
             normal: common.normal,
             normal_scale: common.normal_scale,
-        }
+        })
     }
 
     fn pbr(&mut self, common: Common, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
@@ -291,7 +293,7 @@ impl<'a> Reader<'a> {
             (is_glassy && glass.colour_of_body && is_tinted)
                 .then(|| "the base colour tints light at both surfaces of the glass, so twice".to_owned()),
         );
-        Ok(Material::Pbr {
+        Ok(Material::Pbr(Pbr {
             base_color: common.color,
             metallic: common.metallic,
             roughness: common.roughness,
@@ -327,7 +329,7 @@ impl<'a> Reader<'a> {
             anisotropy_texture: common.anisotropy_texture,
             normal: common.normal,
             normal_scale: common.normal_scale,
-        })
+        }))
     }
 
     /// Notes the fields and the extensions that are not read.
