@@ -37,7 +37,7 @@ pub const MOVES: u32 = 0x8000_0000;
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
 /// Instead of the second face of a `FacePair` that has one.
 pub const NO_FACE: u32 = 0;
-/// Instead of a member of an `Extension` that the material does not have.
+/// Instead of the index of a row that the material does not have.
 pub const NO_EXTENSION: u32 = 0xffff_ffff;
 /// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky or
 /// directional lights.
@@ -427,25 +427,10 @@ device_struct!(
     Material {
         colour: [f32; 3],
         kind: u32,
-        parameter: f32,
-        contrast_outside: f32,
-        contrast_inside: f32,
+        numbers: [f32; 3],
         texture: u32,
     }
 );
-
-device_struct!(
-    /// The extensions of a material: what a solid absorbs, and indices of rows behind those of all materials, or `NO_EXTENSION`, by the kinds of
-    /// extension. The last two are padding.
-    Extension {
-        absorption: [f32; 3],
-        rows: [u32; 25],
-    }
-);
-
-impl Extension {
-    pub(crate) const NONE: Extension = Extension { absorption: [0.0; 3], rows: [NO_EXTENSION; 25] };
-}
 
 device_struct!(
     /// A texture.

@@ -38,7 +38,8 @@ use crate::bitmap::FORMATS;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{Emitted, Lobe, Model, Vertices, microfacets, sheen};
+use crate::lobe::LOBES;
+use crate::material::{Emitted, LobeWidth, Model, Vertices, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
 use crate::shape::mesh::{Mesh, MeshShape};
@@ -99,7 +100,7 @@ pub fn flatten_with(
     let models = models(scene, &finder);
     // Of materials that are smooth panes: whether they have textures.
     let panes = scene.materials.iter().zip(&models).map(|((_, material), model)| {
-        let is_pane = material.kind().is_pane && material.lobes(&scene.bitmaps).contains(&Lobe::Specular);
+        let is_pane = material.kind().is_pane && material.widths(&scene.bitmaps).contains(&LobeWidth::Specular);
         is_pane.then(|| model.slots().any(|slot| slot.is_textured()))
     });
     let panes: Vec<Option<bool>> = panes.collect();
@@ -204,14 +205,12 @@ pub fn flatten_with(
         builder.add_extensions(&used, radiance_scale);
     }
     let has = |fact| builder.flat.features.any(fact).is_some() || options.features == FeatureSet::All;
-    let (is_compensated, has_sheen) = (has("multiscatter"), has("sheen"));
-    if is_compensated || has_sheen {
+    // The table of a lobe stands behind that of metals.
+    let tables: Vec<_> = LOBES.iter().filter(|lobe| has(lobe.name())).filter_map(|lobe| lobe.table).collect();
+    if has("multiscatter") || !tables.is_empty() {
         builder.flat.directional_albedos = microfacets::directional_albedos();
     }
-    // The table of sheen stands behind the other one.
-    if has_sheen {
-        builder.flat.directional_albedos.extend(sheen::sheen_albedos());
-    }
+    tables.iter().for_each(|table| builder.flat.directional_albedos.extend(table()));
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
     let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };
@@ -263,20 +262,23 @@ fn require_material(features: &mut Features, scene: &Scene, name: &str, material
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     let kind = MATERIALS[material.number_on_device()];
     let mut facts = vec!["material"];
-    for lobe in material.lobes(&scene.bitmaps) {
+    for width in material.widths(&scene.bitmaps) {
         // Light is sampled for narrow lobes, too.
-        facts.extend(match lobe {
-            Lobe::Wide => ["wide_lobe"].as_slice(),
-            Lobe::Narrow => &["narrow_lobe", "wide_lobe"],
-            Lobe::Specular => &["specular_lobe"],
+        facts.extend(match width {
+            LobeWidth::Wide => ["wide_lobe"].as_slice(),
+            LobeWidth::Narrow => &["narrow_lobe", "wide_lobe"],
+            LobeWidth::Specular => &["specular_lobe"],
         });
     }
     facts.extend((material.kind().is_transmissive && model.slot.is_some()).then_some("tinted"));
     facts.extend(model.absorption.is_some().then_some("absorbing"));
-    facts.extend(model.extensions.iter().map(|extension| extension.kind.name()));
+    facts.extend(model.rows.iter().map(|row| row.kind.name));
     facts.into_iter().for_each(|fact| features.require(format!("{fact}.{kind}"), at_material));
     for texture in model.slots().filter_map(|slot| slot.texture.shader_number()) {
         features.require(format!("texture.{}", TEXTURES[texture]), at_material);
+    }
+    if model.slots().any(|slot| slot.texture.is_number()) {
+        features.require("number_images", at_material);
     }
     for bitmap in model.slots().filter_map(|slot| slot.texture.bitmap(&scene.bitmaps)) {
         features.require(texel_format(bitmap), at_material);
@@ -295,7 +297,7 @@ fn require_medium(features: &mut Features, scene: &Scene, medium: &WorldMedium<'
         features.require(format!("boundary.{name}"), at_object);
     }
     // The width is that of width_of_phase (shaders/medium/phase_pdf).
-    if Lobe::of_width((3f64.sqrt() * (1.0 - medium.anisotropy.abs())) as f32) == Lobe::Narrow {
+    if LobeWidth::of_width((3f64.sqrt() * (1.0 - medium.anisotropy.abs())) as f32) == LobeWidth::Narrow {
         features.require("narrow_medium", at_object);
     }
     if let Some(texture) = medium.albedo.shader_number() {

@@ -70,8 +70,9 @@ mod in_memory;
 pub mod job;
 #[doc(hidden)]
 pub mod light_distribution;
-mod luminance;
 #[doc(hidden)]
+pub mod lobe;
+mod luminance;
 pub mod material;
 mod memory;
 #[doc(hidden)]

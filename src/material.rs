@@ -1,8 +1,9 @@
 //! Materials: how surfaces scatter and emit light. Each material has one file here with all that the host needs of it,
 //! and one file under shaders/material with the functions of the kernels.
 
+mod boundary;
 mod conductor;
-mod declared;
+pub(crate) mod declared;
 mod dielectric;
 mod diffuse_light;
 mod lambertian;
@@ -11,23 +12,26 @@ pub mod microfacets;
 mod model;
 mod pbr;
 mod rough_dielectric;
-pub mod sheen;
+mod row;
 mod thin_dielectric;
+mod width;
 
 use crate::bitmap::Bitmaps;
 use crate::error::Result;
+use crate::lobe::diffuse_transmission::DIFFUSE_TRANSMISSION;
+use crate::lobe::transmission::TRANSMISSION;
 use crate::source::ValuePath;
 use crate::source::form::{any_of, kinds};
 use crate::texture::{Texture, Use};
 
+pub use boundary::{glass_numbers, widths_of_boundary};
 pub use declared::{
     Conductor, Dielectric, DiffuseLight, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS,
-    Material, Metal, Pbr, RoughDielectric, ThinDielectric,
+    Material, Metal, Pbr, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
-pub use model::{
-    Emission, Emitted, Extension, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NARROW_LOBE, Slot,
-    Vertices,
-};
+pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
+pub use row::{ALPHA, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
+pub use width::{Along, LEAST_ROUGHNESS, LobeWidth, NARROW_LOBE, widths_of_facets, widths_of_roughness};
 
 kinds! {
     Material: MaterialKind;
@@ -60,13 +64,10 @@ impl Material {
     pub fn model_on_device(&self, vertices: Vertices) -> Model<'_> {
         let model = match self {
             Material::RoughDielectric(own) if own.is_smooth() => own.as_smooth_glass(),
+            Material::Pbr(own) => own.model_on_device(),
             _ => self.model(),
         };
-        let metallic = match self {
-            Material::Pbr(own) => own.metallic.plain().map(|metallic| metallic.x),
-            _ => None,
-        };
-        model.without_neutral(vertices, metallic)
+        model.without_neutral(vertices)
     }
 
     /// The index of the kind that kernels know it as: a rough glass that is smooth is a `Dielectric`.
@@ -82,26 +83,25 @@ impl Material {
 
     /// Whether light passes it.
     pub fn is_transmissive(&self) -> bool {
-        let passes = [ExtensionKind::Transmission, ExtensionKind::DiffuseTransmission];
-        self.kind().is_transmissive || passes.into_iter().any(|kind| self.has_extension(kind))
+        self.kind().is_transmissive || self.has_row(TRANSMISSION) || self.has_row(DIFFUSE_TRANSMISSION)
     }
 
-    pub fn has_extension(&self, kind: ExtensionKind) -> bool {
+    pub fn has_row(&self, kind: &RowKind) -> bool {
         self.model().has(kind)
     }
 
-    /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
-    pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
+    /// The widths of its lobes. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
+    pub fn widths(&self, bitmaps: &Bitmaps) -> Vec<LobeWidth> {
         match self {
-            Material::Conductor(own) => own.lobes(bitmaps),
-            Material::RoughDielectric(own) => own.lobes(bitmaps),
-            Material::ThinDielectric(own) => own.lobes(bitmaps),
-            Material::Pbr(own) => own.lobes(bitmaps),
-            _ => self.model().lobes,
+            Material::Conductor(own) => own.widths(bitmaps),
+            Material::RoughDielectric(own) => own.widths(bitmaps),
+            Material::ThinDielectric(own) => own.widths(bitmaps),
+            Material::Pbr(own) => own.widths(bitmaps),
+            _ => self.model().widths,
         }
     }
 
-    /// Its textures that are no plain colour: its own, and those of its extensions.
+    /// Its textures that are no plain colour: its own, and those of its rows.
     pub fn textures(&self) -> Vec<&Texture> {
         self.model().slots().filter(Slot::is_textured).map(|slot| slot.texture).collect()
     }

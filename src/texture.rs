@@ -159,6 +159,8 @@ pub const TEXTURES: &[&str] = match Texture::SHADERS {
 pub enum Use {
     /// The share of light that is not absorbed: 0 to 1.
     Albedo,
+    /// The same where white traps no path, since other parts of the material absorb light, or light leaves a body.
+    Tint,
     /// Emitted light: 0, or 1e-30 to 1e30.
     Radiance,
     /// A number from 0 to 1: the red of the texture.
@@ -177,7 +179,7 @@ impl Use {
     /// The range of a channel.
     pub const fn range(self) -> Range {
         match self {
-            Use::Albedo | Use::Share | Use::Normal | Use::Direction => Range::SHARE,
+            Use::Albedo | Use::Tint | Use::Share | Use::Normal | Use::Direction => Range::SHARE,
             Use::Radiance => Range::from_to(SMALLEST_RADIANCE, LARGEST_RADIANCE).or_zero(),
         }
     }
@@ -185,7 +187,7 @@ impl Use {
     /// Refuses a colour with a channel out of range.
     pub fn check(self, at: &ValuePath, colour: Colour) -> Result<()> {
         let name = match self {
-            Use::Albedo => "albedo",
+            Use::Albedo | Use::Tint => "albedo",
             Use::Radiance => "radiance",
             Use::Share => "share",
             Use::Normal => "normal",
@@ -197,7 +199,7 @@ impl Use {
     /// Refuses an image with a texel out of range, and names the first one; also one that `tint` makes too bright.
     pub fn check_texels(self, bitmap: &Bitmap, tint: Colour) -> std::result::Result<(), String> {
         let (expected, range): (_, RangeInclusive<f32>) = match self {
-            Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
+            Use::Albedo | Use::Tint => ("an albedo from 0 to 1", 0.0..=1.0),
             Use::Share => ("numbers from 0 to 1", 0.0..=1.0),
             Use::Normal | Use::Direction => ("codes from 0 to 1", 0.0..=1.0),
             Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
@@ -385,6 +387,11 @@ impl Texture {
         }
     }
 
+    /// Whether it is an image of numbers, in one of its channels.
+    pub fn is_number(&self) -> bool {
+        matches!(self, Texture::Image { channel: Some(channel), .. } if *channel != Channel::Rgb)
+    }
+
     /// The struct that kernels read, with values multiplied by `brightness`; none for a plain colour. `add_image`
     /// returns the index of an image's first word.
     pub fn upload(
@@ -401,9 +408,9 @@ impl Texture {
                 texture.second = f32s(brightness * *odd);
             }
             Texture::Marble { scale } => texture.parameter = *scale as f32,
-            Texture::Image { tint, channel, .. } => {
+            Texture::Image { tint, .. } => {
                 texture.first = f32s(brightness * *tint);
-                texture.parameter = f32::from(u8::from(channel.is_some_and(|channel| channel != Channel::Rgb)));
+                texture.parameter = f32::from(u8::from(self.is_number()));
                 if let (Some((path, decoding)), Some(bitmap)) = (self.decoded(), self.bitmap(bitmaps)) {
                     texture.format = bitmap.format.number() as u32;
                     texture.texel = add_image(path, decoding, bitmap);

@@ -1,3 +1,3 @@
 //@ use data/material
-// The extensions of each material.
-@group(0) @binding(29) var<storage, read> extensions: array<Extension>;
+// The further rows of each material.
+@group(0) @binding(29) var<storage, read> extensions: array<Rows>;

@@ -1,59 +1,20 @@
-// A material. `kind` is its number in the list of materials.
+//@ use generated/lobes
+// A material, by its number in the list of materials; or a further row of one, whose `kind` is the offset of its texture's frame from that of the
+// material's own texture.
 struct Material {
     // Albedo or emission, unless a texture replaces it.
     colour: vec3<f32>,
     kind: u32,
-    // The material's file defines what this means.
-    parameter: f32,
-    // Dielectric: (ior - 1)(ior + 1), and the same for 1/ior. Computed in f64 and rounded once.
-    contrast_outside: f32,
-    contrast_inside: f32,
+    // Each has a name of its kind: `material.${metal.fuzz}` (src/material). Computed in f64 and rounded once.
+    numbers: vec3<f32>,
     // Index of the texture that gives the colour, or NO_TEXTURE.
     texture: u32,
 }
 
 const NO_TEXTURE: u32 = 0xffffffffu;
 
-// The extensions of a material (src/material/model.rs). Each is the index of a row of the table of materials, behind those of all materials, or
-// NO_EXTENSION.
-// Such a row has a colour or a texture. Its `kind` is the offset of the texture's frame from that of the material's own texture.
-struct Extension {
-    // The absorption of a transmissive solid, per unit of length. It is no index.
-    absorption: vec3<f32>,
-    //@ each extension_row
-    ${name}: u32,
-    //@ end
-    padding0: u32,
-    padding1: u32,
-}
-
+// Instead of the index of a row (`Rows`) that a material does not have.
 const NO_EXTENSION: u32 = 0xffffffffu;
-
-// What glTF's material has beside its base, as its extensions have it. All is 0 of a material without it.
-struct Lobes {
-    // The colour of the sheen and its roughness.
-    sheen: vec3<f32>,
-    sheen_roughness: f32,
-    // The share of the coat, its roughness, and its reflectance at normal incidence.
-    coat: f32,
-    coat_roughness: f32,
-    coat_f0: f32,
-    // The share of glass, its index of refraction, 0 of a pane, and its contrasts outside and inside.
-    transmission: f32,
-    contrasts: vec2<f32>,
-    ior: f32,
-    // The square of the anisotropy's strength, which any material of microfacets may have.
-    anisotropy: f32,
-    // The colour of scattered light that passes the matt body, and the share that passes.
-    colour_through: vec3<f32>,
-    through: f32,
-    // The share of the thin film, its index of refraction, and its thickness in nm.
-    film: f32,
-    film_ior: f32,
-    film_thickness: f32,
-    // The index of refraction of blue less that of green, and of green less that of red, which any glass may have.
-    dispersion: f32,
-}
 
 // The interaction of a ray with a surface, as materials take it.
 struct Interaction {
@@ -72,6 +33,7 @@ struct Interaction {
     // Of glTF's material, the reflectance of its layer at normal and at grazing incidence (extension/specular).
     f0: vec3<f32>,
     f90: f32,
+    // What it has beside its base; 0 of what it does not have.
     lobes: Lobes,
     // Unit normal of the coat, on the side from which the ray comes.
     coat_normal: vec3<f32>,
@@ -170,6 +132,13 @@ fn mixed_response(inner: Response, outer: Response, weight: f32, share: f32) -> 
     let pdf = pdfs.x + pdfs.y;
     let narrow = pdfs.x * inner.narrow + pdfs.y * outer.narrow;
     return Response(value, pdf, select(0.0, min(narrow / pdf, 1.0), pdf > 0.0));
+}
+
+// Glass: its roughness, its index of refraction, and its contrasts (n - 1)(n + 1) from outside and from inside (lib/fresnel). A pane has no index.
+struct Glass {
+    roughness: f32,
+    ior: f32,
+    contrasts: vec2<f32>,
 }
 
 // A boundary of glass: the index of the far side over that of the near one, and (eta - 1)(eta + 1).

@@ -17,7 +17,7 @@ fn is_smooth_coat(lobes: Lobes) -> bool {
 }
 
 // Whether the material has a lobe that is not specular: `under` says it of what lies below.
-fn coat_spreads(lobes: Lobes, under: bool) -> bool {
+fn coat_spreads(material: Material, lobes: Lobes, under: bool) -> bool {
     return under || (lobes.coat > 0.0 && !is_smooth_coat(lobes));
 }
 
@@ -36,9 +36,14 @@ fn is_above_coat(hit: Interaction, direction: vec3<f32>) -> bool {
     return dot(direction, hit.coat_normal) > 0.0 && dot(direction, hit.normal) > 0.0;
 }
 
-fn draw_coat(draw: LobeDraw, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
+// About what comes back to the view, with `under` of it from below.
+fn coat_albedo(material: Material, hit: Interaction, under: f32) -> f32 {
+    return mix(under, 1.0, coat_reflectance(hit));
+}
+
+fn draw_coat(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
     let coat = coat_reflectance(hit);
-    if coat == 0.0 {
+    if draw.is_drawn || coat == 0.0 {
         return draw;
     }
     let share = share_of_coat(hit, under);
@@ -79,7 +84,12 @@ fn coat_response(hit: Interaction, direction: vec3<f32>) -> Response {
     return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(alpha))));
 }
 
-fn with_coat(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
+// A sample of what lies below, which the draw has weighted.
+fn below_coat(scatter: Scatter, hit: Interaction) -> Scatter {
+    return scatter;
+}
+
+fn with_coat(under: Response, material: Material, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
     let coat = coat_reflectance(hit);
     if coat == 0.0 {
         return under;
@@ -97,20 +107,8 @@ fn coat_is_reversible(hit: Interaction, reverse: Interaction) -> bool {
 //@ without
 //@ use data/material
 // No material of glTF has a coat.
-fn coat_spreads(lobes: Lobes, under: bool) -> bool {
-    return under;
-}
-
 fn emission_under_coat(emission: vec3<f32>, hit: Interaction) -> vec3<f32> {
     return emission;
-}
-
-fn draw_coat(draw: LobeDraw, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
-    return draw;
-}
-
-fn with_coat(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
-    return under;
 }
 
 fn coat_is_reversible(hit: Interaction, reverse: Interaction) -> bool {

@@ -3,9 +3,9 @@
 //@ use lib/fresnel_conductor
 // The layer of glTF's material by its index of refraction alone.
 
-// The reflectance at normal incidence. The table has it as contrast_outside.
+// The reflectance at normal incidence.
 fn pbr_f0(material: Material, hit: Interaction) -> vec3<f32> {
-    return vec3<f32>(material.contrast_outside);
+    return vec3<f32>(material.${pbr.f0});
 }
 
 // The reflectance of a microfacet at this cosine.

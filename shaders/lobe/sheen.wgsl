@@ -1,4 +1,3 @@
-//@ implements sheen when sheen
 //@ use data/material
 //@ use lib/basis
 //@ use lib/charlie
@@ -12,7 +11,7 @@ fn has_sheen(lobes: Lobes) -> bool {
     return any(lobes.sheen > vec3<f32>(0.0));
 }
 
-fn sheen_spreads(lobes: Lobes, under: bool) -> bool {
+fn sheen_spreads(material: Material, lobes: Lobes, under: bool) -> bool {
     return under || has_sheen(lobes);
 }
 
@@ -21,7 +20,7 @@ fn sheen_albedos(hit: Interaction, direction: vec3<f32>) -> vec2<f32> {
     let roughness = hit.lobes.sheen_roughness;
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let cos_light = min(abs(dot(direction, hit.normal)), 1.0);
-    return vec2<f32>(sheen_albedo(cos_view, roughness), sheen_albedo(cos_light, roughness));
+    return vec2<f32>(white_sheen_albedo(cos_view, roughness), white_sheen_albedo(cos_light, roughness));
 }
 
 fn sheen_scaling(hit: Interaction, albedos: vec2<f32>) -> f32 {
@@ -30,8 +29,8 @@ fn sheen_scaling(hit: Interaction, albedos: vec2<f32>) -> f32 {
 }
 
 // The weight of what lies below the sheen, in a specular lobe.
-fn below_sheen(scatter: Scatter, hit: Interaction, outer: LobeDraw) -> Scatter {
-    if outer.is_drawn || !has_sheen(hit.lobes) {
+fn below_sheen(scatter: Scatter, hit: Interaction) -> Scatter {
+    if !has_sheen(hit.lobes) {
         return scatter;
     }
     var scaled = scatter;
@@ -45,7 +44,7 @@ fn albedo_of_sheen(hit: Interaction) -> f32 {
     return albedo * dot(hit.lobes.sheen, vec3<f32>(1.0)) / 3.0;
 }
 
-fn sheened_albedo(hit: Interaction, under: f32) -> f32 {
+fn sheen_albedo(material: Material, hit: Interaction, under: f32) -> f32 {
     if !has_sheen(hit.lobes) {
         return under;
     }
@@ -54,18 +53,18 @@ fn sheened_albedo(hit: Interaction, under: f32) -> f32 {
 
 // The probability of drawing from the sheen: its share of the light that comes from the view, between 0.05 and 0.95, since where the view has
 // none there is some for other lights.
-fn share_of_sheen(hit: Interaction, under: f32) -> f32 {
+fn share_of_sheen(material: Material, hit: Interaction, under: f32) -> f32 {
     if under == 0.0 {
         return 1.0;
     }
-    return clamp(albedo_of_sheen(hit) / sheened_albedo(hit, under), 0.05, 0.95);
+    return clamp(albedo_of_sheen(hit) / sheen_albedo(material, hit, under), 0.05, 0.95);
 }
 
-fn draw_sheen(draw: LobeDraw, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
+fn draw_sheen(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
     if draw.is_drawn || !has_sheen(hit.lobes) {
         return draw;
     }
-    let share = share_of_sheen(hit, under);
+    let share = share_of_sheen(material, hit, under);
     if draw.u >= share {
         return draw_from_rest(draw, share, 1.0);
     }
@@ -86,14 +85,14 @@ fn white_sheen(hit: Interaction, direction: vec3<f32>) -> f32 {
     return charlie_density(min(sine2, 1.0), alpha) / (4.0 * cos_view * (1.0 + hidden));
 }
 
-fn with_sheen(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
+fn with_sheen(under: Response, material: Material, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
     if !has_sheen(hit.lobes) {
         return under;
     }
     let albedos = sheen_albedos(hit, direction);
     let cos_light = dot(direction, hit.normal);
     var value = sheen_scaling(hit, albedos) * under.value;
-    let share = share_of_sheen(hit, albedo);
+    let share = share_of_sheen(material, hit, albedo);
     let of_sheen = share * max(cos_light, 0.0) / PI;
     if cos_light > 0.0 {
         value += hit.lobes.sheen * (white_sheen(hit, direction) / max(max(albedos.x, albedos.y), 1.0));
@@ -101,27 +100,4 @@ fn with_sheen(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f
     let of_rest = (1.0 - share) * under.pdf;
     let pdf = of_rest + of_sheen;
     return Response(value, pdf, select(0.0, min(of_rest * under.narrow / pdf, 1.0), pdf > 0.0));
-}
-
-//@ without
-//@ use data/material
-// No material of glTF has a sheen.
-fn sheen_spreads(lobes: Lobes, under: bool) -> bool {
-    return under;
-}
-
-fn below_sheen(scatter: Scatter, hit: Interaction, outer: LobeDraw) -> Scatter {
-    return scatter;
-}
-
-fn sheened_albedo(hit: Interaction, under: f32) -> f32 {
-    return under;
-}
-
-fn draw_sheen(draw: LobeDraw, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
-    return draw;
-}
-
-fn with_sheen(under: Response, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
-    return under;
 }

@@ -1,10 +1,8 @@
-//@ implements transmission when transmission
 //@ use data/material
 //@ use lib/microfacet
-//@ use material/rough_dielectric
-//@ use material/rough_dielectric_eval
-//@ use material/thin_dielectric
-//@ use material/thin_dielectric_eval
+//@ use material/glass
+//@ use material/pane
+//@ use material/pbr_base
 // KHR_materials_transmission with a share between: (1 - t) of the base and t of glass, with t the share of what is no metal
 // (extension/transmission). The glass is that of a rough dielectric, or of a thin one, of the same roughness. It tints what passes by the
 // base colour.
@@ -13,29 +11,21 @@ fn is_solid_glass(hit: Interaction) -> bool {
     return hit.lobes.ior > 0.0;
 }
 
-fn glass_of(material: Material, lobes: Lobes) -> Material {
-    var glass = material;
-    glass.contrast_outside = lobes.contrasts.x;
-    glass.contrast_inside = lobes.contrasts.y;
-    return glass;
-}
-
-fn hit_on_glass(hit: Interaction) -> Interaction {
-    var own = hit;
-    own.second.parameter = hit.lobes.ior;
-    return own;
+fn glass_of(material: Material, lobes: Lobes) -> Glass {
+    return Glass(pbr_roughness(material), lobes.ior, lobes.contrasts);
 }
 
 fn is_rough_glass(material: Material, lobes: Lobes) -> bool {
+    let roughness = pbr_roughness(material);
     if lobes.ior > 0.0 {
-        return is_rough_boundary(material.parameter * material.parameter, lobes.contrasts.x);
+        return is_rough_boundary(roughness * roughness, lobes.contrasts.x);
     }
-    return material.parameter >= LEAST_ROUGHNESS;
+    return roughness >= LEAST_ROUGHNESS;
 }
 
-// Whether the material has a lobe that is not specular: `base` says it of its base.
-fn transmission_spreads(material: Material, lobes: Lobes, base: bool) -> bool {
-    return (base && lobes.transmission < 1.0) || (lobes.transmission > 0.0 && is_rough_glass(material, lobes));
+// Whether the material has a lobe that is not specular: `under` says it of what lies below.
+fn transmission_spreads(material: Material, lobes: Lobes, under: bool) -> bool {
+    return (under && lobes.transmission < 1.0) || (lobes.transmission > 0.0 && is_rough_glass(material, lobes));
 }
 
 // The colour of light in this direction, which glass tints where it passes.
@@ -54,8 +44,8 @@ fn albedo_of_glass(material: Material, hit: Interaction) -> f32 {
     return mix(passed, 1.0, reflectance_of_glass(material, hit, cos_view));
 }
 
-fn transmission_albedo(material: Material, hit: Interaction, base: f32) -> f32 {
-    return mix(base, albedo_of_glass(material, hit), hit.lobes.transmission);
+fn transmission_albedo(material: Material, hit: Interaction, under: f32) -> f32 {
+    return mix(under, albedo_of_glass(material, hit), hit.lobes.transmission);
 }
 
 // The probability of drawing from the glass: its share of the light that comes from the view.
@@ -78,19 +68,19 @@ fn smooth_pane_scatter(material: Material, hit: Interaction, u: f32) -> Scatter 
 
 fn glass_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     if is_solid_glass(hit) {
-        return rough_dielectric_scatter(glass_of(material, hit.lobes), hit_on_glass(hit), u);
+        return scatter_at_boundary(glass_of(material, hit.lobes), hit, u);
     }
     if !is_rough_glass(material, hit.lobes) {
         return smooth_pane_scatter(material, hit, u.x);
     }
-    return thin_dielectric_scatter(glass_of(material, hit.lobes), hit, u);
+    return scatter_at_pane(glass_of(material, hit.lobes), hit, u);
 }
 
-fn draw_transmission(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>, base: f32) -> LobeDraw {
+fn draw_transmission(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
     if draw.is_drawn || hit.lobes.transmission == 0.0 {
         return draw;
     }
-    let share = share_of_glass(material, hit, base);
+    let share = share_of_glass(material, hit, under);
     if draw.u >= share {
         return draw_from_rest(draw, share, 1.0 - hit.lobes.transmission);
     }
@@ -99,37 +89,23 @@ fn draw_transmission(draw: LobeDraw, material: Material, hit: Interaction, u: ve
     return take_lobe(draw, found);
 }
 
-fn with_transmission(base: Response, material: Material, hit: Interaction, direction: vec3<f32>, base_albedo: f32) -> Response {
+fn with_transmission(under: Response, material: Material, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
     if hit.lobes.transmission == 0.0 {
-        return base;
+        return under;
     }
     var glass = no_response();
     if is_rough_glass(material, hit.lobes) {
         if is_solid_glass(hit) {
-            glass = rough_dielectric_eval(glass_of(material, hit.lobes), hit_on_glass(hit), direction);
+            glass = boundary_response(glass_of(material, hit.lobes), hit, direction);
         } else {
-            glass = thin_dielectric_eval(glass_of(material, hit.lobes), hit, direction);
+            glass = pane_response(glass_of(material, hit.lobes), hit, direction);
         }
     }
     glass.value *= tint_of_glass(hit, direction);
-    return mixed_response(base, glass, hit.lobes.transmission, share_of_glass(material, hit, base_albedo));
+    return mixed_response(under, glass, hit.lobes.transmission, share_of_glass(material, hit, albedo));
 }
 
-//@ without
-//@ use data/material
-// No material of glTF has a share of glass.
-fn transmission_spreads(material: Material, lobes: Lobes, base: bool) -> bool {
-    return base;
-}
-
-fn transmission_albedo(material: Material, hit: Interaction, base: f32) -> f32 {
-    return base;
-}
-
-fn draw_transmission(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>, base: f32) -> LobeDraw {
-    return draw;
-}
-
-fn with_transmission(base: Response, material: Material, hit: Interaction, direction: vec3<f32>, base_albedo: f32) -> Response {
-    return base;
+// A sample of what lies below, which the draw has weighted.
+fn below_transmission(scatter: Scatter, hit: Interaction) -> Scatter {
+    return scatter;
 }

@@ -11,15 +11,15 @@
 fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
-    if material.parameter < LEAST_ROUGHNESS {
+    if material.${conductor.roughness} < LEAST_ROUGHNESS {
         let mirrored = mirror_direction(hit.incoming, normal);
         if !(dot(mirrored, normal) > 0.0) {
             return absorbed();
         }
-        let share = reflectance_of_metal(cos_view, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+        let share = reflectance_of_metal(cos_view, hit.colour, hit.second.colour, hit.second.${conductor.is_measured} != 0.0);
         return scatter_towards(mirrored, share, LOBE_SPECULAR);
     }
-    let alpha = material.parameter * material.parameter;
+    let alpha = material.${conductor.roughness} * material.${conductor.roughness};
     let facet = sample_facet(hit, cos_view, alpha, u.xy);
     let cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
     let direction = normalize(hit.incoming + 2.0 * cos_facet * facet);
@@ -27,8 +27,8 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
-    let f0 = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.${conductor.is_measured} != 0.0);
+    let f0 = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.${conductor.is_measured} != 0.0);
     let share = compensated(single, f0, hit);
     let weight = share * facet_shadowing(hit, cos_view, direction, min(cos_light, 1.0), alpha);
     return scatter_towards(direction, weight, lobe_of(width_of_reflection(widest_alpha(hit, alpha))));

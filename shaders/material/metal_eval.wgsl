@@ -2,7 +2,7 @@
 //@ use lib/sampling
 // A metal without fuzz is a mirror.
 fn metal_is_non_specular(material: Material) -> bool {
-    return material.parameter > 0.0;
+    return material.${metal.fuzz} > 0.0;
 }
 
 // The pdf with which metal_scatter samples the direction: the density of points in the ball of radius fuzz around the tip of
@@ -12,7 +12,7 @@ fn metal_is_non_specular(material: Material) -> bool {
 // and h = sqrt(fuzz^2 - s^2). If the origin lies in the ball, d- = 0. The BSDF times cosine is the albedo times the pdf.
 // Directions below the surface are absorbed.
 fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
-    let fuzz = material.parameter;
+    let fuzz = material.${metal.fuzz};
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);
     let c = dot(mirrored, direction);
     let across = direction - c * mirrored;

@@ -13,11 +13,11 @@
 
 // The numbers of the material, where the table of all materials has them.
 fn pbr_roughness(material: Material) -> f32 {
-    return material.parameter;
+    return material.${pbr.roughness};
 }
 
 fn pbr_metallic(material: Material) -> f32 {
-    return material.contrast_inside;
+    return material.${pbr.metallic};
 }
 
 fn pbr_is_smooth(material: Material) -> bool {

@@ -35,7 +35,7 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
     }
     let alpha = times_vertex_alpha(extension_colour(number, hit, surface).x, hit, surface);
     // The least alpha of a cut-out surface; negative for a transparent one.
-    let cutoff = materials[number].parameter;
+    let cutoff = materials[number].${alpha.cutoff};
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);
 }
 

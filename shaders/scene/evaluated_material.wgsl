@@ -7,10 +7,11 @@
 //@ use choice/colour
 //@ use choice/vertex_colours
 //@ use choice/vertex_emission
-//@ each extension
+//@ each own_extension
 //@ use extension/${name}
 //@ end
-// A material with extensions: further rows of the table of materials, each with a colour or a texture.
+// A material with further rows of the table of materials, each with a colour or a texture. begin_NAME and take_NAME of most stand in
+// generated/lobes.
 
 // The most loop iterations that shading takes: seven octaves of noise over eight corners, for each texture of a material and one of a light.
 const ITERATIONS_OF_SHADING: u32 = ${iterations_of_shading}u;

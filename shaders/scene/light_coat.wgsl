@@ -24,7 +24,7 @@ fn radiance_through_coat(radiance: vec3<f32>, hit: Hit, surface: Surface, ray: R
     seen.incoming = ray.direction;
     seen.coat_normal = coat_normal_at(hit, surface, ray.direction, frame.shading, frame.front, code);
     seen.lobes.coat = min(extension_colour(rows.coat, hit, surface).x, 1.0);
-    seen.lobes.coat_f0 = materials[rows.coat].contrast_outside;
+    seen.lobes.coat_f0 = materials[rows.coat].${coat.f0};
     return emission_under_coat(radiance, seen);
 }
 

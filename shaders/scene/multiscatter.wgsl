@@ -12,7 +12,7 @@ fn energy_compensation(material: Material, surface: Surface, hit: Interaction) -
     if extensions[surface.material].multiscatter == NO_EXTENSION {
         return 0.0;
     }
-    let albedo = directional_albedo(clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0), material.parameter);
+    let albedo = directional_albedo(clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0), material.${pbr.roughness});
     return (1.0 - albedo) / albedo;
 }
 

@@ -60,7 +60,7 @@ fn normal_by_map(
     front: bool,
     code: vec3<f32>,
 ) -> vec3<f32> {
-    let scale = materials[row].parameter;
+    let scale = materials[row].${normal.scale};
     let mapped = (2.0 * code - 1.0) * vec3<f32>(scale, scale, 1.0);
     let bumped = vector_by_row(row, mapped, select(-shading, shading, front), hit, surface);
     return bent_back(select(-bumped, bumped, front), incoming, shading);

@@ -1,7 +1,5 @@
 //@ use data/material
-//@ use choice/transmission
-//@ use choice/sheen
-//@ use choice/coat
+//@ use lobe/layers
 //@ each non_specular
 //@ use material/${name}_eval
 //@ end
@@ -9,8 +7,7 @@
 
 // Whether the material scatters to more than one direction.
 fn is_non_specular(evaluated: EvaluatedMaterial) -> bool {
-    let mixed = transmission_spreads(evaluated.material, evaluated.lobes, kind_is_non_specular(evaluated.material));
-    return coat_spreads(evaluated.lobes, sheen_spreads(evaluated.lobes, mixed));
+    return layers_spread(evaluated.material, evaluated.lobes, kind_is_non_specular(evaluated.material));
 }
 
 fn kind_is_non_specular(material: Material) -> bool {

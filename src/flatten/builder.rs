@@ -15,7 +15,8 @@ use super::swept::swept;
 use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
-use crate::material::{Extension, ExtensionKind, Model, Slot};
+use crate::lobe::Rows;
+use crate::material::{ALPHA, Model, Slot, emission_row};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
@@ -220,7 +221,7 @@ impl Builder<'_> {
         if let Some(slot) = slot {
             let brightness = match slot.usage {
                 Use::Radiance => radiance_scale,
-                Use::Albedo | Use::Share | Use::Normal | Use::Direction => 1.0,
+                Use::Albedo | Use::Tint | Use::Share | Use::Normal | Use::Direction => 1.0,
             };
             row.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
             row.texture = self.add_texture(slot.texture, brightness);
@@ -229,34 +230,27 @@ impl Builder<'_> {
         self.flat.material_names.push(name.to_owned());
     }
 
-    /// Adds the extensions of materials: rows behind those of all materials. The emission of a light has such a row too, so that kernels
+    /// Adds the further rows of materials, behind those of all materials. The emission of a light has such a row too, so that kernels
     /// treat all emitters alike.
     pub fn add_extensions(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
-        let mut extensions = vec![data::Extension::NONE; self.flat.materials.len()];
+        let mut extensions = vec![Rows::NONE; self.flat.materials.len()];
         for (number, (name, _)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let model = &self.models[number];
-            let light = model.light().map(|light| Extension::emission(light.slot, light.two_sided));
-            let all: Vec<Extension<'_>> = model.extensions.iter().copied().chain(light).collect();
-            let mut own = data::Extension::NONE;
+            let light = model.light().map(|light| emission_row(light.slot, light.two_sided));
+            let mut own = Rows::NONE;
             own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
             let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.has_frame())) };
-            for extension in all {
-                own.rows[extension.kind as usize] = self.flat.materials.len() as u32;
-                let row = data::Material {
-                    kind: frame,
-                    parameter: extension.parameter,
-                    contrast_outside: extension.contrasts[0],
-                    contrast_inside: extension.contrasts[1],
-                    ..data::Material::default()
-                };
-                let is_textured = extension.slot.is_textured();
-                frame += u32::from(extension.slot.has_frame());
-                self.flat.features.quantities.alpha_textures |= is_textured && extension.kind == ExtensionKind::Alpha;
+            let rows: Vec<_> = model.rows.iter().copied().chain(light).collect();
+            for row in rows {
+                own.set(row.kind, self.flat.materials.len() as u32);
+                let on_device = data::Material { kind: frame, numbers: row.numbers, ..data::Material::default() };
+                frame += u32::from(row.slot.has_frame());
+                self.flat.features.quantities.alpha_textures |= row.slot.is_textured() && row.kind == ALPHA;
                 // An emission that no coverage shows may be too bright for f32 in the unit of those that show.
                 let brightness = if self.shows_emission[number] { radiance_scale } else { 0.0 };
-                self.add_row(name, row, Some(extension.slot), brightness);
+                self.add_row(name, on_device, Some(row.slot), brightness);
             }
             if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {
                 *extensions = own;

@@ -5,6 +5,7 @@ use crate::aov::SceneSpace;
 use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
 use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT, Tables};
+use crate::lobe::Rows;
 use crate::options::{LightPaths, RenderOptions};
 use crate::scene::Bitmap;
 
@@ -38,7 +39,7 @@ pub struct DeviceScene {
     pub aims: Vec<data::Cuboid>,
     pub materials: Vec<data::Material>,
     /// The extensions of each row of `materials`; empty if no material has one.
-    pub extensions: Vec<data::Extension>,
+    pub extensions: Vec<Rows>,
     /// The table of directional albedos; empty if no material has energy compensation.
     pub directional_albedos: Vec<[f32; 4]>,
     /// The names in the scene file of the rows of `materials`.

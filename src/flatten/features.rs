@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use crate::bitmap::FORMATS;
-use crate::material::{ExtensionKind, Lobe, MATERIALS, Material, MaterialKind};
+use crate::lobe::transmission::TRANSMISSION;
+use crate::lobe::{lobe_of, rows};
+use crate::material::{LobeWidth, MATERIALS, Material, MaterialKind};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::shape::{KINDS, ShapeKind};
 use crate::texture::TEXTURES;
@@ -60,20 +62,20 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         named("smooth", none(), Always, "smooth shading", "scene/smooth_shading"),
         named("material", MATERIALS.to_vec(), Always, "{}", "material/{}"),
         // Materials on objects, by the lobes that they have.
-        of_materials("wide_lobe", Lit, &|kind| kind.lobes.contains(&Lobe::Wide)),
-        of_materials("narrow_lobe", Lit, &|kind| kind.lobes.contains(&Lobe::Narrow)),
-        of_materials("specular_lobe", Lit, &|kind| kind.lobes.contains(&Lobe::Specular)),
+        of_materials("wide_lobe", Lit, &|kind| kind.widths.contains(&LobeWidth::Wide)),
+        of_materials("narrow_lobe", Lit, &|kind| kind.widths.contains(&LobeWidth::Narrow)),
+        of_materials("specular_lobe", Lit, &|kind| kind.widths.contains(&LobeWidth::Specular)),
         // Transmissive materials with a colour; materials that absorb light inside.
         of_materials("tinted", Always, &|kind| kind.is_transmissive),
-        of_materials("absorbing", Always, &|kind| {
-            kind.is_transmissive || kind.extensions.contains(&ExtensionKind::Transmission)
-        }),
+        of_materials("absorbing", Always, &|kind| kind.is_transmissive || kind.can_have(TRANSMISSION)),
         // Shapes whose material is a smooth pane; panes with a texture.
         labelled(of_shapes("smooth_pane", |_| true, Always), "{} pane", "step/panes"),
         group("textured_pane", none(), Always),
         // Convex shapes with an alpha.
         of_shapes("body_with_alpha", |kind| kind.encloses(), Always),
         named("texture", TEXTURES.to_vec(), Always, "{} texture", "texture/{}"),
+        // Materials with a number that is that of an image.
+        group("number_images", none(), Always),
         // Formats of texels.
         group("texel", FORMATS.to_vec(), Always),
         // Images that use further tables of a mesh: other texture coordinates, or tangents.
@@ -119,9 +121,9 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         named("moving_medium", none(), Always, "medium motion", "motion/medium"),
         named("moving_camera", none(), Always, "camera motion", "camera/moving"),
     ];
-    all.extend(ExtensionKind::ALL.iter().map(|(name, kind)| Declared {
-        feature: ExtensionKind::LOBES.iter().find(|(lobe, _)| lobe == name).map(|(_, feature)| *feature),
-        ..of_materials(name, Always, &|own| own.extensions.contains(kind))
+    all.extend(rows().map(|row| Declared {
+        feature: lobe_of(row.name).and_then(|lobe| Some((lobe.label?, "lobe/{}"))),
+        ..of_materials(row.name, Always, &|own| own.can_have(row))
     }));
     all
 });
@@ -267,7 +269,7 @@ impl Features {
 
     /// Whether a material has an extension.
     pub(super) fn has_extensions(&self) -> bool {
-        self.any("absorbing").is_some() || ExtensionKind::ALL.iter().any(|(name, _)| self.any(name).is_some())
+        self.any("absorbing").is_some() || rows().any(|row| self.any(row.name).is_some())
     }
 
     /// Whether kernels have code for media.

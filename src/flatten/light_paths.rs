@@ -12,7 +12,7 @@ use super::swept::swept;
 use crate::bitmap::Bitmaps;
 use crate::data::{self, HIT_NOTHING, f32s};
 use crate::light_distribution::alias_entries;
-use crate::material::{ExtensionKind, Lobe, Material};
+use crate::material::{LobeWidth, Material, ROUGHNESS};
 
 use crate::shape::{BoundingShape, ObjectTransform};
 
@@ -105,10 +105,10 @@ impl Builder<'_> {
 
 /// Whether light paths are aimed at a surface: a specular one, or a near mirror, which has narrow lobes alone.
 fn is_aimed_at(material: &Material, bitmaps: &Bitmaps) -> bool {
-    let lobes = material.lobes(bitmaps);
-    let varies = material.has_extension(ExtensionKind::Roughness);
-    let is_near_mirror = lobes.contains(&Lobe::Narrow) && (varies || !lobes.contains(&Lobe::Wide));
-    lobes.contains(&Lobe::Specular) || is_near_mirror
+    let widths = material.widths(bitmaps);
+    let varies = material.has_row(ROUGHNESS);
+    let is_near_mirror = widths.contains(&LobeWidth::Narrow) && (varies || !widths.contains(&LobeWidth::Wide));
+    widths.contains(&LobeWidth::Specular) || is_near_mirror
 }
 
 impl Aim {

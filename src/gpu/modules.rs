@@ -1,6 +1,6 @@
 //! The modules under shaders/, and what their heads say.
 //!
-//! A head is the first lines of a module: `//@ implements sheen when FACTS` says that the module stands behind `choice/sheen` where these facts
+//! A head is the first lines of a module: `//@ implements film when FACTS` says that the module stands behind `choice/film` where these facts
 //! hold ([`When`]). What follows `//@ without` in the file stands there where no module's facts hold. `//@ alternative …` says the same of one of
 //! several ways to do a thing, which `plan` lists. A module may implement several choices.
 

@@ -278,6 +278,61 @@ declare! {
     }
 }
 
+impl Default for Pbr {
+    /// A white metal that is as rough as can be, as glTF has it.
+    fn default() -> Pbr {
+        Pbr {
+            base_color: white(),
+            metallic: white(),
+            roughness: white(),
+            ior: 1.5,
+            specular: white(),
+            specular_color: white(),
+            transmission: zero(),
+            solid: false,
+            absorption: None,
+            dispersion: 0.0,
+            diffuse_transmission: zero(),
+            diffuse_transmission_color: white(),
+            iridescence: zero(),
+            iridescence_ior: 1.3,
+            iridescence_thickness: 400.0,
+            iridescence_thickness_min: 100.0,
+            iridescence_thickness_texture: white(),
+            coat: zero(),
+            coat_roughness: zero(),
+            coat_ior: 1.5,
+            coat_normal: None,
+            coat_normal_scale: 1.0,
+            sheen: zero(),
+            sheen_roughness: zero(),
+            multiscatter: false,
+            emission: None,
+            alpha: white(),
+            alpha_cutoff: None,
+            vertex_colors: false,
+            vertex_alpha: false,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_texture: None,
+            normal: None,
+            normal_scale: 1.0,
+        }
+    }
+}
+
+impl Pbr {
+    /// Whether all of it is a metal.
+    pub fn is_all_metal(&self) -> bool {
+        self.metallic.plain().is_some_and(|metallic| metallic.x == 1.0)
+    }
+
+    /// Whether its glass is a body.
+    pub fn has_inside(&self) -> bool {
+        self.solid && !is_zero(&self.transmission)
+    }
+}
+
 fn yes() -> bool {
     true
 }

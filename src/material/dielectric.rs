@@ -1,18 +1,23 @@
 //! A clear solid: glass, water.
 
+use super::boundary::glass_numbers;
 use super::declared::Dielectric;
 use super::declared::dielectric::FIELDS;
-use super::model::{ExtensionKind, Lobe, MaterialKind, Model};
+use super::model::{MaterialKind, Model};
+use super::width::LobeWidth;
 use crate::data;
+use crate::lobe::dispersion::DISPERSION;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "dielectric",
-    lobes: &[Lobe::Specular],
+    numbers: &["ior", "outside", "inside"],
+    second_part: &[],
+    widths: &[LobeWidth::Specular],
     is_transmissive: true,
     is_pane: false,
     emits: false,
-    extensions: &[ExtensionKind::Dispersion],
-    has_second_part: false,
+    rows: &[DISPERSION],
+    has_lobes: false,
 };
 
 /// A refractive index within this of 1, but not 1, is visible only at grazing incidence: rays are bent by |n - 1| tan θ.
@@ -27,14 +32,11 @@ impl Dielectric {
 
 /// Clear glass of this index.
 pub fn glass(ior: f64) -> Model<'static> {
-    let inside = 1.0 / ior;
     Model {
-        lobes: vec![Lobe::Specular],
+        widths: vec![LobeWidth::Specular],
         warning: warning(ior).map(|warning| (&FIELDS.ior, warning)),
         on_device: data::Material {
-            parameter: ior as f32,
-            contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,
-            contrast_inside: ((inside - 1.0) * (inside + 1.0)) as f32,
+            numbers: glass_numbers(ior).map(|number| number as f32),
             ..data::Material::default()
         },
         ..Model::default()

@@ -2,18 +2,21 @@
 
 use super::declared::DiffuseLight;
 use super::declared::diffuse_light::FIELDS;
-use super::model::{MaterialKind, Model, Slot};
+use super::model::{MaterialKind, Model};
+use super::row::Slot;
 use crate::data;
 use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "diffuse_light",
-    lobes: &[],
+    numbers: &["two_sided"],
+    second_part: &[],
+    widths: &[],
     is_transmissive: false,
     is_pane: false,
     emits: true,
-    extensions: &[],
-    has_second_part: false,
+    rows: &[],
+    has_lobes: false,
 };
 
 impl DiffuseLight {
@@ -21,7 +24,10 @@ impl DiffuseLight {
         Model {
             slot: Some(Slot { field: &FIELDS.emit, usage: Use::Radiance, texture: &self.emit }),
             two_sided: Some(self.two_sided),
-            on_device: data::Material { parameter: f32::from(u8::from(self.two_sided)), ..data::Material::default() },
+            on_device: data::Material {
+                numbers: [f32::from(u8::from(self.two_sided)), 0.0, 0.0],
+                ..data::Material::default()
+            },
             ..Model::default()
         }
     }

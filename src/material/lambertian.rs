@@ -2,31 +2,28 @@
 
 use super::declared::Lambertian;
 use super::declared::lambertian::FIELDS;
-use super::model::{ExtensionKind, Lobe, MaterialKind, Model, Slot};
+use super::model::{MaterialKind, Model};
+use super::row::{ALPHA, EMISSION, NORMAL, Slot, VERTEX_ALPHA, VERTEX_COLOURS, VERTEX_EMISSION};
+use super::width::LobeWidth;
 use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "lambertian",
-    lobes: &[Lobe::Wide],
+    numbers: &[],
+    second_part: &[],
+    widths: &[LobeWidth::Wide],
     is_transmissive: false,
     is_pane: false,
     emits: false,
-    extensions: &[
-        ExtensionKind::Emission,
-        ExtensionKind::Alpha,
-        ExtensionKind::VertexColours,
-        ExtensionKind::VertexAlpha,
-        ExtensionKind::VertexEmission,
-        ExtensionKind::Normal,
-    ],
-    has_second_part: false,
+    rows: &[EMISSION, ALPHA, VERTEX_COLOURS, VERTEX_ALPHA, VERTEX_EMISSION, NORMAL],
+    has_lobes: false,
 };
 
 impl Lambertian {
     pub fn model(&self) -> Model<'_> {
         let model = Model {
             slot: Some(Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture: &self.albedo }),
-            lobes: vec![Lobe::Wide],
+            widths: vec![LobeWidth::Wide],
             ..Model::default()
         };
         let model = model.emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);

@@ -2,18 +2,22 @@
 
 use super::declared::Metal;
 use super::declared::metal::FIELDS;
-use super::model::{ANY_LOBE, Lobe, MaterialKind, Model, Slot};
+use super::model::{MaterialKind, Model};
+use super::row::Slot;
+use super::width::{ANY_WIDTH, LobeWidth};
 use crate::data;
 use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "metal",
-    lobes: ANY_LOBE,
+    numbers: &["fuzz"],
+    second_part: &[],
+    widths: ANY_WIDTH,
     is_transmissive: false,
     is_pane: false,
     emits: false,
-    extensions: &[],
-    has_second_part: false,
+    rows: &[],
+    has_lobes: false,
 };
 
 impl Metal {
@@ -22,8 +26,8 @@ impl Metal {
         let fuzz = self.fuzz as f32;
         Model {
             slot: Some(Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture: &self.albedo }),
-            lobes: vec![if fuzz > 0.0 { Lobe::of_width(fuzz) } else { Lobe::Specular }],
-            on_device: data::Material { parameter: fuzz, ..data::Material::default() },
+            widths: vec![if fuzz > 0.0 { LobeWidth::of_width(fuzz) } else { LobeWidth::Specular }],
+            on_device: data::Material { numbers: [fuzz, 0.0, 0.0], ..data::Material::default() },
             ..Model::default()
         }
     }

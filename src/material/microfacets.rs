@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::model::LEAST_ROUGHNESS;
+use super::width::LEAST_ROUGHNESS;
 
 /// Rows are roughnesses, and columns the cosines of the view.
 const ROWS: usize = 32;

@@ -1,37 +1,43 @@
 //! A pane of clear solid that is too thin to bend light: a window, a bubble.
 
+use super::boundary::glass_numbers;
 use super::declared::ThinDielectric;
 use super::declared::thin_dielectric::FIELDS;
-use super::model::{ANY_LOBE, Along, ExtensionKind, Lobe, MaterialKind, Model, lobes_of_roughness, varying};
-use super::{conductor, dielectric};
+use super::model::{MaterialKind, Model};
+use super::row::{NORMAL, ROUGHNESS, varying};
+use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
 use crate::data;
 
 pub const KIND: MaterialKind = MaterialKind {
     shader: "thin_dielectric",
-    lobes: ANY_LOBE,
+    numbers: &["roughness", "contrast"],
+    second_part: &[],
+    widths: ANY_WIDTH,
     is_transmissive: true,
     is_pane: true,
     emits: false,
-    extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal],
-    has_second_part: false,
+    rows: &[ROUGHNESS, NORMAL],
+    has_lobes: false,
 };
 
 impl ThinDielectric {
     pub fn model(&self) -> Model<'_> {
-        let smooth = dielectric::glass(self.ior);
-        let (roughness, extension) = varying(&FIELDS.roughness, ExtensionKind::Roughness, &self.roughness);
+        let [_, contrast, _] = glass_numbers(self.ior);
+        let (roughness, varying) = varying(ROUGHNESS, &FIELDS.roughness, &self.roughness);
         let model = Model {
-            lobes: vec![conductor::lobe(roughness, 0.0)],
-            warning: None,
-            extensions: extension.into_iter().collect(),
-            on_device: data::Material { parameter: roughness as f32, ..smooth.on_device },
-            ..smooth
+            widths: vec![LobeWidth::of_facets(roughness, 0.0)],
+            rows: varying.into_iter().collect(),
+            on_device: data::Material {
+                numbers: [roughness as f32, contrast as f32, 0.0],
+                ..data::Material::default()
+            },
+            ..Model::default()
         };
         model.tinted(&self.transmittance).bumped(&self.normal, self.normal_scale)
     }
 
-    pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
-        lobes_of_roughness(&self.roughness, Along::NONE, bitmaps, |roughness, _| vec![conductor::lobe(roughness, 0.0)])
+    pub fn widths(&self, bitmaps: &Bitmaps) -> Vec<LobeWidth> {
+        widths_of_facets(&self.roughness, Along::NONE, bitmaps)
     }
 }

@@ -10,7 +10,8 @@ use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH, SPLAT_SUMS};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, PRIMITIVES, Quantities, TEXTURES};
 use crate::gpu::link::{Choices, Entry, Facts, Reason, reason_of};
-use crate::material::{ExtensionKind, MATERIALS, Material, MaterialKind};
+use crate::lobe::{LOBES, evaluated_rows, lobes_module, numbers};
+use crate::material::{MATERIALS, Material, MaterialKind, RowKind, Sets};
 use crate::options::RenderOptions;
 use crate::shape::KINDS;
 
@@ -79,8 +80,9 @@ pub(super) fn decide(
     let choices = Choices {
         facts,
         lists,
-        values: values.chain(of_tables).collect(),
+        values: values.chain(of_tables).chain(numbers()).collect(),
         generated: BTreeMap::from([
+            ("generated/lobes", lobes_module()),
             ("generated/path", path_module(&options.aov)),
             ("generated/slots", slots_module(&path_fields)),
         ]),
@@ -130,20 +132,31 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
     };
     let is_non_specular = |kind: &&Entry| features.reason(&format!("wide_lobe.{}", kind.name)).is_some();
     let non_specular: Vec<Entry> = served.iter().filter(is_non_specular).cloned().collect();
-    let extension = |(number, name)| Some((name, number, reason_of(facts, name)?.clone()));
-    let every = |(number, (name, _)): (u32, &(&'static str, _))| (*name, number, Reason::EveryRender);
+    let why = |name: &str| reason_of(facts, name).cloned();
+    let extension: Vec<_> =
+        (0..).zip(evaluated_rows()).filter_map(|(number, row)| Some((row, number, why(row.name)?))).collect();
+    let named = |those: &[(&'static RowKind, u32, Reason)]| {
+        closed(those.iter().map(|(row, number, why)| (row.name, *number, why.clone())))
+    };
+    let own_extension: Vec<_> = extension.iter().filter(|(row, ..)| row.sets == Sets::Own).cloned().collect();
+    let layer = (0..).zip(LOBES).filter(|(_, lobe)| lobe.is_layer);
+    let layer = closed(layer.filter_map(|(number, lobe)| Some((lobe.name(), number, why(lobe.name())?))));
+    let inner_layer = layer.iter().rev().cloned().collect();
     BTreeMap::from([
         ("material", served.to_vec()),
         ("both_sided", those(&non_specular, |kind| kind.is_transmissive)),
         ("non_specular", non_specular),
         ("transmissive", those(served, |kind| kind.is_transmissive)),
         // Those that take two elements of the table.
-        ("two_part", those(served, |kind| kind.has_second_part)),
+        ("two_part", those(served, |kind| !kind.second_part.is_empty())),
         // Those of the scene that can be smooth panes.
         ("pane", those(materials, |kind| kind.is_pane)),
-        // The members of `Extension`, and those that the kernel evaluates.
-        ("extension_row", closed((0..).zip(ExtensionKind::ALL).map(every))),
-        ("extension", closed((0..).zip(ExtensionKind::evaluated()).filter_map(extension))),
+        // The further rows that the kernel evaluates, and those of them with modules of their own.
+        ("extension", named(&extension)),
+        ("own_extension", named(&own_extension)),
+        // The layers of glTF's material: the outer ones first, and the inner ones first.
+        ("layer", layer),
+        ("inner_layer", inner_layer),
     ])
 }
 
@@ -194,7 +207,7 @@ fn values(
     queue: u32,
 ) -> Vec<(&'static str, u32)> {
     let has = |fact: &str| reason_of(facts, fact).is_some();
-    let extensions = ExtensionKind::evaluated().filter(|name| has(name)).count() as u32;
+    let extensions = evaluated_rows().filter(|row| has(row.name)).count() as u32;
     let splat_sums = if options.light_paths.count() > 0 { SPLAT_SUMS } else { 0 };
     vec![
         // WGSL has no empty arrays.

@@ -1,6 +1,6 @@
 //! The facts of a kernel, which the heads of the shaders' modules name.
 //!
-//! A fact of materials, such as `sheen`, holds if a material has it that the kernel serves; `scene.sheen`, if any of the scene has it. A fact with a
+//! A fact of materials, such as `alpha`, holds if a material has it that the kernel serves; `scene.alpha`, if any of the scene has it. A fact with a
 //! dot, such as `moves.quad`, is one of a group; the group's name alone holds if one of the group does. Each has the reason of the first that holds.
 
 use std::sync::LazyLock;
@@ -8,7 +8,8 @@ use std::sync::LazyLock;
 use crate::aov::{Finder, SeenSurface};
 use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, Quantities};
 use crate::gpu::link::{Entry, Facts, Reason, When};
-use crate::material::{ExtensionKind, Material, MaterialKind};
+use crate::lobe::evaluated_rows;
+use crate::material::{Material, MaterialKind};
 use crate::options::{self, RenderOptions, TRADE_OFFS};
 use crate::shape::KINDS;
 
@@ -36,12 +37,6 @@ const DERIVED: &[(&str, &str)] = &[
     ("sends_shadow_ray", "light & wide_lobe | (narrow_lobe | specular_lobe) & probed"),
     // A material has a number that is evaluated at the hit.
     ("evaluated", "extension | vertex_colours & mesh"),
-    // A material's number may be that of an image.
-    (
-        "number_images",
-        "scene.roughness | scene.metallic | scene.alpha | scene.specular_share | scene.transmission | scene.coat | scene.coat_roughness \
-         | scene.sheen_roughness | scene.iridescence | scene.iridescence_thickness | scene.diffuse_transmission_share",
-    ),
     // A material transmits light and has a boundary that reflects.
     ("glass", "scene.transmissive | scene.transmission"),
     // A sphere is hit, or bounds a medium.
@@ -71,7 +66,7 @@ const DERIVED: &[(&str, &str)] = &[
 
 /// The facts that follow from others, with their conditions, or what is wrong with these.
 pub static CONDITIONS: LazyLock<Vec<(String, Result<When, String>)>> = LazyLock::new(|| {
-    let extension = ExtensionKind::evaluated().collect::<Vec<_>>().join(" | ");
+    let extension = evaluated_rows().map(|row| row.name).collect::<Vec<_>>().join(" | ");
     // Convex bodies that a ray crosses: those that are panes, and those with an alpha.
     let bodies: Vec<&str> = KINDS.iter().filter(|kind| kind.encloses()).map(|kind| kind.shader).collect();
     let crossed = |shape: &&str| {
@@ -133,7 +128,7 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
         let own = |(kind, name): (&MaterialKind, &&str)| reason(&format!("{group}.{name}")).filter(|_| is_so(kind));
         facts.extend(of_materials(name, Material::KINDS.iter().zip(MATERIALS).map(own).collect()));
     };
-    of_kinds("second_part", "material", |kind| kind.has_second_part);
+    of_kinds("second_part", "material", |kind| !kind.second_part.is_empty());
     of_kinds("transmissive", "material", |kind| kind.is_transmissive);
     of_kinds("both_sided", "wide_lobe", |kind| kind.is_transmissive);
     of_kinds("shining", "material", |kind| kind.emits);
@@ -198,7 +193,7 @@ pub(super) fn known_of<'a>(declared: &'static Declared, features: &'a Features) 
             module: match &*fact {
                 "boundary.mesh" => "scene/medium_in_mesh".to_string(),
                 "moves.triangle" => "motion/instance".to_string(),
-                _ => module.replace("{}", kind),
+                _ => module.replace("{}", if kind.is_empty() { declared.name } else { kind }),
             },
         };
         facts.into_iter().map(known).collect()

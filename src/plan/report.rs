@@ -305,8 +305,9 @@ fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
     }
     for kernel in kernels {
         for (name, (value, module)) in &kernel.linked.values {
-            // The address spaces of tables are listed with the buffers, and the steps of a walk as the value of an override.
-            if !name.starts_with("space_of_") && *name != "most_steps" && !value.is_empty() {
+            // The address spaces of tables are listed with the buffers, the steps of a walk as the value of an override, and the numbers of
+            // materials are names.
+            if !name.starts_with("space_of_") && !name.contains('.') && *name != "most_steps" && !value.is_empty() {
                 add(kernel, name.to_string(), value.trim_start_matches([',', ' ']).to_string(), module, false);
             }
         }

@@ -124,7 +124,9 @@ impl Kernel {
             choices.facts.entry(fact.to_string()).or_insert(Some(Reason::EveryRender));
         }
         complete(&mut choices.facts, nothing.facts);
-        choices.lists.entry("extension_row").or_insert(nothing.lists["extension_row"].clone());
+        for list in ["layer", "inner_layer"] {
+            choices.lists.entry(list).or_insert(nothing.lists[list].clone());
+        }
         complete(&mut choices.values, nothing.values);
         complete(&mut choices.generated, nothing.generated);
         // Images of floats.

@@ -1,11 +1,13 @@
 //! Materials of microfacets: their formulas in f64 as the papers have them, and the rows of tests/shaders/rough.wgsl.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{self, NO_TEXTURE};
-use gpu_rt::gpu::link::{Embedded, Library, When};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, When};
+use gpu_rt::lobe::{LOBES, Lobe};
 
 use super::kernel::{Kernel, Setup};
 use super::rows::glass;
@@ -47,26 +49,30 @@ pub struct In {
     pub padding3: u32,
 }
 
-/// As shaders/data/material.wgsl has it.
+/// As `generated/lobes` has it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct Lobes {
-    pub sheen: [f32; 3],
-    pub sheen_roughness: f32,
     pub coat: f32,
     pub coat_roughness: f32,
     pub coat_f0: f32,
+    pub padding1: f32,
+    pub sheen: [f32; 3],
+    pub sheen_roughness: f32,
     pub transmission: f32,
+    pub padding2: f32,
     pub contrasts: [f32; 2],
     pub ior: f32,
     /// The square of the strength.
     pub anisotropy: f32,
-    pub colour_through: [f32; 3],
-    pub through: f32,
     pub film: f32,
     pub film_ior: f32,
     pub film_thickness: f32,
+    pub padding3: [f32; 3],
+    pub colour_through: [f32; 3],
+    pub through: f32,
     pub dispersion: f32,
+    pub padding4: [f32; 3],
 }
 
 /// What it gives.
@@ -107,9 +113,15 @@ fn kernel_with(material: &str, times: usize, with: &[&str], setup: &Setup<'_>) -
     let heads = Embedded.heads().choices().values().flat_map(|choice| &choice.heads);
     let those =
         heads.filter(|head| with.contains(&&*head.module)).flat_map(|head| head.when.iter().flat_map(When::facts));
+    let layers = LOBES.iter().filter(|lobe| lobe.is_layer && with.contains(&&*format!("lobe/{}", lobe.name())));
+    let entry =
+        |lobe: &&Lobe| Entry { name: lobe.name().to_string(), number: 0, closes: false, why: Reason::EveryRender };
+    let layers: Vec<_> = layers.map(entry).collect();
     let facts: Vec<_> = those.map(|fact| (fact, true)).collect();
+    let inner = layers.iter().rev().cloned().collect();
+    let plan = Choices { lists: BTreeMap::from([("layer", layers), ("inner_layer", inner)]), ..Choices::default() };
     let Setup { replaced, rewritten, .. } = *setup;
-    Kernel::with("test/rough", &Setup { replaced, rewritten, values: &values, facts: &facts, ..Setup::default() })
+    Kernel::with("test/rough", &Setup { replaced, rewritten, values: &values, facts: &facts, plan })
 }
 
 /// A ray that meets a surface from its front, at an angle with its normal.
@@ -131,10 +143,10 @@ pub fn uniforms(random: &mut Random, number: usize) -> [f32; 4] {
 
 /// A metal of this roughness on the device: of an albedo, or of an index with this k.
 pub fn conductor(row: In, roughness: f64, k: Option<[f32; 3]>) -> In {
-    let material = data::Material { parameter: roughness as f32, ..data::Material::default() };
+    let material = data::Material { numbers: [roughness as f32, 0.0, 0.0], ..data::Material::default() };
     let second = data::Material {
         colour: k.unwrap_or_default(),
-        parameter: f32::from(u8::from(k.is_some())),
+        numbers: [f32::from(u8::from(k.is_some())), 0.0, 0.0],
         texture: NO_TEXTURE,
         ..data::Material::default()
     };
@@ -143,12 +155,14 @@ pub fn conductor(row: In, roughness: f64, k: Option<[f32; 3]>) -> In {
 
 /// A thin pane of this index and roughness on the device.
 pub fn pane(row: In, ior: f64, roughness: f64) -> In {
-    In { material: data::Material { parameter: roughness as f32, ..glass(ior) }, ..row }
+    let mut material = glass(ior);
+    material.numbers[0] = roughness as f32;
+    In { material, ..row }
 }
 
 /// A rough boundary of this index and roughness on the device.
 pub fn frosted(row: In, ior: f64, roughness: f64) -> In {
-    let second = data::Material { parameter: ior as f32, texture: NO_TEXTURE, ..data::Material::default() };
+    let second = data::Material { numbers: [ior as f32, 0.0, 0.0], texture: NO_TEXTURE, ..data::Material::default() };
     In { second, ..pane(row, ior, roughness) }
 }
 

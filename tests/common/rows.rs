@@ -31,9 +31,7 @@ pub struct Answer {
 pub fn glass(ior: f64) -> Material {
     let inside = 1.0 / ior;
     Material {
-        parameter: ior as f32,
-        contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,
-        contrast_inside: ((inside - 1.0) * (inside + 1.0)) as f32,
+        numbers: [ior as f32, ((ior - 1.0) * (ior + 1.0)) as f32, ((inside - 1.0) * (inside + 1.0)) as f32],
         ..Material::default()
     }
 }

@@ -131,12 +131,7 @@ pub fn cells() -> Vec<Cell> {
         let glass = wrong_at_grazing("rough_dielectric", 1.0 + 1e-5, |_, row| frosted(row, 1.5, roughness));
         let panes = wrong_at_grazing("thin_dielectric", 1.0 + 1e-5, |i, row| pane(row, INDICES[i % 4], roughness));
         let pbr = wrong_at_grazing("pbr", 10.0 + 1e-4, |_, row| In {
-            material: data::Material {
-                parameter: roughness as f32,
-                contrast_outside: 0.04,
-                contrast_inside: 0.3,
-                ..data::Material::default()
-            },
+            material: data::Material { numbers: [roughness as f32, 0.04, 0.3], ..data::Material::default() },
             ..row
         });
         all.extend([

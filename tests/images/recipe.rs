@@ -16,7 +16,7 @@ use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 const RETROREFLECTOR: &str = "//@ use data/material
 // A retroreflector: light goes back the way it came, less what its colour takes.
 fn retroreflector_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
-    return scatter_towards(-hit.incoming, hit.colour * material.parameter, LOBE_SPECULAR);
+    return scatter_towards(-hit.incoming, hit.colour * material.numbers.x, LOBE_SPECULAR);
 }
 ";
 const NAME: &str = "retroreflector";
@@ -27,7 +27,7 @@ const VELVET: &str = "//@ use data/material
 fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let point = sample_sphere(u.xy);
     let direction = from_basis(basis_around(hit.normal), vec3<f32>(point.xy, abs(point.z)));
-    return scatter_towards(normalize(direction), hit.colour * material.parameter, LOBE_WIDE);
+    return scatter_towards(normalize(direction), hit.colour * material.numbers.x, LOBE_WIDE);
 }
 ";
 const VELVET_EVAL: &str = "//@ use data/material
@@ -38,7 +38,7 @@ fn velvet_is_non_specular(material: Material) -> bool {
 
 fn velvet_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let pdf = select(0.0, 1.0 / (2.0 * PI), dot(direction, hit.normal) > 0.0);
-    return Response(hit.colour * (material.parameter * pdf), pdf, 0.0);
+    return Response(hit.colour * (material.numbers.x * pdf), pdf, 0.0);
 }
 ";
 /// The share of the light that is not lost.
@@ -67,7 +67,7 @@ fn listed(choices: &mut Choices, name: &str) {
 /// The row of its file of src/material in the scene's table, here instead of the material that the scene file names.
 fn loaded(flat: &mut DeviceScene) {
     let material = &mut flat.materials[0];
-    (material.kind, material.parameter) = (MATERIALS.len() as u32, GAIN);
+    (material.kind, material.numbers[0]) = (MATERIALS.len() as u32, GAIN);
 }
 
 /// A ball that fills the image, before a sky from `bottom` to `top`.
@@ -113,7 +113,7 @@ fn a_material_is_added_by_the_recipe() {
         let both = format!("{BALL} Sphere(center: (0, 9, 0), radius: 1, material: \"glass\"),");
         assert_eq!(wrong(&shot(&both, scatter, RETROREFLECTOR)), 0, "{scatter:?}, two materials");
         // One percent more light, and a ray that goes straight on, are found.
-        let brighter = RETROREFLECTOR.replace("material.parameter", "material.parameter * 1.01");
+        let brighter = RETROREFLECTOR.replace("material.numbers.x", "material.numbers.x * 1.01");
         assert_eq!(wrong(&shot(BALL, scatter, &brighter)), 256, "{scatter:?}, brighter");
         let onward = RETROREFLECTOR.replace("-hit.incoming", "reflect(hit.incoming, hit.normal)");
         assert!(wrong(&shot(BALL, scatter, &onward)) > 200, "{scatter:?}, a mirror");
@@ -148,7 +148,7 @@ fn a_material_that_answers_to_lights_is_added_by_the_recipe() {
         let off = velvet_is_off(scatter, VELVET_EVAL);
         assert!(off.abs() < 5.1, "{scatter:?}: {off} standard errors");
         // An evaluation that answers with a fifth more is found: rays to the lamp bring a part of the light.
-        let brighter = VELVET_EVAL.replace("material.parameter * pdf", "material.parameter * pdf * 1.2");
+        let brighter = VELVET_EVAL.replace("material.numbers.x * pdf", "material.numbers.x * pdf * 1.2");
         let off = velvet_is_off(scatter, &brighter);
         assert!(off > 8.0, "{scatter:?}: {off} standard errors");
     }

@@ -39,7 +39,7 @@ impl Space {
         let (normal, tangent) = (exact(row.normal).normalize(), exact(row.tangent));
         let tangent = (tangent - tangent.dot(normal) * normal).normalize();
         let axes = [tangent, normal.cross(tangent), normal];
-        let alpha = f64::from(row.material.parameter).powi(2);
+        let alpha = f64::from(row.material.numbers[0]).powi(2);
         let alphas = [alpha + f64::from(row.lobes.anisotropy) * (1.0 - alpha), alpha];
         Space { axes, view: within(&axes, -exact(row.incoming).normalize()), alphas }
     }
@@ -93,7 +93,7 @@ fn metal(row: &In, direction: DVec3) -> ([f64; 3], f64, f64) {
 fn boundary(row: &In, direction: DVec3) -> ([f64; 3], f64, f64) {
     let space = Space::of(row);
     let light = within(&space.axes, direction);
-    let ior = f64::from(row.second.parameter);
+    let ior = f64::from(row.second.numbers[0]);
     let eta = if row.front == 1 { ior } else { 1.0 / ior };
     let reflects = light.z > 0.0;
     let sum = space.view + if reflects { 1.0 } else { eta } * light;
@@ -252,7 +252,7 @@ fn anisotropic_metals_reflect_the_same_both_ways() {
         let off = rows.iter().zip(there.iter().zip(&back)).filter(|(row, (there, back))| {
             let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
             let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
-            let alpha = f64::from(row.material.parameter).powi(2);
+            let alpha = f64::from(row.material.numbers[0]).powi(2);
             (a - b).abs() > (1e-4 + 64.0 * U / alpha) * a + 1e-9
         });
         off.count()

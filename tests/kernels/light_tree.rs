@@ -115,7 +115,7 @@ fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
     }
     let quad = &flat.shapes.quads[index];
     let to_point = (from - exact(quad.corner)).normalize();
-    flat.materials[quad.material as usize].parameter != 0.0 || to_point.dot(exact(quad.normal)) > 1e-3
+    flat.materials[quad.material as usize].numbers[0] != 0.0 || to_point.dot(exact(quad.normal)) > 1e-3
 }
 
 #[test]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use gpu_rt::bitmap::Bitmaps;
 use gpu_rt::data;
+use gpu_rt::lobe;
 use gpu_rt::material::microfacets::directional_albedos;
-use gpu_rt::material::sheen::sheen_albedos;
-use gpu_rt::material::{Lobe, NARROW_LOBE};
+use gpu_rt::material::{LobeWidth, NARROW_LOBE};
 use gpu_rt::scene::{Material, Scene};
 
 use crate::common::kernel::array;
@@ -17,7 +17,7 @@ use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded};
 use crate::pbr_lobes::ALL;
 
-const LOBES: [Lobe; 3] = [Lobe::Wide, Lobe::Narrow, Lobe::Specular];
+const LOBES: [LobeWidth; 3] = [LobeWidth::Wide, LobeWidth::Narrow, LobeWidth::Specular];
 
 /// A material of a scene file.
 fn material(text: &str) -> Material {
@@ -102,12 +102,7 @@ const KINDS: [Kind; 11] = [
 
 fn pbr(row: In, metallic: f32, roughness: f64) -> In {
     let layer = 0.2f32.powi(2);
-    let material = data::Material {
-        parameter: roughness as f32,
-        contrast_outside: layer,
-        contrast_inside: metallic,
-        ..data::Material::default()
-    };
+    let material = data::Material { numbers: [roughness as f32, layer, metallic], ..data::Material::default() };
     In { material, ..row }
 }
 
@@ -129,31 +124,34 @@ fn the_host_knows_the_lobes_that_kernels_draw_from() {
                 In { front, u: uniforms(&mut random, usize::MAX), ..row(arriving(&mut random, cos), roughness) }
             })
             .collect();
-        let table: Vec<[f32; 4]> = directional_albedos().into_iter().chain(sheen_albedos()).collect();
+        let table: Vec<[f32; 4]> = directional_albedos()
+            .into_iter()
+            .chain(lobe::LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table()))
+            .collect();
         let kernel = kernel_of(shader, 1, &[], &ALL);
         let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[array("directional_albedos", &table)]);
         for (roughness, answers) in roughnesses.iter().zip(found.chunks(DRAWS)) {
             let material = material(&text(*roughness));
-            let known = material.lobes(&Bitmaps::default());
+            let known = material.widths(&Bitmaps::default());
             let of = |out: &Out| LOBES[out.lobe as usize];
-            let drawn: Vec<Lobe> = answers.iter().filter(|out| out.event != ABSORBED).map(of).collect();
+            let drawn: Vec<LobeWidth> = answers.iter().filter(|out| out.event != ABSORBED).map(of).collect();
             let what = format!("{}: {known:?}", text(*roughness));
             assert!(drawn.iter().all(|lobe| known.contains(lobe)), "{what}, drawn {drawn:?}");
             // Glass reflects so rarely that not all of its lobes are drawn.
             let is_glass = shader == "rough_dielectric";
             assert!(is_glass || known.iter().all(|lobe| drawn.contains(lobe)), "{what}, drawn {drawn:?}");
-            let samples_lights = known.iter().any(|lobe| *lobe != Lobe::Specular);
+            let samples_lights = known.iter().any(|lobe| *lobe != LobeWidth::Specular);
             assert!(answers.iter().all(|out| (out.non_specular == 1) == samples_lights), "{what}");
             // Where there is one lobe, the response is all its own.
             for out in answers.iter().filter(|out| out.event != ABSORBED && samples_lights && out.pdf > 0.0) {
                 // The share is a quotient, which WGSL allows to be 2.5 ULP off.
                 let (narrow, off) = (f64::from(out.narrow), 5.0 * U);
-                let is_own = (narrow - f64::from(u8::from(of(out) == Lobe::Narrow))).abs() <= off;
+                let is_own = (narrow - f64::from(u8::from(of(out) == LobeWidth::Narrow))).abs() <= off;
                 assert!(if known.len() == 1 { is_own } else { (0.0..=1.0 + off).contains(&narrow) }, "{what}: {out:?}");
             }
             drawn.iter().for_each(|lobe| seen[*lobe as usize] += 1);
             // The planted error: what the host would say of another roughness.
-            let other = self::material(&text((10.0 * roughness + 0.02).min(1.0))).lobes(&Bitmaps::default());
+            let other = self::material(&text((10.0 * roughness + 0.02).min(1.0))).widths(&Bitmaps::default());
             planted += usize::from(drawn.iter().any(|lobe| !other.contains(lobe)));
         }
     }

@@ -132,7 +132,7 @@ fn metal_shares(fuzz: f64, cos_incident: f64, density: impl Fn(f64) -> f64) -> V
 /// Counts of a metal's answers by those cells, and the shares expected.
 fn metal_counts(random: &mut Random, fuzz: f64, cos_incident: f64) -> Vec<u64> {
     let (normal, incoming) = arriving(random, cos_incident);
-    let material = Material { parameter: fuzz as f32, ..Material::default() };
+    let material = Material { numbers: [fuzz as f32, 0.0, 0.0], ..Material::default() };
     let colour = [0.3, 0.6, 0.8];
     let row = In { incoming: rounded(incoming), front: 1, normal: rounded(normal), colour, material, ..In::default() };
     let mirrored = incoming - 2.0 * incoming.dot(normal) * normal;
@@ -271,7 +271,7 @@ fn lights_emit_on_the_sides_they_have() {
     let mut rows = Vec::new();
     let mut expected = Vec::new();
     for (two_sided, front, emits) in [(1.0, 1, true), (1.0, 0, true), (0.0, 1, true), (0.0, 0, false)] {
-        let material = Material { parameter: two_sided, ..Material::default() };
+        let material = Material { numbers: [two_sided, 0.0, 0.0], ..Material::default() };
         rows.push(In { incoming: [0.0, 0.0, -1.0], normal: [0.0, 0.0, 1.0], front, colour, material, ..In::default() });
         expected.push(if emits { (EMITTED, colour) } else { (ABSORBED, [0.0; 3]) });
     }

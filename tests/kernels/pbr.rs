@@ -26,9 +26,7 @@ pub const NO_LAYER: f32 = -1.0;
 
 pub fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
     let material = data::Material {
-        parameter: roughness as f32,
-        contrast_outside: ((ior - 1.0) / (ior + 1.0)).powi(2) as f32,
-        contrast_inside: metallic as f32,
+        numbers: [roughness as f32, ((ior - 1.0) / (ior + 1.0)).powi(2) as f32, metallic as f32],
         ..data::Material::default()
     };
     In { colour: base, material, f90: NO_LAYER, ..row }
@@ -37,7 +35,7 @@ pub fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> 
 /// The reflectances of the layer at normal and at grazing incidence.
 pub fn ends_of_layer(row: &In) -> ([f64; 3], f64) {
     match row.f90 == NO_LAYER {
-        true => ([f64::from(row.material.contrast_outside); 3], 1.0),
+        true => ([f64::from(row.material.numbers[1]); 3], 1.0),
         false => (row.f0.map(f64::from), f64::from(row.f90)),
     }
 }
@@ -95,8 +93,8 @@ pub struct Formula {
 }
 
 pub fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
-    let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
-    let metallic = f64::from(row.material.contrast_inside);
+    let alpha = f64::from(row.material.numbers[0].max(1.0 / 1024.0)).powi(2);
+    let metallic = f64::from(row.material.numbers[2]);
     let (cos_view, cos_light) = (view.dot(normal), direction.dot(normal));
     if cos_light < 0.0 && row.lobes.through > 0.0 {
         // The layer lets as much in as for the mirror image of the direction.
@@ -127,7 +125,7 @@ pub fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formul
 
 /// About what comes back by microfacets and by the matt body, the sum of the channels.
 pub fn brightness(row: &In, cos_view: f64) -> (f64, f64) {
-    let metallic = f64::from(row.material.contrast_inside);
+    let metallic = f64::from(row.material.numbers[2]);
     let layer = layer(row, cos_view);
     let [near, far] = body(row);
     let (mut facets, mut matt) = (0.0, 0.0);
@@ -140,7 +138,7 @@ pub fn brightness(row: &In, cos_view: f64) -> (f64, f64) {
 
 /// The probability of a microfacet, as the shader has it.
 pub fn share_of_facets(row: &In, cos_view: f64) -> f64 {
-    let metallic = f64::from(row.material.contrast_inside);
+    let metallic = f64::from(row.material.numbers[2]);
     let (facets, matt) = brightness(row, cos_view);
     if metallic == 1.0 || body(row) == [[0.0; 3]; 2] { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
 }
@@ -246,7 +244,7 @@ fn off(row: &In, out: &Out) -> bool {
     let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
     let direction = exact(if own { out.direction } else { row.light }).normalize();
     let Formula { value, facets, cosine } = formula(row, view, normal, direction);
-    let (cos_view, alpha) = (view.dot(normal), f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2));
+    let (cos_view, alpha) = (view.dot(normal), f64::from(row.material.numbers[0].max(1.0 / 1024.0)).powi(2));
     let share = share_of_facets(row, cos_view);
     let pdf = share * facets + (1.0 - share) * cosine;
     // As for conductors (rough.rs).
@@ -302,7 +300,7 @@ fn pbr_has_the_layer_of_the_extension() {
         let layered = |(i, row): (usize, In)| {
             let f90 = [0.0, 0.5, 1.0, 0.01][i % 4];
             let color = [[1.0; 3], [0.9, 0.3, 0.0], [0.0; 3]][i / 4 % 3];
-            In { f0: color.map(|c: f32| c * f90 * row.material.contrast_outside), f90, ..row }
+            In { f0: color.map(|c: f32| c * f90 * row.material.numbers[1]), f90, ..row }
         };
         let rows: Vec<In> = rows(&mut random, 20_000, towards_light).into_iter().enumerate().map(layered).collect();
         assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
@@ -326,7 +324,10 @@ fn pbr_has_the_layer_of_the_extension() {
 fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
     let mut random = Random(209);
     let smooth = |(i, row): (usize, In)| In {
-        material: data::Material { parameter: [0.0, 0.0009][i % 2], ..row.material },
+        material: data::Material {
+            numbers: [[0.0, 0.0009][i % 2], row.material.numbers[1], row.material.numbers[2]],
+            ..row.material
+        },
         ..row
     };
     let rows: Vec<In> = rows(&mut random, 20_000, false).into_iter().enumerate().map(smooth).collect();
@@ -335,7 +336,7 @@ fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
     let mirrors = kernel("conductor", 1, &[]).run::<_, Out>(&as_conductors);
     let (mut metals, mut layers, mut matt, mut planted) = (0, 0, 0, 0);
     for ((row, out), mirror) in rows.iter().zip(&found).zip(&mirrors) {
-        if row.material.contrast_inside == 1.0 {
+        if row.material.numbers[2] == 1.0 {
             let bytes = |out: &Out| (out.event, out.direction, out.non_specular, out.lobe);
             assert_eq!(bytes(out), bytes(mirror), "{row:?}");
             // The weight is divided by a share of 1, which WGSL lets change it by 2.5 ULP.
@@ -347,7 +348,7 @@ fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
         let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
         let cos_view = view.dot(normal);
         let share = share_of_facets(row, cos_view);
-        let metallic = f64::from(row.material.contrast_inside);
+        let metallic = f64::from(row.material.numbers[2]);
         let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= 1e-5 * expected.max(0.1);
         let u = f64::from(row.u[0]);
         if out.event == ABSORBED || (u - share).abs() < 1e-5 {
@@ -398,7 +399,7 @@ fn pbr_reflects_the_same_both_ways() {
         let off = pairs.filter(|(row, (there, back))| {
             let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
             let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
-            let alpha = f64::from(row.material.parameter).powi(2);
+            let alpha = f64::from(row.material.numbers[0]).powi(2);
             (a - b).abs() > (2e-5 + 32.0 * U / alpha) * a + 1e-9
         });
         off.count()

@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
+use gpu_rt::lobe::LOBES as ALL_LOBES;
 use gpu_rt::material::microfacets::directional_albedos;
-use gpu_rt::material::sheen::sheen_albedos;
 
 use crate::common::kernel::{Kernel, array};
 use crate::common::microfacets::{
@@ -43,7 +43,12 @@ pub const ALL: [&str; 8] = [
 /// The table of the kernels: that of rough metals, and that of sheen behind it.
 fn table() -> &'static [[f32; 4]] {
     static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
-    TABLE.get_or_init(|| directional_albedos().into_iter().chain(sheen_albedos()).collect())
+    TABLE.get_or_init(|| {
+        directional_albedos()
+            .into_iter()
+            .chain(ALL_LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table()))
+            .collect()
+    })
 }
 
 fn run(kernel: &Kernel, rows: &[In]) -> Vec<Out> {
@@ -53,7 +58,7 @@ fn run(kernel: &Kernel, rows: &[In]) -> Vec<Out> {
 /// So many answers to the rows. The layer of a row without one of its own is that of its index.
 fn draws(kernel: &Kernel, rows: &[In], count: usize) -> Vec<Out> {
     let with_layer = |row: &In| match row.f90 == NO_LAYER {
-        true => In { f0: [row.material.contrast_outside; 3], f90: 1.0, ..*row },
+        true => In { f0: [row.material.numbers[1]; 3], f90: 1.0, ..*row },
         false => *row,
     };
     let rows: Vec<In> = rows.iter().map(with_layer).collect();
@@ -63,7 +68,7 @@ fn draws(kernel: &Kernel, rows: &[In], count: usize) -> Vec<Out> {
 /// A row with a share of glass: a solid, or a pane.
 fn glassy(row: In, share: f64, ior: f64, is_solid: bool) -> In {
     let glass = glass(ior);
-    let contrasts = [glass.contrast_outside, glass.contrast_inside];
+    let contrasts = [glass.numbers[1], glass.numbers[2]];
     let ior = if is_solid { ior as f32 } else { 0.0 };
     In { lobes: Lobes { transmission: share as f32, ior, contrasts, ..row.lobes }, ..row }
 }
@@ -103,21 +108,21 @@ fn base(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
     if direction.dot(normal) < 4.0 * U && !passes {
         return Bsdf { is_unknown: direction.dot(normal) > -4.0 * U, ..Bsdf::default() };
     }
-    let is_smooth = row.material.parameter < 1.0 / 1024.0;
+    let is_smooth = row.material.numbers[0] < 1.0 / 1024.0;
     let Formula { value, facets, cosine } = match is_smooth && !passes {
         // Without its microfacets.
         true => {
             let cosine = direction.dot(normal).max(0.0) / PI;
             let layer = layer_with_film(row, view.dot((view + direction).normalize()));
             let passed = 1.0 - layer.into_iter().fold(0.0, f64::max);
-            let matt = (1.0 - f64::from(row.material.contrast_inside)) * passed * cosine;
+            let matt = (1.0 - f64::from(row.material.numbers[2])) * passed * cosine;
             let [near, _] = body(row);
             let cosine = (1.0 - share_of_far_side(row)) * cosine;
             Formula { value: near.map(|base| base * matt), facets: 0.0, cosine }
         }
         false => formula(row, view, normal, direction),
     };
-    let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
+    let alpha = f64::from(row.material.numbers[0].max(1.0 / 1024.0)).powi(2);
     let share = share_of_facets(row, cos_view);
     let pdf = share * facets + (1.0 - share) * cosine;
     let mirrored = if passes { direction - 2.0 * direction.dot(normal) * normal } else { direction };
@@ -153,7 +158,7 @@ fn film_off(row: &In, cosine: f64, turned: f64) -> f64 {
 }
 
 fn is_rough_glass(row: &In) -> bool {
-    let (roughness, least) = (row.material.parameter, 1.0 / 1024.0f32);
+    let (roughness, least) = (row.material.numbers[0], 1.0 / 1024.0f32);
     match row.lobes.ior > 0.0 {
         true => roughness.powi(2) * row.lobes.contrasts[0].abs().min(1.0) >= least.powi(2),
         false => roughness >= least,
@@ -162,11 +167,11 @@ fn is_rough_glass(row: &In) -> bool {
 
 /// The row of the glass by itself.
 fn of_glass(row: &In) -> In {
-    let [contrast_outside, contrast_inside] = row.lobes.contrasts;
+    let [outside, inside] = row.lobes.contrasts;
     let mut own = *row;
-    (own.material.contrast_outside, own.material.contrast_inside) = (contrast_outside, contrast_inside);
+    (own.material.numbers[1], own.material.numbers[2]) = (outside, inside);
     let index = row.lobes.ior + row.followed * row.lobes.dispersion;
-    own.second.parameter = index;
+    own.second.numbers[0] = index;
     own
 }
 
@@ -597,11 +602,7 @@ fn a_share_of_glass_is_mixed_with_the_base() {
             ("data/material", "(1.0 - weight) * inner.value", "(1.0 - 0.97 * weight) * inner.value"),
             ("data/material", "share * outer.pdf", "1.02 * share * outer.pdf"),
             ("lobe/transmission", "select(vec3<f32>(1.0), hit.colour,", "select(hit.colour, hit.colour,"),
-            (
-                "lobe/transmission",
-                "own.second.parameter = hit.lobes.ior",
-                "own.second.parameter = 1.01 * hit.lobes.ior",
-            ),
+            ("lobe/transmission", "lobes.ior, lobes.contrasts", "1.01 * lobes.ior, lobes.contrasts"),
         ],
     );
 }
@@ -661,7 +662,7 @@ fn a_film_reflects_in_place_of_the_base_and_its_glass() {
                 "with_film(0.9 * schlick(cos_facet, hit.colour)",
             ),
             (
-                "material/rough_dielectric_eval",
+                "material/glass",
                 "select(refraction.cos_transmitted, min(cos_facet, 1.0), hit.front)",
                 "min(cos_facet, 1.0)",
             ),
@@ -693,8 +694,8 @@ fn glass_with_dispersion_has_an_index_for_each_channel() {
         dispersed_rows,
         635,
         &[
-            ("lobe/dispersion", "let own = ior + shift;", "let own = ior - shift;"),
-            ("lobe/dispersion", "shift * (2.0 * ior + shift)", "shift * 2.0 * ior"),
+            ("lobe/dispersion", "let own = glass.ior + shift;", "let own = glass.ior - shift;"),
+            ("lobe/dispersion", "shift * (2.0 * glass.ior + shift)", "shift * 2.0 * glass.ior"),
             ("lobe/dispersion", "all / reflectance, reflectance", "vec3<f32>(1.0), reflectance"),
         ],
     );
@@ -702,8 +703,9 @@ fn glass_with_dispersion_has_an_index_for_each_channel() {
 
 #[test]
 fn all_lobes_together_lie_in_their_order() {
-    let sheen_of_coat = ("material/pbr_eval", "with_coat(sheened, hit", "with_coat(mixed, hit");
-    compare(full_rows, 615, &[sheen_of_coat]);
+    let layers_exchanged = ("lobe/layers", "//@ each inner_layer\n    response", "//@ each layer\n    response");
+    let albedo_of_base = ("lobe/layers", "under_${name} = under;", "under_${name} = base;");
+    compare(full_rows, 615, &[layers_exchanged, albedo_of_base]);
 }
 
 /// The same for light and view exchanged, of panes: solids change by the index squared, which rough.rs looks at.
@@ -732,7 +734,7 @@ fn a_base_with_panes_sheen_film_and_translucence_scatters_the_same_both_ways() {
         let off = pairs.filter(|(row, (there, back))| {
             let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
             let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
-            let alpha = f64::from(row.material.parameter).powi(2);
+            let alpha = f64::from(row.material.numbers[0]).powi(2);
             (a - b).abs() > (1e-3 + 64.0 * U / alpha) * a + 1e-9
         });
         off.count()
@@ -903,7 +905,7 @@ fn smooth_glass_over_a_base_is_drawn_by_its_share() {
     let rows: Vec<In> = glassy_rows(&mut random, 20_000, false)
         .into_iter()
         .map(|mut row| {
-            row.material.parameter = 0.0;
+            row.material.numbers[0] = 0.0;
             row.coat_normal = row.normal;
             row
         })
@@ -965,7 +967,7 @@ fn a_smooth_coat_leaves_the_rest_to_what_lies_below() {
         .enumerate()
         .map(|(i, row)| {
             let mut row = coated(&mut random, i, sheened(i / 7, row));
-            (row.material.parameter, row.lobes.coat_roughness) = (0.0, 0.0);
+            (row.material.numbers[0], row.lobes.coat_roughness) = (0.0, 0.0);
             row
         })
         .filter(|row| row.lobes.coat > 0.0)
@@ -997,7 +999,7 @@ fn a_smooth_coat_leaves_the_rest_to_what_lies_below() {
             assert!((exact(out.direction) - mirrored).length() < 16.0 * U, "{row:?} {out:?}");
             coats += 1;
         } else if is_mirror {
-            let metallic = f64::from(row.material.contrast_inside);
+            let metallic = f64::from(row.material.numbers[2]);
             let factor = if has_sheen(row) { scaling(row, cos_view, cos_view).0 / (1.0 - of_sheen) } else { 1.0 };
             let around = (1.0 - coat) / (1.0 - share) * factor / of_facets;
             let expected = |c: usize| {

@@ -109,7 +109,7 @@ fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
 
 /// Value per channel, and density, in f64.
 fn response(row: &In, direction: DVec3) -> ([f64; 3], f64) {
-    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
+    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.numbers[0]);
     let facet = (view + direction).normalize();
     let (cos_light, cos_facet) = (direction.dot(normal), view.dot(facet));
     if cos_light <= 0.0 {
@@ -117,7 +117,7 @@ fn response(row: &In, direction: DVec3) -> ([f64; 3], f64) {
     }
     let share = |channel: usize| {
         let colour = f64::from(row.colour[channel]);
-        match row.second.parameter != 0.0 {
+        match row.second.numbers[0] != 0.0 {
             true => metal_reflectance(cos_facet, 1.0 + colour, f64::from(row.second.colour[channel])),
             false => schlick(cos_facet, colour),
         }
@@ -129,14 +129,14 @@ fn response(row: &In, direction: DVec3) -> ([f64; 3], f64) {
 
 /// The share of the visible microfacets that the light reaches too.
 fn shadowed(row: &In, direction: DVec3) -> f64 {
-    let Exact { normal, cos_view, alpha, .. } = exactly(row, row.material.parameter);
+    let Exact { normal, cos_view, alpha, .. } = exactly(row, row.material.numbers[0]);
     shadowing(cos_view, direction.dot(normal).abs().max(1e-12), alpha) / masking(cos_view, alpha)
 }
 
 /// The relative error that f32 explains: the sum of two directions is off by 4 u, which turns the half vector by that over its
 /// length, and moves the density by at most 2 of it per alpha. A cosine is off by 4 u, which counts where the light grazes.
 fn explained(row: &In, direction: DVec3) -> f64 {
-    let Exact { view, normal, alpha, cos_view } = exactly(row, row.material.parameter);
+    let Exact { view, normal, alpha, cos_view } = exactly(row, row.material.numbers[0]);
     let turned = 4.0 * U / (view + direction).length();
     let light = direction.dot(normal).abs().max(1e-9);
     64.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned
@@ -289,12 +289,7 @@ fn multiple_scattering_is_a_factor() {
     };
     let pbr = |metallic: f32| {
         move |row: In| {
-            let material = gpu_rt::data::Material {
-                parameter: 0.5,
-                contrast_outside: 0.3,
-                contrast_inside: metallic,
-                ..Default::default()
-            };
+            let material = gpu_rt::data::Material { numbers: [0.5, 0.3, metallic], ..Default::default() };
             let colour = if metallic == 1.0 { row.colour } else { [0.0; 3] };
             In { material, colour, ..row }
         }
@@ -470,7 +465,7 @@ fn metals_reflect_by_their_index_however_near_to_1() {
 
 /// The index of the far side relative to the near one.
 fn eta_of(row: &In) -> f64 {
-    let ior = f64::from(row.second.parameter);
+    let ior = f64::from(row.second.numbers[0]);
     if row.front == 1 { ior } else { 1.0 / ior }
 }
 
@@ -569,7 +564,7 @@ fn boundary_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<
 
 /// The value and the density in f64, how much of either f32 may be off, and the share that the light reaches too.
 pub fn boundary_response(row: &In, direction: DVec3) -> (f64, f64, f64, f64) {
-    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
+    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.numbers[0]);
     let eta = eta_of(row);
     let cos_light = direction.dot(normal);
     let reflects = cos_light > 0.0;
@@ -720,7 +715,7 @@ fn smooth_rough_dielectrics_are_glass() {
 
 /// The index of a pane as the device has it.
 fn index_of(row: &In) -> f64 {
-    (1.0 + f64::from(row.material.contrast_outside)).sqrt()
+    (1.0 + f64::from(row.material.numbers[1])).sqrt()
 }
 
 /// What a pane passes counts by its mirror image, on the side of the view.
@@ -819,7 +814,7 @@ fn schlick_of_a_pane(cos: f64, eta: f64) -> f64 {
 
 /// As of a rough boundary.
 pub fn pane_response(row: &In, direction: DVec3, reflectance: Reflectance) -> (f64, f64, f64, f64) {
-    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
+    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.numbers[0]);
     let eta = index_of(row);
     let (height, mirrored) = (direction.dot(normal), before_the_pane(direction, normal));
     let facet = (view + mirrored).normalize();

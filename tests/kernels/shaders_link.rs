@@ -11,32 +11,27 @@ use gpu_rt::flatten::{
 };
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason, When, link};
-use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
+use gpu_rt::lobe::rows;
+use gpu_rt::material::{LobeWidth, Material, MaterialKind};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS};
 use gpu_rt::plan::{CONDITIONS, Kernel, Kernels, UniformTables, choices_of};
 
 use crate::common::referee::{differences, hashes};
 
 /// The extensions of glTF's material that are lobes, or change those that it has.
-const LOBES_OF_PBR: [&[ExtensionKind]; 12] = [
-    &[ExtensionKind::SpecularShare],
-    &[ExtensionKind::Transmission],
-    &[ExtensionKind::Coat],
-    &[ExtensionKind::Coat, ExtensionKind::CoatRoughness, ExtensionKind::CoatNormal],
-    &[ExtensionKind::Coat, ExtensionKind::CoatNormal, ExtensionKind::Emission],
-    &[ExtensionKind::Sheen],
-    &[ExtensionKind::Sheen, ExtensionKind::SheenRoughness, ExtensionKind::Coat, ExtensionKind::Transmission],
-    &[ExtensionKind::Specular, ExtensionKind::Iridescence],
-    &[
-        ExtensionKind::Specular,
-        ExtensionKind::Iridescence,
-        ExtensionKind::IridescenceThickness,
-        ExtensionKind::Transmission,
-        ExtensionKind::Dispersion,
-    ],
-    &[ExtensionKind::DiffuseTransmission],
-    &[ExtensionKind::DiffuseTransmission, ExtensionKind::DiffuseTransmissionShare, ExtensionKind::Coat],
-    &[ExtensionKind::Transmission, ExtensionKind::Dispersion],
+const LOBES_OF_PBR: [&[&str]; 12] = [
+    &["specular_share"],
+    &["transmission"],
+    &["coat"],
+    &["coat", "coat_roughness", "coat_normal"],
+    &["coat", "coat_normal", "emission"],
+    &["sheen"],
+    &["sheen", "sheen_roughness", "coat", "transmission"],
+    &["specular", "iridescence"],
+    &["specular", "iridescence", "iridescence_thickness", "transmission", "dispersion"],
+    &["diffuse_transmission"],
+    &["diffuse_transmission", "diffuse_transmission_share", "coat"],
+    &["transmission", "dispersion"],
 ];
 
 /// Numbers of backgrounds.
@@ -78,15 +73,15 @@ fn boundaries() -> Vec<&'static str> {
 fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
     let has_image = background == IMAGE
         || TEXTURES.iter().position(|name| *name == "image").is_some_and(|i| textures >> i & 1 == 1);
-    let lobe = |lobe: Lobe| materials & bits_of(|kind| kind.lobes.contains(&lobe));
+    let lobe = |width: LobeWidth| materials & bits_of(|kind| kind.widths.contains(&width));
     let mut found = quantified(Features::default(), |own| own.stack_size = 8);
     for (group, kinds, bits) in [
         ("texel", FORMATS, if has_image { all(FORMATS) } else { 0 }),
         ("shape", PRIMITIVES, primitives),
         ("material", MATERIALS, materials),
-        ("wide_lobe", MATERIALS, lobe(Lobe::Wide)),
-        ("specular_lobe", MATERIALS, lobe(Lobe::Specular)),
-        ("narrow_lobe", MATERIALS, lobe(Lobe::Narrow)),
+        ("wide_lobe", MATERIALS, lobe(LobeWidth::Wide)),
+        ("specular_lobe", MATERIALS, lobe(LobeWidth::Specular)),
+        ("narrow_lobe", MATERIALS, lobe(LobeWidth::Narrow)),
         ("texture", TEXTURES, textures),
         ("background", BACKGROUNDS, 1 << background),
     ] {
@@ -102,7 +97,7 @@ fn bits_of(wanted: impl Fn(&MaterialKind) -> bool) -> usize {
 
 /// Whether materials of the kind can answer to lights.
 fn spreads(kind: &MaterialKind) -> bool {
-    kind.lobes.contains(&Lobe::Wide)
+    kind.widths.contains(&LobeWidth::Wide)
 }
 
 fn kind_of(shader: &str) -> &'static MaterialKind {
@@ -154,11 +149,18 @@ fn covered(features: Features) -> Features {
     of_vertices.into_iter().fold(with_extension(features, "alpha"), with_extension)
 }
 
-/// Adds numbers of materials that vary.
-fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
+/// Whether materials of a kind may have a row of this name.
+fn can_have(kind: &MaterialKind, row: &str) -> bool {
+    rows().any(|known| known.name == row && kind.can_have(known))
+}
+
+/// Adds numbers of materials that vary, those of images among them.
+fn varying(features: Features, kinds: &[&str]) -> Features {
+    let has_images = features.reason("texture.image").is_some();
+    let features = having(features, if has_images { &["number_images"] } else { &[] });
     let materials = bits_in(&features, "material", MATERIALS);
-    let of_kind = |kind: &ExtensionKind| materials & bits_of(|own| own.extensions.contains(kind));
-    kinds.iter().fold(features, |features, kind| with(features, kind.name(), MATERIALS, of_kind(kind)))
+    let of_kind = |kind: &&str| materials & bits_of(|own| can_have(own, kind));
+    kinds.iter().fold(features, |features, kind| with(features, kind, MATERIALS, of_kind(kind)))
 }
 
 /// Adds colours to the clear materials.
@@ -229,23 +231,23 @@ fn all_sampled() -> Features {
     let surfaces = varying(
         surfaces,
         &[
-            ExtensionKind::Roughness,
-            ExtensionKind::Metallic,
-            ExtensionKind::Multiscatter,
-            ExtensionKind::Specular,
-            ExtensionKind::SpecularShare,
-            ExtensionKind::Transmission,
-            ExtensionKind::Coat,
-            ExtensionKind::CoatRoughness,
-            ExtensionKind::CoatNormal,
-            ExtensionKind::Sheen,
-            ExtensionKind::SheenRoughness,
-            ExtensionKind::Anisotropy,
-            ExtensionKind::Iridescence,
-            ExtensionKind::IridescenceThickness,
-            ExtensionKind::DiffuseTransmission,
-            ExtensionKind::DiffuseTransmissionShare,
-            ExtensionKind::Dispersion,
+            "roughness",
+            "metallic",
+            "multiscatter",
+            "specular",
+            "specular_share",
+            "transmission",
+            "coat",
+            "coat_roughness",
+            "coat_normal",
+            "sheen",
+            "sheen_roughness",
+            "anisotropy",
+            "iridescence",
+            "iridescence_thickness",
+            "diffuse_transmission",
+            "diffuse_transmission_share",
+            "dispersion",
         ],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
@@ -371,8 +373,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
     }
     // Numbers that vary, of one kind of material and of all, with each of them alone.
-    for kind in [ExtensionKind::Roughness, ExtensionKind::Metallic] {
-        for set in (0..MATERIALS.len()).filter(|i| Material::KINDS[*i].extensions.contains(&kind)).map(|i| 1 << i) {
+    for kind in ["roughness", "metallic"] {
+        for set in (0..MATERIALS.len()).filter(|i| can_have(&Material::KINDS[*i], kind)).map(|i| 1 << i) {
             found.push(lit(varying(features(1, set, textures, SOLID, false), &[kind]), 1, false));
         }
         found.push(varying(features(1, materials, textures, SOLID, false), &[kind]));
@@ -416,19 +418,19 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         }
     }
     // Light that microfacets scatter more than once: each material alone, and all.
-    for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Multiscatter)), materials] {
-        let full = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
+    for set in [bits_of(|kind| can_have(kind, "multiscatter")), materials] {
+        let full = varying(features(1, set, 0, SOLID, false), &["multiscatter"]);
         found.extend([full.clone(), lit(full.clone(), 1, false), lit(with_extension(full, "normal"), 0, true)]);
     }
     // Layers of their own: alone, and with all materials.
-    for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Specular)), materials] {
-        let layered = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Specular]);
-        let both = varying(layered.clone(), &[ExtensionKind::Multiscatter]);
+    for set in [bits_of(|kind| can_have(kind, "specular")), materials] {
+        let layered = varying(features(1, set, 0, SOLID, false), &["specular"]);
+        let both = varying(layered.clone(), &["multiscatter"]);
         found.extend([layered.clone(), lit(layered, 1, false), lit(both, 0, true)]);
     }
     // What glTF's material has around its base: each alone, and with all materials.
     for kinds in LOBES_OF_PBR {
-        for set in [bits_of(|own| own.extensions.contains(&ExtensionKind::Coat)), materials] {
+        for set in [bits_of(|own| can_have(own, "coat")), materials] {
             let own = varying(features(1 << KIND_TRIANGLE, set, 0, SOLID, false), kinds);
             found.extend([own.clone(), lit(smooth(own.clone()), 1 << KIND_TRIANGLE, false), lit(own, 0, true)]);
             let ball = varying(features(1, set, textures, SOLID, false), kinds);
@@ -438,7 +440,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     // Anisotropic microfacets on each shape, flat and smooth meshes: of each material that may have them, and of all.
     for shapes in (0..PRIMITIVES.len()).map(|i| 1 << i).chain([primitives]) {
         for set in [bits_of(|own| own.shader == "conductor"), materials] {
-            let own = varying(features(shapes, set, textures, SOLID, false), &[ExtensionKind::Anisotropy]);
+            let own = varying(features(shapes, set, textures, SOLID, false), &["anisotropy"]);
             found.extend([own.clone(), lit(own.clone(), shapes, false)]);
             if shapes >> KIND_TRIANGLE & 1 == 1 {
                 found.push(lit(smooth(with_tables(own, true)), 0, true));
@@ -449,7 +451,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for set in [bits_of(|kind| kind.is_transmissive), materials] {
         for (tinted, absorbing) in [(true, false), (false, true), (true, true)] {
             let glass = coloured(features(1, set, 0, SOLID, false), tinted, absorbing);
-            let dispersed = varying(glass.clone(), &[ExtensionKind::Dispersion]);
+            let dispersed = varying(glass.clone(), &["dispersion"]);
             for glass in [glass, dispersed] {
                 found.extend([glass.clone(), lit(glass.clone(), 1, false), lit(glass, 0, true)]);
             }
@@ -662,7 +664,7 @@ fn check_combination(
                 answered && (own.is_none_or(spreads) || features.quantities.lights > 0) || !options.aov.is_empty(),
             ),
             // Nor a second part of materials that have one alone.
-            ("scene/second_parts", any_material(|kind| kind.has_second_part)),
+            ("scene/second_parts", any_material(|kind| !kind.second_part.is_empty())),
         ] {
             let linked = kernel.linked.modules.iter().any(|linked| linked == module);
             assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
@@ -1003,11 +1005,13 @@ fn lines_of_a_condition_are_there_where_it_holds() {
 fn directives_name_what_the_plan_decides_and_all_of_that() {
     let mut named: [BTreeSet<String>; 4] = Default::default();
     let [facts, lists, choices, values] = &mut named;
-    for name in Embedded::names() {
+    let decided = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
+    let of_files = Embedded::names().into_iter().map(|name| Embedded.module(&name).expect("it is listed").to_string());
+    for text in of_files.chain(decided.generated.values().cloned()) {
         let mut is_in_list = false;
-        for line in Embedded.module(&name).expect("it is listed").lines().map(str::trim) {
+        for line in text.lines().map(str::trim) {
             if let Some(condition) = line.strip_prefix("//@ if ") {
-                facts.extend(When::parse(condition).expect(&name).facts().into_iter().map(str::to_string));
+                facts.extend(When::parse(condition).expect(condition).facts().into_iter().map(str::to_string));
             }
             match line.split_whitespace().collect::<Vec<_>>()[..] {
                 ["//@", "each", list] => {
@@ -1032,7 +1036,6 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
         let when = head.when.as_ref().unwrap_or_else(|error| panic!("{}: {error}", head.module));
         facts.extend(when.facts().into_iter().map(str::to_string));
     }
-    let decided = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
     let unknown: Vec<_> = facts.iter().filter(|fact| !decided.facts.contains_key(*fact)).collect();
     assert_eq!(unknown, Vec::<&String>::new());
     assert_eq!(*choices, heads.keys().cloned().collect());
@@ -1132,6 +1135,7 @@ fn every_pair_of_facts_is_valid() {
             ("textured_medium", "texture"),
             ("textured_light", "texture"),
             ("textured_pane", "texture"),
+            ("moving_medium", "boundary_moves"),
         ] {
             if found.any(group).is_none() {
                 found.forget(fact);

@@ -38,7 +38,7 @@ fn run(row: u32) {
     hit.front = true;
     hit.colour = vec3<f32>(1.0);
     var material: Material;
-    material.parameter = given.fuzz;
+    material.${metal.fuzz} = given.fuzz;
     let scattered = metal_scatter(material, hit, u);
     let response = metal_eval(material, hit, scattered.direction);
     output[row] = Out(scattered.direction, scattered.event, response.pdf, response.value.x, 0u, 0u);

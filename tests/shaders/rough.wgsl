@@ -2,9 +2,7 @@
 //@ use sampler/independent
 //@ use material/${material}
 //@ use material/${material}_eval
-//@ use choice/transmission
-//@ use choice/sheen
-//@ use choice/coat
+//@ use lobe/layers
 // The answer to a ray of a material with two parts, and its response to a direction: the one given, or its own answer. For the
 // uniforms given, or many times for the rows' own.
 struct In {
@@ -67,8 +65,7 @@ fn run(row: u32) {
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
     let response = ${material}_eval(given.material, hit, light);
-    let mixed = transmission_spreads(given.material, given.lobes, ${material}_is_non_specular(given.material));
-    let spreads = coat_spreads(given.lobes, sheen_spreads(given.lobes, mixed));
+    let spreads = layers_spread(given.material, given.lobes, ${material}_is_non_specular(given.material));
     output[row] = Out(
         scattered.direction, scattered.event, scattered.weight, response.pdf, response.value, select(0u, 1u, spreads),
         scattered.lobe, response.narrow, vec2<u32>());

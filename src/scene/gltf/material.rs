@@ -12,7 +12,7 @@ use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::lobes::{self, LobeTexture};
+use super::lobes;
 use super::{File, GltfError, Result, decimal, path_of_uri};
 use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::gltf_path::Part;
@@ -141,7 +141,7 @@ fn model(given: &Given) -> Model {
     let varies = of_glass.is_some_and(|transmission| transmission.transmission_texture.is_some());
     if given.extensions.as_ref().is_some_and(|found| found.unlit.is_some()) {
         Model::Unlit
-    } else if lobes::has_lobes(given) {
+    } else if lobes::has_own_lobes(given) {
         Model::Surface
     } else if emission(given).max_element() > 0.0 && [r, g, b] == [0.0; 3] {
         Model::Light
@@ -153,25 +153,25 @@ fn model(given: &Given) -> Model {
 }
 
 /// A texture of a material, with the field that names it.
-type Named<'a> = (&'static str, Cow<'a, Info>);
+type Named<'a> = (Cow<'static, str>, Cow<'a, Info>);
 
 fn base_texture(given: &Given) -> Option<Named<'_>> {
     let info = given.pbr_metallic_roughness.base_color_texture.as_ref();
     // That of a lamp is read for its alpha.
     let info = info.filter(|_| model(given) != Model::Light || !is_opaque(given));
-    info.map(|info| ("pbrMetallicRoughness.baseColorTexture", Cow::Borrowed(info)))
+    info.map(|info| ("pbrMetallicRoughness.baseColorTexture".into(), Cow::Borrowed(info)))
 }
 
 fn emissive_texture(given: &Given) -> Option<Named<'_>> {
     let is_read = !matches!(model(given), Model::Glass | Model::Unlit) && emission(given) != Colour::ZERO;
-    given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture", Cow::Borrowed(info)))
+    given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture".into(), Cow::Borrowed(info)))
 }
 
 /// The texture of its numbers: the roughness in green, and how metallic it is in blue.
 fn number_texture(given: &Given) -> Option<Named<'_>> {
     let info = given.pbr_metallic_roughness.metallic_roughness_texture.as_ref();
     let is_read = numbers(given) != [0.0; 2] && !matches!(model(given), Model::Light | Model::Unlit);
-    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.metallicRoughnessTexture", Cow::Borrowed(info)))
+    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.metallicRoughnessTexture".into(), Cow::Borrowed(info)))
 }
 
 /// The factors of the roughness and of how metallic it is, each cut to 0..1. Glass is no metal.
@@ -191,12 +191,12 @@ fn normal_texture(given: &Given) -> Option<Named<'_>> {
     let extensions = texture::Info { texture_transform: transform, others };
     let info =
         Info { index: map.index, tex_coord: map.tex_coord, extensions: Some(extensions), extras: Default::default() };
-    Some(("normalTexture", Cow::Owned(info)))
+    Some(("normalTexture".into(), Cow::Owned(info)))
 }
 
 /// A texture of an extension that `Pbr` alone reads.
 fn lobe_texture<'a>(given: &Given, field: &'static str, info: Option<&'a Info>) -> Option<Named<'a>> {
-    info.filter(|_| model(given) == Model::Surface).map(|info| (field, Cow::Borrowed(info)))
+    info.filter(|_| model(given) == Model::Surface).map(|info| (field.into(), Cow::Borrowed(info)))
 }
 
 fn specular_texture(given: &Given) -> Option<Named<'_>> {
@@ -222,8 +222,8 @@ fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
     let of_colour = base_texture(given).into_iter().chain(emissive_texture(given));
     let of_base = of_colour.chain(number_texture(given)).chain(normal_texture(given));
     let of_layer = specular_texture(given).into_iter().chain(specular_color_texture(given));
-    let of_lobe = |of: &LobeTexture| Some((of.field, Cow::Owned(lobes::texture(given, of)?)));
-    let of_lobes = lobes::TEXTURES.iter().filter(|_| model(given) != Model::Unlit).filter_map(of_lobe);
+    let of_lobes = lobes::textures(given).filter(|_| model(given) != Model::Unlit);
+    let of_lobes = of_lobes.map(|(place, info)| (place.into(), Cow::Owned(info)));
     of_base.chain(of_layer).chain(transmission_texture(given)).chain(of_lobes)
 }
 
@@ -278,11 +278,7 @@ impl File {
 
     /// Whether a primitive's material has a normal map.
     pub fn has_normal_map(&self, mesh: usize, primitive: usize) -> Result<bool> {
-        let has_map = |given: &Given| {
-            normal_texture(given).is_some()
-                || lobes::texture(given, &lobes::COAT_NORMAL_TEXTURE).is_some()
-                || lobes::anisotropy(given) > 0.0
-        };
+        let has_map = |given: &Given| normal_texture(given).is_some() || lobes::needs_tangents(given);
         Ok(self.material_of(mesh, primitive)?.is_some_and(has_map))
     }
 

@@ -2,7 +2,7 @@
 //@ use lib/sampling
 // Wrong on purpose: the density by the difference of the cubes as it stands, with the sine by 1 - cos^2.
 fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
-    let fuzz = material.parameter;
+    let fuzz = material.${metal.fuzz};
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);
     let c = dot(mirrored, direction);
     let h2 = fuzz * fuzz - (1.0 - c * c);

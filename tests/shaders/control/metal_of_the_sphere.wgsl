@@ -3,7 +3,7 @@
 // Wrong on purpose: a point of the unit sphere's surface instead of the ball.
 fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);
-    let blurred = mirrored + material.parameter * sample_sphere(u.xy);
+    let blurred = mirrored + material.${metal.fuzz} * sample_sphere(u.xy);
     if !(dot(blurred, hit.normal) > 0.0) {
         return absorbed();
     }

@@ -11,8 +11,9 @@ use super::{
     share, specular_color_texture, specular_texture, transmission, transmission_texture,
 };
 use crate::bitmap::Channel;
+use crate::lobe::To;
 use crate::material::MOST_IOR;
-use crate::scene::gltf::lobes::{self, LobeTexture};
+use crate::scene::gltf::lobes;
 use crate::scene::gltf::{File, GltfError, Result, decimal};
 use crate::scene::mesh_files::quote;
 use crate::scene::types::{
@@ -37,23 +38,12 @@ type Image = Option<(String, u32)>;
 
 /// The parts that several of our materials have.
 struct Common {
-    color: Texture,
+    /// With all but its layer and its glass.
+    pbr: Pbr,
     /// The emitted radiance, which is black where there is none.
     light: Texture,
-    emission: Option<Texture>,
-    alpha: Texture,
-    alpha_cutoff: Option<f64>,
     /// Whether no light passes straight on.
     is_opaque: bool,
-    roughness: Texture,
-    metallic: Texture,
-    ior: f64,
-    transmission: Texture,
-    anisotropy: f64,
-    anisotropy_rotation: f64,
-    anisotropy_texture: Option<Texture>,
-    normal: Option<Texture>,
-    normal_scale: f64,
 }
 
 fn texture(image: Image, tint: Colour, channel: Option<Channel>) -> Texture {
@@ -89,8 +79,7 @@ impl File {
         lobes::check(given, &at)?;
         let mut reader = Reader { file: self, given, at, path, placings: placings(given), found: Vec::new() };
         let common = reader.common(of_vertices)?;
-        let is_metal = common.metallic == Texture::grey(1.0);
-        let is_dark = common.emission.is_none();
+        let is_dark = common.pbr.emission.is_none();
         let has_colours = of_vertices.colors;
         let material = match model(given) {
             Model::Light if common.is_opaque => {
@@ -102,24 +91,31 @@ impl File {
             }
             Model::Glass => reader.glass(common, glass, has_colours),
             // Of a metal nothing is glass.
-            Model::Surface if is_metal && is_dark && common.is_opaque && !has_colours && !lobes::has_lobes(given) => {
+            Model::Surface
+                if common.pbr.metallic == Texture::grey(1.0)
+                    && is_dark
+                    && common.is_opaque
+                    && !has_colours
+                    && !lobes::has_own_lobes(given) =>
+            {
+                let pbr = common.pbr;
                 Material::Conductor(Conductor {
-                    albedo: Some(common.color),
+                    albedo: Some(pbr.base_color),
                     eta: None,
                     k: None,
-                    roughness: common.roughness,
-                    multiscatter: lobes::multiscatter(given),
-                    anisotropy: common.anisotropy,
-                    anisotropy_rotation: common.anisotropy_rotation,
-                    anisotropy_texture: common.anisotropy_texture,
-                    normal: common.normal,
-                    normal_scale: common.normal_scale,
+                    roughness: pbr.roughness,
+                    multiscatter: pbr.multiscatter,
+                    anisotropy: pbr.anisotropy,
+                    anisotropy_rotation: pbr.anisotropy_rotation,
+                    anisotropy_texture: pbr.anisotropy_texture,
+                    normal: pbr.normal,
+                    normal_scale: pbr.normal_scale,
                 })
             }
             // A DiffuseLight has no alpha.
             Model::Light | Model::Unlit => reader.matt(common, of_vertices),
             Model::Surface if reader.is_matt(&common) => reader.matt(common, of_vertices),
-            Model::Surface => reader.pbr(common, glass, of_vertices)?,
+            Model::Surface => reader.pbr(common, glass)?,
         };
         reader.tell_unread(glass);
         let Reader { found, at, .. } = reader;
@@ -136,14 +132,40 @@ impl<'a> Reader<'a> {
         let Some((field, info)) = named else { return Ok(None) };
         let placing = UvTransform::from_info(&info);
         let uv_set = self.placings.iter().position(|known| *known == placing).unwrap_or_default() as u32;
-        let image = self.file.image_path(&self.at, field, &info, self.path, &mut self.found)?;
+        let image = self.file.image_path(&self.at, &field, &info, self.path, &mut self.found)?;
         Ok(image.map(|path| (path, uv_set)))
     }
 
-    /// The image of a lobe that the material has.
-    fn lobe_image(&mut self, of: &LobeTexture) -> Result<Image> {
-        let Some(info) = lobes::texture(self.given, of) else { return Ok(None) };
-        self.image(Some((of.field, Cow::Owned(info))))
+    /// Reads the lobes that the material has.
+    fn lobes(&mut self, pbr: &mut Pbr) -> Result<()> {
+        let given = self.given;
+        for (_, own) in lobes::present(given).filter(|_| model(given) != Model::Unlit) {
+            for field in own.fields {
+                let named = lobes::texture(given, own, field)
+                    .map(|info| (lobes::place(own, field.texture).into(), Cow::Owned(info)));
+                let image = self.image(named)?;
+                match field.to {
+                    To::Share(channel, to) => {
+                        *to(pbr) = share_of(image, lobes::share(given, own, field.factor), channel)
+                    }
+                    To::Colour(default, to) => {
+                        *to(pbr) = texture(image, lobes::colour(given, own, field.factor, default), None);
+                    }
+                    To::Number(set) => {
+                        if let Some(number) = lobes::number(given, own, field.factor) {
+                            set(pbr, number);
+                        }
+                    }
+                    To::Map(to, scale) => {
+                        if let Some(scale) = scale.filter(|_| image.is_some()) {
+                            *scale(pbr) = lobes::scale(given, own, field);
+                        }
+                        *to(pbr) = map_of(image);
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Its extensions. What is unlit has its base colour and nothing else.
@@ -171,7 +193,6 @@ impl<'a> Reader<'a> {
         let of_numbers = self.image(number_texture(given))?;
         let [roughness, metallic] = numbers(given);
         let of_transmission = self.image(transmission_texture(given))?;
-        let anisotropy_texture = map_of(self.lobe_image(&lobes::ANISOTROPY_TEXTURE)?);
         let normal = map_of(self.image(normal_texture(given))?);
         let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
         let (factor, alpha_cutoff) = alpha(given);
@@ -183,34 +204,34 @@ impl<'a> Reader<'a> {
         let ior = self.extensions().and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
         let has_ior = (1.0..=MOST_IOR).contains(&ior);
         self.found.extend((!has_ior).then(|| format!("its ior of {ior} is read as 1.5")));
-        Ok(Common {
-            color: texture(of_base, base, None),
+        let mut pbr = Pbr {
+            base_color: texture(of_base, base, None),
             emission: Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO)),
-            light,
             alpha,
             alpha_cutoff: alpha_cutoff.filter(|_| !is_opaque),
-            is_opaque,
+            vertex_colors: of_vertices.colors,
+            vertex_alpha: of_vertices.alpha,
             roughness: share_of(of_numbers.clone(), roughness, Channel::G),
             metallic: share_of(of_numbers, metallic, Channel::B),
             ior: if has_ior { ior } else { 1.5 },
             transmission: share_of(of_transmission, transmission(given), Channel::R),
-            anisotropy: lobes::anisotropy(given),
-            anisotropy_rotation: lobes::anisotropy_rotation(given),
-            anisotropy_texture,
+            multiscatter: lobes::multiscatter(given),
             normal_scale: if normal.is_some() { scale } else { 1.0 },
             normal,
-        })
+            ..Pbr::default()
+        };
+        self.lobes(&mut pbr)?;
+        Ok(Common { pbr, light, is_opaque })
     }
 
     fn glass(&mut self, common: Common, glass: Glass, has_colours: bool) -> Material {
         self.found.extend((!common.is_opaque).then(|| "without its alpha".to_owned()));
         self.found.extend(has_colours.then(|| "without vertex colours".to_owned()));
-        let Common { ior, roughness, anisotropy, anisotropy_rotation, anisotropy_texture, .. } = common;
-        let (normal, normal_scale) = (common.normal, common.normal_scale);
-        let color = if glass.colour_of_body { root_of(common.color, &mut self.found) } else { common.color };
+        let Pbr { ior, roughness, dispersion, anisotropy, anisotropy_rotation, .. } = common.pbr;
+        let Pbr { anisotropy_texture, normal, normal_scale, base_color: color, .. } = common.pbr;
+        let color = if glass.colour_of_body { root_of(color, &mut self.found) } else { color };
         let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
         let absorption = self.volume().and_then(absorption);
-        let dispersion = lobes::dispersion(self.given);
         let is_smooth = roughness == Texture::grey(0.0) && normal.is_none() && anisotropy == 0.0;
         match glass.is_solid {
             false => Material::ThinDielectric(ThinDielectric { ior, roughness, transmittance, normal, normal_scale }),
@@ -234,59 +255,41 @@ impl<'a> Reader<'a> {
     fn is_matt(&self, common: &Common) -> bool {
         let black = Texture::grey(0.0);
         self.specular().is_some_and(|specular| specular.specular_factor.0 == 0.0)
-            && common.transmission == black
-            && common.metallic == black
-            && !lobes::has_lobes(self.given)
+            && common.pbr.transmission == black
+            && common.pbr.metallic == black
+            && !lobes::has_own_lobes(self.given)
     }
 
     fn matt(&mut self, common: Common, of_vertices: OfVertices) -> Material {
         let (is_light, is_unlit) = (model(self.given) == Model::Light, model(self.given) == Model::Unlit);
         let of_one_side = is_light && !self.given.double_sided;
         self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
+        let pbr = common.pbr;
         Material::Lambertian(Lambertian {
-            albedo: if is_unlit { Texture::grey(0.0) } else { common.color },
-            emission: if is_light { Some(common.light) } else { common.emission },
-            alpha: common.alpha,
-            alpha_cutoff: common.alpha_cutoff,
+            albedo: if is_unlit { Texture::grey(0.0) } else { pbr.base_color },
+            emission: if is_light { Some(common.light) } else { pbr.emission },
+            alpha: pbr.alpha,
+            alpha_cutoff: pbr.alpha_cutoff,
             vertex_colors: of_vertices.colors && !is_unlit,
             vertex_alpha: of_vertices.alpha,
             vertex_emission: of_vertices.colors && is_unlit,
-            normal: common.normal,
-            normal_scale: common.normal_scale,
+            normal: pbr.normal,
+            normal_scale: pbr.normal_scale,
         })
     }
 
-    fn pbr(&mut self, common: Common, glass: Glass, of_vertices: OfVertices) -> Result<Material> {
-        let given = self.given;
+    fn pbr(&mut self, common: Common, glass: Glass) -> Result<Material> {
+        let (given, pbr) = (self.given, common.pbr);
         let [of_specular, of_specular_color] =
             [self.image(specular_texture(given))?, self.image(specular_color_texture(given))?];
-        let (specular, ior, layer_color) =
-            self.specular().map_or((1.0, common.ior, Colour::ONE), |it| layer(it, common.ior));
-        let coat_normal = map_of(self.lobe_image(&lobes::COAT_NORMAL_TEXTURE)?);
-        let (film, through) = (lobes::iridescence(given), lobes::diffuse_transmission(given));
-        let [iridescence_thickness_min, iridescence_thickness] = lobes::iridescence_thickness(given);
-        let mut share_of_lobe = |of: &LobeTexture, factor: f64, channel| -> Result<Texture> {
-            Ok(share_of(self.lobe_image(of)?, factor, channel))
-        };
-        let coat = share_of_lobe(&lobes::COAT_TEXTURE, lobes::coat(given), Channel::R)?;
-        let coat_roughness = share_of_lobe(&lobes::COAT_ROUGHNESS_TEXTURE, lobes::coat_roughness(given), Channel::G)?;
-        let sheen_roughness =
-            share_of_lobe(&lobes::SHEEN_ROUGHNESS_TEXTURE, lobes::sheen_roughness(given), Channel::A)?;
-        let iridescence = share_of_lobe(&lobes::IRIDESCENCE_TEXTURE, film, Channel::R)?;
-        let iridescence_thickness_texture = share_of_lobe(&lobes::IRIDESCENCE_THICKNESS_TEXTURE, 1.0, Channel::G)?;
-        let diffuse_transmission = share_of_lobe(&lobes::DIFFUSE_TRANSMISSION_TEXTURE, through, Channel::A)?;
-        let sheen = texture(self.lobe_image(&lobes::SHEEN_TEXTURE)?, lobes::sheen(given), None);
-        let of_colour_through = self.lobe_image(&lobes::DIFFUSE_TRANSMISSION_COLOR_TEXTURE)?;
-        let diffuse_transmission_color = match through > 0.0 {
-            true => texture(of_colour_through, lobes::diffuse_transmission_color(given), None),
-            false => Texture::grey(1.0),
-        };
+        let (specular, ior, layer_color) = self.specular().map_or((1.0, pbr.ior, Colour::ONE), |it| layer(it, pbr.ior));
         let volume = self.volume();
-        let is_glassy = common.transmission != Texture::grey(0.0);
+        let is_glassy = pbr.transmission != Texture::grey(0.0);
         let solid = glass.is_solid && is_glassy;
-        let is_tinted = common.color.plain() != Some(Colour::ONE);
+        let is_tinted = pbr.base_color.plain() != Some(Colour::ONE);
+        let passes = pbr.diffuse_transmission != Texture::grey(0.0);
         self.found.extend(
-            (through > 0.0 && volume.is_some() && !is_glassy)
+            (passes && volume.is_some() && !is_glassy)
                 .then(|| "its volume is not read: light passes its surface as it passes paper".to_owned()),
         );
         self.found.extend(
@@ -294,41 +297,13 @@ impl<'a> Reader<'a> {
                 .then(|| "the base colour tints light at both surfaces of the glass, so twice".to_owned()),
         );
         Ok(Material::Pbr(Pbr {
-            base_color: common.color,
-            metallic: common.metallic,
-            roughness: common.roughness,
             ior,
             specular: share_of(of_specular, specular, Channel::A),
             specular_color: texture(of_specular_color, layer_color, None),
-            transmission: common.transmission,
             solid,
             absorption: volume.filter(|_| solid).and_then(absorption),
-            dispersion: if solid { lobes::dispersion(given) } else { 0.0 },
-            diffuse_transmission,
-            diffuse_transmission_color,
-            iridescence,
-            iridescence_ior: lobes::iridescence_ior(given),
-            iridescence_thickness,
-            iridescence_thickness_min,
-            iridescence_thickness_texture,
-            coat,
-            coat_roughness,
-            coat_ior: 1.5,
-            coat_normal_scale: if coat_normal.is_some() { lobes::coat_normal_scale(given) } else { 1.0 },
-            coat_normal,
-            sheen,
-            sheen_roughness,
-            multiscatter: lobes::multiscatter(given),
-            emission: common.emission,
-            alpha: common.alpha,
-            alpha_cutoff: common.alpha_cutoff,
-            vertex_colors: of_vertices.colors,
-            vertex_alpha: of_vertices.alpha,
-            anisotropy: common.anisotropy,
-            anisotropy_rotation: common.anisotropy_rotation,
-            anisotropy_texture: common.anisotropy_texture,
-            normal: common.normal,
-            normal_scale: common.normal_scale,
+            dispersion: if solid { pbr.dispersion } else { 0.0 },
+            ..pbr
         }))
     }
 
@@ -338,7 +313,7 @@ impl<'a> Reader<'a> {
         let model = model(given);
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let emits = given.emissive_factor.0 != [0.0; 3];
-        let is_brushed_pane = !glass.is_solid && lobes::anisotropy(given) > 0.0;
+        let is_brushed_pane = !glass.is_solid && lobes::has(given, "anisotropy");
         let is_lit = !matches!(model, Model::Light | Model::Unlit);
         let unread = [
             has(model == Model::Glass && emits, "emissiveFactor"),

@@ -1,6 +1,50 @@
-//! The directional albedo of white sheen: a table that shaders/lobe/sheen_albedo interpolates.
+//! KHR_materials_sheen: fibres such as those of velvet, over the base. Their directional albedo is a table that shaders/lobe/sheen_albedo
+//! interpolates.
 
 use std::f64::consts::{PI, TAU};
+
+use super::kind::{Gltf, GltfField, Lobe, To};
+use crate::bitmap::Channel;
+use crate::material::declared::pbr::FIELDS;
+use crate::material::{LobeWidth, Pbr, Row, RowKind, Slot, is_zero, varying};
+use crate::texture::Use;
+
+const SHEEN: &RowKind = &RowKind::lobe("sheen", &["roughness"]);
+const SHEEN_ROUGHNESS: &RowKind = &RowKind::share("sheen_roughness", "lobes.sheen_roughness");
+
+pub const LOBE: Lobe = Lobe {
+    label: Some("pbr sheen"),
+    members: &[("sheen", "vec3<f32>"), ("sheen_roughness", "f32")],
+    is_layer: true,
+    widths: |_, _| vec![LobeWidth::Wide],
+    table: Some(sheen_albedos),
+    gltf: Some(Gltf {
+        extension: "KHR_materials_sheen",
+        fields: &[
+            GltfField {
+                factor: "sheenColorFactor",
+                texture: "sheenColorTexture",
+                to: To::Colour(0.0, |pbr| &mut pbr.sheen),
+            },
+            GltfField {
+                factor: "sheenRoughnessFactor",
+                texture: "sheenRoughnessTexture",
+                to: To::Share(Channel::A, |pbr| &mut pbr.sheen_roughness),
+            },
+        ],
+        has_direction: false,
+    }),
+    ..Lobe::new(&[SHEEN, SHEEN_ROUGHNESS], rows)
+};
+
+fn rows(pbr: &Pbr) -> Vec<Row<'_>> {
+    if is_zero(&pbr.sheen) {
+        return Vec::new();
+    }
+    let (roughness, varying) = varying(SHEEN_ROUGHNESS, &FIELDS.sheen_roughness, &pbr.sheen_roughness);
+    let colour = Slot { field: &FIELDS.sheen, usage: Use::Tint, texture: &pbr.sheen };
+    [Row::new(SHEEN, colour, &[roughness])].into_iter().chain(varying).collect()
+}
 
 /// Rows are roughnesses, and columns the cosines of the view.
 const ROWS: usize = 32;
@@ -11,7 +55,7 @@ const FINER: usize = 2;
 const RINGS: u32 = 64;
 const SECTORS: u32 = 32;
 /// The least roughness, as shaders/lib/charlie has it.
-pub const LEAST_ROUGHNESS: f64 = 0.07;
+const LEAST_ROUGHNESS: f64 = 0.07;
 /// Room for what the points between those of the grid and the integral are off.
 const ROOM: f64 = 1.01;
 
