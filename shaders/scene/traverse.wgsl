@@ -6,7 +6,11 @@
 //@ use bind/nodes
 //@ use geometry/bounds
 //@ use scene/primitives
-//@ use choice/mesh_walk
+//@ if mesh
+//@ use geometry/instance
+//@ use choice/moved_instance
+//@ use scene/face_pairs
+//@ end
 //@ use choice/stops
 //@ use choice/passed_panes
 //@ use lib/float
@@ -27,73 +31,12 @@ override MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
 const WAITING_BITS: u32 = 6u;
 const NONE_WAIT: u32 = 0xffffffffu;
 
-// A walk: where it is, and what is still to be visited.
-struct Walk {
-    // The node or the primitive that it visits.
-    code: u32,
-    // The ray in the space of the current nodes: the scene's space, or that of the mesh that the walk has entered.
-    ray: Ray,
-    inverse: vec3<f32>,
-    // The nodes with children that are still to be visited. The last of them is not on the stack but in `waiting`.
-    stack: array<u32, STACK_SIZE>,
-    depth: u32,
-    waiting: u32,
-    // The instance of the mesh that it has entered, and the stack's depth and what was on top of it there.
-    instance: u32,
-    entered_at: u32,
-    outside: u32,
-    // The bit of the face of this pair that the last iteration tested, if this iteration tests the other one.
-    tested: u32,
-}
-
-fn start_walk(ray: Ray, root: u32) -> Walk {
-    var walk: Walk;
-    walk.code = root;
-    walk.ray = ray;
-    walk.inverse = slab_inverse(ray.direction);
-    walk.waiting = NONE_WAIT;
-    walk.instance = NO_INSTANCE;
-    return walk;
-}
-
 // The word for the children with these keys. The first one is not CHILD_MISSED.
 fn wait_for(code: u32, keys: vec3<u32>) -> u32 {
     let second = select(keys.y, keys.x, keys.y == CHILD_MISSED);
     let third = select(keys.z, second, keys.z == CHILD_MISSED);
     let numbers = vec3<u32>(keys.x, second, third) & vec3<u32>(CHILD_MASK);
     return (code << WAITING_BITS) | (numbers.z << 4u) | (numbers.y << 2u) | numbers.x;
-}
-
-// The nearest child of the walk's node that the ray may hit before `nearest`, or CHILD_MISSED. The others wait.
-fn nearest_child(walk: ptr<function, Walk>, nearest: f32) -> u32 {
-    let code = (*walk).code;
-    let keys = sort_keys(child_keys(nodes[code], (*walk).ray.origin, (*walk).inverse, begin_of_walk(), nearest));
-    if keys.y != CHILD_MISSED {
-        if (*walk).waiting != NONE_WAIT {
-            (*walk).stack[(*walk).depth] = (*walk).waiting;
-            (*walk).depth += 1u;
-        }
-        (*walk).waiting = wait_for(code, keys.yzw);
-    }
-    return select(code * 4u + (keys.x & CHILD_MASK), CHILD_MISSED, keys.x == CHILD_MISSED);
-}
-
-// The next child that waits, or CHILD_MISSED if none does.
-fn next_waiting(walk: ptr<function, Walk>) -> u32 {
-    if (*walk).waiting == NONE_WAIT {
-        if (*walk).depth == 0u {
-            return CHILD_MISSED;
-        }
-        (*walk).depth -= 1u;
-        (*walk).waiting = (*walk).stack[(*walk).depth];
-    }
-    let waiting = (*walk).waiting;
-    let child = waiting & CHILD_MASK;
-    let after = (waiting >> 2u) & CHILD_MASK;
-    // The next child moves to the lowest bits, and the last one is repeated.
-    let rest = (waiting & ~15u) | ((waiting >> 2u) & 15u);
-    (*walk).waiting = select(rest, NONE_WAIT, after == child);
-    return (waiting >> WAITING_BITS) * 4u + child;
 }
 
 // The nearest hit with t > 0 that is not beyond `limit`; with `any_will_do`, the first such hit found. There is no minimum
@@ -104,7 +47,22 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     if root == HIT_NOTHING {
         return hit;
     }
-    var walk = start_walk(ray, root);
+    // The ray in the space of the current nodes: the scene's space, or that of the mesh that the walk has entered.
+    var here = ray;
+    var inverse = slab_inverse(ray.direction);
+    //@ if mesh
+    var instance = NO_INSTANCE;
+    // The bit of the face of this pair that the last iteration tested, if this iteration tests the other one.
+    var tested = 0u;
+    // The stack's depth and what was on top of it when the mesh was entered.
+    var entered_at = 0u;
+    var outside = NONE_WAIT;
+    //@ end
+    // The nodes with children that are still to be visited. The last of them is not on the stack but in `waiting`.
+    var stack: array<u32, STACK_SIZE>;
+    var depth = 0u;
+    var waiting = NONE_WAIT;
+    var code = root;
     loop {
         if hit.steps >= MOST_STEPS_OF_WALK {
             hit.code = PATH_CUT;
@@ -112,13 +70,39 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
         }
         hit.steps += 1u;
         var next = CHILD_MISSED;
-        if (walk.code & PRIMITIVE_BIT) != 0u {
-            let pose = pose_at(walk.code, NO_INSTANCE);
-            if enters_mesh(&walk, pose, ray) {
+        if (code & PRIMITIVE_BIT) != 0u {
+            let pose = pose_at(code, NO_INSTANCE);
+            //@ if mesh
+            if primitive_kind(code) == KIND_INSTANCE {
+                let entered = primitive_index(code);
+                instance = entered;
+                entered_at = depth;
+                outside = waiting;
+                waiting = NONE_WAIT;
+                here = to_mesh(moved_instance(instances[entered], pose), ray);
+                inverse = slab_inverse(here.direction);
+                code = instances[entered].root;
                 continue;
             }
-            var candidate = hit_of_walk(&walk, pose);
-            candidate.t = distance_ahead(candidate, pose, walk.ray);
+            //@ end
+            var t = primitive_distance(code, pose, here);
+            //@ if mesh
+            let leaf = code;
+            if primitive_kind(leaf) == KIND_TRIANGLE {
+                let pair = see_pair(primitive_index(leaf), here, inverse, tested);
+                // Both come before the distance, which is then computed with fewer values in registers (docs/dev/gpu-kernels.md).
+                code = code_of_face(pair);
+                tested = tested_before_other(pair);
+                if pair.left != 0u {
+                    t = hit_of_pair(pair).t;
+                }
+            }
+            //@ end
+            var candidate = hit_at(code, t);
+            //@ if mesh
+            candidate.instance = instance;
+            //@ end
+            candidate.t = distance_ahead(candidate, pose, here);
             if candidate.t != NO_HIT && candidate.t <= hit.t {
                 if (candidate.t < hit.t || comes_before(candidate, hit)) && stops_before(&candidate, hit, pose, ray) {
                     candidate.steps = hit.steps;
@@ -128,20 +112,47 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                     }
                 }
             }
-            if walk.tested != 0u {
+            //@ if mesh
+            if tested != 0u {
+                code = leaf;
                 continue;
             }
+            //@ end
         } else {
-            next = nearest_child(&walk, hit.t);
+            let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, begin_of_walk(), hit.t));
+            if keys.y != CHILD_MISSED {
+                if waiting != NONE_WAIT {
+                    stack[depth] = waiting;
+                    depth += 1u;
+                }
+                waiting = wait_for(code, keys.yzw);
+            }
+            next = select(code * 4u + (keys.x & CHILD_MASK), CHILD_MISSED, keys.x == CHILD_MISSED);
         }
         if next == CHILD_MISSED {
-            leave_mesh(&walk, ray);
-            next = next_waiting(&walk);
-            if next == CHILD_MISSED {
-                break;
+            //@ if mesh
+            if instance != NO_INSTANCE && waiting == NONE_WAIT && depth == entered_at {
+                instance = NO_INSTANCE;
+                here = ray;
+                inverse = slab_inverse(ray.direction);
+                waiting = outside;
             }
+            //@ end
+            if waiting == NONE_WAIT {
+                if depth == 0u {
+                    break;
+                }
+                depth -= 1u;
+                waiting = stack[depth];
+            }
+            let child = waiting & CHILD_MASK;
+            next = (waiting >> WAITING_BITS) * 4u + child;
+            let after = (waiting >> 2u) & CHILD_MASK;
+            // The next child moves to the lowest bits, and the last one is repeated.
+            let rest = (waiting & ~15u) | ((waiting >> 2u) & 15u);
+            waiting = select(rest, NONE_WAIT, after == child);
         }
-        walk.code = nodes[next / 4u].children[next % 4u];
+        code = nodes[next / 4u].children[next % 4u];
     }
     return hit;
 }
