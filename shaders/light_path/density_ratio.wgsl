@@ -13,6 +13,7 @@
 //@ use choice/light_surfaces
 //@ use choice/normal_map
 //@ use light_path/emission
+//@ use scene/at_run_time
 //@ use scene/interaction
 //@ use scene/responses
 //@ use light_path/reversal
@@ -58,6 +59,12 @@ struct ReverseEvent {
     response: Response,
 }
 
+// An event in the orders for its light sample and for its BSDF sample.
+struct ReverseEvents {
+    of_light: ReverseEvent,
+    of_sample: ReverseEvent,
+}
+
 // Adds an event on a surface to the ratio, and finds that of the light which the event has sampled.
 fn follow_ratio(
     path: ptr<function, Path>,
@@ -75,31 +82,30 @@ fn follow_ratio(
     (*path).log_ratio = NO_RATIO;
     (*path).light_ratio = NO_RATIO;
     (*path).narrow_share = 0.0;
-    // One call for two directions: first that to the light, then that of the BSDF sample.
-    var of_light: ReverseEvent;
-    var of_sample: ReverseEvent;
-    for (var i = select(1u, 0u, NARROW_LOBES); i < 2u + settings.zero; i++) {
+    // Without narrow lobes there is one turn, for the BSDF sample.
+    var reversed: ReverseEvents;
+    for (var i = select(1u, 0u, NARROW_LOBES); i < turns(2u); i++) {
         let incoming = -select(to_light, bsdf.direction, i == 1u);
         let frame = shading_frame(hit, surface, incoming);
         let reverse = interaction_at(hit, surface, frame, evaluated, incoming);
         let lobe = select(LOBE_WIDE, bsdf.lobe, i == 1u);
         let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), lobe), reverse.normal, frame.shading).event == SCATTERED;
-        of_light = of_sample;
-        of_sample = ReverseEvent(reverse, is_kept, response_of_material(evaluated.material, reverse, to_camera));
+        let own = ReverseEvent(reverse, is_kept, response_of_material(evaluated.material, reverse, to_camera));
+        reversed = ReverseEvents(reversed.of_sample, own);
     }
     let cos_camera = abs(dot(to_camera, surface.normal));
     let points = points_of_event(evaluated, hit);
-    if NARROW_LOBES && (*path).light != NO_LIGHT && !is_first && has_ratio(before) && of_light.is_kept {
-        let density = log_of_density(of_light.response.pdf * of_light.response.narrow) - log_of_density(cos_camera);
+    if NARROW_LOBES && (*path).light != NO_LIGHT && !is_first && has_ratio(before) && reversed.of_light.is_kept {
+        let density = log_of_density(reversed.of_light.response.pdf * reversed.of_light.response.narrow) - log_of_density(cos_camera);
         let cos_light = abs(dot(to_light, surface.normal));
         (*path).light_ratio = before + density + log_of_density(cos_light) - log_of_density((*path).light_density / points);
     }
     let is_reached = is_first || has_ratio(before);
-    if bsdf.event != SCATTERED || !is_reached || !select(of_sample.is_kept, !is_specular, is_first) {
+    if bsdf.event != SCATTERED || !is_reached || !select(reversed.of_sample.is_kept, !is_specular, is_first) {
         return;
     }
     if is_specular {
-        if is_reversible(interaction, bsdf.direction, of_sample.interaction) {
+        if is_reversible(interaction, bsdf.direction, reversed.of_sample.interaction) {
             let ratio = specular_ratio(evaluated.material, interaction, surface.normal, to_camera, bsdf.direction);
             (*path).log_ratio = before + log_of_density(ratio);
             (*path).narrow_share = 1.0;
@@ -107,10 +113,10 @@ fn follow_ratio(
         return;
     }
     let cos_light = abs(dot(bsdf.direction, surface.normal));
-    let density = log_of_density(of_sample.response.pdf) - log_of_density(cos_camera);
+    let density = log_of_density(reversed.of_sample.response.pdf) - log_of_density(cos_camera);
     let reached = select(before + density, log_ratio_at_camera(-to_camera, hit.t, cos_camera), is_first);
     (*path).log_ratio = reached + log_of_density(cos_light) - log_of_density((*path).pdf / points);
-    (*path).narrow_share = of_sample.response.narrow;
+    (*path).narrow_share = reversed.of_sample.response.narrow;
 }
 
 // Adds an event in a medium, at this distance. The phase function is the same in both orders. No light path begins there.

@@ -14,6 +14,7 @@
 //@ use choice/sampler
 //@ use choice/tint
 //@ use geometry/offset
+//@ use scene/at_run_time
 //@ use scene/interaction
 //@ use scene/materials
 //@ use scene/responses
@@ -35,6 +36,13 @@ struct Order {
     is_kept: bool,
     // Where a ray in that direction starts.
     origin: vec3<f32>,
+}
+
+// The light's order, and the camera's orders for the sampled direction and for that to the lens.
+struct Orders {
+    of_light: Order,
+    of_sample: Order,
+    of_lens: Order,
 }
 
 // The logarithm of a ratio without camera paths.
@@ -61,13 +69,9 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let view = view_from_lens(path, surface.point);
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
 
-    // One call for three: the light's order, and the camera's orders for the sampled direction and for that to the lens.
-    // (No array of orders: GPUs keep an array at an index of run time in slow memory.)
     var drawn: Scatter;
-    var of_light: Order;
-    var of_sample: Order;
-    var of_lens: Order;
-    for (var i = 0u; i < 3u + settings.zero; i++) {
+    var orders: Orders;
+    for (var i = 0u; i < turns(3u); i++) {
         let to_camera = select(drawn.direction, view.direction, i == 2u);
         let incoming = select(-to_camera, ray.direction, i == 0u);
         let own = shading_frame(hit, surface, incoming);
@@ -81,40 +85,38 @@ fn scatter_light_path(path: ptr<function, Path>) {
             response = response_of_material(evaluated.material, interaction, outgoing);
         }
         let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
-        of_light = of_sample;
-        of_sample = of_lens;
         let origin = spawn_ray(hit, surface, own.facing, own.shading, own.point, outgoing).origin;
-        of_lens = Order(interaction, response, is_kept, origin);
+        orders = Orders(orders.of_sample, orders.of_lens, Order(interaction, response, is_kept, origin));
     }
     let cos_light = abs(dot(to_light, surface.normal));
-    if !is_first && is_rough && of_lens.is_kept {
+    if !is_first && is_rough && orders.of_lens.is_kept {
         let cos_camera = abs(dot(view.direction, surface.normal));
         let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
         let origin = leave_surface(surface.point, surface.error, side, side);
-        let tinted = tint_through(of_lens.response.value, evaluated, view.direction, frame.shading);
+        let tinted = tint_through(orders.of_lens.response.value, evaluated, view.direction, frame.shading);
         let value = absorb_to_lens(tinted, surface, view.direction, view.distance);
-        send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, of_lens.response.pdf / cos_light);
+        send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, orders.of_lens.response.pdf / cos_light);
     }
 
     // The next ray. A first event scatters into a specular or a narrow lobe.
     var throughput = vec3<f32>(0.0);
     if drawn.event == SCATTERED && drawn.lobe == LOBE_SPECULAR {
-        if of_sample.is_kept && is_reversible(of_light.interaction, drawn.direction, of_sample.interaction) {
-            let ratio = specular_ratio(evaluated.material, of_light.interaction, surface.normal, drawn.direction, to_light);
+        if orders.of_sample.is_kept && is_reversible(orders.of_light.interaction, drawn.direction, orders.of_sample.interaction) {
+            let ratio = specular_ratio(evaluated.material, orders.of_light.interaction, surface.normal, drawn.direction, to_light);
             throughput = (*path).throughput * drawn.weight / ratio;
             (*path).log_ratio += log_of_density(ratio);
             if is_first && is_delta_light(lights[start_of_light_path(path)].code) {
                 (*path).log_ratio = ONLY_LIGHT_PATHS;
             }
         }
-    } else if drawn.event == SCATTERED && (!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW)) && of_sample.is_kept {
+    } else if drawn.event == SCATTERED && (!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW)) && orders.of_sample.is_kept {
         let cos_camera = abs(dot(drawn.direction, surface.normal));
-        let pdf = of_light.response.pdf * select(1.0, of_light.response.narrow, is_first);
-        throughput = (*path).throughput * of_sample.response.value * (cos_camera / (cos_light * pdf));
+        let pdf = orders.of_light.response.pdf * select(1.0, orders.of_light.response.narrow, is_first);
+        throughput = (*path).throughput * orders.of_sample.response.value * (cos_camera / (cos_light * pdf));
         let from_light = log_of_density(pdf) - log_of_density(cos_camera);
-        var from_camera = log_of_density(of_sample.response.pdf);
+        var from_camera = log_of_density(orders.of_sample.response.pdf);
         if NARROW_LOBES && is_first {
-            from_camera = log_of_both_densities(path, of_sample, points_of_event(evaluated, hit), to_light);
+            from_camera = log_of_both_densities(path, orders.of_sample, points_of_event(evaluated, hit), to_light);
         }
         (*path).log_ratio += from_light + log_of_density(cos_light) - from_camera;
     }

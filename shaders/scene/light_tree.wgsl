@@ -31,11 +31,10 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let seen_cosine = min(sqrt(1.0 - seen_sine2), 1.0);
     let largest_cosine = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
     let open = distance2 <= radius2 || less_cosine >= seen_cosine;
-    //@ if delta_light
+    // Beams emit nothing beyond the cone.
     if node.radius < 0.0 && !open {
         return 0.0;
     }
-    //@ end
     return node.intensity * max(select(largest_cosine, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
 }
 
@@ -47,10 +46,7 @@ const LEAST_OF_SKY: f32 = 0.1;
 fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     let left = light_node_importance(light_nodes[pair], from_point);
     let right = light_node_importance(light_nodes[pair + 1u], from_point);
-    var least = 0x1p-20f;
-    //@ if light_at_infinity
-    least = select(least, LEAST_OF_SKY, (light_nodes[pair + 1u].child & LIGHT_NODE_SKY) != 0u);
-    //@ end
+    let least = select(0x1p-20f, LEAST_OF_SKY, (light_nodes[pair + 1u].child & LIGHT_NODE_SKY) != 0u);
     if left == 0.0 || right == 0.0 {
         // If only one of them can contribute, it is chosen. If neither can, the choice does not matter.
         return select(select(0.0, 1.0, left > 0.0), 0.5, left == right);

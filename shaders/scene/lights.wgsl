@@ -145,11 +145,9 @@ fn arrives_at_front(code: u32, ray: Ray, surface: Surface) -> bool {
 
 // The probability of choosing a light; 0 for an emitter that is not sampled.
 fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
-    //@ if not_sampled
     if index >= NOT_SAMPLED {
         return 0.0;
     }
-    //@ end
     return light_probability(index, from_point);
 }
 

@@ -9,9 +9,7 @@
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
-//@ if boundary.mesh
-//@ use scene/medium_in_mesh
-//@ end
+//@ use choice/medium_in_mesh
 // Finds where media scatter rays.
 
 // The distance at which the medium scatters a ray after the optical depth `depth`, if that is nearer than `limit`; NO_HIT
@@ -22,14 +20,12 @@ fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<functi
     let pose = pose_of_boundary(medium.boundary);
     switch primitive_kind(medium.boundary) {
         //@ each convex_boundary
-        ${case}: {
+        case ${number}u: {
             return collision_within(${name}_interval(ray, moved_${name}(${name}s[index], pose)), distance, limit);
         }
         //@ end
-        //@ if boundary.mesh
         default: {
-            return collision_in_mesh(ray, moved_instance(instances[index], pose), distance, limit, steps);
+            return collision_in_mesh(ray, index, pose, distance, limit, steps);
         }
-        //@ end
     }
 }

@@ -1,3 +1,4 @@
+//@ implements medium_in_mesh when boundary.mesh
 //@ use data/ray
 //@ use data/surface
 //@ use data/medium
@@ -94,7 +95,8 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
 
 // The distance at which the ray has travelled the length `distance` inside the mesh, if that is nearer than `limit`; NO_HIT
 // otherwise, or WALK_CUT if the walk took too many steps.
-fn collision_in_mesh(ray: Ray, instance: Instance, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
+fn collision_in_mesh(ray: Ray, index: u32, pose: Pose, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
+    let instance = moved_instance(instances[index], pose);
     let here = to_mesh(instance, ray);
     var left = distance;
     var last = Crossing(0.0, 0xffffffffu, 0);
@@ -117,7 +119,8 @@ fn collision_in_mesh(ray: Ray, instance: Instance, distance: f32, limit: f32, st
 }
 
 // The length that the ray travels inside the mesh up to distance t, or WALK_CUT.
-fn length_in_mesh(ray: Ray, instance: Instance, t: f32, steps: ptr<function, u32>) -> f32 {
+fn length_in_mesh(ray: Ray, index: u32, pose: Pose, t: f32, steps: ptr<function, u32>) -> f32 {
+    let instance = moved_instance(instances[index], pose);
     let here = to_mesh(instance, ray);
     var distance = 0.0;
     var last = Crossing(0.0, 0xffffffffu, 0);
@@ -130,4 +133,17 @@ fn length_in_mesh(ray: Ray, instance: Instance, t: f32, steps: ptr<function, u32
         last = next;
     }
     return distance;
+}
+
+//@ without
+//@ use data/motion
+//@ use data/ray
+//@ use data/surface
+// No mesh bounds a medium.
+fn collision_in_mesh(ray: Ray, index: u32, pose: Pose, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
+    return NO_HIT;
+}
+
+fn length_in_mesh(ray: Ray, index: u32, pose: Pose, t: f32, steps: ptr<function, u32>) -> f32 {
+    return 0.0;
 }

@@ -17,9 +17,7 @@
 //@ use scene/at_run_time
 //@ use scene/mesh_tangents
 //@ end
-//@ if further_uv
-//@ use scene/mesh_normal_map
-//@ end
+//@ use choice/mesh_normal_map
 // The normal that an image has for a finer surface.
 
 fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
@@ -41,12 +39,11 @@ fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
 
 // The unit vector that this row of the table of materials has in the axes of its texture coordinates and the normal `outward`.
 fn vector_by_row(row: u32, mapped: vec3<f32>, outward: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
-    //@ if further_uv
-    if primitive_kind(hit.code) == KIND_TRIANGLE {
-        return normal_on_mesh(mapped, outward, hit, surface, frames[surface.frame + materials[row].kind].phase);
+    let frame = frames[surface.frame + materials[row].kind];
+    if has_own_table(hit) {
+        return normal_on_mesh(mapped, outward, hit, surface, frame.phase);
     }
-    //@ end
-    return normal_of_map(mapped, outward, tangents_at(hit, surface, frames[surface.frame + materials[row].kind]));
+    return normal_of_map(mapped, outward, tangents_at(hit, surface, frame));
 }
 
 // Returns the normal by the map of this row. `shading` is the normal without the map, on the side from which the ray comes, and `code` is the

@@ -1,4 +1,4 @@
-//@ use bind/settings
+//@ use scene/at_run_time
 //@ use lib/bilinear
 //@ each texel_format
 //@ use texel/${name}
@@ -32,10 +32,10 @@ struct FourTexels {
     right_below: vec3<f32>,
 }
 
-// One call reads all four, because compilers inline each call. `zero` keeps them from unrolling the loop.
+// One turn for each.
 fn four_texels(image: ImageLayout, b: Bilinear) -> FourTexels {
     var four: FourTexels;
-    for (var i = 0u; i < 4u + settings.zero; i++) {
+    for (var i = 0u; i < turns(4u); i++) {
         let column = select(b.columns.x, b.columns.y, (i & 1u) == 1u);
         let row = select(b.rows.x, b.rows.y, i > 1u);
         four = FourTexels(four.right_above, four.left_below, four.right_below, texel(image, column, row));
@@ -50,17 +50,4 @@ fn image_at(image: ImageLayout, u: f32, down: f32, wraps: bool) -> vec3<f32> {
     let above = mix(four.left_above, four.right_above, b.share.x);
     let below = mix(four.left_below, four.right_below, b.share.x);
     return mix(above, below, b.share.y);
-}
-
-// An image of colours or of numbers at (u, down), bilinear. Between equal texels of numbers it is their number to the bit, which mix may round.
-fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: bool, is_number: bool) -> vec3<f32> {
-    let b = bilinear(u, down, image.width, image.height, wraps);
-    let four = four_texels(image, b);
-    let above = mix(four.left_above, four.right_above, b.share.x);
-    let below = mix(four.left_below, four.right_below, b.share.x);
-    let left = vec2<f32>(four.left_above.x, four.left_below.x);
-    let right = vec2<f32>(four.right_above.x, four.right_below.x);
-    let across = left + b.share.x * (right - left);
-    let number = across.x + b.share.y * (across.y - across.x);
-    return select(mix(above, below, b.share.y), vec3<f32>(number), is_number);
 }

@@ -4,12 +4,9 @@
 //@ use data/material
 //@ use data/primitive
 //@ use scene/textures
-//@ use choice/uv
+//@ use choice/uv_tables
 //@ if mesh
 //@ use scene/meshes
-//@ end
-//@ if further_uv
-//@ use scene/uv_tables
 //@ end
 // The colour of a surface at a hit: the material's own, or that of its texture, evaluated in the object's space.
 fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
@@ -24,10 +21,6 @@ fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     }
     //@ end
     let offset = along_frame(frame, local);
-    //@ if further_uv
     let uv = uv_in_table(frame.phase, hit, frame.origin + offset, surface.local);
-    //@ else
-    let uv = surface_uv(hit, frame.origin + offset, surface.local);
-    //@ end
     return texture_colour(material.texture, frame, offset, uv);
 }

@@ -10,9 +10,7 @@
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
-//@ if boundary.mesh
-//@ use scene/medium_in_mesh
-//@ end
+//@ use choice/medium_in_mesh
 // The fraction of light that passes all media up to distance t, or WALK_CUT if a walk took too many steps.
 fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
     var depth = 0.0;
@@ -23,15 +21,13 @@ fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
         var distance = 0.0;
         switch primitive_kind(medium.boundary) {
             //@ each convex_boundary
-            ${case}: {
+            case ${number}u: {
                 distance = length_within(${name}_interval(ray, moved_${name}(${name}s[index], pose)), t);
             }
             //@ end
-            //@ if boundary.mesh
             default: {
-                distance = length_in_mesh(ray, moved_instance(instances[index], pose), t, steps);
+                distance = length_in_mesh(ray, index, pose, t, steps);
             }
-            //@ end
         }
         if distance == WALK_CUT {
             return WALK_CUT;

@@ -1,3 +1,4 @@
+//@ implements uv_tables when further_uv
 //@ use data/surface
 //@ use data/hit
 //@ use data/primitive
@@ -20,4 +21,13 @@ fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> Sur
         return surface_uv(hit, point, local);
     }
     return mesh_uv(with_table(instances[at_run_time(hit.instance)], number), primitive_index(hit.code), local);
+}
+
+//@ without
+//@ use data/surface
+//@ use data/hit
+//@ use choice/uv
+// Each mesh has one table.
+fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+    return surface_uv(hit, point, local);
 }

@@ -9,6 +9,7 @@
 //@ use choice/shading
 //@ use choice/both_sides
 //@ use choice/tint
+//@ use scene/at_run_time
 //@ use scene/responses
 //@ use step/light
 // Light sampling at a surface. It sets the density of the BSDF sample for MIS.
@@ -33,8 +34,8 @@ fn sample_light_at_surface(
         var leaving = bsdf.direction;
         if samples_lights {
             leaving = light_sample.direction;
-            // One call for both directions: first that of the BSDF sample, whose density is kept, then that of the light.
-            for (var i = 0u; i < 2u + settings.zero; i++) {
+            // First the direction of the BSDF sample, whose density is kept, then that of the light.
+            for (var i = 0u; i < turns(2u); i++) {
                 sampled.drawn_pdf = sampled.response.pdf;
                 let direction = select(bsdf.direction, leaving, i == 1u);
                 sampled.response = response_of_material(evaluated.material, interaction, direction);

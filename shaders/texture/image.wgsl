@@ -1,13 +1,9 @@
 //@ use data/texture
-//@ use scene/texel
+//@ use choice/number_texels
 // An image. u goes right and v goes up. It is bilinear between texel centres and constant beyond the outermost ones, except
 // where the texture coordinates wrap: there the right edge continues at the left one.
 fn image_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
     let image = ImageLayout(texture.texel, texture.width, texture.height, texture.format);
-    //@ if number_images
     let is_number = texture.parameter != 0.0;
     return texture.first * colour_or_number_at(image, at.uv.x, 1.0 - at.uv.y, at.wraps, is_number);
-    //@ else
-    return texture.first * image_at(image, at.uv.x, 1.0 - at.uv.y, at.wraps);
-    //@ end
 }

@@ -181,13 +181,13 @@ fn light_paths_and_camera_paths_agree_path_by_path() {
         ("light_path/scatter", "cos_camera / (cos_light * pdf)", "1.01 * cos_camera / (cos_light * pdf)"),
         (
             "light_path/scatter",
-            "log_of_density(of_sample.response.pdf)",
-            "log_of_density(1.01 * of_sample.response.pdf)",
+            "log_of_density(orders.of_sample.response.pdf)",
+            "log_of_density(1.01 * orders.of_sample.response.pdf)",
         ),
         (
             "light_path/density_ratio",
-            "log_of_density(of_sample.response.pdf) - ",
-            "log_of_density(1.01 * of_sample.response.pdf) - ",
+            "log_of_density(reversed.of_sample.response.pdf) - ",
+            "log_of_density(1.01 * reversed.of_sample.response.pdf) - ",
         ),
         (
             "light_path/density_ratio",

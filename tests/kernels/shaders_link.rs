@@ -721,7 +721,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("material", &["choice/multiscatter", "data", "geometry", "lib", "lobe", "material"]),
     ("lobe", &["bind", "data", "lib", "lobe", "material"]),
     ("bind", &["data"]),
-    ("texture", &["data", "lib", "scene/texel"]),
+    ("texture", &["choice/number_texels", "data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib", "motion"]),
     ("motion", &["bind", "camera", "data", "lib", "motion", "sampler", "scene/at_run_time"]),
     ("filter", &["data", "filter", "lib"]),
