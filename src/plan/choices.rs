@@ -133,15 +133,12 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
     let is_non_specular = |kind: &&Entry| features.reason(&format!("wide_lobe.{}", kind.name)).is_some();
     let non_specular: Vec<Entry> = served.iter().filter(is_non_specular).cloned().collect();
     let why = |name: &str| reason_of(facts, name).cloned();
-    let extension: Vec<_> =
-        (0..).zip(evaluated_rows()).filter_map(|(number, row)| Some((row, number, why(row.name)?))).collect();
-    let named = |those: &[(&'static RowKind, u32, Reason)]| {
-        closed(those.iter().map(|(row, number, why)| (row.name, *number, why.clone())))
+    let of_rows = |are: fn(&RowKind) -> bool| {
+        let entry = |(number, row): (u32, &'static RowKind)| Some((row.name, number, why(row.name)?));
+        closed((0..).zip(evaluated_rows()).filter(|(_, row)| are(row)).filter_map(entry))
     };
-    let own_extension: Vec<_> = extension.iter().filter(|(row, ..)| row.sets == Sets::Own).cloned().collect();
     let layer = (0..).zip(LOBES).filter(|(_, lobe)| lobe.is_layer);
     let layer = closed(layer.filter_map(|(number, lobe)| Some((lobe.name(), number, why(lobe.name())?))));
-    let inner_layer = layer.iter().rev().cloned().collect();
     BTreeMap::from([
         ("material", served.to_vec()),
         ("both_sided", those(&non_specular, |kind| kind.is_transmissive)),
@@ -152,11 +149,11 @@ fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], s
         // Those of the scene that can be smooth panes.
         ("pane", those(materials, |kind| kind.is_pane)),
         // The further rows that the kernel evaluates, and those of them with modules of their own.
-        ("extension", named(&extension)),
-        ("own_extension", named(&own_extension)),
-        // The layers of glTF's material: the outer ones first, and the inner ones first.
+        ("extension", of_rows(|_| true)),
+        ("own_extension", of_rows(|row| row.sets == Sets::Own)),
+        // The layers of glTF's material: the inner ones first, and the outer ones first.
+        ("inner_layer", layer.iter().rev().cloned().collect()),
         ("layer", layer),
-        ("inner_layer", inner_layer),
     ])
 }
 
