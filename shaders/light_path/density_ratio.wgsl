@@ -84,7 +84,7 @@ fn follow_ratio(
     (*path).narrow_share = 0.0;
     // Without narrow lobes there is one turn, for the BSDF sample.
     var reversed: ReverseEvents;
-    for (var i = select(1u, 0u, NARROW_LOBES); i < turns(2u); i++) {
+    for (var i = select(1u, 0u, NARROW_LOBES); i < turns_of_loop(2u); i++) {
         let incoming = -select(to_light, bsdf.direction, i == 1u);
         let frame = shading_frame(hit, surface, incoming);
         let reverse = interaction_at(hit, surface, frame, evaluated, incoming);

@@ -71,7 +71,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
 
     var drawn: Scatter;
     var orders: Orders;
-    for (var i = 0u; i < turns(3u); i++) {
+    for (var i = 0u; i < turns_of_loop(3u); i++) {
         let to_camera = select(drawn.direction, view.direction, i == 2u);
         let incoming = select(-to_camera, ray.direction, i == 0u);
         let own = shading_frame(hit, surface, incoming);

@@ -10,6 +10,6 @@ fn at_run_time(index: u32) -> u32 {
 // stands in a loop, with one turn for each. The results are the members of a struct, in the order of the turns. Each turn moves them down and
 // puts its own in the last place: `results = Results(results.second, results.third, own)`. An array that a loop fills would be in slow memory
 // on GPUs (docs/dev/gpu-kernels.md).
-fn turns(count: u32) -> u32 {
+fn turns_of_loop(count: u32) -> u32 {
     return count + settings.zero;
 }

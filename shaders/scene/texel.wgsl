@@ -35,7 +35,7 @@ struct FourTexels {
 // One turn for each.
 fn four_texels(image: ImageLayout, b: Bilinear) -> FourTexels {
     var four: FourTexels;
-    for (var i = 0u; i < turns(4u); i++) {
+    for (var i = 0u; i < turns_of_loop(4u); i++) {
         let column = select(b.columns.x, b.columns.y, (i & 1u) == 1u);
         let row = select(b.rows.x, b.rows.y, i > 1u);
         four = FourTexels(four.right_above, four.left_below, four.right_below, texel(image, column, row));

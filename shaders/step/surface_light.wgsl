@@ -35,7 +35,7 @@ fn sample_light_at_surface(
         if samples_lights {
             leaving = light_sample.direction;
             // First the direction of the BSDF sample, whose density is kept, then that of the light.
-            for (var i = 0u; i < turns(2u); i++) {
+            for (var i = 0u; i < turns_of_loop(2u); i++) {
                 sampled.drawn_pdf = sampled.response.pdf;
                 let direction = select(bsdf.direction, leaving, i == 1u);
                 sampled.response = response_of_material(evaluated.material, interaction, direction);

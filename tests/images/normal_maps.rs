@@ -174,7 +174,7 @@ fn a_mapped_normal_does_not_jump_where_faces_meet() {
     let folder = folder();
     let request = Request::default().mis();
     let jump = largest_jump(&normals_of_ball(folder.path(), |scene| render(scene, &request)));
-    let faces = Overlay::new(&[]).rewritten("scene/mesh_normal_map", |own| {
+    let faces = Overlay::new(&[]).rewritten("scene/vertex_tangents", |own| {
         own.replace("meshes[meshes[index].x].w != NO_NORMAL", "index == 0xffffffffu")
     });
     let by_faces = largest_jump(&normals_of_ball(folder.path(), |scene| render_planted(scene, &request, &faces)));

@@ -8,7 +8,7 @@ use crate::common::render::{Change, Request, Shot, render, render_changed, scene
 use gpu_rt::aov::Aov;
 use gpu_rt::data::{KIND_DELTA_LIGHT, MAX_PRIMITIVES, primitive_code};
 use gpu_rt::flatten::{DeviceScene, Features, MATERIALS, PRIMITIVES};
-use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, link};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, link};
 use gpu_rt::options::{FeatureSet, Integrator, LightPaths, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 
@@ -411,6 +411,89 @@ fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
             let found = faults(&format!("fn {name}("));
             assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
         }
+    }
+}
+
+/// A layer of glTF's material that takes a tenth of all light on its way out.
+const DUST: &str = "//@ use data/material
+fn dust_spreads(material: Material, lobes: Lobes, under: bool) -> bool {
+    return under;
+}
+
+fn dust_albedo(material: Material, hit: Interaction, under: f32) -> f32 {
+    return 0.9 * under;
+}
+
+fn draw_dust(draw: LobeDraw, material: Material, hit: Interaction, u: vec2<f32>, under: f32) -> LobeDraw {
+    return draw;
+}
+
+fn below_dust(scatter: Scatter, hit: Interaction) -> Scatter {
+    var scaled = scatter;
+    scaled.weight *= 0.9;
+    return scaled;
+}
+
+fn with_dust(under: Response, material: Material, hit: Interaction, direction: vec3<f32>, albedo: f32) -> Response {
+    return Response(0.9 * under.value, under.pdf, under.narrow);
+}
+";
+
+/// The dust in the lists of layers, around all others.
+fn dusted(choices: &mut Choices) {
+    let entry = || Entry { name: "dust".to_string(), number: 99, closes: false, why: Reason::EveryRender };
+    choices.lists.get_mut("layer").expect("the plan has the list").insert(0, entry());
+    choices.lists.get_mut("inner_layer").expect("the plan has the list").push(entry());
+}
+
+/// A material and a lobe have all functions that any kernel calls. Without one of them, the error names it with its file.
+#[test]
+fn a_material_and_a_lobe_of_the_recipe_link_with_light_paths_motion_and_every_feature() {
+    let velvet: &[(&str, &str)] = &[("material/velvet", VELVET), ("material/velvet_eval", VELVET_EVAL)];
+    let in_place = |choices: &mut Choices| listed(choices, "velvet");
+    let cases: [(&[(&str, &str)], &dyn Fn(&mut Choices)); 2] = [(velvet, &in_place), (&[("lobe/dust", DUST)], &dusted)];
+    for (files, list) in cases {
+        let faults = |missing: &str| {
+            let changed = |(name, text): &(&str, &str)| (name.to_string(), text.replace(missing, "fn other("));
+            let library = With(files.iter().map(changed).collect());
+            faults_with_every_feature(RenderOptions::default(), &library, list)
+        };
+        assert_eq!(faults("no function"), Vec::<String>::new());
+        for (file, text) in files {
+            for name in text.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0)) {
+                let words = format!("shaders/{file}.wgsl must have the function {name}: ");
+                let found = faults(&format!("fn {name}("));
+                assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
+            }
+        }
+    }
+}
+
+/// What a ball of glTF's material within a lamp of radiance 1 shows with the dust of this text, over what it shows without.
+fn share_under_dust(dust: Option<&str>) -> f64 {
+    let library = With(dust.map(|text| ("lobe/dust".to_string(), text.to_string())).into_iter().collect());
+    let list = |choices: &mut Choices| if dust.is_some() { dusted(choices) };
+    let scene = scene(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
+        background: Solid((0, 0, 0)),
+        materials: { \"toy\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, roughness: 0.5, coat: 0.5), \"lamp\": DiffuseLight(emit: Rgb(1, 1, 1)) },
+        objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"), Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")],
+        render: (samples: 64, max_depth: 50))",
+    );
+    let change = Change { choices: Some(&list), library: Some(&library), ..Change::default() };
+    render_changed(&scene, &Request::default().mis(), &change).mean_of_all().value[0]
+}
+
+/// The same samples in both, so that the dust's factor is all that differs: samples that meet the specular lobe of the coat have it by
+/// `below_dust`, and the others by `with_dust`. Sums of 16,384 samples are off by no more than 1e-4 of the value.
+#[test]
+fn a_lobe_is_added_by_the_recipe() {
+    let plain = share_under_dust(None);
+    let off = |dust: &str| (share_under_dust(Some(dust)) / plain - 0.9).abs();
+    assert!(off(DUST) < 1e-4, "{}", off(DUST));
+    for factor in ["weight *= 0.9", "0.9 * under.value"] {
+        let brighter = off(&DUST.replace(factor, &factor.replace("0.9", "1.0")));
+        assert!(brighter > 1e-3, "{factor}: {brighter}");
     }
 }
 
