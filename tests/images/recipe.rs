@@ -472,7 +472,11 @@ fn a_material_and_a_lobe_of_the_recipe_link_with_light_paths_motion_and_every_fe
 /// What a ball of glTF's material within a lamp of radiance 1 shows with the dust of this text, over what it shows without.
 fn share_under_dust(dust: Option<&str>) -> f64 {
     let library = With(dust.map(|text| ("lobe/dust".to_string(), text.to_string())).into_iter().collect());
-    let list = |choices: &mut Choices| if dust.is_some() { dusted(choices) };
+    let list = |choices: &mut Choices| {
+        if dust.is_some() {
+            dusted(choices)
+        }
+    };
     let scene = scene(
         "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
         background: Solid((0, 0, 0)),
