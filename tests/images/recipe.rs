@@ -446,27 +446,28 @@ fn dusted(choices: &mut Choices) {
     choices.lists.get_mut("inner_layer").expect("the plan has the list").push(entry());
 }
 
-/// A material and a lobe have all functions that any kernel calls. Without one of them, the error names it with its file.
-#[test]
-fn a_material_and_a_lobe_of_the_recipe_link_with_light_paths_motion_and_every_feature() {
-    let velvet: &[(&str, &str)] = &[("material/velvet", VELVET), ("material/velvet_eval", VELVET_EVAL)];
-    let in_place = |choices: &mut Choices| listed(choices, "velvet");
-    let cases: [(&[(&str, &str)], &dyn Fn(&mut Choices)); 2] = [(velvet, &in_place), (&[("lobe/dust", DUST)], &dusted)];
-    for (files, list) in cases {
-        let faults = |missing: &str| {
-            let changed = |(name, text): &(&str, &str)| (name.to_string(), text.replace(missing, "fn other("));
-            let library = With(files.iter().map(changed).collect());
-            faults_with_every_feature(RenderOptions::default(), &library, list)
-        };
-        assert_eq!(faults("no function"), Vec::<String>::new());
-        for (file, text) in files {
-            for name in text.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0)) {
-                let words = format!("shaders/{file}.wgsl must have the function {name}: ");
-                let found = faults(&format!("fn {name}("));
-                assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
-            }
+/// Asserts that these files have all functions that any kernel calls, and that the error names each that is missing with its file.
+fn have_all_functions(files: &[(&str, &str)], list: &dyn Fn(&mut Choices)) {
+    let faults = |missing: &str| {
+        let changed = |(name, text): &(&str, &str)| (name.to_string(), text.replace(missing, "fn other("));
+        let library = With(files.iter().map(changed).collect());
+        faults_with_every_feature(RenderOptions::default(), &library, list)
+    };
+    assert_eq!(faults("no function"), Vec::<String>::new());
+    for (file, text) in files {
+        for name in text.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0)) {
+            let words = format!("shaders/{file}.wgsl must have the function {name}: ");
+            let found = faults(&format!("fn {name}("));
+            assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
         }
     }
+}
+
+#[test]
+fn a_material_and_a_lobe_of_the_recipe_link_with_light_paths_motion_and_every_feature() {
+    let velvet = [("material/velvet", VELVET), ("material/velvet_eval", VELVET_EVAL)];
+    have_all_functions(&velvet, &|choices| listed(choices, "velvet"));
+    have_all_functions(&[("lobe/dust", DUST)], &dusted);
 }
 
 /// What a ball of glTF's material within a lamp of radiance 1 shows with the dust of this text, over what it shows without.
