@@ -138,3 +138,22 @@ fn sets(row: &RowKind) -> String {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_have_names_of_their_own_and_room_for_their_numbers() {
+        let mut names: Vec<&str> = rows().map(|row| row.name).collect();
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count, "two rows have one name");
+        // A `Material` has three numbers.
+        let of_kinds = Material::KINDS.iter().flat_map(|kind| [kind.numbers, kind.second_part]);
+        assert!(of_kinds.chain(rows().map(|row| row.numbers)).all(|numbers| numbers.len() <= 3));
+        // shaders/lobe/sheen_albedo finds its table behind that of metals.
+        assert!(LOBES.iter().filter(|lobe| lobe.table.is_some()).count() <= 1, "a second table has no place");
+    }
+}

@@ -1,11 +1,11 @@
 //@ use generated/lobes
-// A material, by its number in the list of materials; or a further row of one, whose `kind` is the offset of its texture's frame from that of the
-// material's own texture.
+// An element of the table of materials. The `kind` of a material is its number in the list of materials. The `kind` of a further row is the offset
+// of its texture's frame from the frame of the material's own texture.
 struct Material {
     // Albedo or emission, unless a texture replaces it.
     colour: vec3<f32>,
     kind: u32,
-    // Each has a name of its kind: `material.${metal.fuzz}` (src/material). Computed in f64 and rounded once.
+    // Each kind names its numbers (src/material): `material.${metal.fuzz}`. They are computed in f64 and rounded once.
     numbers: vec3<f32>,
     // Index of the texture that gives the colour, or NO_TEXTURE.
     texture: u32,
@@ -33,7 +33,7 @@ struct Interaction {
     // Of glTF's material, the reflectance of its layer at normal and at grazing incidence (extension/specular).
     f0: vec3<f32>,
     f90: f32,
-    // What it has beside its base; 0 of what it does not have.
+    // The lobes of glTF's material, 0 where it has none.
     lobes: Lobes,
     // Unit normal of the coat, on the side from which the ray comes.
     coat_normal: vec3<f32>,

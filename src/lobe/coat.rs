@@ -6,10 +6,10 @@ use crate::material::declared::pbr::FIELDS;
 use crate::material::{Along, Pbr, Row, RowKind, Sets, Slot, is_zero, varying, widths_of_facets};
 use crate::texture::Use;
 
-/// Its share, with its reflectance for light straight on it.
+/// The share of the coat, with its roughness and its reflectance for light straight on it.
 const COAT: &RowKind = &RowKind::lobe("coat", &["roughness", "f0"]);
 const COAT_ROUGHNESS: &RowKind = &RowKind::share("coat_roughness", "lobes.coat_roughness");
-/// Its number is the scale of its map, as that of a row `normal`.
+/// The normal map. Shaders read its scale as `${normal.scale}`, so that it names no number.
 const COAT_NORMAL: &RowKind = &RowKind { name: "coat_normal", numbers: &[], sets: Sets::Texel("coat_normal") };
 
 pub const LOBE: Lobe = Lobe {

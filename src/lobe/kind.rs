@@ -1,4 +1,4 @@
-//! What a lobe of a material is on the host.
+//! A lobe of a material on the host, and the extension of glTF that it is read from.
 
 use crate::bitmap::{Bitmaps, Channel};
 use crate::material::{LobeWidth, Pbr, Row, RowKind};
@@ -6,15 +6,15 @@ use crate::texture::Texture;
 
 /// A lobe of `Pbr`, or another part of it that few materials have.
 pub struct Lobe {
-    /// What `plan` calls it. Its module is shaders/lobe/NAME.
+    /// The name that `plan` gives it, if shaders/lobe/NAME is a module that a scene may need.
     pub label: Option<&'static str>,
-    /// Its kinds of row. The first is there with the lobe and has its name.
+    /// The kinds of row that it has. The first is there with the lobe and has its name.
     pub rows: &'static [&'static RowKind],
-    /// Its members of `Lobes` on the device, with their types in WGSL.
+    /// The members of `Lobes` on the device that it sets, with their types in WGSL.
     pub members: &'static [(&'static str, &'static str)],
-    /// Whether it is drawn before what lies below it: the layers and the base (shaders/material/pbr).
+    /// Whether it is a layer around the base: a path draws from it, or from what lies below it (shaders/material/pbr).
     pub is_layer: bool,
-    /// Its rows, none where it is not there.
+    /// The rows of a material; none if the material does not have the lobe.
     pub rows_of: for<'a> fn(&'a Pbr) -> Vec<Row<'a>>,
     /// Whether it changes anything of a material that has it.
     pub counts: fn(&Pbr) -> bool,
@@ -22,7 +22,7 @@ pub struct Lobe {
     pub widths: fn(&Pbr, &Bitmaps) -> Vec<LobeWidth>,
     /// A table of its directional albedo, four elements each. At most one lobe has one.
     pub table: Option<fn() -> Vec<[f32; 4]>>,
-    /// What a glTF file has for it, where no crate reads that.
+    /// The extension of glTF that it is, unless the crate reads that one.
     pub gltf: Option<Gltf>,
 }
 

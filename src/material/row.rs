@@ -13,18 +13,18 @@ pub struct RowKind {
     pub sets: Sets,
 }
 
-/// What a kernel sets by a row where it evaluates a material.
+/// The members of `EvaluatedMaterial` that a kernel sets by a row.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Sets {
     /// Nothing: other modules read the row.
     Nothing,
-    /// What shaders/extension/NAME says.
+    /// Those that shaders/extension/NAME sets.
     Own,
     /// The members of its lobe: the first by its colour or its share, the others by its numbers.
     Lobe,
-    /// A member of `EvaluatedMaterial`, by the share from 0 to 1 that its texture is.
+    /// This member, by the share from 0 to 1 that the row's texture gives.
     Share(&'static str),
-    /// A member of `EvaluatedMaterial`, by the texel of its texture.
+    /// This member, by the texel of the row's texture.
     Texel(&'static str),
 }
 
