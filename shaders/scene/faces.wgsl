@@ -9,11 +9,6 @@ fn object_code(code: u32, instance: u32) -> u32 {
     return select(code, of_mesh, primitive_kind(code) == KIND_TRIANGLE);
 }
 
-// The instance of a primitive.
-fn instance_of_primitive(code: u32, instance: u32) -> u32 {
-    return select(NO_INSTANCE, instance, primitive_kind(code) == KIND_TRIANGLE);
-}
-
 // A number that distinguishes the parts of one object: of a face, its number in the file.
 fn part_number(hit: Hit) -> u32 {
     if primitive_kind(hit.code) == KIND_TRIANGLE {
@@ -34,10 +29,6 @@ fn point_in_object(hit: Hit, local: vec3<f32>) -> vec3<f32> {
 // Each primitive is an object.
 fn object_code(code: u32, instance: u32) -> u32 {
     return code;
-}
-
-fn instance_of_primitive(code: u32, instance: u32) -> u32 {
-    return NO_INSTANCE;
 }
 
 fn part_number(hit: Hit) -> u32 {

@@ -1,7 +1,7 @@
 //@ implements light_surfaces when area_light
 //@ use choice/crossings
-//@ use choice/faces
 //@ use choice/light_crossings
+//@ use choice/light_faces
 //@ use choice/surface_radiance
 //@ use scene/lights
 // Surfaces at which shadow rays end.
@@ -12,7 +12,7 @@ fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
     // Rounding can make a sampled direction miss a light that is tiny as seen from here, or miss the edge of any light. The
     // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
     var limit = hit_at(code, distance_to_light(code, instance, pose, shadow));
-    limit.instance = instance_of_primitive(code, instance);
+    limit.instance = instance_of_light(code, instance);
     return limit_at_crossing(limit, instance, pose, shadow);
 }
 

@@ -46,26 +46,24 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     }
 }
 
-// The distance along a ray, or that of the surface's plane or middle where rounding lets the ray miss the surface.
-fn distance_or_nearby(distance: f32, nearby: f32) -> f32 {
-    return select(nearby, distance, distance != NO_HIT);
-}
-
 // The distance to a light along a shadow ray, approximate where the ray misses it. Unlike primitive_distance (scene/primitives), it has no code
 // for primitives that are no lights, because GPUs inline each call.
 fn distance_to_light(code: u32, instance: u32, pose: Pose, ray: Ray) -> f32 {
     let index = primitive_index(code);
+    var t = NO_HIT;
     switch primitive_kind(code) {
         //@ each emitter
         case ${number}u: {
             let shape = moved_${name}(${name}_at(index, instance), pose);
-            return distance_or_nearby(${name}_distance(ray, shape), ${name}_light_distance(ray, shape));
+            t = ${name}_distance(ray, shape);
+            if t == NO_HIT {
+                t = ${name}_light_distance(ray, shape);
+            }
         }
         //@ end
-        default: {
-            return NO_HIT;
-        }
+        default: {}
     }
+    return t;
 }
 
 // The hit record of a ray that hits a light. Unlike surface_at (scene/surfaces), it has no code for other primitives.
