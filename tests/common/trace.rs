@@ -2,13 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+pub use gpu_rt::data::NO_HIT;
 
 use super::kernel::{Kernel, Setup, array};
 use super::stats::Random;
 use super::vectors::rounded;
-
-/// `NO_HIT` of shaders/data/surface.wgsl.
-pub const NO_HIT: f32 = -1.0;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
