@@ -8,14 +8,10 @@ use serde::{Deserialize, Serialize};
 pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
-/// Rows of the strips in which pixels are handed out.
-pub const STRIP_ROWS: u32 = 8;
 /// Sums of radiance and of its squares that the film has of each pixel: of even runs, of odd ones, and the squared deviations.
 pub const FILM_SUMS: usize = 3 * CHANNELS.len();
 /// Sums of splats that a film with light paths has of each pixel: of even runs, of odd ones, and the squares.
 pub const SPLAT_SUMS: usize = 3 * CHANNELS.len();
-/// Bins that count the light that narrow lobes hide from light sampling.
-pub const LIGHT_BINS: usize = 32;
 
 /// The colour channels of records, film and images, by the names that an EXR has for them.
 pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
