@@ -6,7 +6,6 @@ use std::f64::consts::{PI, TAU};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{self, NO_TEXTURE};
-pub use gpu_rt::data::{ABSORBED, LOBE_SPECULAR as SPECULAR, SCATTERED};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, When};
 use gpu_rt::lobe::{LOBES, Lobe};
 
@@ -14,6 +13,11 @@ use super::kernel::{Kernel, Setup};
 use super::rows::glass;
 use super::stats::Random;
 use super::vectors::{U, rounded, unit};
+
+pub const SCATTERED: u32 = data::SCATTERED;
+pub const ABSORBED: u32 = data::ABSORBED;
+/// The lobe of one direction.
+pub const SPECULAR: u32 = data::LOBE_SPECULAR;
 
 /// What tests/shaders/rough.wgsl takes.
 #[repr(C)]

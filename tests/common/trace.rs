@@ -2,11 +2,12 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-pub use gpu_rt::data::NO_HIT;
 
 use super::kernel::{Kernel, Setup, array};
 use super::stats::Random;
 use super::vectors::rounded;
+
+pub const NO_HIT: f32 = gpu_rt::data::NO_HIT;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
