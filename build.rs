@@ -16,6 +16,7 @@ fn main() {
 
 fn write() -> Result<(), String> {
     let bindings: String = files("shaders/bind")?.into_iter().map(|(_, text)| text).collect();
+    let bindings: String = bindings.lines().filter(|line| line.contains("@binding(")).collect();
     let mut host = Host::default();
     for (path, text) in files("shaders/data")? {
         host.add(&path, &text, &bindings)?;
