@@ -112,7 +112,7 @@ impl<'a> Shape<'a> {
 }
 
 /// The kind in the codes of shapes of this number. It is the number itself, except for a mesh: in the scene it is an instance.
-const fn code_kind(number: usize) -> u32 {
+pub(crate) const fn code_kind(number: usize) -> u32 {
     if number == KIND_TRIANGLE as usize { KIND_INSTANCE } else { number as u32 }
 }
 
@@ -138,8 +138,7 @@ const BOUNDARY_COUNT: usize = {
     count
 };
 
-/// The shapes that can bound media, with the kinds in their codes. Convex ones have files under shaders/medium. A ray
-/// can enter a mesh many times, so meshes have `scene/medium_in_mesh` instead.
+/// The shapes that can bound media, with the kinds in their codes and the names of their files under shaders/medium.
 pub const BOUNDARIES: &[(&str, u32)] = &{
     let mut found = [("", 0); BOUNDARY_COUNT];
     let (mut i, mut count) = (0, 0);

@@ -51,7 +51,6 @@ fn camera_pixel_y() -> vec3<f32> {
     return select(-length(settings.pixel_y) * camera_now.upward, settings.pixel_y, camera_now.rests);
 }
 
-//@ if lens
 fn camera_lens_x() -> vec3<f32> {
     return select(length(settings.lens_x) * camera_now.right, settings.lens_x, camera_now.rests);
 }
@@ -63,4 +62,3 @@ fn camera_lens_y() -> vec3<f32> {
 fn camera_inverse_focus() -> f32 {
     return select(settings.inverse_focus, 1.0 / camera_now.distance, !camera_now.rests && camera_now.distance > 0.0);
 }
-//@ end

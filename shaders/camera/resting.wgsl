@@ -22,7 +22,6 @@ fn camera_pixel_y() -> vec3<f32> {
     return settings.pixel_y;
 }
 
-//@ if lens
 fn camera_lens_x() -> vec3<f32> {
     return settings.lens_x;
 }
@@ -34,4 +33,3 @@ fn camera_lens_y() -> vec3<f32> {
 fn camera_inverse_focus() -> f32 {
     return settings.inverse_focus;
 }
-//@ end

@@ -26,6 +26,6 @@ fn disk_surface(ray: Ray, t: f32, square: Quad) -> Surface {
     return quad_surface_at(clamp(at, vec2<f32>(0.0), vec2<f32>(1.0)), square);
 }
 
-fn disk_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+fn disk_uv(square: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(local.xy, false);
 }

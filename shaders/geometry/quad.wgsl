@@ -20,6 +20,6 @@ fn quad_surface(ray: Ray, t: f32, quad: Quad) -> Surface {
     return quad_surface_at(clamp(quad_coordinates(ray, t, quad), vec2<f32>(0.0), vec2<f32>(1.0)), quad);
 }
 
-fn quad_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+fn quad_uv(quad: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(local.xy, false);
 }

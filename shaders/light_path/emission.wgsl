@@ -29,19 +29,12 @@ fn point_of_light(light: Light, u: vec2<f32>) -> LightPoint {
     switch primitive_kind(light.code) {
         //@ each whole_emitter
         case ${number}u: {
-            return ${name}_light_point(moved_${name}(${name}s[index], pose), u);
+            return ${name}_light_point(moved_${name}(${name}_at(index, light.instance), pose), u);
         }
         //@ end
         //@ each parted_emitter
         case ${number}u: {
-            return ${name}_part_point(moved_${name}(${name}s[index], pose), light.part, u);
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            let face = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
-            let corners = part_of_triangle(face, light.part);
-            return triangle_light_point(corners.a, corners.b, corners.c, u);
+            return ${name}_part_point(moved_${name}(${name}_at(index, light.instance), pose), light.part, u);
         }
         //@ end
         default: {

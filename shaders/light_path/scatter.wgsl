@@ -28,6 +28,21 @@
 // the camera as the incoming one, since not every BSDF is reciprocal. With i the direction to the light and o that to the camera, and the
 // normals n_s of shading and n_g of the surface, the throughput gets the factor f |n_s i| |n_g o| / (|n_g i| pdf(o)) (Veach 1997, section 5.3).
 
+// An event: the surface and what is known before a direction is drawn.
+struct LightEvent {
+    hit: Hit,
+    surface: Surface,
+    frame: ShadingFrame,
+    evaluated: EvaluatedMaterial,
+    view: LensView,
+    // From which light arrives, unit.
+    to_light: vec3<f32>,
+    cos_light: f32,
+    // A first event scatters into a specular or a narrow lobe, and sends nothing to the lens.
+    is_first: bool,
+    is_rough: bool,
+}
+
 // An event in one order.
 struct Order {
     interaction: Interaction,
@@ -38,11 +53,12 @@ struct Order {
     origin: vec3<f32>,
 }
 
-// The light's order, and the camera's orders for the sampled direction and for that to the lens.
+// The drawn direction in the light's order, and the orders: the light's, and the camera's for the sampled direction and for that to the lens.
 struct Orders {
     of_light: Order,
     of_sample: Order,
     of_lens: Order,
+    drawn: Scatter,
 }
 
 // The logarithm of a ratio without camera paths.
@@ -53,6 +69,74 @@ fn log_of_both_densities(path: ptr<function, Path>, order: Order, points: f32, t
     let light = start_of_light_path(path);
     let sampled = density_of_sampling(light, order.origin, to_light) / points;
     return log_of_density(select(order.response.pdf, 0.0, is_delta_light(lights[light].code)) + sampled);
+}
+
+// The orders of an event. `u` draws the direction.
+fn orders_of_event(event: LightEvent, u: vec4<f32>) -> Orders {
+    let surface = event.surface;
+    let material = event.evaluated.material;
+    var orders: Orders;
+    for (var i = 0u; i < turns_of_loop(3u); i++) {
+        let to_camera = select(orders.drawn.direction, event.view.direction, i == 2u);
+        let incoming = select(-to_camera, -event.to_light, i == 0u);
+        let own = shading_frame(event.hit, surface, incoming);
+        let interaction = interaction_at(event.hit, surface, own, event.evaluated, incoming);
+        var drawn = orders.drawn;
+        if i == 0u {
+            drawn = keep_side(scatter_by_material(material, interaction, u), interaction.normal, own.shading);
+        }
+        let outgoing = select(event.to_light, drawn.direction, i == 0u);
+        var response = no_response();
+        if event.is_rough {
+            response = response_of_material(material, interaction, outgoing);
+        }
+        let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
+        let origin = spawn_ray(event.hit, surface, own.facing, own.shading, own.point, outgoing).origin;
+        orders = Orders(orders.of_sample, orders.of_lens, Order(interaction, response, is_kept, origin), drawn);
+    }
+    return orders;
+}
+
+// Sends a ray to the lens.
+fn connect_to_lens(path: ptr<function, Path>, event: LightEvent, order: Order) {
+    let surface = event.surface;
+    let view = event.view;
+    let cos_camera = abs(dot(view.direction, surface.normal));
+    let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
+    let origin = leave_surface(surface.point, surface.error, side, side);
+    let tinted = tint_through(order.response.value, event.evaluated, view.direction, event.frame.shading);
+    let value = absorb_to_lens(tinted, surface, view.direction, view.distance);
+    send_to_lens(path, view, origin, value * (cos_camera / event.cos_light), cos_camera, order.response.pdf / event.cos_light);
+}
+
+// The throughput after a specular event; 0 if no camera path goes back.
+fn throughput_of_specular(path: ptr<function, Path>, event: LightEvent, orders: Orders) -> vec3<f32> {
+    let drawn = orders.drawn;
+    if !orders.of_sample.is_kept || !is_reversible(orders.of_light.interaction, drawn.direction, orders.of_sample.interaction) {
+        return vec3<f32>(0.0);
+    }
+    let normal = event.surface.normal;
+    let ratio = specular_ratio(event.evaluated.material, orders.of_light.interaction, normal, drawn.direction, event.to_light);
+    (*path).log_ratio += log_of_density(ratio);
+    if event.is_first && is_delta_light(lights[start_of_light_path(path)].code) {
+        (*path).log_ratio = ONLY_LIGHT_PATHS;
+    }
+    return (*path).throughput * drawn.weight / ratio;
+}
+
+// The throughput after an event of another lobe.
+fn throughput_of_rough(path: ptr<function, Path>, event: LightEvent, orders: Orders) -> vec3<f32> {
+    let cos_light = event.cos_light;
+    let cos_camera = abs(dot(orders.drawn.direction, event.surface.normal));
+    let pdf = orders.of_light.response.pdf * select(1.0, orders.of_light.response.narrow, event.is_first);
+    let from_light = log_of_density(pdf) - log_of_density(cos_camera);
+    var from_camera = log_of_density(orders.of_sample.response.pdf);
+    if NARROW_LOBES && event.is_first {
+        let points = points_of_event(event.evaluated, event.hit);
+        from_camera = log_of_both_densities(path, orders.of_sample, points, event.to_light);
+    }
+    (*path).log_ratio += from_light + log_of_density(cos_light) - from_camera;
+    return (*path).throughput * orders.of_sample.response.value * (cos_camera / (cos_light * pdf));
 }
 
 // The material at the path's hit scatters the path or ends it. The event also sends a ray to the lens.
@@ -66,59 +150,22 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
     let is_rough = is_non_specular(evaluated);
     let to_light = -ray.direction;
-    let view = view_from_lens(path, surface.point);
-    let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
-
-    var drawn: Scatter;
-    var orders: Orders;
-    for (var i = 0u; i < turns_of_loop(3u); i++) {
-        let to_camera = select(drawn.direction, view.direction, i == 2u);
-        let incoming = select(-to_camera, ray.direction, i == 0u);
-        let own = shading_frame(hit, surface, incoming);
-        let interaction = interaction_at(hit, surface, own, evaluated, incoming);
-        if i == 0u {
-            drawn = keep_side(scatter_by_material(evaluated.material, interaction, u), interaction.normal, own.shading);
-        }
-        let outgoing = select(to_light, drawn.direction, i == 0u);
-        var response = no_response();
-        if is_rough {
-            response = response_of_material(evaluated.material, interaction, outgoing);
-        }
-        let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
-        let origin = spawn_ray(hit, surface, own.facing, own.shading, own.point, outgoing).origin;
-        orders = Orders(orders.of_sample, orders.of_lens, Order(interaction, response, is_kept, origin));
-    }
     let cos_light = abs(dot(to_light, surface.normal));
+    let view = view_from_lens(path, surface.point);
+    let event = LightEvent(hit, surface, frame, evaluated, view, to_light, cos_light, is_first, is_rough);
+    let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
+    let orders = orders_of_event(event, u);
+    let drawn = orders.drawn;
     if !is_first && is_rough && orders.of_lens.is_kept {
-        let cos_camera = abs(dot(view.direction, surface.normal));
-        let side = select(-surface.normal, surface.normal, dot(view.direction, surface.normal) > 0.0);
-        let origin = leave_surface(surface.point, surface.error, side, side);
-        let tinted = tint_through(orders.of_lens.response.value, evaluated, view.direction, frame.shading);
-        let value = absorb_to_lens(tinted, surface, view.direction, view.distance);
-        send_to_lens(path, view, origin, value * (cos_camera / cos_light), cos_camera, orders.of_lens.response.pdf / cos_light);
+        connect_to_lens(path, event, orders.of_lens);
     }
 
-    // The next ray. A first event scatters into a specular or a narrow lobe.
+    // The next ray.
     var throughput = vec3<f32>(0.0);
     if drawn.event == SCATTERED && drawn.lobe == LOBE_SPECULAR {
-        if orders.of_sample.is_kept && is_reversible(orders.of_light.interaction, drawn.direction, orders.of_sample.interaction) {
-            let ratio = specular_ratio(evaluated.material, orders.of_light.interaction, surface.normal, drawn.direction, to_light);
-            throughput = (*path).throughput * drawn.weight / ratio;
-            (*path).log_ratio += log_of_density(ratio);
-            if is_first && is_delta_light(lights[start_of_light_path(path)].code) {
-                (*path).log_ratio = ONLY_LIGHT_PATHS;
-            }
-        }
+        throughput = throughput_of_specular(path, event, orders);
     } else if drawn.event == SCATTERED && (!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW)) && orders.of_sample.is_kept {
-        let cos_camera = abs(dot(drawn.direction, surface.normal));
-        let pdf = orders.of_light.response.pdf * select(1.0, orders.of_light.response.narrow, is_first);
-        throughput = (*path).throughput * orders.of_sample.response.value * (cos_camera / (cos_light * pdf));
-        let from_light = log_of_density(pdf) - log_of_density(cos_camera);
-        var from_camera = log_of_density(orders.of_sample.response.pdf);
-        if NARROW_LOBES && is_first {
-            from_camera = log_of_both_densities(path, orders.of_sample, points_of_event(evaluated, hit), to_light);
-        }
-        (*path).log_ratio += from_light + log_of_density(cos_light) - from_camera;
+        throughput = throughput_of_rough(path, event, orders);
     }
     throughput = tint_through(throughput, evaluated, drawn.direction, frame.shading);
     (*path).throughput = russian_roulette(path, throughput);

@@ -2,27 +2,23 @@
 //@ use data/medium
 //@ use data/primitive
 //@ use motion/pose
-//@ each convex_boundary
+//@ each moving_boundary
 //@ use bind/${name}s
-//@ end
-//@ if boundary.mesh
-//@ use bind/instances
 //@ end
 // The poses of the boundaries of media.
 
+// The order of a boundary of a kind that moves; 0 of others.
 fn order_of_boundary(code: u32) -> u32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
-        //@ each convex_boundary
-        ${case}: {
+        //@ each moving_boundary
+        case ${number}u: {
             return ${name}s[index].order;
         }
         //@ end
-        //@ if boundary.mesh
         default: {
-            return instances[index].order;
+            return 0u;
         }
-        //@ end
     }
 }
 

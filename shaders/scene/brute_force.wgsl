@@ -15,7 +15,7 @@
 // distance, the primitive that comes first in the scene wins.
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var hit = limit;
-    //@ each primitive
+    //@ each single
     for (var index = at_run_time(0u); index < settings.brute_force[${rank}u]; index += 1u) {
         let code = PRIMITIVE_BIT | (${number}u << PRIMITIVE_KIND_SHIFT) | index;
         let pose = pose_at(code, NO_INSTANCE);

@@ -9,7 +9,7 @@
 // The radiance that a surface emits to a shadow ray, if no material emits and scatters.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     let material = materials[surface.material];
-    if material.${diffuse_light.two_sided} == 0.0 && !arrives_at_front(hit.code, ray, surface) {
+    if material.${diffuse_light.two_sided} == 0.0 && !arrives_at_front(hit, ray, surface) {
         return vec3<f32>(0.0);
     }
     return colour_of_light(material, hit, surface);

@@ -12,7 +12,7 @@
 // The radiance that a surface emits to a shadow ray, where materials emit and scatter.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     let emission = extensions[surface.material].emission;
-    if emission == NO_EXTENSION || (materials[emission].${emission.two_sided} == 0.0 && !arrives_at_front(hit.code, ray, surface)) {
+    if emission == NO_EXTENSION || (materials[emission].${emission.two_sided} == 0.0 && !arrives_at_front(hit, ray, surface)) {
         return vec3<f32>(0.0);
     }
     let row = materials[emission];

@@ -2,7 +2,7 @@
 //@ use data/primitive
 //@ use bind/face_pairs
 //@ use geometry/slab
-//@ use geometry/triangle
+//@ use geometry/sheared_triangle
 // The leaves of a mesh's hierarchy: pairs of faces that share two corners. So a walk reads only four corners for two faces.
 
 // A pair as a ray sees it.

@@ -7,9 +7,6 @@
 //@ each parted_emitter
 //@ use light/${name}_parts
 //@ end
-//@ if parted.triangle
-//@ use scene/face_parts
-//@ end
 // Lights that are parts of their shapes.
 
 // The index of the light that a ray hit, by the entry of its shape. `local` is that of the surface.
@@ -22,11 +19,6 @@ fn part_at_hit(index: u32, hit: Hit, local: vec3<f32>) -> u32 {
         //@ each parted_emitter
         case ${number}u: {
             coordinates = ${name}_part_coordinates(local);
-        }
-        //@ end
-        //@ if parted.triangle
-        case KIND_TRIANGLE: {
-            coordinates = triangle_part_coordinates(local);
         }
         //@ end
         default: {}

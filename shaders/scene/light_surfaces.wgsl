@@ -5,50 +5,20 @@
 //@ use data/ray
 //@ use data/surface
 //@ use choice/crossings
+//@ use choice/faces
 //@ use choice/light_crossings
 //@ use choice/surface_radiance
 //@ use scene/lights
-//@ if area_light.triangle
-//@ use bind/instances
-//@ use choice/moved_instance
-//@ use geometry/instance
-//@ use geometry/slab
-//@ use scene/at_run_time
-//@ end
 // Surfaces at which shadow rays end.
 
-// A ray in the space of a light's shape. Only the faces of meshes need the inverse.
-struct LightRay {
-    ray: Ray,
-    inverse: vec3<f32>,
-    instance: u32,
-    pose: Pose,
-}
-
-//@ if area_light.triangle
-fn ray_to_shape(code: u32, instance: u32, pose: Pose, shadow: Ray) -> LightRay {
-    if primitive_kind(code) != KIND_TRIANGLE {
-        return LightRay(shadow, vec3<f32>(0.0), NO_INSTANCE, pose);
-    }
-    let ray = to_mesh(moved_instance(instances[at_run_time(instance)], pose), shadow);
-    return LightRay(ray, slab_inverse(ray.direction), instance, pose);
-}
-
-//@ else
-fn ray_to_shape(code: u32, instance: u32, pose: Pose, shadow: Ray) -> LightRay {
-    return LightRay(shadow, vec3<f32>(0.0), NO_INSTANCE, pose);
-}
-
-//@ end
 // The hit of a shadow ray on the light of this code.
 fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
-    let light_ray = ray_to_shape(code, instance, pose_at(code, instance), shadow);
-    let t = light_hit_distance(code, light_ray.pose, light_ray.ray, light_ray.inverse);
+    let pose = pose_at(code, instance);
     // Rounding can make a sampled direction miss a light that is tiny as seen from here, or miss the edge of any light. The
     // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
-    var limit = hit_at(code, select(distance_to_light(code, light_ray.pose, light_ray.ray), t, t != NO_HIT));
-    limit.instance = light_ray.instance;
-    return limit_at_crossing(limit, instance, light_ray.pose, shadow);
+    var limit = hit_at(code, distance_to_light(code, instance, pose, shadow));
+    limit.instance = instance_of_primitive(code, instance);
+    return limit_at_crossing(limit, instance, pose, shadow);
 }
 
 fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {

@@ -19,12 +19,6 @@
 //@ each parted_emitter
 //@ use light/${name}_parts
 //@ end
-//@ if area_light.triangle
-//@ use light/triangle
-//@ use choice/face_parts
-//@ use choice/moved_instance
-//@ use scene/meshes
-//@ end
 //@ use choice/delta_lights
 //@ use choice/sky_light
 // The scene's lights; only the kinds that the scene has.
@@ -42,19 +36,12 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     switch primitive_kind(light.code) {
         //@ each whole_emitter
         case ${number}u: {
-            return ${name}_light_sample(from_point, moved_${name}(${name}s[index], pose), u.xy);
+            return ${name}_light_sample(from_point, moved_${name}(${name}_at(index, light.instance), pose), u.xy);
         }
         //@ end
         //@ each parted_emitter
         case ${number}u: {
-            return ${name}_part_sample(from_point, moved_${name}(${name}s[index], pose), light.part, u.xy);
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            let face = corners_in_render_space(moved_instance(instances[light.instance], pose), index);
-            let corners = part_of_triangle(face, light.part);
-            return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
+            return ${name}_part_sample(from_point, moved_${name}(${name}_at(index, light.instance), pose), light.part, u.xy);
         }
         //@ end
         default: {
@@ -63,19 +50,20 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     }
 }
 
-// The distance to a light in front of the ray's origin, or NO_HIT. Unlike primitive_distance (scene/primitives), it has no code for
-// primitives that are no lights, because GPUs inline each call.
-fn light_hit_distance(code: u32, pose: Pose, ray: Ray, inverse: vec3<f32>) -> f32 {
+// The distance along a ray, or that of the surface's plane or middle where rounding lets the ray miss the surface.
+fn distance_or_nearby(distance: f32, nearby: f32) -> f32 {
+    return select(nearby, distance, distance != NO_HIT);
+}
+
+// The distance to a light along a shadow ray, approximate where the ray misses it. Unlike primitive_distance (scene/primitives), it has no code
+// for primitives that are no lights, because GPUs inline each call.
+fn distance_to_light(code: u32, instance: u32, pose: Pose, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_distance(ray, moved_${name}(${name}s[index], pose));
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            return face_hit(ray, inverse, index).t;
+            let shape = moved_${name}(${name}_at(index, instance), pose);
+            return distance_or_nearby(${name}_distance(ray, shape), ${name}_light_distance(ray, shape));
         }
         //@ end
         default: {
@@ -92,12 +80,8 @@ fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
     switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_at_rest(in_pose(${name}_surface(to_hit.ray, to_hit.t, moved_${name}(${name}s[index], pose)), pose), ${name}s[index]);
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            return in_pose(mesh_surface(ray, moved_instance(instances[at_run_time(hit.instance)], pose), index), pose);
+            let shape = ${name}_at(index, hit.instance);
+            return ${name}_at_rest(in_pose(${name}_surface(to_hit.ray, to_hit.t, moved_${name}(shape, pose)), pose), shape);
         }
         //@ end
         default: {
@@ -106,35 +90,13 @@ fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
     }
 }
 
-// Approximate distance to a primitive along a ray that misses it. For a face, the ray is in its mesh's space.
-fn distance_to_light(code: u32, pose: Pose, ray: Ray) -> f32 {
-    let index = primitive_index(code);
-    switch primitive_kind(code) {
+// Whether a ray arrives at the front of a light, whose surface at the hit is given.
+fn arrives_at_front(hit: Hit, ray: Ray, surface: Surface) -> bool {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_light_distance(ray, moved_${name}(${name}s[index], pose));
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            let corners = corners_of(index);
-            let normal = triangle_cross(corners.a, corners.b, corners.c);
-            return dot(corners.a - ray.origin, normal) / dot(ray.direction, normal);
-        }
-        //@ end
-        default: {
-            return NO_HIT;
-        }
-    }
-}
-
-// Whether a shadow ray arrives at the front of a light, whose surface at the hit is given.
-fn arrives_at_front(code: u32, ray: Ray, surface: Surface) -> bool {
-    let index = primitive_index(code);
-    switch primitive_kind(code) {
-        //@ each emitter
-        case ${number}u: {
-            return ${name}_light_front(ray, surface.normal, moved_${name}(${name}s[index], surface.pose));
+            return ${name}_light_front(ray, surface.normal, moved_${name}(${name}_at(index, hit.instance), surface.pose));
         }
         //@ end
         default: {
@@ -161,12 +123,7 @@ fn number_of_light(hit: Hit) -> u32 {
     switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}s[index].light;
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            return instances[at_run_time(hit.instance)].to_light + index;
+            return ${name}_at(index, hit.instance).light;
         }
         //@ end
         default: {
@@ -195,19 +152,12 @@ fn density_of_light(index: u32, code: u32, instance: u32, from_point: vec3<f32>,
     switch primitive_kind(code) {
         //@ each whole_emitter
         case ${number}u: {
-            pdf = ${name}_light_pdf(from_point, direction, moved_${name}(${name}s[of_kind], pose));
+            pdf = ${name}_light_pdf(from_point, direction, moved_${name}(${name}_at(of_kind, instance), pose));
         }
         //@ end
         //@ each parted_emitter
         case ${number}u: {
-            pdf = ${name}_part_pdf(from_point, direction, moved_${name}(${name}s[of_kind], pose), part);
-        }
-        //@ end
-        //@ if area_light.triangle
-        case KIND_TRIANGLE: {
-            let face = corners_in_render_space(moved_instance(instances[at_run_time(instance)], pose), of_kind);
-            let corners = part_of_triangle(face, part);
-            pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
+            pdf = ${name}_part_pdf(from_point, direction, moved_${name}(${name}_at(of_kind, instance), pose), part);
         }
         //@ end
         default: {

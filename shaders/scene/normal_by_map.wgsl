@@ -11,12 +11,6 @@
 //@ use choice/moved_${name}
 //@ use tangent/${name}
 //@ end
-//@ if mesh
-//@ use bind/instances
-//@ use choice/moved_instance
-//@ use scene/at_run_time
-//@ use scene/mesh_tangents
-//@ end
 //@ use choice/mesh_normal_map
 // The normal that an image has for a finer surface.
 
@@ -25,13 +19,8 @@ fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            let moved = moved_${name}(${name}s[index], surface.pose);
+            let moved = moved_${name}(${name}_at(index, hit.instance), surface.pose);
             return ${name}_tangents_with(${name}_tangents(${name}_unturned(surface), moved, frame), surface.pose);
-        }
-        //@ end
-        //@ if mesh
-        default: {
-            return mesh_tangents(moved_instance(instances[at_run_time(hit.instance)], surface.pose), index);
         }
         //@ end
     }

@@ -5,8 +5,8 @@
 //@ use data/primitive
 //@ use geometry/offset
 //@ use scene/at_run_time
-//@ use scene/meshes
-//@ use choice/moved_instance
+//@ use geometry/triangle
+//@ use choice/moved_triangle
 //@ use lib/bent_back
 //@ use lib/octahedral
 // Meshes with vertex normals look smooth: light scatters around the interpolated normal, and rays leave from the smooth

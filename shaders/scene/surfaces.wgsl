@@ -9,11 +9,9 @@
 //@ use bind/${name}s
 //@ use choice/moved_${name}
 //@ end
-//@ if mesh
-//@ use bind/instances
-//@ use choice/moved_instance
-//@ use scene/at_run_time
-//@ use scene/meshes
+//@ use choice/faces
+//@ each object
+//@ use bind/${name}s
 //@ end
 // The hit record of a ray that hits a primitive.
 fn surface_at(hit: Hit, ray: Ray) -> Surface {
@@ -23,12 +21,8 @@ fn surface_at(hit: Hit, ray: Ray) -> Surface {
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}_at_rest(in_pose(${name}_surface(to_hit.ray, to_hit.t, moved_${name}(${name}s[index], pose)), pose), ${name}s[index]);
-        }
-        //@ end
-        //@ if mesh
-        default: {
-            return in_pose(mesh_surface(ray, moved_instance(instances[at_run_time(hit.instance)], pose), index), pose);
+            let shape = ${name}_at(index, hit.instance);
+            return ${name}_at_rest(in_pose(${name}_surface(to_hit.ray, to_hit.t, moved_${name}(shape, pose)), pose), shape);
         }
         //@ end
     }
@@ -41,16 +35,12 @@ fn sided_hit(hit: Hit, ray: Ray) -> Hit {
 
 // Index of the material of the primitive that was hit.
 fn material_index(hit: Hit) -> u32 {
-    let index = primitive_index(hit.code);
-    switch primitive_kind(hit.code) {
-        //@ each primitive
+    let code = object_code(hit.code, hit.instance);
+    let index = primitive_index(code);
+    switch primitive_kind(code) {
+        //@ each object
         ${case}: {
             return ${name}s[index].material;
-        }
-        //@ end
-        //@ if mesh
-        default: {
-            return instances[at_run_time(hit.instance)].material;
         }
         //@ end
     }

@@ -5,22 +5,14 @@
 //@ use data/primitive
 //@ use scene/textures
 //@ use choice/uv_tables
-//@ if mesh
-//@ use scene/meshes
-//@ end
+//@ use choice/faces
 // The colour of a surface at a hit: the material's own, or that of its texture, evaluated in the object's space.
 fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     if material.texture == NO_TEXTURE {
         return material.colour;
     }
     let frame = frames[surface.frame];
-    var local = surface.local;
-    //@ if mesh
-    if primitive_kind(hit.code) == KIND_TRIANGLE {
-        local = mesh_point(primitive_index(hit.code), local);
-    }
-    //@ end
-    let offset = along_frame(frame, local);
+    let offset = along_frame(frame, point_in_object(hit, surface.local));
     let uv = uv_in_table(frame.phase, hit, frame.origin + offset, surface.local);
     return texture_colour(material.texture, frame, offset, uv);
 }

@@ -3,11 +3,8 @@
 //@ use data/hit
 //@ use data/primitive
 //@ each primitive
+//@ use bind/${name}s
 //@ use geometry/${name}
-//@ end
-//@ if mesh
-//@ use scene/at_run_time
-//@ use scene/meshes
 //@ end
 // Texture coordinates of a point on a primitive. `local` is the point in the primitive's own coordinates, and `point` is
 // that point mapped by the frame.
@@ -15,12 +12,7 @@ fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}_uv(point, local);
-        }
-        //@ end
-        //@ if mesh
-        default: {
-            return mesh_uv(instances[at_run_time(hit.instance)], primitive_index(hit.code), local);
+            return ${name}_uv(${name}_at(primitive_index(hit.code), hit.instance), point, local);
         }
         //@ end
     }

@@ -2,15 +2,15 @@
 //@ use data/surface
 //@ use data/hit
 //@ use data/primitive
+//@ use bind/triangles
 //@ use choice/uv
-//@ use scene/at_run_time
-//@ use scene/meshes
+//@ use geometry/triangle
 // Meshes with several tables of texture coordinates.
 
-// Returns an instance that reads the texture coordinates of the table of this number.
-fn with_table(instance: Instance, number: f32) -> Instance {
-    var result = instance;
-    result.to_uvs *= u32(number) + 1u;
+// Returns a face that reads the texture coordinates of the table of this number.
+fn with_table(triangle: Triangle, number: f32) -> Triangle {
+    var result = triangle;
+    result.instance.to_uvs *= u32(number) + 1u;
     return result;
 }
 
@@ -20,7 +20,7 @@ fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> Sur
     if number <= 0.0 || primitive_kind(hit.code) != KIND_TRIANGLE {
         return surface_uv(hit, point, local);
     }
-    return mesh_uv(with_table(instances[at_run_time(hit.instance)], number), primitive_index(hit.code), local);
+    return triangle_uv(with_table(triangle_at(primitive_index(hit.code), hit.instance), number), point, local);
 }
 
 //@ without

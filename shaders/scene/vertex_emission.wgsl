@@ -6,7 +6,7 @@
 //@ use bind/extensions
 //@ use bind/instances
 //@ use scene/at_run_time
-//@ use scene/meshes
+//@ use scene/vertices
 // The radiance that a material emits times the colour of the mesh's vertices at a hit, if the material uses it.
 fn times_vertex_emission(radiance: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
     if extensions[surface.material].vertex_emission == NO_EXTENSION || primitive_kind(hit.code) != KIND_TRIANGLE {

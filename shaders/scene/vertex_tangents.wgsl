@@ -1,7 +1,7 @@
 //@ implements vertex_tangents when vertex_tangents & further_uv
 //@ use data/primitive
 //@ use lib/octahedral
-//@ use scene/meshes
+//@ use geometry/triangle
 // Tangents of vertices, which smooth meshes have for normal maps.
 
 fn has_tangents(index: u32) -> bool {
@@ -20,12 +20,11 @@ fn tangent_of_vertex(index: u32) -> vec3<f32> {
 fn normal_by_tangents(
     mapped: vec3<f32>,
     otherwise: vec3<f32>,
-    instance: Instance,
-    index: u32,
+    triangle: Triangle,
     weights: vec3<f32>,
 ) -> vec3<f32> {
-    let face = meshes[index];
-    let vertices = face + instance.to_uvs;
+    let face = meshes[triangle.face];
+    let vertices = face + triangle.instance.to_uvs;
     let normal = blend(weights, Corners(
         unit_from_octahedral(meshes[face.x].w),
         unit_from_octahedral(meshes[face.y].w),
@@ -41,6 +40,7 @@ fn normal_by_tangents(
 
 //@ without
 //@ use data/primitive
+//@ use geometry/triangle
 // Tangents are those of faces.
 fn has_tangents(index: u32) -> bool {
     return false;
@@ -49,8 +49,7 @@ fn has_tangents(index: u32) -> bool {
 fn normal_by_tangents(
     mapped: vec3<f32>,
     otherwise: vec3<f32>,
-    instance: Instance,
-    index: u32,
+    triangle: Triangle,
     weights: vec3<f32>,
 ) -> vec3<f32> {
     return otherwise;

@@ -13,6 +13,7 @@ const FUNCTIONS: &[(&str, &str, &str, &str)] = &[
     ("draw_", "", "lobe", "it draws from the layer or from what lies below"),
     ("below_", "", "lobe", "it returns a sample of what lies below the layer"),
     ("with_", "", "lobe", "it returns the response with the layer"),
+    ("", "_at", "bind/s", "it returns the shape of a primitive"),
     ("", "_distance", "geometry", "it returns the distance of a ray's hit"),
     ("", "_surface", "geometry", "it returns the surface at a hit"),
     ("", "_uv", "geometry", "it returns the texture coordinates of a point"),
@@ -43,6 +44,7 @@ pub fn missing(name: &str, has: impl Fn(&str) -> bool) -> Option<String> {
         let kind = name.strip_prefix(begins)?.strip_suffix(ends)?;
         let (folder, ending) = place.split_once('/').unwrap_or((place, ""));
         let known = format!("{folder}/{kind}");
-        has(&known).then(|| format!("shaders/{known}{ending}.wgsl must have the function {name}: {about}"))
+        let module = format!("{known}{ending}");
+        (has(&known) || has(&module)).then(|| format!("shaders/{module}.wgsl must have the function {name}: {about}"))
     })
 }

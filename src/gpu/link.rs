@@ -4,15 +4,14 @@
 //! with `//@`:
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module whose head says that it implements x
 //!   ([`super::modules`]).
-//! - `//@ if light` … `//@ end` keeps the lines between if that condition holds ([`super::when`]); after `//@ else` come those for where it does
-//!   not.
+//! - `//@ if light` … `//@ end` keeps the lines between, which are members of a struct, if that condition holds ([`super::when`]).
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
 //!   entry's name, `${number}` its number, `${rank}` its index in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
 //!   the entry that closes the switch.
 //! - `${value}` elsewhere is a value of the plan.
 //! - `//@ relies on loops` says that the module is right only on drivers with that property ([`PROPERTIES`]).
 //!
-//! Blocks cannot be nested, and each of their parts closes the braces that it opens. Other lines that start with `//@` are errors.
+//! Blocks cannot be nested, and each closes the braces that it opens. Other lines that start with `//@` are errors.
 //!
 //! The linker removes comments and the declarations that the entry point does not reach ([`super::reach`]). A module
 //! without remaining lines does not count as linked. For each linked module the result has its user and the reason why
@@ -106,7 +105,7 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
     Ok(linker.finish())
 }
 
-/// The treatment of the lines before the next `//@ else` or `//@ end`.
+/// The treatment of the lines before `//@ end`.
 enum Repetition<'a> {
     /// Kept for this reason, or dropped.
     If(Option<Reason>),
@@ -264,14 +263,6 @@ impl Linker<'_> {
                 if let Some(OpenBlock { begun, .. }) = block {
                     return Err(fault(module, number, &format!("`{trimmed}` within `{begun}`")));
                 }
-                block = Some(OpenBlock { begun: trimmed, repetition, lines: Vec::new() });
-            } else if words == ["//@", "else"] {
-                let Some(ended) = block.take().filter(|block| block.begun.starts_with("//@ if")) else {
-                    return Err(fault(module, number, "`//@ else` without `//@ if`"));
-                };
-                let keeps = matches!(ended.repetition, Repetition::If(None));
-                self.close(module, ended, &mut out)?;
-                let repetition = Repetition::If(keeps.then_some(Reason::EveryRender));
                 block = Some(OpenBlock { begun: trimmed, repetition, lines: Vec::new() });
             } else if words == ["//@", "end"] {
                 let ended =

@@ -46,7 +46,7 @@ pub struct Numerics {
     pub sin_error: f64,
     /// The largest error for arguments up to 1e6, for which WGSL guarantees nothing.
     pub sin_error_far: f64,
-    /// Edge functions (geometry/triangle) have the sign of the exact difference of products.
+    /// Edge functions (geometry/sheared_triangle) have the sign of the exact difference of products.
     pub edge_signs: bool,
 }
 

@@ -13,7 +13,7 @@ use crate::gpu::link::{Choices, Entry, Facts, Reason, reason_of};
 use crate::lobe::{LOBES, evaluated_rows, lobes_module, numbers};
 use crate::material::{MATERIALS, Material, MaterialKind, RowKind, Sets};
 use crate::options::RenderOptions;
-use crate::shape::KINDS;
+use crate::shape::{KINDS, ShapeKind, code_kind};
 
 /// All tables but those of shapes.
 const OTHER_TABLES: &str = "nodes media lights delta_lights light_nodes emitters aims materials textures frames";
@@ -32,14 +32,6 @@ fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32, Reason)>) -> Vec<Entry>
         last.closes = true;
     }
     entries
-}
-
-/// The kinds of a group of facts that hold, but for meshes. If there are meshes, their case closes a switch.
-fn without_meshes(facts: &Facts, group: &str, kinds: impl Iterator<Item = (u32, &'static str)>) -> Vec<Entry> {
-    let is_mesh = |kind: &Entry| [KIND_TRIANGLE, KIND_INSTANCE].contains(&kind.number);
-    let (meshes, mut others): (Vec<_>, Vec<_>) = of_group(facts, group, kinds).into_iter().partition(is_mesh);
-    others.iter_mut().for_each(|kind| kind.closes &= meshes.is_empty());
-    others
 }
 
 /// The kinds of a group of facts that hold, with their numbers.
@@ -92,35 +84,48 @@ pub(super) fn decide(
 
 type Lists = BTreeMap<&'static str, Vec<Entry>>;
 
-/// The lists of kinds of shape, texture and background. Faces of meshes have conditions of their own.
+/// The kinds of object whose shapes have a fact of this group, by the tables in which objects lie. Of a mesh, that is the table of instances.
+fn objects(facts: &Facts, group: &str) -> Vec<Entry> {
+    let reason = |kind: &ShapeKind| reason_of(facts, &format!("{group}.{}", kind.shader)).cloned();
+    let table = |kind: &ShapeKind| kind.table.name.trim_end_matches('s');
+    closed((0..).zip(KINDS).filter_map(|(number, kind)| Some((table(kind), code_kind(number), reason(kind)?))))
+}
+
+/// The lists of kinds of shape, texture and background.
 fn lists_of_shapes(facts: &Facts) -> Lists {
-    let of_shapes = |group| without_meshes(facts, group, numbered(PRIMITIVES));
+    let of_shapes = |group| of_group(facts, group, numbered(PRIMITIVES));
     let (primitive, emitter, parted) = (of_shapes("shape"), of_shapes("area_light"), of_shapes("parted"));
     let has_parts = |kind: &Entry| parted.iter().any(|other| other.number == kind.number);
     let (parted_emitter, whole_emitter): (Vec<_>, Vec<_>) = emitter.iter().cloned().partition(has_parts);
+    let (paired, single): (Vec<_>, Vec<_>) = primitive.iter().cloned().partition(|kind| kind.number == KIND_TRIANGLE);
     let is_crossed = |kind: &&Entry| reason_of(facts, &format!("crossed_body.{}", kind.name)).is_some();
     let crossed_body = primitive.iter().filter(is_crossed).cloned().collect();
+    let convex = BOUNDARIES.iter().filter(|own| own.1 != KIND_INSTANCE).map(|(name, kind)| (*kind, *name));
     let background = of_group(facts, "background", numbered(BACKGROUNDS));
-    let (own_background, other_background) = background.split_at(background.len().saturating_sub(1));
-    let (other_background, own_background) = (own_background.to_vec(), other_background.to_vec());
+    let (other_backgrounds, last_background) = background.split_at(background.len().saturating_sub(1));
     BTreeMap::from([
+        // What rays hit: all, those that walks test in pairs, and the others.
         ("primitive", primitive),
-        ("moving", of_shapes("moves")),
+        ("paired", paired),
+        ("single", single),
+        // The objects: all, those that move, and the boundaries of media that move.
+        ("object", objects(facts, "shape")),
+        ("moving", objects(facts, "moves")),
+        ("moving_boundary", objects(facts, "boundary_moves")),
         // The shapes that are sampled as lights: all, those cut into parts, and the others.
         ("emitter", emitter),
         ("parted_emitter", parted_emitter),
         ("whole_emitter", whole_emitter),
         // The bodies that a ray leaves again through a pane or a hole of their alpha.
         ("crossed_body", crossed_body),
-        // The kinds of boundary of media.
-        ("convex_boundary", without_meshes(facts, "boundary", BOUNDARIES.iter().map(|(name, kind)| (*kind, *name)))),
+        // The kinds of boundary of media that a ray enters at most once.
+        ("convex_boundary", of_group(facts, "boundary", convex)),
         ("texture", of_group(facts, "texture", numbered(TEXTURES))),
-        // The formats of the images' texels.
         ("texel_format", of_group(facts, "texel", numbered(FORMATS))),
-        ("background", background),
-        // The last background, and those before it.
-        ("own_background", own_background),
-        ("other_background", other_background),
+        // The last background, those before it, and all.
+        ("own_background", last_background.to_vec()),
+        ("other_background", other_backgrounds.to_vec()),
+        ("background", background.clone()),
     ])
 }
 

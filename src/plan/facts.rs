@@ -189,12 +189,7 @@ pub(super) fn known_of<'a>(declared: &'static Declared, features: &'a Features) 
         let known = |(kind, fact): (&str, String)| Known {
             name: label.replace("{}", kind),
             reason: features.reason(&fact).or_else(|| features.any(&fact)).map(String::as_str),
-            // Meshes have modules of their own.
-            module: match &*fact {
-                "boundary.mesh" => "scene/medium_in_mesh".to_string(),
-                "moves.triangle" => "motion/instance".to_string(),
-                _ => module.replace("{}", if kind.is_empty() { declared.name } else { kind }),
-            },
+            module: module.replace("{}", if kind.is_empty() { declared.name } else { kind }),
         };
         facts.into_iter().map(known).collect()
     };

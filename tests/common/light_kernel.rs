@@ -69,7 +69,7 @@ pub type Kind = (&'static str, &'static str);
 
 pub const SPHERE: Kind = ("sphere", "Sphere");
 pub const LARGE_SPHERE: Kind = ("large_sphere", "LargeSphere");
-pub const TRIANGLE: Kind = ("triangle", "Triangle");
+pub const TRIANGLE: Kind = ("triangle", "Corners");
 pub const QUAD: Kind = ("quad", "Quad");
 pub const DISK: Kind = ("disk", "Quad");
 pub const QUAD_PART: Kind = ("quad_part", "Quad");

@@ -1,4 +1,4 @@
-//! geometry/triangle: rays that leave triangles, at all angles.
+//! geometry/sheared_triangle: rays that leave triangles, at all angles.
 
 use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
@@ -48,7 +48,7 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
 /// The table's cells of triangles.
 pub fn cells() -> Vec<Cell> {
     const BECAUSE: &str = "none, because the offset exceeds the bound of the errors of the point and of the next distance \
-                           (geometry/triangle).";
+                           (geometry/sheared_triangle).";
     let own = tracer(&[]);
     let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
     let cell = |row, range: String, figure, far, cosines| {

@@ -1110,12 +1110,14 @@ fn no_mutated_scene_panics() {
     assert!(accepted > 50 && refused > 150, "{accepted} accepted, {refused} refused");
 }
 
-/// Nodes whose transforms are written into the vertices, and materials: eight times as many take eight times as long, and not 64 times.
-/// Searched for one by one, 32,000 of them took 30 times as long as 4,000. Caches make a large file up to 1.3 times slower for its size, and
-/// the least of two processor times varies by less than a tenth.
+/// Nodes whose transforms are written into the vertices, and materials: each of 64,000 takes about as long as each of 1,000. Searched for one
+/// by one, 32,000 took 30 times as long as 4,000, so that each of 64,000 would take 9 times as long as each of 1,000. Caches that do not hold a
+/// large file make its nodes up to 2.2 times slower, on a machine with other work. The limit is the mean of these two ratios, the geometric one.
 #[test]
 fn time_grows_with_nodes_and_materials_and_not_with_their_square() {
-    const LIMIT: f64 = 15.0;
+    const LIMIT: f64 = 4.5;
+    const FEW: usize = 1_000;
+    const MANY: usize = 64_000;
     let folder = tempfile::tempdir().unwrap();
     let seconds = |json: &Value| {
         let path = folder.path().join("many.glb");
@@ -1125,8 +1127,8 @@ fn time_grows_with_nodes_and_materials_and_not_with_their_square() {
             let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
             (clock.elapsed().as_secs_f64(), scene.meshes.len())
         };
-        let (first, second) = (time(), time());
-        (first.0.min(second.0), first.1)
+        let [first, second, third] = [time(), time(), time()];
+        (first.0.min(second.0).min(third.0), first.1)
     };
     let nodes = |count: usize| {
         let (mut json, _) = room();
@@ -1151,12 +1153,9 @@ fn time_grows_with_nodes_and_materials_and_not_with_their_square() {
         json["scenes"] = json!([{"nodes": (0..count).collect::<Vec<_>>()}]);
         seconds(&json).0
     };
-    for n in [2000, 4000, 8000, 16000, 32000, 64000] {
-        println!("{n} {:.4} {:.4}", nodes(n) * 1e6 / n as f64, materials(n) * 1e6 / n as f64);
-    }
-    for (name, ratio) in [("nodes", nodes(32_000) / nodes(4_000)), ("materials", materials(32_000) / materials(4_000))]
-    {
-        println!("{name}: {ratio:.1} times as long");
-        assert!(ratio < LIMIT, "eight times as many {name} take {ratio:.1} times as long");
+    for (name, ratio) in [("nodes", nodes(MANY) / nodes(FEW)), ("materials", materials(MANY) / materials(FEW))] {
+        let ratio = ratio * FEW as f64 / MANY as f64;
+        println!("{name}: each of {MANY} takes {ratio:.1} times as long as each of {FEW}");
+        assert!(ratio < LIMIT, "{name}: each of {MANY} takes {ratio:.1} times as long as each of {FEW}");
     }
 }

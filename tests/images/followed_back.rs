@@ -76,11 +76,7 @@ fn follow(text: &str, plant: Option<(&str, &str, &str)>) -> Followed {
             "scatter_light_path(&path);\n            follow_back(&path);",
         ),
         ("light_path/scatter", "//@ use step/light_depth", "//@ use step/light_depth\n//@ use test/recorded_events"),
-        (
-            "light_path/scatter",
-            "    // The next ray. A first event",
-            "    record_event_of_light(path, drawn);\n    // A first event",
-        ),
+        ("light_path/scatter", "    // The next ray.", "    record_event_of_light(path, drawn);"),
         (
             "light_path/lens_connection",
             "//@ use light_path/light_sample",

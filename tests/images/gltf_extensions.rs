@@ -93,7 +93,7 @@ fn unlit_surfaces_have_the_colours_of_their_vertices() {
         let found = off(&render(&scene, &request).picture, expected);
         assert!(found < most, "{found}, {most}");
         let planted = Overlay::new(&[])
-            .rewritten("scene/meshes", |own| own.replace("colour_of_vertex(face.y)", "colour_of_vertex(face.x)"));
+            .rewritten("scene/vertices", |own| own.replace("colour_of_vertex(face.y)", "colour_of_vertex(face.x)"));
         assert!(off(&render_planted(&scene, &request, &planted).picture, expected) > 10.0 * most);
     }
     // The control: without the colours.

@@ -307,13 +307,16 @@ fn ways_to_find_moving_lamps_have_one_expectation() {
     let planted = [
         // The density of a lamp where it was when the shutter opened.
         overlay().rewritten("scene/lights", |text| {
-            text.replace("direction, moved_${name}(${name}s[of_kind], pose)", "direction, ${name}s[of_kind]")
+            text.replace(
+                "direction, moved_${name}(${name}_at(of_kind, instance), pose)",
+                "direction, ${name}_at(of_kind, instance)",
+            )
         }),
         // A direction to it there.
         overlay().rewritten("scene/lights", |text| {
             text.replace(
-                "_light_sample(from_point, moved_${name}(${name}s[index], pose)",
-                "_light_sample(from_point, ${name}s[index]",
+                "_light_sample(from_point, moved_${name}(${name}_at(index, light.instance), pose)",
+                "_light_sample(from_point, ${name}_at(index, light.instance)",
             )
         }),
         // A shadow ray at another time.

@@ -155,9 +155,11 @@ fn parts_of_lights_change_no_expectation() {
         let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.03 * v));
         assert!(same_expectation(&bsdf, &brighter, ROUNDING, ALPHA).is_err(), "{name}: 3 % more light is not found");
         let planted = match name {
-            "lamps that move" => {
-                ("scene/lights", "moved_${name}(${name}s[index], pose), light.part", "${name}s[index], light.part")
-            }
+            "lamps that move" => (
+                "scene/lights",
+                "moved_${name}(${name}_at(index, light.instance), pose), light.part",
+                "${name}_at(index, light.instance), light.part",
+            ),
             _ => (
                 "scene/light_parts",
                 "    return part;\n",

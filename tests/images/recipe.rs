@@ -170,7 +170,7 @@ fn disk_surface(ray: Ray, t: f32, square: Quad) -> Surface {
     return quad_surface_at(quad_coordinates(ray, t, square), square);
 }
 
-fn disk_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+fn disk_uv(square: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(local.xy, false);
 }
 ";

@@ -91,7 +91,7 @@ fn colours_are_interpolated() {
     let found = off(&render(&scene, &Request::spp(256)).picture);
     assert!(found < most, "{found}, {most}");
     let planted = Overlay::new(&[])
-        .rewritten("scene/meshes", |own| own.replace("colour_of_vertex(face.y)", "colour_of_vertex(face.x)"));
+        .rewritten("scene/vertices", |own| own.replace("colour_of_vertex(face.y)", "colour_of_vertex(face.x)"));
     assert!(off(&render_planted(&scene, &Request::spp(256), &planted).picture) > 10.0 * most);
 }
 
@@ -172,7 +172,7 @@ fn the_alpha_of_vertices_multiplies_that_of_the_material() {
     // The alphas of two corners exchanged.
     let scene = of([0, 255], black("BLEND", 1.0));
     let planted = Overlay::new(&[])
-        .rewritten("scene/meshes", |own| own.replace("alpha_of_vertex(face.y)", "alpha_of_vertex(face.x)"));
+        .rewritten("scene/vertices", |own| own.replace("alpha_of_vertex(face.y)", "alpha_of_vertex(face.x)"));
     assert!(difference(passed(&scene, &asks[0], Some(&planted)), |x| 1.0 - x) > 3.0 * NOISE, "it is not found");
 }
 

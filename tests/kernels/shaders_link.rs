@@ -714,16 +714,16 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("lib", &["lib"]),
     ("sampler", &["data", "lib"]),
     ("data", &["data", "generated", "lib"]),
-    ("geometry", &["data", "geometry", "lib"]),
-    ("tangent", &["data", "lib"]),
+    ("geometry", &["bind/meshes", "data", "geometry", "lib"]),
+    ("tangent", &["bind/meshes", "data", "geometry", "lib"]),
     ("light", &["data", "geometry", "lib", "light"]),
-    ("medium", &["data", "geometry", "lib", "medium"]),
+    ("medium", &["bind", "data", "geometry", "lib", "medium", "motion", "scene/face_pairs"]),
     ("material", &["choice/multiscatter", "data", "geometry", "lib", "lobe", "material"]),
     ("lobe", &["bind", "data", "lib", "lobe", "material"]),
-    ("bind", &["data"]),
+    ("bind", &["bind", "data", "geometry/triangle", "scene/at_run_time"]),
     ("texture", &["choice/number_texels", "data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib", "motion"]),
-    ("motion", &["bind", "camera", "data", "lib", "motion", "sampler", "scene/at_run_time"]),
+    ("motion", &["bind", "camera", "choice/faces", "data", "geometry/triangle", "lib", "motion", "sampler"]),
     ("filter", &["data", "filter", "lib"]),
     ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
     ("texel", &["bind"]),
@@ -940,28 +940,16 @@ fn the_linkers_errors_name_file_and_line() {
         let about = format!("`//@ {inner}` within `//@ {outer}`");
         assert_fault(&[("test/root", text.leak())], "shaders/test/root.wgsl:2:", &about);
     }
-    for (text, line) in [
-        ("//@ else\n//@ end\n", 1),
-        ("//@ each animal\n//@ else\n//@ end\n", 2),
-        ("//@ if wet\n//@ else\n//@ else\n//@ end\n", 3),
-    ] {
-        assert_fault(&[("test/root", text)], &format!("shaders/test/root.wgsl:{line}:"), "`//@ else` without `//@ if`");
-    }
-    // A part of a block that closes a brace of another one, or leaves one open.
-    for text in [
-        "//@ if wet\nfn f() {\n//@ end\n}\n",
-        "fn f() {\n//@ if dry\n}\n//@ else\n}\n//@ end\n",
-        "//@ each animal\n} {\n//@ end\n",
-        "//@ if wet\n//@ else\nfn f() {\n//@ end\n}\n",
-    ] {
+    // A block that closes a brace of other lines, or leaves one open.
+    for text in
+        ["//@ if wet\nfn f() {\n//@ end\n}\n", "fn f() {\n//@ if dry\n}\n//@ end\n", "//@ each animal\n} {\n//@ end\n"]
+    {
         assert_fault(&[("test/root", text)], "shaders/test/root.wgsl:", "half a brace within");
     }
     assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
     assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
     assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
-    for wrong in
-        ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends", "//@ if", "//@ elif wet"]
-    {
+    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends", "//@ if", "//@ else"] {
         let about = format!("`{wrong}` is no directive");
         let texts = [format!("fn f() {{}}\n    {wrong}\n"), format!("//@ each animal\n{wrong}\n//@ end\n")];
         for text in texts {
@@ -992,12 +980,35 @@ fn nagas_errors_name_the_file_and_line_of_the_module() {
 
 #[test]
 fn lines_of_a_condition_are_there_where_it_holds() {
-    let root = "//@ if wet\nconst WET: u32 = ${size}u;\n//@ use lib/rng\n//@ else\nconst NOT_WET: u32 = 1u;\n//@ end\n\
-                //@ if dry\nconst DRY: u32 = ${none}u;\n//@ use no/module\n//@ else\nconst NOT_DRY: u32 = 2u;\n//@ end\n";
+    let root = "//@ if wet\nconst WET: u32 = ${size}u;\n//@ use lib/rng\n//@ end\n\
+                //@ if dry\nconst DRY: u32 = ${none}u;\n//@ use no/module\n//@ end\n\
+                //@ if !dry\nconst NOT_DRY: u32 = 2u;\n//@ end\n";
     let linked = linked(&[("test/root", root)]).expect("it links");
     let expected = "const WET: u32 = 7u;\nconst NOT_DRY: u32 = 2u;\n";
-    assert!(linked.text.ends_with(expected) && !linked.text.contains("NOT_WET"), "{}", linked.text);
+    assert!(linked.text.ends_with(expected), "{}", linked.text);
     assert_eq!(linked.modules, ["lib/rng", "test/root"]);
+}
+
+/// The lines of a module that begin a condition outside of a struct.
+fn conditions_outside_structs(text: &str) -> Vec<&str> {
+    let mut in_struct = false;
+    let is_outside = |line: &&str| {
+        in_struct = (in_struct || line.starts_with("struct ")) && !line.starts_with('}');
+        line.trim().starts_with("//@ if ") && !in_struct
+    };
+    text.lines().filter(is_outside).collect()
+}
+
+/// What depends on a fact is a member of a struct, or a function of a file of its own, so that a function reads as what it does.
+#[test]
+fn no_function_has_a_condition() {
+    for name in Embedded::names() {
+        let text = Embedded.module(&name).expect("it is listed");
+        assert_eq!(conditions_outside_structs(text), Vec::<&str>::new(), "shaders/{name}.wgsl");
+    }
+    let planted =
+        "struct A {\n    //@ if wet\n    a: u32,\n    //@ end\n}\n\nfn f() {\n    //@ if dry\n    //@ end\n}\n";
+    assert_eq!(conditions_outside_structs(planted), ["    //@ if dry"]);
 }
 
 /// What shaders name and what the plan decides are the same names: none is unknown, and no list or value is decided for nothing.

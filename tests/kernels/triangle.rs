@@ -1,4 +1,4 @@
-//! geometry/triangle: closed meshes without holes or double walls, distances and weights. The rays that leave are in tests/extremes.
+//! geometry/sheared_triangle: closed meshes without holes or double walls, distances and weights. The rays that leave are in tests/extremes.
 
 use glam::DVec3;
 
@@ -151,8 +151,8 @@ fn leaks(kernel: &Kernel, mesh: &Mesh, scale: f64, offset: DVec3, count: usize) 
 #[test]
 fn every_ray_from_inside_a_closed_mesh_leaves_it_once() {
     let kernel = tracer(&[]);
-    let closed = tracer(&[("geometry/triangle", "test/control/triangle_closed")]);
-    let open = tracer(&[("geometry/triangle", "test/control/triangle_open")]);
+    let closed = tracer(&[("geometry/sheared_triangle", "test/control/triangle_closed")]);
+    let open = tracer(&[("geometry/sheared_triangle", "test/control/triangle_open")]);
     let mut random = Random(70);
     let far = DVec3::new(1024.0, -512.0, 768.0);
     let small = 0.5f64.powi(20);

@@ -1,6 +1,4 @@
-//@ use light/triangle
-//@ use scene/face_parts
-//@ use geometry/slab
+//@ use light/triangle_parts
 // A part of a triangle behind the names that test/light calls.
 struct TrianglePart {
     a: vec3<f32>,
@@ -10,15 +8,13 @@ struct TrianglePart {
 }
 
 fn shape_sample(from_point: vec3<f32>, shape: TrianglePart, u: vec2<f32>) -> DirectionSample {
-    let corners = part_of_triangle(Corners(shape.a, shape.b, shape.c), shape.part);
-    return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u);
+    return corners_sample(from_point, part_of_triangle(Corners(shape.a, shape.b, shape.c), shape.part), u);
 }
 
 fn shape_pdf(from_point: vec3<f32>, direction: vec3<f32>, shape: TrianglePart) -> f32 {
-    let corners = part_of_triangle(Corners(shape.a, shape.b, shape.c), shape.part);
-    return triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
+    return corners_pdf(from_point, part_of_triangle(Corners(shape.a, shape.b, shape.c), shape.part));
 }
 
 fn shape_distance(ray: Ray, shape: TrianglePart) -> f32 {
-    return triangle_hit(shear_along(ray, slab_inverse(ray.direction)), shape.a, shape.b, shape.c).t;
+    return face_hit(ray, Corners(shape.a, shape.b, shape.c)).t;
 }

@@ -36,10 +36,9 @@ fn brute_force_hit(ray: Ray) -> Hit {
     var brute_force = hit_at(HIT_NOTHING, VERY_FAR);
     for (var i = 0u; i < INSTANCES; i++) {
         let here = to_mesh(instances[i], ray);
-        let inverse = slab_inverse(here.direction);
         for (var face = 0u; face < FACES; face++) {
             let code = PRIMITIVE_BIT | (KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT) | face;
-            let t = face_hit(here, inverse, face).t;
+            let t = face_hit(here, corners_of(face)).t;
             if t != NO_HIT && t < brute_force.t {
                 brute_force = hit_at(code, t);
                 brute_force.instance = i;

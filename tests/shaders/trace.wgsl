@@ -46,7 +46,7 @@ fn run(row: u32) {
             leaving = normalize(from_basis(basis_around(surface.normal), given.leaving));
         }
         let start = leave_surface(surface.point, surface.error, surface.normal, leaving);
-        let place = ${primitive}_uv(surface.local, surface.local);
+        let place = ${primitive}_uv(primitive, surface.local, surface.local);
         out.point = surface.point;
         out.normal = surface.normal;
         out.error = surface.error;

@@ -1,4 +1,4 @@
-//@ use geometry/triangle
+//@ use geometry/sheared_triangle
 //@ use geometry/offset
 //@ use geometry/slab
 // A ray against all triangles of a range: how often it leaves and enters through them, and where it meets the nearest;

@@ -33,6 +33,6 @@ fn quad_surface(ray: Ray, t: f32, quad: Quad) -> Surface {
     return surface;
 }
 
-fn quad_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+fn quad_uv(quad: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(local.xy, false);
 }

@@ -5,7 +5,7 @@
 //@ use data/primitive
 //@ use bind/nodes
 //@ use bind/instances
-//@ use choice/moved_instance
+//@ use choice/moved_triangle
 //@ use geometry/bounds
 //@ use geometry/instance
 //@ use geometry/slab
@@ -33,7 +33,7 @@ struct Crossing {
 // The next crossing after `last`, and the winding number on the part of the ray between them. The winding number is a sum over
 // the faces that the ray hits from there to infinity: 1 for each face through which the ray leaves the mesh, and -1 for each
 // through which it enters. A ray never slips between the faces of a closed mesh and never hits two of them at once
-// (geometry/triangle), so the sum is right wherever the ray starts.
+// (geometry/sheared_triangle), so the sum is right wherever the ray starts.
 fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>) -> Crossing {
     let inverse = slab_inverse(ray.direction);
     var next = Crossing(VERY_FAR, 0xffffffffu, 0);
