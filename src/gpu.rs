@@ -16,4 +16,5 @@ mod reach;
 pub mod spirv;
 pub mod timing;
 pub mod unseen;
+pub mod vocabulary;
 pub mod when;

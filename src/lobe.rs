@@ -80,7 +80,7 @@ impl Rows {
 /// The module `generated/lobes`: the structs `Rows` and `Lobes`, and for each row that has no module of its own begin_NAME, which says whether
 /// a material has one, and take_NAME, which sets what the row is for.
 pub fn lobes_module() -> String {
-    let mut text = String::from("//@ use data/material\nstruct Rows {\n    absorption: vec3<f32>,\n");
+    let mut text = String::from("struct Rows {\n    absorption: vec3<f32>,\n");
     for row in rows() {
         let _ = writeln!(text, "    {}: u32,", row.name);
     }

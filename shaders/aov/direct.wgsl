@@ -1,5 +1,4 @@
 //@ implements aov_direct when aov.direct
-//@ use data/path
 //@ use choice/filter_weight
 // The share of the radiance that is direct: light seen directly, and light on the first surface or medium of a path.
 
@@ -19,7 +18,6 @@ fn add_direct(path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // The film has no channel of direct radiance.
 fn record_direct(path: ptr<function, Path>, contribution: vec3<f32>, events: u32) {
 }

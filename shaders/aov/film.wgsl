@@ -1,5 +1,4 @@
 //@ implements aov_film when aov
-//@ use data/window
 //@ use step/film
 // The sums of `--aov` on the film.
 
@@ -13,7 +12,6 @@ fn add_aov(pixel: u32, run: RunRecord) {
 }
 
 //@ without
-//@ use data/window
 // The film has no channel but radiance.
 fn add_aov(pixel: u32, run: RunRecord) {
 }

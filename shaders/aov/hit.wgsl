@@ -1,6 +1,4 @@
 //@ implements aov_hit when aov_hit
-//@ use data/path
-//@ use data/primitive
 //@ each hit_channel
 //@ use aov/${name}
 //@ end
@@ -15,7 +13,6 @@ fn record_hit(path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // The film has no channel of the surface that camera rays hit.
 fn record_hit(path: ptr<function, Path>) {
 }

@@ -1,4 +1,3 @@
-//@ use data/path
 //@ use scene/surfaces
 // The number of the material that the pixel's first sample hits.
 fn material(path: ptr<function, Path>) -> f32 {

@@ -1,4 +1,3 @@
-//@ use data/path
 //@ use scene/primitives
 // The number of the object that the pixel's first sample hits: a mean of numbers means nothing.
 fn object(path: ptr<function, Path>) -> f32 {

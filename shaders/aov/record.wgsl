@@ -1,6 +1,4 @@
 //@ implements aov_record when aov
-//@ use data/path
-//@ use data/window
 // The sums of `--aov` of a finished run.
 fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
     (*run).aov = (*path).aov;
@@ -11,8 +9,6 @@ fn clear_aov(path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
-//@ use data/window
 // The film has no channel but radiance.
 fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
 }

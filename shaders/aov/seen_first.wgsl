@@ -1,5 +1,4 @@
 //@ implements seen when !aov_rough
-//@ use data/path
 // The camera sees the first event of a path.
 fn is_seen(path: ptr<function, Path>, passes: bool) -> bool {
     return (*path).depth == 0u;

@@ -1,5 +1,4 @@
 //@ implements seen when aov_rough
-//@ use data/path
 // The camera sees the first event of a path that is not at a mirror or at clear glass.
 fn is_seen(path: ptr<function, Path>, passes: bool) -> bool {
     if passes || (*path).seen != 0u {

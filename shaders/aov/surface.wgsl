@@ -1,6 +1,4 @@
 //@ implements aov_surface when aov_surface & !kernel.light_path
-//@ use data/material
-//@ use data/path
 //@ use choice/filter_weight
 //@ use choice/seen
 //@ use scene/responses
@@ -32,8 +30,6 @@ fn record_event_seen(path: ptr<function, Path>, passes: bool, event_albedo: vec3
 }
 
 //@ without
-//@ use data/material
-//@ use data/path
 // The film has no channel of the surface that the camera sees.
 fn record_surface(path: ptr<function, Path>, evaluated: EvaluatedMaterial, bsdf: Scatter, normal: vec3<f32>) {
 }

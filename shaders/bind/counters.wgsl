@@ -1,2 +1,1 @@
-//@ use data/window
 @group(0) @binding(2) var<storage, read_write> counters: Counters;

@@ -1,2 +1,1 @@
-//@ use data/primitive
 @group(0) @binding(31) var<storage, read> face_pairs: array<FacePair>;

@@ -1,2 +1,1 @@
-//@ use data/film
 @group(0) @binding(3) var<storage, read_write> film: array<PixelTotals>;

@@ -1,2 +1,1 @@
-//@ use data/settings
 @group(0) @binding(0) var<uniform> settings: Settings;

@@ -1,2 +1,1 @@
-//@ use data/texture
 @group(0) @binding(10) var<${space_of_textures}> textures: array<Texture${size_of_textures}>;

@@ -1,2 +1,1 @@
-//@ use data/trial
 @group(0) @binding(25) var<uniform> trials: array<Trial, 64>;

@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use bind/instances
 //@ use geometry/triangle
 //@ use scene/at_run_time

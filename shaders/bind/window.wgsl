@@ -1,2 +1,1 @@
-//@ use data/window
 @group(0) @binding(1) var<uniform> window: Window;

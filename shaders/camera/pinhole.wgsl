@@ -1,6 +1,5 @@
 //@ alternative camera when !lens
 //@ use bind/settings
-//@ use data/ray
 //@ use camera/film_plane
 //@ use choice/camera_pose
 // All rays start at one point.

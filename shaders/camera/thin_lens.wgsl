@@ -1,5 +1,4 @@
 //@ alternative camera when lens
-//@ use data/ray
 //@ use lib/sampling
 //@ use camera/film_plane
 //@ use choice/camera_pose

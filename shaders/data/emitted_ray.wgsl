@@ -1,4 +1,3 @@
-//@ use data/ray
 // The first ray of a light path.
 struct EmittedRay {
     ray: Ray,

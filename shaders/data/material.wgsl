@@ -1,4 +1,3 @@
-//@ use generated/lobes
 // An element of the table of materials. The `kind` of a material is its number in the list of materials. The `kind` of a further row is the offset
 // of its texture's frame from the frame of the material's own texture.
 struct Material {

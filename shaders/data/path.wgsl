@@ -1,5 +1,3 @@
-//@ use generated/path
-//@ use data/hit
 // `Path` is the state of a path, and of the run that its sample belongs to. The plan generates it from its table of fields,
 // which describes each (src/plan/state.rs). `status` is the code of the primitive that the ray hit, or what the path is doing
 // (data/primitive); once the path has ended, `throughput` holds its radiance. `pdf` is that of the ray's direction by the last event, and 0 for

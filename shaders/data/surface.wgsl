@@ -1,4 +1,3 @@
-//@ use data/motion
 // The hit record: the surface at the point where a ray hit it.
 struct Surface {
     // The hit point in render space. `error` bounds its distance from the surface, plus the rounding error of the next distance

@@ -1,4 +1,3 @@
-//@ use data/material
 // KHR_materials_dispersion: the index of blue less that of green.
 fn begin_dispersion(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {
     return own.dispersion != NO_EXTENSION;

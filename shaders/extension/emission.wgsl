@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use bind/materials
 // The radiance that a surface emits to the ray.
 fn begin_emission(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {

@@ -1,4 +1,3 @@
-//@ use data/material
 // KHR_materials_iridescence: the thickness of the film where it varies, from the row's first number to the second. It comes after the film.
 fn begin_iridescence_thickness(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {
     return own.iridescence_thickness != NO_EXTENSION;

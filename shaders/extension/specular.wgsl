@@ -1,4 +1,3 @@
-//@ use data/material
 // KHR_materials_specular: the share and the colour of the layer of glTF's material.
 fn begin_specular(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {
     (*evaluated).f0 = vec3<f32>((*evaluated).material.${pbr.f0});

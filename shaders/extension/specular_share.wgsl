@@ -1,4 +1,3 @@
-//@ use data/material
 // The share of the layer of glTF's material, where it varies over the surface. It comes after the layer's colour.
 fn begin_specular_share(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {
     return own.specular_share != NO_EXTENSION;

@@ -1,4 +1,3 @@
-//@ use data/material
 // KHR_materials_transmission: the share of glass in what is no metal. With the metallic share m and the share t, glass is (1 - m) t of all. The
 // rest is the base with the metallic share m / (1 - (1 - m) t). It comes after the metallic share.
 fn begin_transmission(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {

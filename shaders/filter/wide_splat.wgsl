@@ -1,5 +1,4 @@
 //@ implements splat_filter when !filter.box
-//@ use data/target_pixel
 //@ use choice/filter_value
 // Wider filters: a pixel is drawn by the absolute value of its filter at the point.
 

@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use geometry/slab
 //@ use lib/float
 // Finds the children of a BVH node that a ray may hit from the distance `begin` to `nearest`. The test is conservative: it never

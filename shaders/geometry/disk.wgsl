@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 //@ use geometry/quad_plane
 // A disk: the circle within a square, which the kernel has as a quad.
 

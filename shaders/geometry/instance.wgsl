@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use lib/float
 // Transforms between render space and the space of a mesh.
 

@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/float
 //@ use lib/sphere_map
 // A sphere given by its point nearest to the camera, the normal there and the curvature c = 1/r (own derivation). Points x are

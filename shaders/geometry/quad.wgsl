@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 //@ use geometry/quad_plane
 
 // Distance to the parallelogram, or NO_HIT. The host computes a_axis and b_axis in f64. The edges are widened by the slack, so that

@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/float
 // The plane of a quad, and of the square around a disk.
 

@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/surface
 //@ use lib/float
 //@ relies on signs
 // Intersects rays with triangles, without gaps: no ray passes between triangles that share an edge or a vertex, and none hits

@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/float
 //@ use lib/sphere_map
 //@ use choice/sphere_chord

@@ -1,7 +1,4 @@
 //@ alternative sphere_chord when !(precision.fast & ball)
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 // Where a ray's line crosses a sphere, accurate even if the sphere is small and far away.
 
 // The point of a ray's line that is nearest to the centre of a sphere.

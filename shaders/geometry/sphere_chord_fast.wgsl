@@ -1,7 +1,4 @@
 //@ alternative sphere_chord when precision.fast & ball
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 // Where a ray's line crosses a sphere, by the quadratic formula of the textbooks (`--precision fast`; Shirley, Black, Hollasch, "Ray
 // Tracing in One Weekend", sections 5.1 and 6.2), for directions of unit length. b^2 - c suffers cancellation: at the distance D, hits
 // and misses are confused within u (D/r)^2 radii of the outline, where u = 2^-24. That is a hundredth of a radius from 400 radii on.

@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/surface
-//@ use data/primitive
 //@ use bind/meshes
 //@ use geometry/instance
 //@ use geometry/sheared_triangle

@@ -1,4 +1,3 @@
-//@ use data/alias_entry
 //@ relies on uniforms
 // The alias method (Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM TOMS
 // 3(3), 1977): one lookup finds an entry, and either the entry or its alias is drawn. It uses integers, so that the

@@ -1,4 +1,3 @@
-//@ use data/ray
 //@ use geometry/cuboid
 //@ use light/quad
 //@ use lib/sampling

@@ -1,4 +1,3 @@
-//@ use data/light
 //@ use light/sample
 // Lights without size. The irradiance of a point or spot light is its intensity over the squared distance. For a directional light, the
 // same formula has a vector to the light of length 1 from every point.

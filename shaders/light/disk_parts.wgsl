@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use lib/angle
 //@ use light/disk
 //@ use light/parts

@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use light/sample
 //@ use light/sphere
 //@ use geometry/large_sphere

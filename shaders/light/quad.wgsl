@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use geometry/quad_plane
 //@ use light/sample
 //@ use light/spherical

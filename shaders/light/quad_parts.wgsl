@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use light/parts
 //@ use light/quad
 // Parts of a quad: smaller parallelograms.

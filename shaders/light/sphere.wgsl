@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use light/sample
 //@ use lib/basis
 //@ use lib/float

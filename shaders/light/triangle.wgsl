@@ -1,4 +1,3 @@
-//@ use data/ray
 //@ use geometry/instance
 //@ use geometry/sheared_triangle
 //@ use geometry/triangle

@@ -1,5 +1,3 @@
-//@ use data/primitive
-//@ use data/ray
 //@ use bind/aims
 //@ use bind/settings
 //@ use geometry/cuboid

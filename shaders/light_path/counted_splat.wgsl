@@ -1,6 +1,3 @@
-//@ use data/hit
-//@ use data/path
-//@ use data/window
 //@ use bind/lights
 //@ use bind/settings
 //@ use scene/lights

@@ -1,6 +1,4 @@
 //@ implements delta_emission when delta_light
-//@ use data/emitted_ray
-//@ use data/primitive
 //@ use bind/emitters
 //@ use light_path/aims
 //@ use scene/at_run_time
@@ -39,8 +37,6 @@ fn density_of_delta_emission(code: u32, to_light: Ray) -> f32 {
 }
 
 //@ without
-//@ use data/emitted_ray
-//@ use data/ray
 // No light is without size.
 fn emit_from_delta_light(code: u32, probability: f32, u: f32, v: vec2<f32>) -> EmittedRay {
     return no_emission();

@@ -1,10 +1,4 @@
 //@ implements density_ratio when light_paths
-//@ use data/hit
-//@ use data/light
-//@ use data/material
-//@ use data/path
-//@ use data/surface
-//@ use data/window
 //@ use bind/settings
 //@ use camera/film_point
 //@ use choice/both_sides
@@ -154,10 +148,6 @@ fn weigh_sample_beside_light_paths(path: ptr<function, Path>, hit: Hit) -> f32 {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/surface
 // No light paths are traced.
 fn follow_ratio(
     path: ptr<function, Path>,

@@ -1,9 +1,3 @@
-//@ use data/emitted_ray
-//@ use data/hit
-//@ use data/light
-//@ use data/primitive
-//@ use data/ray
-//@ use data/surface
 //@ use bind/emitters
 //@ use bind/lights
 //@ use geometry/offset

@@ -1,7 +1,3 @@
-//@ use data/dimension
-//@ use data/hit
-//@ use data/path
-//@ use data/ray
 //@ use bind/settings
 //@ use camera/film_point
 //@ use choice/camera

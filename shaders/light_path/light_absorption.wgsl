@@ -1,6 +1,4 @@
 //@ implements light_absorption when kernel.light_path & absorbing
-//@ use data/path
-//@ use data/surface
 //@ use bind/extensions
 // Absorption inside solids along light paths. A camera path is absorbed where its ray ends on the inside of an absorbing solid. For a light
 // path that is where its ray starts.
@@ -30,8 +28,6 @@ fn absorb_to_lens(light: vec3<f32>, surface: Surface, direction: vec3<f32>, dist
 }
 
 //@ without
-//@ use data/path
-//@ use data/surface
 // No solid absorbs light.
 fn absorb_ahead(path: ptr<function, Path>, surface: Surface, direction: vec3<f32>) {
 }

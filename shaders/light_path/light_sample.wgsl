@@ -1,6 +1,3 @@
-//@ use data/dimension
-//@ use data/path
-//@ use data/window
 //@ use bind/counters
 //@ use bind/lights
 //@ use bind/settings
@@ -9,9 +6,6 @@
 //@ use choice/light_absorption
 //@ use choice/sampler
 //@ use choice/time
-//@ use data/hit
-//@ use data/primitive
-//@ use data/ray
 //@ use lib/float
 //@ use light_path/emission
 //@ use scene/lights

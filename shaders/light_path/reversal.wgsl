@@ -1,5 +1,3 @@
-//@ use data/material
-//@ use data/surface
 //@ use choice/boundary
 //@ use choice/coat
 //@ each transmissive

@@ -1,9 +1,3 @@
-//@ use data/dimension
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/primitive
-//@ use data/surface
 //@ use bind/settings
 //@ use choice/evaluation
 //@ use choice/followed_channel

@@ -1,4 +1,3 @@
-//@ use data/film
 //@ use bind/counters
 //@ use bind/settings
 //@ use bind/window

@@ -1,5 +1,4 @@
 //@ implements facets when anisotropy
-//@ use data/material
 //@ use lib/anisotropic_microfacet
 //@ use lib/basis
 //@ use lib/microfacet

@@ -1,5 +1,4 @@
 //@ implements coat when coat
-//@ use data/material
 //@ use lib/basis
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet
@@ -105,7 +104,6 @@ fn coat_is_reversible(hit: Interaction, reverse: Interaction) -> bool {
 }
 
 //@ without
-//@ use data/material
 // No material of glTF has a coat.
 fn emission_under_coat(emission: vec3<f32>, hit: Interaction) -> vec3<f32> {
     return emission;

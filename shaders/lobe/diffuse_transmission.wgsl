@@ -1,5 +1,4 @@
 //@ implements body when diffuse_transmission
-//@ use data/material
 //@ use lib/basis
 //@ use lib/sampling
 // KHR_materials_diffuse_transmission: the matt body of glTF's material lets a share t of the light that it scatters pass to its far side, in

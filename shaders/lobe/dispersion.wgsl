@@ -1,5 +1,4 @@
 //@ implements boundary when dispersion
-//@ use data/material
 //@ use choice/fresnel
 // KHR_materials_dispersion: the index of refraction is that of one channel, which the path follows (step/followed_channel). Red, green and blue
 // have ior - s, ior and ior + s.

@@ -1,5 +1,4 @@
 //@ implements film when iridescence
-//@ use data/material
 //@ use lib/thin_film
 // KHR_materials_iridescence: a thin film on the base of glTF's material, whose reflectance stands in the place of the base's own.
 
@@ -35,7 +34,6 @@ fn film_on_glass(under: Reflected, hit: Interaction, cosine: f32) -> Reflected {
 }
 
 //@ without
-//@ use data/material
 // No material of glTF has a thin film.
 fn with_film(reflectance: vec3<f32>, f0: vec3<f32>, f90: f32, hit: Interaction, cosine: f32) -> vec3<f32> {
     return reflectance;

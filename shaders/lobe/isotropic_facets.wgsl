@@ -1,5 +1,4 @@
 //@ implements facets when !anisotropy
-//@ use data/material
 //@ use lib/basis
 //@ use lib/microfacet
 // Microfacets that are as rough in all directions.

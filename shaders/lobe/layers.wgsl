@@ -1,4 +1,3 @@
-//@ use data/material
 //@ each layer
 //@ use lobe/${name}
 //@ end

@@ -1,5 +1,4 @@
 //@ implements body when !diffuse_transmission
-//@ use data/material
 //@ use lib/basis
 //@ use lib/sampling
 // The matt body of glTF's material: Lambertian.

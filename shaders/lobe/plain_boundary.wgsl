@@ -1,5 +1,4 @@
 //@ implements boundary when !dispersion
-//@ use data/material
 // Glass that refracts all channels alike.
 fn followed_index(ior: f32, hit: Interaction) -> f32 {
     return ior;

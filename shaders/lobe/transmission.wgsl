@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/microfacet
 //@ use material/glass
 //@ use material/pane

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet
 //@ use choice/facets

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use choice/boundary
 //@ use choice/fresnel
 // A smooth boundary of a clear solid. It reflects with the probability of its reflectance and refracts otherwise, so the weight

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use choice/boundary
 //@ use choice/fresnel
 //@ use choice/film

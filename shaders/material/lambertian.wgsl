@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/basis
 //@ use lib/sampling
 // Lambertian reflection: the BSDF is albedo / pi. Directions are sampled by the cosine, so the weight is the

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/sampling
 fn lambertian_is_non_specular(material: Material) -> bool {
     return true;

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/sampling
 // A metal without fuzz is a mirror.
 fn metal_is_non_specular(material: Material) -> bool {

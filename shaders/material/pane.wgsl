@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use choice/facets
 //@ use choice/film
 //@ use choice/fresnel

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lobe/layers
 //@ use material/pbr_base
 //@ use material/pbr_eval

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/basis
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet

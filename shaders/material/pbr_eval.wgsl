@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lobe/layers
 //@ use material/pbr_base
 // The material of glTF 2.0 with its lobes: its base, and what its extensions add, from inside.

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use choice/boundary
 //@ use material/glass
 // A boundary of a transmissive solid with microfacets.

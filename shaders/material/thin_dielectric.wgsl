@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use material/pane
 // A thin pane. A smooth one scatters only the light that it reflects: rays pass it before they are scattered (step/panes).
 

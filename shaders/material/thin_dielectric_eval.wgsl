@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lib/microfacet
 //@ use material/pane
 //@ use material/thin_dielectric

@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use geometry/cuboid
 //@ use medium/interval
 // The interval of a ray inside a cuboid, exactly between the distances at which the ray hits the cuboid as a surface. So a

@@ -1,4 +1,3 @@
-//@ use data/surface
 // The interval of a ray inside a closed shape: the distances at which it begins and ends, 0 <= x < y.
 
 // The empty interval: the ray misses the shape, or the shape is behind its origin.

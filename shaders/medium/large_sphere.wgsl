@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use geometry/large_sphere
 //@ use medium/interval
 // The interval of a ray inside a large sphere, exactly between the distances at which the ray hits the large sphere as a surface. So a

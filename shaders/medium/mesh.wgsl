@@ -1,8 +1,4 @@
 //@ implements medium_in_mesh when boundary.mesh
-//@ use data/ray
-//@ use data/surface
-//@ use data/medium
-//@ use data/primitive
 //@ use bind/nodes
 //@ use bind/instances
 //@ use choice/moved_triangle
@@ -136,9 +132,6 @@ fn length_in_mesh(ray: Ray, index: u32, pose: Pose, t: f32, steps: ptr<function,
 }
 
 //@ without
-//@ use data/motion
-//@ use data/ray
-//@ use data/surface
 // No mesh bounds a medium.
 fn collision_in_mesh(ray: Ray, index: u32, pose: Pose, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     return NO_HIT;

@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use geometry/sphere
 //@ use medium/interval
 // The interval of a ray inside a sphere, exactly between the distances at which the ray hits the sphere as a surface. So a

@@ -1,6 +1,4 @@
 //@ implements pose_of_boundary when boundary_moves
-//@ use data/medium
-//@ use data/primitive
 //@ use motion/pose
 //@ each moving_boundary
 //@ use bind/${name}s
@@ -27,7 +25,6 @@ fn pose_of_boundary(code: u32) -> Pose {
 }
 
 //@ without
-//@ use data/motion
 // No boundary of a medium moves.
 fn pose_of_boundary(code: u32) -> Pose {
     return Pose();

@@ -1,7 +1,4 @@
 //@ implements moved_cuboid when moves.cuboid | boundary_moves.cuboid
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 //@ use motion/turned_axes
 // Boxes that move. Their own point is the middle. Their axes turn with them, and so do their local coordinates and tangents.
@@ -32,9 +29,6 @@ fn cuboid_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 // Boxes rest.
 fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {

@@ -1,5 +1,4 @@
 //@ implements moved_delta_light when moving_light
-//@ use data/light
 //@ use motion/pose
 // Lights without size that move. The own point of a directional light, which has none, is of no account.
 
@@ -13,7 +12,6 @@ fn moved_delta_light(light: DeltaLight, index: u32) -> DeltaLight {
 }
 
 //@ without
-//@ use data/light
 // Lights without size rest.
 fn moved_delta_light(light: DeltaLight, index: u32) -> DeltaLight {
     return light;

@@ -1,6 +1,4 @@
 //@ implements moved_large_sphere when moves.large_sphere | boundary_moves.large_sphere
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/quaternion
 //@ use lib/tangents
 //@ use motion/turned_surface
@@ -47,9 +45,6 @@ fn large_sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 // Large spheres rest.
 fn moved_large_sphere(large_sphere: LargeSphere, pose: Pose) -> LargeSphere {

@@ -1,5 +1,4 @@
 //@ implements moved_medium when moving_medium
-//@ use data/medium
 //@ use motion/boundaries
 // Textures of media that move.
 
@@ -11,7 +10,6 @@ fn offset_at_rest(medium: Medium, point: vec3<f32>) -> vec3<f32> {
 }
 
 //@ without
-//@ use data/medium
 // The textures of media rest.
 fn offset_at_rest(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     return point - medium.center;

@@ -1,6 +1,4 @@
 //@ implements pose when moves
-//@ use data/hit
-//@ use data/primitive
 //@ use motion/pose
 //@ use choice/faces
 //@ each moving
@@ -34,7 +32,6 @@ fn pose_at(code: u32, instance: u32) -> Pose {
 }
 
 //@ without
-//@ use data/motion
 // No object moves.
 fn pose_at(code: u32, instance: u32) -> Pose {
     return Pose();

@@ -1,4 +1,3 @@
-//@ use data/motion
 //@ use bind/motions
 //@ use lib/angle
 //@ use lib/quaternion

@@ -1,6 +1,4 @@
 //@ implements moved_quad when moves.quad
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 //@ use motion/square
 // Quads that move. Their axes turn with them, and so do their local coordinates and tangents.
@@ -22,9 +20,6 @@ fn quad_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 // Quads rest.
 fn moved_quad(quad: Quad, pose: Pose) -> Quad {

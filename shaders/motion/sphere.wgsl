@@ -1,6 +1,4 @@
 //@ implements moved_sphere when moves.sphere | boundary_moves.sphere
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/quaternion
 //@ use lib/tangents
 //@ use motion/turned_surface
@@ -35,9 +33,6 @@ fn sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 // Spheres rest.
 fn moved_sphere(sphere: Sphere, pose: Pose) -> Sphere {

@@ -1,5 +1,3 @@
-//@ use data/motion
-//@ use data/primitive
 //@ use lib/float
 //@ use lib/quaternion
 // Quads, and the squares around disks, that move. Their own point is the corner.

@@ -1,6 +1,4 @@
 //@ implements time when motion
-//@ use data/dimension
-//@ use data/path
 //@ use bind/settings
 //@ use choice/camera_pose
 //@ use choice/sampler
@@ -13,7 +11,6 @@ fn begin_time(path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // Nothing moves.
 fn begin_time(path: ptr<function, Path>) {
 }

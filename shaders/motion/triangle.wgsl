@@ -1,7 +1,4 @@
 //@ implements moved_triangle when moves.triangle | boundary_moves.triangle
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use geometry/triangle
 //@ use lib/tangents
 //@ use motion/turned_axes
@@ -37,9 +34,6 @@ fn triangle_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use geometry/triangle
 //@ use lib/tangents
 // Meshes rest.

@@ -1,4 +1,3 @@
-//@ use data/motion
 //@ use lib/quaternion
 // The axes of a box or of a mesh in a pose.
 

@@ -1,5 +1,4 @@
 //@ alternative sampler when sampler.sobol
-//@ use data/window
 //@ use lib/owen
 //@ use lib/rng
 // Owen-scrambled Sobol points: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020. A block of four dimensions is

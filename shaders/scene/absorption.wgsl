@@ -1,6 +1,4 @@
 //@ implements absorption when absorbing
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 // Returns the throughput after a distance through the inside of a solid, by the Beer-Lambert law. The absorption is that of the surface
 // that the ray hits. A ray that hits its front comes from outside, and nothing is absorbed.
@@ -10,7 +8,6 @@ fn absorb_inside(throughput: vec3<f32>, surface: Surface, front: bool, distance:
 }
 
 //@ without
-//@ use data/surface
 // No inside absorbs.
 fn absorb_inside(throughput: vec3<f32>, surface: Surface, front: bool, distance: f32) -> vec3<f32> {
     return throughput;

@@ -1,7 +1,4 @@
 //@ implements stops when alpha_body
-//@ use data/hit
-//@ use data/motion
-//@ use data/ray
 //@ use scene/coverage
 //@ use choice/crossings
 //@ use scene/primitives

@@ -1,7 +1,4 @@
 //@ implements both_sides when both_sides
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use geometry/offset
 //@ use choice/shading
 //@ use scene/responses
@@ -43,9 +40,6 @@ fn respond_on_side(sampled: LightResponse, side: LightSide, direction: vec3<f32>
 }
 
 //@ without
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 // The sides of no surface have points of their own.
 fn points_of_event(evaluated: EvaluatedMaterial, hit: Hit) -> f32 {
     return 1.0;

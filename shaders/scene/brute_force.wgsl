@@ -1,8 +1,4 @@
 //@ alternative walk when brute_force
-//@ use data/ray
-//@ use data/surface
-//@ use data/hit
-//@ use data/primitive
 //@ use bind/settings
 //@ use choice/passed_panes
 //@ use scene/primitives

@@ -1,7 +1,4 @@
 //@ implements coat_normal when coat_normal
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 //@ use scene/normal_by_map
 // Normal maps of coats. Without one, a coat has the normal of the surface, and not that of the base's map.
@@ -21,8 +18,6 @@ fn coat_normal_at(
 }
 
 //@ without
-//@ use data/hit
-//@ use data/surface
 // No coat has a normal map.
 fn coat_normal_at(
     hit: Hit,

@@ -1,10 +1,4 @@
 //@ implements coverage when alpha
-//@ use data/dimension
-//@ use data/path
-//@ use data/ray
-//@ use data/hit
-//@ use data/surface
-//@ use data/material
 //@ use bind/extensions
 //@ use bind/materials
 //@ use scene/extensions
@@ -52,11 +46,6 @@ fn is_stopped(hit: Hit, ray: Ray, decision: u32) -> bool {
 }
 
 //@ without
-//@ use data/dimension
-//@ use data/hit
-//@ use data/path
-//@ use data/ray
-//@ use data/surface
 // All surfaces stop all light.
 fn begin_walk(path: ptr<function, Path>, block: u32) {
 }

@@ -1,8 +1,4 @@
 //@ implements crossings when crossed_body
-//@ use data/hit
-//@ use data/primitive
-//@ use data/motion
-//@ use data/ray
 //@ each crossed_body
 //@ use medium/${name}
 //@ use bind/${name}s
@@ -46,9 +42,6 @@ fn ray_to_hit(hit: Hit, pose: Pose, ray: Ray) -> RayToHit {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/motion
-//@ use data/ray
 // No convex body is passed: a ray hits the first side that it meets.
 fn interval_of_body(code: u32, pose: Pose, ray: Ray) -> vec2<f32> {
     return vec2<f32>(0.0);

@@ -1,8 +1,4 @@
 //@ implements delta_lights when delta_light
-//@ use data/hit
-//@ use data/light
-//@ use data/primitive
-//@ use data/ray
 //@ use bind/delta_lights
 //@ use light/delta
 //@ use choice/moved_delta_light
@@ -33,9 +29,6 @@ fn limit_at_delta_light(code: u32, shadow: Ray) -> Hit {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/light
-//@ use data/ray
 //@ use light/sample
 // All lights have a size.
 fn is_delta_light(code: u32) -> bool {

@@ -1,5 +1,4 @@
 //@ implements tint when dispersion
-//@ use data/material
 // Returns the light times the tint of a transmissive surface, if the direction crosses the surface: of the followed channel
 // (step/followed_channel).
 fn tint_through(light: vec3<f32>, evaluated: EvaluatedMaterial, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {

@@ -1,8 +1,4 @@
 //@ implements surface_radiance when !scene.emission
-//@ use data/hit
-//@ use data/material
-//@ use data/ray
-//@ use data/surface
 //@ use bind/materials
 //@ use choice/light_colour
 //@ use scene/lights

@@ -1,7 +1,4 @@
 //@ implements evaluation when evaluated
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 //@ use bind/materials
 //@ use choice/colour

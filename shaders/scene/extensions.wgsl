@@ -1,6 +1,3 @@
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 //@ use bind/materials
 //@ use choice/colour

@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
 //@ use bind/face_pairs
 //@ use geometry/slab
 //@ use geometry/sheared_triangle

@@ -1,6 +1,4 @@
 //@ implements faces when mesh
-//@ use data/hit
-//@ use data/primitive
 //@ use geometry/triangle
 //@ use scene/at_run_time
 // What the faces of meshes have that other primitives do not: each is a part of an object, the instance of its mesh.
@@ -33,7 +31,6 @@ fn point_in_object(hit: Hit, local: vec3<f32>) -> vec3<f32> {
 }
 
 //@ without
-//@ use data/hit
 // Each primitive is an object.
 fn object_code(code: u32, instance: u32) -> u32 {
     return code;

@@ -1,7 +1,4 @@
 //@ implements facet_tangent when anisotropy
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 //@ use lib/basis
 //@ use scene/normal_by_map
@@ -22,8 +19,6 @@ fn facet_tangent(hit: Hit, surface: Surface, normal: vec3<f32>, front: bool, tur
 }
 
 //@ without
-//@ use data/hit
-//@ use data/surface
 // No material has an anisotropy.
 fn facet_tangent(hit: Hit, surface: Surface, normal: vec3<f32>, front: bool, turn: vec2<f32>) -> vec3<f32> {
     return normal;

@@ -1,7 +1,4 @@
 //@ alternative shading when !smooth
-//@ use data/surface
-//@ use data/hit
-//@ use data/ray
 //@ use geometry/offset
 // Surfaces without vertex normals: light scatters around the surface's own normal.
 

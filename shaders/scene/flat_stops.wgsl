@@ -1,7 +1,4 @@
 //@ implements stops when alpha & !alpha_body
-//@ use data/hit
-//@ use data/motion
-//@ use data/ray
 //@ use scene/coverage
 // Surfaces that a ray crosses once may let it pass.
 fn stops_before(candidate: ptr<function, Hit>, hit: Hit, pose: Pose, ray: Ray) -> bool {
@@ -9,9 +6,6 @@ fn stops_before(candidate: ptr<function, Hit>, hit: Hit, pose: Pose, ray: Ray) -
 }
 
 //@ without
-//@ use data/hit
-//@ use data/motion
-//@ use data/ray
 // All surfaces stop all light.
 fn stops_before(candidate: ptr<function, Hit>, hit: Hit, pose: Pose, ray: Ray) -> bool {
     return true;

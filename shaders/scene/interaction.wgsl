@@ -1,6 +1,3 @@
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use choice/shading
 //@ use choice/normal_map
 //@ use choice/second_parts

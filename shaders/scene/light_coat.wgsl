@@ -1,8 +1,4 @@
 //@ implements light_coat when scene.emission & coat
-//@ use data/hit
-//@ use data/material
-//@ use data/ray
-//@ use data/surface
 //@ use bind/extensions
 //@ use bind/materials
 //@ use choice/coat
@@ -29,9 +25,6 @@ fn radiance_through_coat(radiance: vec3<f32>, hit: Hit, surface: Surface, ray: R
 }
 
 //@ without
-//@ use data/hit
-//@ use data/ray
-//@ use data/surface
 // No surface with a coat emits.
 fn radiance_through_coat(radiance: vec3<f32>, hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
     return radiance;

@@ -1,8 +1,4 @@
 //@ implements light_coverage when area_light & alpha & scene.emission
-//@ use data/hit
-//@ use data/light
-//@ use data/primitive
-//@ use data/ray
 //@ use scene/coverage
 //@ use scene/lights
 // Returns the light of a surface times its coverage. A walk tests the coverage of the surfaces before the end of a shadow ray, but not
@@ -16,8 +12,6 @@ fn cover_light_at_hit(radiance: vec3<f32>, ray: Ray, hit: Hit) -> vec3<f32> {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/ray
 // Lights cover all that is behind them.
 fn cover_light_at_hit(radiance: vec3<f32>, ray: Ray, hit: Hit) -> vec3<f32> {
     return radiance;

@@ -1,7 +1,4 @@
 //@ implements light_crossings when crossed_light
-//@ use data/hit
-//@ use data/light
-//@ use data/ray
 //@ use bind/lights
 //@ use choice/crossings
 //@ use choice/pose
@@ -40,9 +37,6 @@ fn limit_at_crossing(near: Hit, instance: u32, pose: Pose, shadow: Ray) -> Hit {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/light
-//@ use data/ray
 // A shadow ray ends where it meets its light first.
 fn light_crossing(light: Light, ray: Ray, u: f32) -> LightCrossing {
     return LightCrossing(light.instance, 1.0);

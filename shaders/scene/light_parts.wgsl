@@ -1,7 +1,4 @@
 //@ implements light_parts when parted
-//@ use data/hit
-//@ use data/light
-//@ use data/primitive
 //@ use bind/lights
 //@ use light/parts
 //@ each parted_emitter
@@ -42,7 +39,6 @@ fn part_of_light(index: u32) -> u32 {
 }
 
 //@ without
-//@ use data/hit
 // Each shape that is a light is one.
 fn part_at_hit(index: u32, hit: Hit, local: vec3<f32>) -> u32 {
     return index;

@@ -1,9 +1,4 @@
 //@ implements light_surfaces when area_light
-//@ use data/hit
-//@ use data/material
-//@ use data/primitive
-//@ use data/ray
-//@ use data/surface
 //@ use choice/crossings
 //@ use choice/faces
 //@ use choice/light_crossings
@@ -27,8 +22,6 @@ fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/ray
 // No surface is sampled as a light.
 fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
     return hit_at(code, 0.0);

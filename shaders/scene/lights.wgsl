@@ -1,7 +1,3 @@
-//@ use data/ray
-//@ use data/surface
-//@ use data/hit
-//@ use data/primitive
 //@ use bind/lights
 //@ use light/sample
 //@ use scene/at_run_time

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ each material
 //@ use material/${name}
 //@ end

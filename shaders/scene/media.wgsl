@@ -1,7 +1,3 @@
-//@ use data/ray
-//@ use data/surface
-//@ use data/medium
-//@ use data/primitive
 //@ use bind/media
 //@ use choice/pose_of_boundary
 //@ each convex_boundary

@@ -1,7 +1,4 @@
 //@ implements mesh_normal_map when further_uv
-//@ use data/hit
-//@ use data/primitive
-//@ use data/surface
 //@ use bind/frames
 //@ use bind/triangles
 //@ use choice/moved_triangle
@@ -28,8 +25,6 @@ fn has_own_table(hit: Hit) -> bool {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/surface
 // Maps have the tables of colours.
 fn normal_on_mesh(mapped: vec3<f32>, normal: vec3<f32>, hit: Hit, surface: Surface, number: f32) -> vec3<f32> {
     return normal;

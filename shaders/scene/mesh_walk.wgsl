@@ -1,7 +1,4 @@
 //@ implements mesh_walk when mesh
-//@ use data/hit
-//@ use data/primitive
-//@ use data/ray
 //@ use bind/instances
 //@ use geometry/instance
 //@ use geometry/slab
@@ -55,8 +52,6 @@ fn hit_of_walk(walk: ptr<function, Walk>, pose: Pose) -> Hit {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/ray
 //@ use scene/primitives
 //@ use scene/walk
 // There are no meshes.

@@ -1,6 +1,4 @@
 //@ implements multiscatter when multiscatter
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 //@ use scene/directional_albedo
 // Single scattering loses the light that microfacets scatter more than once. A material makes up for it by the factor 1 + F0 (1 - E) / E,
@@ -22,8 +20,6 @@ fn compensated(reflectance: vec3<f32>, f0: vec3<f32>, hit: Interaction) -> vec3<
 }
 
 //@ without
-//@ use data/material
-//@ use data/surface
 // No material has energy compensation.
 fn energy_compensation(material: Material, surface: Surface, hit: Interaction) -> f32 {
     return hit.compensation;

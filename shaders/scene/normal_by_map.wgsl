@@ -1,7 +1,3 @@
-//@ use data/hit
-//@ use data/material
-//@ use data/primitive
-//@ use data/surface
 //@ use bind/frames
 //@ use bind/materials
 //@ use lib/bent_back

@@ -1,7 +1,4 @@
 //@ implements normal_map when normal
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/extensions
 //@ use scene/normal_by_map
 // Normal maps: images of the normal that a finer surface would have.
@@ -42,9 +39,6 @@ fn response_on_side(value: vec3<f32>, direction: vec3<f32>, mapped: vec3<f32>, s
 }
 
 //@ without
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 // No material has a normal map.
 fn mapped_normal(
     hit: Hit,

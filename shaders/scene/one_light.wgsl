@@ -1,5 +1,4 @@
 //@ alternative light_choice when !several_lights
-//@ use data/light
 //@ use scene/at_run_time
 // With a single light, there is nothing to choose.
 

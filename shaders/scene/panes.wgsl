@@ -1,8 +1,3 @@
-//@ use data/hit
-//@ use data/material
-//@ use data/primitive
-//@ use data/ray
-//@ use data/surface
 //@ use bind/materials
 //@ use choice/normal_map
 //@ use choice/pane_evaluation

@@ -1,7 +1,4 @@
 //@ implements passed_panes when pane
-//@ use data/hit
-//@ use data/ray
-//@ use data/surface
 //@ use choice/crossings
 //@ use scene/panes
 //@ use scene/primitives
@@ -44,9 +41,6 @@ fn may_end_walk(candidate: Hit) -> bool {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/motion
-//@ use data/ray
 // No surface is a pane.
 const ANY_HIT_ENDS_WALK: bool = true;
 

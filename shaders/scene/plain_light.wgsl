@@ -1,7 +1,4 @@
 //@ implements light_colour when !textured_light
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 // The radiance of a light without a texture.
 fn colour_of_light(row: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     return row.colour;

@@ -1,7 +1,4 @@
 //@ implements evaluation when !evaluated
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/materials
 //@ use choice/colour
 // A material without extensions: its row of the table, and its colour, which may be a texture.

@@ -1,7 +1,4 @@
 //@ implements pane_evaluation when !(pane & textured_pane)
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use bind/materials
 // No pane has a texture.
 fn evaluate_pane(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {

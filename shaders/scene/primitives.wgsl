@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/hit
-//@ use data/primitive
 //@ use choice/delta_lights
 //@ use choice/pose
 //@ use choice/faces

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use lobe/layers
 //@ each non_specular
 //@ use material/${name}_eval

@@ -1,5 +1,4 @@
 //@ implements second_parts when second_part
-//@ use data/material
 //@ use bind/materials
 // The second part of a material: the next element of the table, if its kind has two.
 fn second_part_of(material: Material, index: u32) -> Material {
@@ -16,7 +15,6 @@ fn second_part_of(material: Material, index: u32) -> Material {
 }
 
 //@ without
-//@ use data/material
 // No material has a second part.
 fn second_part_of(material: Material, index: u32) -> Material {
     return material;

@@ -1,8 +1,4 @@
 //@ alternative shading when smooth
-//@ use data/surface
-//@ use data/hit
-//@ use data/ray
-//@ use data/primitive
 //@ use geometry/offset
 //@ use scene/at_run_time
 //@ use geometry/triangle

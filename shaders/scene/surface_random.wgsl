@@ -1,4 +1,3 @@
-//@ use data/hit
 //@ use bind/settings
 //@ use choice/sampler
 //@ use lib/rng

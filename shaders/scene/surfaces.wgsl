@@ -1,7 +1,3 @@
-//@ use data/ray
-//@ use data/surface
-//@ use data/hit
-//@ use data/primitive
 //@ use choice/crossings
 //@ use choice/pose
 //@ each primitive

@@ -1,8 +1,4 @@
 //@ alternative colour when texture
-//@ use data/surface
-//@ use data/hit
-//@ use data/material
-//@ use data/primitive
 //@ use scene/textures
 //@ use choice/uv_tables
 //@ use choice/faces

@@ -1,7 +1,4 @@
 //@ implements light_colour when textured_light
-//@ use data/hit
-//@ use data/material
-//@ use data/surface
 //@ use choice/colour
 // The radiance of a light, which may have a texture.
 fn colour_of_light(row: Material, hit: Hit, surface: Surface) -> vec3<f32> {

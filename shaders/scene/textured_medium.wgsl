@@ -1,7 +1,4 @@
 //@ alternative medium_albedo when textured_medium
-//@ use data/surface
-//@ use data/material
-//@ use data/medium
 //@ use scene/textures
 //@ use choice/moved_medium
 // The albedo of a medium at a point of render space: its own, or that of its texture, evaluated in the medium's space. A volume

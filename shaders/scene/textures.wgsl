@@ -1,5 +1,3 @@
-//@ use data/surface
-//@ use data/texture
 //@ use bind/textures
 //@ use bind/frames
 //@ each texture

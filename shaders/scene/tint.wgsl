@@ -1,5 +1,4 @@
 //@ implements tint when tinted & !dispersion
-//@ use data/material
 // Returns the light times the tint of a transmissive surface, if the direction crosses the surface.
 fn tint_through(light: vec3<f32>, evaluated: EvaluatedMaterial, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     switch evaluated.material.kind {
@@ -15,7 +14,6 @@ fn tint_through(light: vec3<f32>, evaluated: EvaluatedMaterial, direction: vec3<
 }
 
 //@ without
-//@ use data/material
 // No surface lets a share of light pass alone.
 fn tint_through(light: vec3<f32>, evaluated: EvaluatedMaterial, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     return light;

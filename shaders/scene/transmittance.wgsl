@@ -1,7 +1,4 @@
 //@ implements transmittance when medium
-//@ use data/ray
-//@ use data/medium
-//@ use data/primitive
 //@ use bind/media
 //@ use choice/pose_of_boundary
 //@ use scene/at_run_time
@@ -54,7 +51,6 @@ fn transmit_light(
 }
 
 //@ without
-//@ use data/ray
 // No medium is between surfaces and lights.
 fn transmit_light(
     radiance: vec3<f32>,

@@ -1,8 +1,4 @@
 //@ alternative walk when (mesh | shape | surface) & surface & !brute_force
-//@ use data/ray
-//@ use data/surface
-//@ use data/hit
-//@ use data/primitive
 //@ use bind/nodes
 //@ use choice/mesh_walk
 //@ use choice/pose

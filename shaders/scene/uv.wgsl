@@ -1,7 +1,4 @@
 //@ alternative uv when texture.image
-//@ use data/surface
-//@ use data/hit
-//@ use data/primitive
 //@ each primitive
 //@ use bind/${name}s
 //@ use geometry/${name}
@@ -19,8 +16,6 @@ fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
 }
 
 //@ without
-//@ use data/surface
-//@ use data/hit
 // For scenes whose textures need no texture coordinates.
 fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(vec2<f32>(0.0), false);

@@ -1,7 +1,4 @@
 //@ implements uv_tables when further_uv
-//@ use data/surface
-//@ use data/hit
-//@ use data/primitive
 //@ use bind/triangles
 //@ use choice/uv
 //@ use geometry/triangle
@@ -24,8 +21,6 @@ fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> Sur
 }
 
 //@ without
-//@ use data/surface
-//@ use data/hit
 //@ use choice/uv
 // Each mesh has one table.
 fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {

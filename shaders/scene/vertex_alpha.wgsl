@@ -1,8 +1,4 @@
 //@ implements vertex_alpha when scene.vertex_alpha & alpha & mesh
-//@ use data/hit
-//@ use data/surface
-//@ use data/material
-//@ use data/primitive
 //@ use bind/extensions
 //@ use bind/instances
 //@ use scene/at_run_time
@@ -16,8 +12,6 @@ fn times_vertex_alpha(alpha: f32, hit: Hit, surface: Surface) -> f32 {
 }
 
 //@ without
-//@ use data/hit
-//@ use data/surface
 // No mesh has an alpha of its vertices.
 fn times_vertex_alpha(alpha: f32, hit: Hit, surface: Surface) -> f32 {
     return alpha;

@@ -1,8 +1,4 @@
 //@ implements vertex_colours when vertex_colours & mesh
-//@ use data/hit
-//@ use data/surface
-//@ use data/material
-//@ use data/primitive
 //@ use bind/extensions
 //@ use bind/instances
 //@ use scene/at_run_time
@@ -16,8 +12,6 @@ fn times_vertex_colour(colour: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f3
 }
 
 //@ without
-//@ use data/hit
-//@ use data/surface
 // No mesh has colours of vertices.
 fn times_vertex_colour(colour: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
     return colour;

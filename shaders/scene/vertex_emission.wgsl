@@ -1,8 +1,4 @@
 //@ implements vertex_emission when scene.vertex_emission & mesh
-//@ use data/hit
-//@ use data/surface
-//@ use data/material
-//@ use data/primitive
 //@ use bind/extensions
 //@ use bind/instances
 //@ use scene/at_run_time
@@ -16,8 +12,6 @@ fn times_vertex_emission(radiance: vec3<f32>, hit: Hit, surface: Surface) -> vec
 }
 
 //@ without
-//@ use data/hit
-//@ use data/surface
 // No mesh emits by the colours of its vertices.
 fn times_vertex_emission(radiance: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
     return radiance;

@@ -1,5 +1,4 @@
 //@ implements vertex_tangents when vertex_tangents & further_uv
-//@ use data/primitive
 //@ use lib/octahedral
 //@ use geometry/triangle
 // Tangents of vertices, which smooth meshes have for normal maps.
@@ -39,7 +38,6 @@ fn normal_by_tangents(
 }
 
 //@ without
-//@ use data/primitive
 //@ use geometry/triangle
 // Tangents are those of faces.
 fn has_tangents(index: u32) -> bool {

@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use bind/meshes
 //@ use geometry/triangle
 // The colours and the alpha of a mesh's vertices.

@@ -1,6 +1,3 @@
-//@ use data/hit
-//@ use data/primitive
-//@ use data/ray
 //@ use bind/nodes
 //@ use geometry/bounds
 //@ use geometry/slab

@@ -1,5 +1,4 @@
 //@ implements aov_direct_slot when aov.direct
-//@ use generated/slots
 // The direct radiance of a path whose shadow ray is traced, and its depth.
 fn load_direct_of_slot(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
@@ -7,7 +6,6 @@ fn load_direct_of_slot(slot: u32, path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // The film has no channel of direct radiance.
 fn load_direct_of_slot(slot: u32, path: ptr<function, Path>) {
 }

@@ -1,5 +1,4 @@
 //@ implements aov_hit_slot when aov_hit
-//@ use generated/slots
 //@ use aov/hit
 // Records the hit of a slot's camera ray.
 fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
@@ -11,7 +10,6 @@ fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // The film has no channel of the surface that camera rays hit.
 fn record_hit_of_slot(slot: u32, path: ptr<function, Path>) {
 }

@@ -1,5 +1,4 @@
 //@ implements probe_slot when probed
-//@ use generated/slots
 // What a path with a shadow ray keeps for the count of light in narrow lobes (step/narrow_lobe).
 fn load_counted_path(slot: u32, path: ptr<function, Path>) {
     load_sample_of_path(slot, path);
@@ -7,7 +6,6 @@ fn load_counted_path(slot: u32, path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // No light is counted.
 fn load_counted_path(slot: u32, path: ptr<function, Path>) {
 }

@@ -3,7 +3,6 @@
 //@ use bind/queue_lengths
 //@ use bind/settings
 //@ use bind/window
-//@ use data/queue
 // For one scatter kernel per material: each slot in the material's queue has an invocation. Invocations past the
 // end of the queue have no slot.
 const QUEUE: u32 = ${queue}u;

@@ -1,6 +1,4 @@
 //@ implements shadow_slot when light & !fused
-//@ use data/path
-//@ use generated/slots
 // The shadow ray of a slot's path, from the stage that sends it to the one that traces it.
 
 fn store_no_light(slot: u32) {
@@ -16,7 +14,6 @@ fn store_shadow_ray(slot: u32, path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // No stage hands shadow rays to another.
 fn store_no_light(slot: u32) {
 }

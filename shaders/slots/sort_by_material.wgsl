@@ -1,11 +1,8 @@
 //@ implements queue_of_hits when queues & !medium
 //@ implements queue_of_events when queues
-//@ use data/hit
 //@ use bind/queues
 //@ use bind/materials
 //@ use bind/settings
-//@ use data/queue
-//@ use data/primitive
 //@ use scene/surfaces
 // Puts a slot whose ray hit a surface into the queue of that surface's material.
 
@@ -30,7 +27,6 @@ fn sort_slot(slot: u32, hit: Hit) {
 }
 
 //@ without
-//@ use data/hit
 // Slots are not sorted here.
 fn sort_slot(slot: u32, hit: Hit) {
 }

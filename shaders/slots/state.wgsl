@@ -1,5 +1,3 @@
-//@ use data/path
-//@ use generated/slots
 // All that a path keeps between two bounces.
 
 fn load_path(slot: u32, path: ptr<function, Path>) {

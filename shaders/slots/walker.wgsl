@@ -1,5 +1,4 @@
 //@ implements walker_slot when alpha | pane | motion
-//@ use generated/slots
 // What a walk needs to decide at random whether a transparent surface stops its ray.
 fn load_walker(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
@@ -7,7 +6,6 @@ fn load_walker(slot: u32, path: ptr<function, Path>) {
 }
 
 //@ without
-//@ use data/path
 // No surface is transparent.
 fn load_walker(slot: u32, path: ptr<function, Path>) {
 }

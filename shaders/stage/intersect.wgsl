@@ -1,4 +1,3 @@
-//@ use generated/slots
 //@ use step/trace
 //@ use bind/window
 //@ use choice/aov_hit_slot

@@ -1,5 +1,4 @@
 //@ use slots/state
-//@ use data/primitive
 //@ use step/trace
 //@ use light_path/scatter
 //@ use bind/window

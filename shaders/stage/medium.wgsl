@@ -1,4 +1,3 @@
-//@ use generated/slots
 //@ use step/media
 //@ use bind/window
 //@ use choice/shadow_slot

@@ -1,4 +1,3 @@
-//@ use generated/slots
 //@ use slots/shadow
 //@ use bind/window
 //@ use step/light

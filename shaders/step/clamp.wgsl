@@ -1,6 +1,5 @@
 //@ alternative clamp when clamp & event
 //@ use bind/settings
-//@ use data/path
 // `--clamp N`: limits each contribution (throughput times radiance) of light that reaches the camera by two scattering events or
 // more. If its largest component is above the limit, the contribution is scaled down to it, which keeps its hue. Light seen
 // directly, and light on the first surface or medium of a path, is not limited, whether light sampling or BSDF sampling found it.

@@ -1,5 +1,3 @@
-//@ use data/light
-//@ use data/path
 //@ use bind/counters
 //@ use bind/settings
 //@ use lib/carry

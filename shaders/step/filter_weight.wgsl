@@ -1,6 +1,4 @@
 //@ implements filter_weight when filter.mitchell
-//@ use data/path
-//@ use data/dimension
 //@ use bind/settings
 //@ use choice/filter
 //@ use choice/sampler
@@ -18,7 +16,6 @@ fn unsigned_sum(sum: vec3<f32>) -> vec3<f32> {
 }
 
 //@ without
-//@ use data/path
 // All samples of the filter have the weight 1.
 fn weigh_by_filter(path: ptr<function, Path>, value: vec3<f32>) -> vec3<f32> {
     return value;

@@ -1,6 +1,3 @@
-//@ use data/path
-//@ use data/dimension
-//@ use data/medium
 //@ use bind/settings
 //@ use choice/sampler
 //@ use scene/at_run_time

@@ -1,6 +1,4 @@
 //@ implements flight_end when medium & pane
-//@ use data/medium
-//@ use data/path
 //@ use step/flight
 // The distance at which a medium scatters the path, or `limit` if none does before. It adds its steps. A flight that takes too many is cut
 // where the path crosses media.
@@ -11,7 +9,6 @@ fn end_of_flight(path: ptr<function, Path>, limit: f32, steps: ptr<function, u32
 }
 
 //@ without
-//@ use data/path
 // No medium ends a flight.
 fn end_of_flight(path: ptr<function, Path>, limit: f32, steps: ptr<function, u32>) -> f32 {
     return limit;

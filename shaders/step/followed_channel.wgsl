@@ -1,7 +1,4 @@
 //@ implements followed_channel when dispersion
-//@ use data/dimension
-//@ use data/material
-//@ use data/path
 //@ use bind/settings
 //@ use choice/sampler
 // Dispersion: red, green and blue take different ways through a surface. From its first refraction there on, a path follows one of them, with
@@ -28,8 +25,6 @@ fn follow_channel(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> Ev
 }
 
 //@ without
-//@ use data/material
-//@ use data/path
 // No surface has dispersion.
 fn follow_channel(path: ptr<function, Path>, evaluated: EvaluatedMaterial) -> EvaluatedMaterial {
     return evaluated;

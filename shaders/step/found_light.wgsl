@@ -1,8 +1,4 @@
 //@ implements found_light when area_light & light & emits
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/surface
 //@ use choice/density_ratio
 //@ use choice/probe
 //@ use step/light
@@ -22,10 +18,6 @@ fn weight_of_emission(path: ptr<function, Path>, hit: Hit, surface: Surface, rad
 }
 
 //@ without
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/surface
 // Light sampling samples no emitter that BSDF sampling can hit.
 fn weight_of_emission(path: ptr<function, Path>, hit: Hit, surface: Surface, radiance: vec3<f32>, event: u32) -> f32 {
     return 1.0;

@@ -1,6 +1,4 @@
 //@ implements found_sky when sky_light
-//@ use data/path
-//@ use data/light
 //@ use choice/probe
 //@ use scene/sky_light
 // The sky that BSDF sampling finds, where light sampling samples it too.
@@ -20,7 +18,6 @@ fn record_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3
 }
 
 //@ without
-//@ use data/path
 // The sky is not sampled as a light.
 fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     return throughput;

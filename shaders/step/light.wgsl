@@ -1,8 +1,4 @@
 //@ implements shadow when light
-//@ use data/hit
-//@ use data/path
-//@ use data/dimension
-//@ use data/light
 //@ use bind/settings
 //@ use choice/sampler
 //@ use choice/coverage
@@ -146,7 +142,6 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
 }
 
 //@ without
-//@ use data/path
 // No light is sampled.
 fn trace_shadow(path: ptr<function, Path>, iterations: u32) -> u32 {
     return iterations;

@@ -1,8 +1,4 @@
 //@ implements media when medium
-//@ use data/path
-//@ use data/dimension
-//@ use data/medium
-//@ use data/primitive
 //@ use bind/settings
 //@ use choice/sampler
 //@ use scene/at_run_time
@@ -61,7 +57,6 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
 }
 
 //@ without
-//@ use data/path
 // No medium scatters paths.
 const MOST_STEPS_OF_MEDIA: u32 = 0u;
 

@@ -1,6 +1,4 @@
 //@ implements medium_light when light & kernel.light_path
-//@ use data/medium
-//@ use data/path
 //@ use choice/light_absorption
 //@ use choice/medium_albedo
 //@ use medium/phase_pdf

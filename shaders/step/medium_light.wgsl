@@ -1,7 +1,4 @@
 //@ implements medium_light when light & !kernel.light_path
-//@ use data/material
-//@ use data/medium
-//@ use data/path
 //@ use choice/medium_albedo
 //@ use choice/probe
 //@ use medium/phase_pdf
@@ -22,8 +19,6 @@ fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3
 }
 
 //@ without
-//@ use data/medium
-//@ use data/path
 // No light is sampled.
 fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3<f32>, direction: vec3<f32>) {
 }

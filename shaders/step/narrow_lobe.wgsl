@@ -1,8 +1,4 @@
 //@ alternative probe when probed & !kernel.light_path
-//@ use data/hit
-//@ use data/light
-//@ use data/material
-//@ use data/path
 //@ use bind/settings
 //@ use lib/rng
 //@ use choice/delta_lights
@@ -119,9 +115,6 @@ fn record_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32
 }
 
 //@ without
-//@ use data/hit
-//@ use data/material
-//@ use data/path
 // No lobe of the scene hides light from light sampling: nothing is counted.
 
 fn pack_depth(path: ptr<function, Path>) -> u32 {

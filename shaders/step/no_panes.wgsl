@@ -1,6 +1,4 @@
 //@ implements panes when !pane
-//@ use data/hit
-//@ use data/path
 //@ use bind/settings
 //@ use choice/walk
 // No surface is a smooth pane.

@@ -1,8 +1,4 @@
 //@ implements panes when pane
-//@ use data/dimension
-//@ use data/hit
-//@ use data/path
-//@ use data/ray
 //@ use bind/settings
 //@ use choice/crossings
 //@ use choice/flight_end

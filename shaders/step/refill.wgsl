@@ -1,5 +1,3 @@
-//@ use data/path
-//@ use data/primitive
 //@ use bind/settings
 //@ use scene/background
 //@ use choice/clamp

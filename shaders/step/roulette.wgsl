@@ -1,6 +1,4 @@
 //@ alternative roulette when roulette.on
-//@ use data/path
-//@ use data/dimension
 //@ use bind/settings
 //@ use choice/sampler
 // Russian roulette (Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990): a path of small throughput
@@ -26,7 +24,6 @@ fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f3
 }
 
 //@ without
-//@ use data/path
 // Without Russian roulette, every path continues.
 fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     return throughput;

@@ -1,7 +1,4 @@
 //@ implements scatter when surface
-//@ use data/path
-//@ use data/dimension
-//@ use data/primitive
 //@ use bind/settings
 //@ use choice/sampler
 //@ use choice/evaluation
@@ -80,7 +77,6 @@ fn continue_path(
 }
 
 //@ without
-//@ use data/path
 // There is no surface to hit.
 const ITERATIONS_OF_SHADING: u32 = 0u;
 

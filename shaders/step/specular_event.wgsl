@@ -1,8 +1,4 @@
 //@ implements surface_light when !sends_shadow_ray & light
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/surface
 //@ use choice/probe
 // For kernels whose materials sample no lights, in scenes where others do. Their lobes have no density for MIS.
 fn sample_light_at_surface(

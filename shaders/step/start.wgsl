@@ -1,6 +1,3 @@
-//@ use data/path
-//@ use data/dimension
-//@ use data/primitive
 //@ use bind/settings
 //@ use bind/window
 //@ use bind/counters

@@ -1,7 +1,4 @@
 //@ implements surface_emission when emission
-//@ use data/hit
-//@ use data/material
-//@ use data/path
 //@ use choice/aov_direct
 //@ use choice/clamp
 // A surface that emits and scatters adds its emission, and the path goes on.
@@ -20,8 +17,6 @@ fn add_surface_emission(path: ptr<function, Path>, interaction: Interaction, bsd
 }
 
 //@ without
-//@ use data/material
-//@ use data/path
 // No surface emits and scatters.
 fn radiance_of_surface(interaction: Interaction, bsdf: Scatter) -> vec3<f32> {
     return select(vec3<f32>(0.0), bsdf.weight, bsdf.event == EMITTED);

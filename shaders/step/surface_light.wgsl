@@ -1,8 +1,4 @@
 //@ implements surface_light when sends_shadow_ray
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/surface
 //@ use bind/settings
 //@ use choice/normal_map
 //@ use choice/probe
@@ -54,10 +50,6 @@ fn sample_light_at_surface(
 }
 
 //@ without
-//@ use data/hit
-//@ use data/material
-//@ use data/path
-//@ use data/surface
 // No light is sampled.
 fn sample_light_at_surface(
     path: ptr<function, Path>,

@@ -1,4 +1,3 @@
-//@ use data/path
 //@ use choice/coverage
 //@ use choice/panes
 // Finds the nearest hit of the path's ray. Returns the number of steps.

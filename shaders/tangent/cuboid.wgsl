@@ -1,6 +1,3 @@
-//@ use data/primitive
-//@ use data/surface
-//@ use data/texture
 //@ use lib/tangents
 // As the coordinates of geometry/cuboid.
 fn cuboid_tangents(surface: Surface, cuboid: Cuboid, frame: Frame) -> Tangents {

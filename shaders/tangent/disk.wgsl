@@ -1,6 +1,3 @@
-//@ use data/primitive
-//@ use data/surface
-//@ use data/texture
 //@ use lib/tangents
 fn disk_tangents(surface: Surface, disk: Quad, frame: Frame) -> Tangents {
     return Tangents(disk.u, disk.v);

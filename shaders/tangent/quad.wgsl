@@ -1,6 +1,3 @@
-//@ use data/primitive
-//@ use data/surface
-//@ use data/texture
 //@ use lib/tangents
 fn quad_tangents(surface: Surface, quad: Quad, frame: Frame) -> Tangents {
     return Tangents(quad.u, quad.v);

@@ -1,6 +1,3 @@
-//@ use data/primitive
-//@ use data/surface
-//@ use data/texture
 //@ use geometry/instance
 //@ use geometry/triangle
 //@ use lib/tangents

@@ -1,4 +1,3 @@
-//@ use data/texture
 // A solid checker. The parity of the sum of the cell's coordinates chooses between the even and the odd colour. The point is
 // already divided by the scale and reduced modulo 2, which preserves the parity.
 fn checker_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {

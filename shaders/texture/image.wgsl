@@ -1,4 +1,3 @@
-//@ use data/texture
 //@ use choice/number_texels
 // An image. u goes right and v goes up. It is bilinear between texel centres and constant beyond the outermost ones, except
 // where the texture coordinates wrap: there the right edge continues at the left one.

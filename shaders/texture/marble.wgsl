@@ -1,4 +1,3 @@
-//@ use data/texture
 //@ use lib/perlin
 //@ use lib/angle
 // Stripes along the object's z, bent by turbulence: 0.5 (1 + sin(scale z + 10 turbulence(p))).

@@ -3,7 +3,7 @@
 //! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
 //! with `//@`:
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module whose head says that it implements x
-//!   ([`super::modules`]).
+//!   ([`super::modules`]). Modules under shaders/data are joined where their names are ([`super::vocabulary`]).
 //! - `//@ if light` … `//@ end` keeps the lines between, which are members of a struct, if that condition holds ([`super::when`]).
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
 //!   entry's name, `${number}` its number, `${rank}` its index in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
@@ -26,6 +26,7 @@ pub use super::modules::{Chosen, Embedded, Heads, Library};
 use super::modules::{WITHOUT, head_of};
 use super::numerics::PROPERTIES;
 use super::reach;
+use super::vocabulary::Vocabulary;
 pub use super::when::{Facts, Reason, When, reason_of};
 use crate::error::{Error, Result};
 
@@ -85,6 +86,7 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
     let mut linker = Linker {
         library,
         choices,
+        generated: &Vocabulary::of(choices.generated.iter().map(|(module, text)| (*module, text.as_str()))),
         done: BTreeSet::new(),
         linked: Linked {
             root: root.to_string(),
@@ -153,6 +155,8 @@ struct ModuleUse {
 struct Linker<'a> {
     library: &'a dyn Library,
     choices: &'a Choices,
+    /// The names of the plan's generated modules.
+    generated: &'a Vocabulary,
     done: BTreeSet<String>,
     linked: Linked,
     /// All lines, including those that the entry point does not reach.
@@ -163,7 +167,7 @@ struct Linker<'a> {
     filled: Vec<(usize, String)>,
 }
 
-impl Linker<'_> {
+impl<'a> Linker<'a> {
     /// Joins the module of this name, after the modules that it uses. `why` is the reason of the line that uses it.
     fn join(&mut self, name: &str, user: &str, user_line: usize, why: &Reason) -> Result<()> {
         let chosen = match name.strip_prefix("choice/") {
@@ -199,6 +203,12 @@ impl Linker<'_> {
                 self.linked.relies.push((property.to_string(), part.clone()));
             }
         }
+        let texts: Vec<&str> = lines.iter().map(|line| line.text.as_str()).collect();
+        for vocabulary in [self.generated, self.library.vocabulary()] {
+            for (used, line) in vocabulary.used(&texts) {
+                self.join(used, &part, lines[line].number, &lines[line].why)?;
+            }
+        }
         for Line { number, text, values, .. } in lines {
             if !text.trim_start().starts_with("//@") {
                 self.filled.extend(values.into_iter().map(|value| (self.joined.len(), value)));
@@ -213,7 +223,7 @@ impl Linker<'_> {
     /// Removes what the entry point does not reach.
     fn finish(self) -> Linked {
         let Linker { mut linked, joined, uses, filled, choices, .. } = self;
-        let reached = reach::reached(&joined);
+        let reached = reach::reached(&joined.iter().map(String::as_str).collect::<Vec<_>>());
         let values = filled.into_iter().filter(|(line, _)| reached[*line]);
         let value = |(line, name): (usize, String)| {
             let filled = choices.values.get(&name)?.clone();

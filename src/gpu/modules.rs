@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use super::vocabulary::Vocabulary;
 use super::when::{Facts, Reason, When};
 
 /// A source of module texts. In tests it has additional modules.
@@ -17,6 +18,11 @@ pub trait Library {
     /// The heads of its modules.
     fn heads(&self) -> &Heads {
         &HEADS
+    }
+
+    /// The names that its modules may have without a `//@ use`.
+    fn vocabulary(&self) -> &Vocabulary {
+        &VOCABULARY
     }
 }
 
@@ -74,6 +80,11 @@ impl Embedded {
 }
 
 static HEADS: LazyLock<Heads> = LazyLock::new(|| Heads::of(TEXTS.iter().map(|(name, text)| (name.as_str(), &**text))));
+
+static VOCABULARY: LazyLock<Vocabulary> = LazyLock::new(|| {
+    let data = TEXTS.iter().filter(|(name, _)| name.starts_with("data/"));
+    Vocabulary::of(data.map(|(name, text)| (name.as_str(), &**text)))
+});
 
 /// What begins the part of a module that stands where none of its choices' facts hold.
 pub(super) const WITHOUT: &str = "//@ without";

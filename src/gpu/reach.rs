@@ -9,7 +9,7 @@ use std::collections::{BTreeSet, HashMap};
 /// A declaration begins at the start of a line and ends with the `;` or `}` that leaves no bracket open. Names are
 /// compared as words. If a local variable has the name of a declaration, the declaration may be kept unnecessarily, but
 /// none is ever missing.
-pub fn reached(lines: &[String]) -> Vec<bool> {
+pub fn reached(lines: &[&str]) -> Vec<bool> {
     let declarations = declarations(lines);
     let by_name: HashMap<&str, Vec<usize>> = declarations.iter().enumerate().fold(HashMap::new(), |mut all, (i, d)| {
         d.name.iter().for_each(|name| all.entry(*name).or_insert_with(Vec::new).push(i));
@@ -31,9 +31,14 @@ pub fn reached(lines: &[String]) -> Vec<bool> {
     let mut reached = vec![false; lines.len()];
     for declaration in kept.iter().map(|i| &declarations[*i]) {
         let own = declaration.lines.clone();
-        own.filter(|line| !code(&lines[*line]).trim().is_empty()).for_each(|line| reached[line] = true);
+        own.filter(|line| !code(lines[*line]).trim().is_empty()).for_each(|line| reached[line] = true);
     }
     reached
+}
+
+/// The names that these lines declare.
+pub fn names<'a>(lines: &[&'a str]) -> Vec<&'a str> {
+    declarations(lines).into_iter().filter_map(|declaration| declaration.name).collect()
 }
 
 /// A line without its comment.
@@ -48,9 +53,9 @@ struct Declaration<'a> {
     words: BTreeSet<&'a str>,
 }
 
-fn declarations(lines: &[String]) -> Vec<Declaration<'_>> {
+fn declarations<'a>(lines: &[&'a str]) -> Vec<Declaration<'a>> {
     let mut found = Vec::new();
-    let mut open: Option<Declaration<'_>> = None;
+    let mut open: Option<Declaration<'a>> = None;
     let mut depth = 0i64;
     for (number, line) in lines.iter().enumerate() {
         let code = code(line);

@@ -213,13 +213,13 @@ pub fn path_module(aovs: &Aovs) -> String {
     // WGSL has no empty arrays.
     members.push((AOV.to_string(), format!("array<f32, {}>", aovs.count().max(1))));
     let members: String = members.iter().map(|(name, kind)| format!("    {name}: {kind},\n")).collect();
-    format!("//@ use data/ray\n//@ use lib/compensated\nstruct Path {{\n{members}}}\n")
+    format!("//@ use lib/compensated\nstruct Path {{\n{members}}}\n")
 }
 
 /// The module `generated/slots`: for each group of fields, a function that loads them and one that stores them. A word that shares a vec4
 /// with a vector also has functions of its own.
 pub fn slots_module(fields: &[PathField]) -> String {
-    let mut text = String::from("//@ use slots/memory\n//@ use data/path\n//@ use choice/probe\n");
+    let mut text = String::from("//@ use slots/memory\n//@ use choice/probe\n");
     for group in GROUPS {
         let (mut load, mut store) = (String::new(), String::new());
         for field in fields.iter().filter(|field| field.group == group && field.w_of.is_none()) {

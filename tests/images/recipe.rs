@@ -13,16 +13,14 @@ use gpu_rt::options::{FeatureSet, Integrator, LightPaths, RenderOptions, Scatter
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 
 /// Step 1: the shader file. The first of two materials answers to no light but what goes back the way it came: a retroreflector sends all light back to where it came from.
-const RETROREFLECTOR: &str = "//@ use data/material
-// A retroreflector: light goes back the way it came, less what its colour takes.
+const RETROREFLECTOR: &str = "// A retroreflector: light goes back the way it came, less what its colour takes.
 fn retroreflector_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     return scatter_towards(-hit.incoming, hit.colour * material.numbers.x, LOBE_SPECULAR);
 }
 ";
 const NAME: &str = "retroreflector";
 /// The second scatters to all directions alike, and answers to lights: it has an evaluation beside it.
-const VELVET: &str = "//@ use data/material
-//@ use lib/basis
+const VELVET: &str = "//@ use lib/basis
 //@ use lib/sampling
 fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let point = sample_sphere(u.xy);
@@ -30,8 +28,7 @@ fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter
     return scatter_towards(normalize(direction), hit.colour * material.numbers.x, LOBE_WIDE);
 }
 ";
-const VELVET_EVAL: &str = "//@ use data/material
-//@ use lib/sampling
+const VELVET_EVAL: &str = "//@ use lib/sampling
 fn velvet_is_non_specular(material: Material) -> bool {
     return true;
 }
@@ -156,10 +153,7 @@ fn a_material_that_answers_to_lights_is_added_by_the_recipe() {
 
 /// A shape that lets rays through its middle, and its directions as a light. A test cannot add a table to `Tables`, nor a form to the scene file:
 /// the ring has those of the disk, and with them the disk's name. The number of its kind is its own.
-const RING: &str = "//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
-//@ use geometry/quad_plane
+const RING: &str = "//@ use geometry/quad_plane
 fn disk_distance(ray: Ray, square: Quad) -> f32 {
     let t = quad_plane_distance(ray, square);
     let radii = length(2.0 * quad_coordinates(ray, t, square) - 1.0);
@@ -174,9 +168,7 @@ fn disk_uv(square: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(local.xy, false);
 }
 ";
-const RING_LIGHT: &str = "//@ use data/ray
-//@ use data/primitive
-//@ use light/sample
+const RING_LIGHT: &str = "//@ use light/sample
 //@ use lib/sampling
 //@ use geometry/quad_plane
 fn disk_coordinates(u: vec2<f32>) -> vec2<f32> {
@@ -211,17 +203,12 @@ fn disk_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
     return true;
 }
 ";
-const RING_TANGENT: &str = "//@ use data/primitive
-//@ use data/surface
-//@ use data/texture
-//@ use lib/tangents
+const RING_TANGENT: &str = "//@ use lib/tangents
 fn disk_tangents(surface: Surface, square: Quad, frame: Frame) -> Tangents {
     return Tangents(square.u, square.v);
 }
 ";
 const RING_MOTION: &str = "//@ implements moved_disk when moves.disk
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 //@ use motion/square
 fn moved_disk(square: Quad, pose: Pose) -> Quad {
@@ -241,9 +228,6 @@ fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use data/motion
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/tangents
 fn moved_disk(square: Quad, pose: Pose) -> Quad {
     return square;
@@ -415,8 +399,7 @@ fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
 }
 
 /// A layer of glTF's material that takes a tenth of all light on its way out.
-const DUST: &str = "//@ use data/material
-fn dust_spreads(material: Material, lobes: Lobes, under: bool) -> bool {
+const DUST: &str = "fn dust_spreads(material: Material, lobes: Lobes, under: bool) -> bool {
     return under;
 }
 
@@ -503,8 +486,7 @@ fn a_lobe_is_added_by_the_recipe() {
 }
 
 /// A channel of the first hit: how far it is from the camera. A test cannot add a variant to src/aov.rs, so that the depth stands in for it.
-const DISTANCE: &str = "//@ use data/path
-fn distance_of_hit(path: ptr<function, Path>) -> f32 {
+const DISTANCE: &str = "fn distance_of_hit(path: ptr<function, Path>) -> f32 {
     return (*path).t;
 }
 ";

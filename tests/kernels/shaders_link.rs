@@ -820,8 +820,12 @@ fn violations(module: &str, text: &str) -> Vec<String> {
         return vec![format!("{module}: its folder is not in the table of this test: say there what it may use")];
     };
     let mut found = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let Some(used) = line.trim().strip_prefix("//@ use ").map(str::trim) else { continue };
+    let lines: Vec<&str> = text.lines().collect();
+    let named = Embedded.vocabulary().used(&lines).into_iter().map(|(used, index)| (index + 1, used));
+    let uses = (1..)
+        .zip(text.lines())
+        .filter_map(|(number, line)| Some((number, line.trim().strip_prefix("//@ use ")?.trim())));
+    for (number, used) in uses.chain(named) {
         let target = match used.strip_prefix("choice/") {
             // Of the shapes, any stands for all.
             Some(choice) => match Embedded.heads().choices().get(&choice.replace("${name}", "sphere")) {
@@ -845,6 +849,7 @@ fn modules_use_what_their_folders_may() {
     let mut uses = 0;
     for name in Embedded::names() {
         let text = Embedded.module(&name).expect("it is listed");
+        assert!(!text.contains("//@ use data/"), "shaders/{name}.wgsl: the names of shaders/data need no `//@ use`");
         uses += text.lines().filter(|line| line.trim().starts_with("//@ use ")).count();
         assert_eq!(violations(&name, text), Vec::<String>::new());
     }
@@ -875,6 +880,7 @@ fn modules_use_what_their_folders_may() {
         assert_eq!(found.len(), 1, "{module} uses {used}: {found:?}");
     }
     assert_eq!(violations("texture/image", "//@ use scene/texel\n"), Vec::<String>::new());
+    assert_eq!(violations("lib/rng", "fn f() -> Hit {\n").len(), 1, "a name of another folder's vocabulary");
 }
 
 /// Modules of a test beside the production ones.

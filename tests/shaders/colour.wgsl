@@ -1,4 +1,3 @@
-//@ use data/hit
 //@ use scene/primitives
 //@ use scene/surfaces
 //@ use bind/materials

@@ -1,4 +1,3 @@
-//@ use data/path
 //@ use bind/counters
 //@ use bind/settings
 //@ use scene/surfaces

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use sampler/independent
 //@ use material/metal
 //@ use material/metal_eval

@@ -1,4 +1,3 @@
-//@ use data/hit
 //@ use scene/traverse
 //@ use scene/surfaces
 //@ use choice/shading

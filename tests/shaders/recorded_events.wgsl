@@ -1,6 +1,3 @@
-//@ use data/dimension
-//@ use data/material
-//@ use data/path
 //@ use scene/responses
 // The events of a light path, which a camera path follows backwards.
 

@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use sampler/independent
 //@ use material/${material}
 //@ use material/${material}_eval

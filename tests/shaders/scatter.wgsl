@@ -1,4 +1,3 @@
-//@ use data/material
 //@ use sampler/independent
 //@ use material/${material}
 // A material's answer to a ray: for the uniforms given, or many times for the rows' own.

@@ -1,4 +1,3 @@
-//@ use data/texture
 //@ use texture/${texture}
 struct In {
     texture: Texture,

@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use geometry/${primitive}
 //@ use ${surface_module}
 //@ use geometry/offset

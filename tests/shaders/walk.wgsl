@@ -1,4 +1,3 @@
-//@ use data/hit
 //@ use scene/traverse
 // The nearest hit of a ray by the walk through the BVH, and by asking every primitive.
 struct In {

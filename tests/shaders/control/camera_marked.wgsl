@@ -1,5 +1,4 @@
 //@ use bind/settings
-//@ use data/ray
 //@ use camera/film_plane
 // Wrong on purpose: in the right half of the image a quarter of the rays have a direction of length 2, and an eighth one of
 // length 4, which background_broken knows them by. Of eight Sobol points of a run these are two and one.

@@ -1,4 +1,3 @@
-//@ use data/texture
 // Wrong on purpose: cells by truncation, which makes the two around zero one.
 fn checker_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
     let cell = vec3<i32>(at.point);

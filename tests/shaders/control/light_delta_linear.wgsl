@@ -1,4 +1,3 @@
-//@ use data/light
 //@ use light/sample
 // As light/delta, without the squares of the distance and of the falloff.
 

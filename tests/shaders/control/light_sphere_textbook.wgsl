@@ -1,4 +1,3 @@
-//@ use data/primitive
 //@ use light/sample
 //@ use lib/basis
 //@ use lib/float

@@ -1,4 +1,3 @@
-//@ use data/texture
 //@ use lib/perlin
 // Wrong on purpose: the turn in one part, whose multiples round.
 fn marble_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {

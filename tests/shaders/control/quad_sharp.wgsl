@@ -1,7 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
-
 // Wrong on purpose: the edges are tested without an allowance for the rounding of a and b, so that rays pass between
 // quads that share an edge.
 fn quad_distance(ray: Ray, quad: Quad) -> f32 {

@@ -1,5 +1,3 @@
-//@ use data/path
-//@ use data/dimension
 //@ use bind/settings
 //@ use choice/sampler
 // Wrong on purpose: paths that survive are worth no more than before.

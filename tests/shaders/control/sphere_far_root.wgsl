@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 // Wrong on purpose: both roots as sums, so that the one near zero cancels.
 fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let f = ray.origin - sphere.center;

@@ -1,6 +1,3 @@
-//@ use data/ray
-//@ use data/primitive
-//@ use data/surface
 //@ use lib/sphere_map
 // Wrong on purpose: the discriminant as b^2 - a c, which cancels where the sphere is far away.
 fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {

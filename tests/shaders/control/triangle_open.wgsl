@@ -1,5 +1,3 @@
-//@ use data/ray
-//@ use data/surface
 // Wrong on purpose: signs as rounded, and a ray on an edge meets neither of its triangles.
 struct TriangleHit {
     t: f32,

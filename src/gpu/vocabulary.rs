@@ -1,0 +1,40 @@
+//! The vocabulary of the shaders: the structs, constants and functions of the modules under shaders/data and of those that the plan generates. A
+//! module that has one of these names gets the module that declares it, without a `//@ use`.
+
+use std::collections::BTreeMap;
+
+use super::reach;
+
+/// The names, with the modules that declare them.
+#[derive(Clone, Debug, Default)]
+pub struct Vocabulary(BTreeMap<String, String>);
+
+impl Vocabulary {
+    /// Of modules by their names and texts.
+    pub fn of<'a>(modules: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vocabulary {
+        let names = |(module, text): (&str, &'a str)| {
+            let lines: Vec<&str> = text.lines().collect();
+            let names = reach::names(&lines).into_iter().map(|name| (name.to_string(), module.to_string()));
+            names.collect::<Vec<_>>()
+        };
+        Vocabulary(modules.into_iter().flat_map(names).collect())
+    }
+
+    /// The modules whose names these lines have and do not declare themselves, each with the index of the first line that does. Types and
+    /// constants begin with a capital, and a function is called.
+    pub fn used(&self, lines: &[&str]) -> BTreeMap<&str, usize> {
+        let own = reach::names(lines);
+        let mut used = BTreeMap::new();
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        for (index, line) in lines.iter().enumerate() {
+            for piece in reach::code(line).split_inclusive(|c| !is_word(c)) {
+                let word = piece.trim_end_matches(|c| !is_word(c));
+                let is_name = piece.ends_with('(') || word.starts_with(|c: char| c.is_ascii_uppercase());
+                if let Some(module) = self.0.get(word).filter(|_| is_name && !own.contains(&word)) {
+                    used.entry(module.as_str()).or_insert(index);
+                }
+            }
+        }
+        used
+    }
+}
