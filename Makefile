@@ -100,7 +100,7 @@ oidn: pip
 		cp tests/oidn/requirements.txt target/oidn/; \
 	}
 
-# For developing: `make quick TEST=kernels ARGS=sphere`. The dev profile reads the shaders from disk: an edit of one compiles nothing.
+# For developing: `make quick TEST=kernels ARGS=sphere`. The dev profile reads the shaders from disk: an edit of one outside shaders/data compiles nothing.
 TEST ?= kernels
 quick: export NODEVICE_SELECT = 1
 quick: toolchain oidn

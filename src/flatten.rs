@@ -38,8 +38,7 @@ use crate::bitmap::FORMATS;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::lobe::LOBES;
-use crate::material::{Emitted, LobeWidth, Model, Vertices, microfacets};
+use crate::material::{Emitted, LobeWidth, Model, Vertices};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
 use crate::shape::mesh::{Mesh, MeshShape};
@@ -90,7 +89,6 @@ pub fn flatten_with(
     if let Some(hierarchies) = &mut hierarchies {
         hierarchies.retain(scene);
     }
-    let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
     let camera = scene.camera.at(scene.camera.shutter.0);
     let view = View::new(&camera, size);
@@ -98,65 +96,8 @@ pub fn flatten_with(
     let world = Placement::resting(view.to_space);
     scene.objects.iter().for_each(|object| finder.add(object, &world));
     let models = models(scene, &finder);
-    // Of materials that are smooth panes: whether they have textures.
-    let panes = scene.materials.iter().zip(&models).map(|((_, material), model)| {
-        let is_pane = material.kind().is_pane && material.widths(&scene.bitmaps).contains(&LobeWidth::Specular);
-        is_pane.then(|| model.slots().any(|slot| slot.is_textured()))
-    });
-    let panes: Vec<Option<bool>> = panes.collect();
-    let pane_of = |primitive: &Primitive<'_>| panes[primitive.material as usize];
-    let has_alpha = |primitive: &Primitive<'_>| models[primitive.material as usize].has_alpha();
-    let is_smooth = |shape: &Shape<'_>| shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty());
-    let mut require = |fact: String, those: &dyn Fn(&Primitive<'_>) -> bool| {
-        if let Some(first) = finder.primitives.iter().find(|primitive| those(primitive)) {
-            features.require(fact, || scene.location_of(first.object).to_string());
-        }
-    };
-    for (number, (name, kind)) in PRIMITIVES.iter().zip(KINDS).enumerate() {
-        let is_own = |primitive: &Primitive<'_>| primitive.shape.number() == number;
-        require(format!("shape.{name}"), &is_own);
-        require(format!("smooth_pane.{name}"), &|own| is_own(own) && pane_of(own).is_some());
-        let of_body = |own: &Primitive<'_>| is_own(own) && kind.encloses() && has_alpha(own);
-        require(format!("body_with_alpha.{name}"), &of_body);
-    }
-    require("smooth".to_string(), &|primitive| is_smooth(&primitive.shape));
-    require("textured_pane".to_string(), &|primitive| pane_of(primitive) == Some(true));
-    features.quantities.alpha_on_bodies = features.any("body_with_alpha").is_some();
-    features.quantities.pane_textures = features.any("textured_pane").is_some();
-    // Whether an object uses each material.
-    let mut used = vec![false; scene.materials.len()];
-    for primitive in &finder.primitives {
-        let number = primitive.material as usize;
-        if !std::mem::replace(&mut used[number], true) {
-            let (name, material) = &scene.materials[number];
-            require_material(&mut features, scene, name, material, &models[number]);
-        }
-    }
-    finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
-    if let Background::Image { path } = &scene.background
-        && let Some(bitmap) = scene.bitmaps.colours(path)
-    {
-        let at = scene.location(&[Step::Field("background")]);
-        features.require(texel_format(bitmap), || format!("background at {at}"));
-    }
-    let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
-    let most = finder.primitives.len().max(faces);
-    if most >= MAX_PRIMITIVES {
-        return Err(scene.error(&[], format!("expected fewer than {MAX_PRIMITIVES} primitives, found {most}")));
-    }
-    if finder.media.len() > MOST_MEDIA {
-        let message = format!("expected at most {MOST_MEDIA} media, found {}", finder.media.len());
-        return Err(scene.error(&[], message));
-    }
-    if let Some(MovingLight { object, .. }) = finder.lights.first()
-        && options.integrator == Integrator::Bsdf
-    {
-        return Err(needs_light_sampling(scene, object));
-    }
-    if finder.lights.len() >= MOST_LIGHTS {
-        let message = format!("expected fewer than {MOST_LIGHTS} lights without size, found {}", finder.lights.len());
-        return Err(scene.error(&[], message));
-    }
+    let (features, used) = required(scene, &finder, &models);
+    check_counts(scene, &finder, options)?;
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
     let reflection = brightest_reflection(&finder, view.eye, extent);
@@ -204,13 +145,7 @@ pub fn flatten_with(
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
         builder.add_extensions(&used, radiance_scale);
     }
-    let has = |fact| builder.flat.features.any(fact).is_some() || options.features == FeatureSet::All;
-    // The table of a lobe stands behind that of metals.
-    let tables: Vec<_> = LOBES.iter().filter(|lobe| has(lobe.name())).filter_map(|lobe| lobe.table).collect();
-    if has("multiscatter") || !tables.is_empty() {
-        builder.flat.directional_albedos = microfacets::directional_albedos();
-    }
-    tables.iter().for_each(|table| builder.flat.directional_albedos.extend(table()));
+    builder.add_directional_albedos(options.features == FeatureSet::All);
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
     let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };
@@ -228,6 +163,92 @@ pub fn flatten_with(
         },
     );
     let mut flat = builder.flat;
+    check_tables(scene, &flat)?;
+    flat.warnings.extend(warnings);
+    let traced = flat.light_paths(options).count() > 0;
+    flat.warnings.extend(stopped_by_glass(scene, &finder, &flat.features, traced));
+    flat.features.quantities.shadow_rays = flat.features.quantities.lights > 0;
+    require_camera(&mut flat.features, scene, &view);
+    if options.features == FeatureSet::All {
+        flat.require_all(sample_lights);
+    }
+    Ok(flat)
+}
+
+/// The features that the objects, materials, media and the background require, and whether an object uses each material.
+fn required(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>]) -> (Features, Vec<bool>) {
+    let mut features = Features::default();
+    // Of materials that are smooth panes: whether they have textures.
+    let panes = scene.materials.iter().zip(models).map(|((_, material), model)| {
+        let is_pane = material.kind().is_pane && material.widths(&scene.bitmaps).contains(&LobeWidth::Specular);
+        is_pane.then(|| model.slots().any(|slot| slot.is_textured()))
+    });
+    let panes: Vec<Option<bool>> = panes.collect();
+    let pane_of = |primitive: &Primitive<'_>| panes[primitive.material as usize];
+    let has_alpha = |primitive: &Primitive<'_>| models[primitive.material as usize].has_alpha();
+    let is_smooth = |shape: &Shape<'_>| shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty());
+    let mut require = |fact: String, those: &dyn Fn(&Primitive<'_>) -> bool| {
+        if let Some(first) = finder.primitives.iter().find(|primitive| those(primitive)) {
+            features.require(fact, || scene.location_of(first.object).to_string());
+        }
+    };
+    for (number, (name, kind)) in PRIMITIVES.iter().zip(KINDS).enumerate() {
+        let is_own = |primitive: &Primitive<'_>| primitive.shape.number() == number;
+        require(format!("shape.{name}"), &is_own);
+        require(format!("smooth_pane.{name}"), &|own| is_own(own) && pane_of(own).is_some());
+        let of_body = |own: &Primitive<'_>| is_own(own) && kind.encloses() && has_alpha(own);
+        require(format!("body_with_alpha.{name}"), &of_body);
+    }
+    require("smooth".to_string(), &|primitive| is_smooth(&primitive.shape));
+    require("textured_pane".to_string(), &|primitive| pane_of(primitive) == Some(true));
+    features.quantities.alpha_on_bodies = features.any("body_with_alpha").is_some();
+    features.quantities.pane_textures = features.any("textured_pane").is_some();
+    // Whether an object uses each material.
+    let mut used = vec![false; scene.materials.len()];
+    for primitive in &finder.primitives {
+        let number = primitive.material as usize;
+        if !std::mem::replace(&mut used[number], true) {
+            let (name, material) = &scene.materials[number];
+            require_material(&mut features, scene, name, material, &models[number]);
+        }
+    }
+    finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
+    if let Background::Image { path } = &scene.background
+        && let Some(bitmap) = scene.bitmaps.colours(path)
+    {
+        let at = scene.location(&[Step::Field("background")]);
+        features.require(texel_format(bitmap), || format!("background at {at}"));
+    }
+    (features, used)
+}
+
+/// # Errors
+/// `Error::Scene` if there are more primitives, media or lights than can be numbered, or lights that only light sampling finds, without it.
+fn check_counts(scene: &Scene, finder: &Finder<'_>, options: &RenderOptions) -> Result<()> {
+    let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
+    let most = finder.primitives.len().max(faces);
+    if most >= MAX_PRIMITIVES {
+        return Err(scene.error(&[], format!("expected fewer than {MAX_PRIMITIVES} primitives, found {most}")));
+    }
+    if finder.media.len() > MOST_MEDIA {
+        let message = format!("expected at most {MOST_MEDIA} media, found {}", finder.media.len());
+        return Err(scene.error(&[], message));
+    }
+    if let Some(MovingLight { object, .. }) = finder.lights.first()
+        && options.integrator == Integrator::Bsdf
+    {
+        return Err(needs_light_sampling(scene, object));
+    }
+    if finder.lights.len() >= MOST_LIGHTS {
+        let message = format!("expected fewer than {MOST_LIGHTS} lights without size, found {}", finder.lights.len());
+        return Err(scene.error(&[], message));
+    }
+    Ok(())
+}
+
+/// # Errors
+/// `Error::Scene` if the tables of meshes or of hierarchies have more elements than codes can number.
+fn check_tables(scene: &Scene, flat: &DeviceScene) -> Result<()> {
     if flat.meshes.len() >= MAX_PRIMITIVES {
         let message = format!(
             "expected fewer than {MAX_PRIMITIVES} faces, vertices and texture coordinates of meshes, found {}",
@@ -239,22 +260,18 @@ pub fn flatten_with(
         let message = format!("expected fewer than {MAX_NODES} nodes in the hierarchies, found {}", flat.nodes.len());
         return Err(scene.error(&[], message));
     }
-    flat.warnings.extend(warnings);
-    let traced = flat.light_paths(options).count() > 0;
-    flat.warnings.extend(stopped_by_glass(scene, &finder, &flat.features, traced));
-    flat.features.quantities.shadow_rays = flat.features.quantities.lights > 0;
+    Ok(())
+}
+
+fn require_camera(features: &mut Features, scene: &Scene, view: &View) {
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
     if scene.camera.aperture > 0.0 {
-        flat.features.require("lens", || of_camera("aperture"));
+        features.require("lens", || of_camera("aperture"));
     }
     if view.has_camera_axes {
-        flat.features.require("camera_axes", || of_camera("vertical_fov"));
+        features.require("camera_axes", || of_camera("vertical_fov"));
     }
-    if options.features == FeatureSet::All {
-        flat.require_all(sample_lights);
-    }
-    Ok(flat)
 }
 
 /// Records the features that a material on an object requires.

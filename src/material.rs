@@ -31,7 +31,7 @@ pub use declared::{
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
 pub use row::{ALPHA, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
-pub use width::{Along, LEAST_ROUGHNESS, LobeWidth, NARROW_LOBE, widths_of_facets, widths_of_roughness};
+pub use width::{Along, LEAST_ROUGHNESS, LobeWidth, widths_of_facets, widths_of_roughness};
 
 kinds! {
     Material: MaterialKind;

@@ -20,6 +20,8 @@ struct Window {
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;
+// Rows of the strips in which slots take pixels (step/pixel_order).
+const STRIP_ROWS: u32 = 8u;
 // Of a run's counts: it is an odd one. The counts proper end below that bit.
 const ODD_RUN: u32 = 0x80000000u;
 
@@ -27,6 +29,9 @@ const ODD_RUN: u32 = 0x80000000u;
 fn end_of_run(sample: u32, end_sample: u32) -> u32 {
     return min((sample / RUN_LENGTH + 1u) * RUN_LENGTH, end_sample);
 }
+
+// The number of bins in which light of narrow lobes is counted.
+const LIGHT_BINS: u32 = 32u;
 
 // What the device counts for the host, which resets it while nothing runs.
 struct Counters {
@@ -46,8 +51,8 @@ struct Counters {
     // Counts of 64 bits, the low word first (step/count).
     counts: array<array<atomic<u32>, 2>, 6>,
     //@ if probed
-    // Light of narrow lobes for each bin of lights, in units of 2^-24: what probes found, and what paths found (step/narrow_lobe).
-    light: array<array<array<atomic<u32>, 2>, 2>, 32>,
+    // Light of narrow lobes for each bin, in units of 2^-24: what probes found, and what paths found (step/narrow_lobe).
+    light: array<array<array<atomic<u32>, 2>, 2>, LIGHT_BINS>,
     //@ end
 }
 

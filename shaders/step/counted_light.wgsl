@@ -4,8 +4,6 @@
 //@ use lib/rng
 // Counts of light by lights, which do not change the image (step/narrow_lobe).
 
-// The number of bins in which lights are counted.
-const LIGHT_BINS: u32 = 32u;
 // Each bin has two counts: light that probes found, and light that paths found.
 const PROBED: u32 = 0u;
 const FOUND: u32 = 1u;

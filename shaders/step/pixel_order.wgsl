@@ -2,7 +2,6 @@
 // The order in which slots take the pixels of the rendered part of the image: strips of eight rows, column by column, so that
 // neighbouring slots start on neighbouring pixels. Pixels are named by their indices in the full image: random numbers, and so the
 // samples, do not depend on the part.
-const STRIP_ROWS: u32 = 8u;
 
 // Returns the pixel at a position in that order.
 fn pixel_in_order(position: u32) -> u32 {

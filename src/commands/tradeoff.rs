@@ -118,17 +118,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut probe = Sweep::new(&device, &scene, size_of(full, FEWEST_PIXELS, exact), seed);
     progress("compiling defaults");
     probe.add(settings[0].clone())?;
-    // All of the time of a round, including the work between the passes. The first round also warms the machine up.
-    let mut cost = None;
-    for round in 1..=2 {
-        let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
-        probe.measure(at(MEASURING), round, &stop, &mut |_, _| progress("measuring the pace"))?;
-        // A round that the time cuts off is dropped, and may have taken an earlier one's block with it.
-        let samples = probe.samples(0).unwrap_or(0).saturating_sub(before);
-        if samples > 0 {
-            cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
-        }
-    }
+    let cost = cost_of_sample(&mut probe, at(MEASURING), &stop, &mut |_, _| progress("measuring the pace"))?;
     let left = at(MEASURING).saturating_duration_since(Instant::now());
     let cost = cost.filter(|cost| cost * SAMPLES_OF_FEWEST <= left.as_secs_f64());
     if cost.is_none() && !stop() {
@@ -209,6 +199,40 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         examples,
     };
     write(&folder, &report)?;
+    print(&report, args)?;
+    if !args.quiet {
+        tell(&format!("{}: {:.0} s", folder.join("index.html").display(), start.elapsed().as_secs_f64()));
+    }
+    match report.interrupted {
+        true if report.measured.is_empty() => Err(signals.interrupted("nothing was measured before")),
+        true => Err(signals.interrupted(&format!("{} holds what was measured", folder.display()))),
+        false => Ok(()),
+    }
+}
+
+/// Seconds for one sample of every pixel, by all of the time of a round, with the work between the passes; none if no round ended in time.
+fn cost_of_sample(
+    probe: &mut Sweep<'_>,
+    end: Instant,
+    stop: Stop<'_>,
+    progress: &mut dyn FnMut(usize, &str),
+) -> Result<Option<f64>> {
+    // All of the time of a round, including the work between the passes. The first round also warms the machine up.
+    let mut cost = None;
+    for round in 1..=2 {
+        let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
+        probe.measure(end, round, stop, progress)?;
+        // A round that the time cuts off is dropped, and may have taken an earlier one's block with it.
+        let samples = probe.samples(0).unwrap_or(0).saturating_sub(before);
+        if samples > 0 {
+            cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
+        }
+    }
+    Ok(cost)
+}
+
+/// Prints the report, on stderr what it holds for.
+fn print(report: &Findings, args: &TradeoffArgs) -> Result<()> {
     if args.json {
         print_json(&report.json())?;
     } else {
@@ -220,13 +244,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     }
     if !args.quiet {
         report.basis().iter().skip(usize::from(!args.json)).for_each(|words| tell(words));
-        tell(&format!("{}: {:.0} s", folder.join("index.html").display(), start.elapsed().as_secs_f64()));
     }
-    match report.interrupted {
-        true if report.measured.is_empty() => Err(signals.interrupted("nothing was measured before")),
-        true => Err(signals.interrupted(&format!("{} holds what was measured", folder.display()))),
-        false => Ok(()),
-    }
+    Ok(())
 }
 
 /// An image to measure against.

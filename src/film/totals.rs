@@ -39,7 +39,7 @@ pub struct Totals {
     pub too_deep_throughput: u64,
     /// Light that narrow lobes hide from light sampling, in device units of 2^-24 (shaders/step/narrow_lobe.wgsl). By bins of lights: the light that
     /// probes found, and the light that paths found.
-    pub light: [[u64; 2]; LIGHT_BINS],
+    pub light: [[u64; 2]; LIGHT_BINS as usize],
     /// Light paths of even and of odd runs, of all pixels of the full image. States of before light paths do not have them.
     #[serde(default)]
     pub light_paths: [u64; 2],
@@ -103,7 +103,7 @@ impl TooDeep {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HiddenLight {
     /// By bins of lights: the light that probes found, and the light that paths found.
-    bins: [(f64, f64); LIGHT_BINS],
+    bins: [(f64, f64); LIGHT_BINS as usize],
 }
 
 impl HiddenLight {

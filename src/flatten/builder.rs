@@ -15,8 +15,8 @@ use super::swept::swept;
 use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
-use crate::lobe::Rows;
-use crate::material::{ALPHA, Model, Slot, emission_row};
+use crate::lobe::{LOBES, Rows};
+use crate::material::{ALPHA, Model, Slot, emission_row, microfacets};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
@@ -228,6 +228,17 @@ impl Builder<'_> {
         }
         self.flat.materials.push(row);
         self.flat.material_names.push(name.to_owned());
+    }
+
+    /// Adds the tables of directional albedos that materials need. `everything`: all of them.
+    pub fn add_directional_albedos(&mut self, everything: bool) {
+        let has = |fact| self.flat.features.any(fact).is_some() || everything;
+        // The table of a lobe stands behind that of metals.
+        let tables: Vec<_> = LOBES.iter().filter(|lobe| has(lobe.name())).filter_map(|lobe| lobe.table).collect();
+        if has("multiscatter") || !tables.is_empty() {
+            self.flat.directional_albedos = microfacets::directional_albedos();
+        }
+        tables.iter().for_each(|table| self.flat.directional_albedos.extend(table()));
     }
 
     /// Adds the further rows of materials, behind those of all materials. The emission of a light has such a row too, so that kernels

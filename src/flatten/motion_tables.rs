@@ -7,18 +7,12 @@ use glam::DVec3;
 
 use super::motion::{Motion, MotionStep, Shutter, StepKind, Track, in_space};
 use super::swept::farthest_of;
-use crate::data::{MOVES, f32s};
+use crate::data::{KEYS_SHIFT, MOVES, RESIZE, SHIFT, SPIN, TURN, f32s};
 use crate::scene::Camera;
 use crate::shape::similarity::Similarity;
 use crate::shape::{ObjectTransform, RenderSpace, Shape};
 
 pub type Row = [u32; 4];
-
-// The kinds of steps, by their numbers in shaders/data/motion.
-const SHIFT: u32 = 0;
-const SPIN: u32 = 1;
-const RESIZE: u32 = 2;
-const TURN: u32 = 3;
 
 /// The table under construction.
 pub struct Motions {
@@ -107,7 +101,7 @@ impl Motions {
                     self.keys.insert(key, first);
                     first
                 });
-                [row_of(own_point - step.center, kind | (keys as u32) << 2), row_of(axis, first_key)]
+                [row_of(own_point - step.center, kind | (keys as u32) << KEYS_SHIFT), row_of(axis, first_key)]
             })
             .collect();
         self.iterations = self.iterations.max(iterations);

@@ -1,6 +1,7 @@
 //! The widths of lobes, which decide for which of them lights are sampled.
 
 use crate::bitmap::Bitmaps;
+use crate::data::NARROW_LOBE;
 use crate::texture::Texture;
 
 /// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
@@ -16,9 +17,6 @@ pub enum LobeWidth {
     Narrow,
     Wide,
 }
-
-/// The width in radians from which on a lobe is wide, as shaders/data/material.wgsl says.
-pub const NARROW_LOBE: f32 = 0.1;
 
 /// The widths of lobes of a roughness that may be any.
 pub const ANY_WIDTH: &[LobeWidth] = &[LobeWidth::Wide, LobeWidth::Narrow, LobeWidth::Specular];

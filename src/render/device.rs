@@ -143,53 +143,8 @@ struct Flight {
     begin: Instant,
 }
 
-impl<'a> DeviceRenderer<'a> {
-    /// Allocates the buffers and compiles the kernels.
-    ///
-    /// # Errors
-    /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
-    /// the numerics probe does not find.
-    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer<'a>> {
-        let tuning = plan.tuning;
-        let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
-        if u64::from(tuning.slots) > most_slots {
-            return Err(Error::Usage(format!(
-                "--slots {}: expected {most_slots} at most, with workgroups of {} invocations on {}",
-                tuning.slots, tuning.workgroup, device.name
-            )));
-        }
-        let Settings { image_width, image_height, .. } = plan.scene.settings;
-        let light_paths =
-            u64::from(image_width) * u64::from(image_height) * u64::from(plan.options.light_paths.count());
-        if light_paths > u64::from(MOST_RUNS) {
-            return Err(Error::Usage(format!(
-                "--light-paths {}: an image of {image_width} x {image_height} pixels has {light_paths} of them for each eight samples; \
-                 expected {MOST_RUNS} at most",
-                plan.options.light_paths
-            )));
-        }
-        let numerics = probe::numerics(device)?;
-        let allowed = |kernel: &Kernel| numerics.allow(device, &kernel.name, &kernel.linked);
-        plan.kernels().into_iter().try_for_each(allowed)?;
-        let most_steps = numerics.most_steps().map(f64::from);
-        let of_steps = |name| most_steps.map(|most| (name, most));
-        let constants: Vec<_> = STEPS.into_iter().filter_map(of_steps).collect();
-        let buffer_specs = plan.buffers();
-        let buffers = Buffers::create(device, &buffer_specs)?;
-        let specs: Vec<_> = plan
-            .kernels()
-            .into_iter()
-            .map(|kernel| PipelineSpec {
-                name: &kernel.name,
-                entry_point: kernel.stage,
-                module: &kernel.module,
-                text: &kernel.linked.text,
-                bindings: &kernel.bindings,
-                workgroup: tuning.workgroup,
-                constants: &constants,
-            })
-            .collect();
-        let pipelines = Pipeline::all(device, &specs, &buffers)?;
+impl Kernels {
+    fn new(plan: &Plan<'_>, pipelines: Vec<Pipeline>) -> Result<Kernels> {
         let mut named: BTreeMap<_, _> =
             pipelines.into_iter().map(|pipeline| (pipeline.name.clone(), pipeline)).collect();
         let mut pipeline = |kernel: &Kernel| {
@@ -215,6 +170,74 @@ impl<'a> DeviceRenderer<'a> {
                 stages
             }
         };
+        Ok(Kernels {
+            generate: stage(&plan.kernels.generate, StageSize::Slots)?,
+            bounce,
+            is_fused: matches!(plan.kernels.bounce, Bounce::Fused(_)),
+            accumulate: stage(&plan.kernels.accumulate, StageSize::Slots)?,
+            light_path: { plan.kernels.light_path.as_ref() }
+                .map(|kernel| stage(kernel, StageSize::Slots))
+                .transpose()?,
+            receipt: stage(&plan.kernels.receipt, StageSize::One)?,
+            settings_layout: plan.kernels.settings.clone(),
+        })
+    }
+}
+
+/// # Errors
+/// `Error::Usage` if there are more slots or light paths than a dispatch or a window can number.
+fn check_limits(device: &Device, plan: &Plan<'_>) -> Result<()> {
+    let tuning = plan.tuning;
+    let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
+    if u64::from(tuning.slots) > most_slots {
+        return Err(Error::Usage(format!(
+            "--slots {}: expected {most_slots} at most, with workgroups of {} invocations on {}",
+            tuning.slots, tuning.workgroup, device.name
+        )));
+    }
+    let Settings { image_width, image_height, .. } = plan.scene.settings;
+    let light_paths = u64::from(image_width) * u64::from(image_height) * u64::from(plan.options.light_paths.count());
+    if light_paths > u64::from(MOST_RUNS) {
+        return Err(Error::Usage(format!(
+            "--light-paths {}: an image of {image_width} x {image_height} pixels has {light_paths} of them for each eight samples; \
+             expected {MOST_RUNS} at most",
+            plan.options.light_paths
+        )));
+    }
+    Ok(())
+}
+
+impl<'a> DeviceRenderer<'a> {
+    /// Allocates the buffers and compiles the kernels.
+    ///
+    /// # Errors
+    /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
+    /// the numerics probe does not find.
+    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer<'a>> {
+        check_limits(device, plan)?;
+        let tuning = plan.tuning;
+        let numerics = probe::numerics(device)?;
+        let allowed = |kernel: &Kernel| numerics.allow(device, &kernel.name, &kernel.linked);
+        plan.kernels().into_iter().try_for_each(allowed)?;
+        let most_steps = numerics.most_steps().map(f64::from);
+        let of_steps = |name| most_steps.map(|most| (name, most));
+        let constants: Vec<_> = STEPS.into_iter().filter_map(of_steps).collect();
+        let buffer_specs = plan.buffers();
+        let buffers = Buffers::create(device, &buffer_specs)?;
+        let specs: Vec<_> = plan
+            .kernels()
+            .into_iter()
+            .map(|kernel| PipelineSpec {
+                name: &kernel.name,
+                entry_point: kernel.stage,
+                module: &kernel.module,
+                text: &kernel.linked.text,
+                bindings: &kernel.bindings,
+                workgroup: tuning.workgroup,
+                constants: &constants,
+            })
+            .collect();
+        let kernels = Kernels::new(plan, Pipeline::all(device, &specs, &buffers)?)?;
         let light_paths = plan.options.light_paths.count() > 0;
         let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov, light_paths);
         let report = |_| Report {
@@ -241,17 +264,7 @@ impl<'a> DeviceRenderer<'a> {
         let renderer = DeviceRenderer {
             device,
             settings,
-            kernels: Kernels {
-                generate: stage(&plan.kernels.generate, StageSize::Slots)?,
-                bounce,
-                is_fused: matches!(plan.kernels.bounce, Bounce::Fused(_)),
-                accumulate: stage(&plan.kernels.accumulate, StageSize::Slots)?,
-                light_path: { plan.kernels.light_path.as_ref() }
-                    .map(|kernel| stage(kernel, StageSize::Slots))
-                    .transpose()?,
-                receipt: stage(&plan.kernels.receipt, StageSize::One)?,
-                settings_layout: plan.kernels.settings.clone(),
-            },
+            kernels,
             paces: [pace(), pace()],
             film: DeviceFilm {
                 size: job.size,

@@ -96,7 +96,7 @@ fn added([low, high]: [u32; 2], [low_before, high_before]: [u32; 2]) -> u64 {
 pub(super) fn totals_since(now: &Counters, before: &Counters) -> Totals {
     let since = |which: u32| added(now.counts[which as usize], before.counts[which as usize]);
     let count = |of: fn(&Counters) -> u32| u64::from(of(now).wrapping_sub(of(before)));
-    let mut light = [[0; 2]; LIGHT_BINS];
+    let mut light = [[0; 2]; LIGHT_BINS as usize];
     for (bin, (now, before)) in light.iter_mut().zip(now.light.iter().zip(&before.light)) {
         *bin = [added(now[0], before[0]), added(now[1], before[1])];
     }

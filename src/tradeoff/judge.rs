@@ -182,31 +182,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
         all.into_iter().for_each(|setting| sweep.leave_out(setting, unreached));
         return Judged::default();
     };
-    let seconds = sweep.subjects.iter().map(|subject| subject.blocks_of(LEVEL).iter().map(Block::timed).collect());
-    let seconds: Vec<Vec<Timed>> = seconds.collect();
-    let timed: Vec<usize> = (0..seconds.len()).filter(|&i| seconds[i].len() >= FEWEST_ROUNDS).collect();
-    let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>(), &sweep.clock).into_iter();
-    // The number of rounds that all of them have: an additional image of one setting alone would look like a difference.
-    let rounds = |level: u32| timed.iter().map(|&i| sweep.subjects[i].blocks_of(level).len()).min().unwrap_or(0);
-    let common = LEVELS.map(|level| (level, rounds(level)));
-    let mut found: Vec<(usize, Measured)> = Vec::new();
-    let mut missing = Vec::new();
-    for (i, subject) in sweep.subjects.iter().enumerate() {
-        let pace = if timed.contains(&i) { paces.next() } else { None };
-        let own =
-            pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, (&weights, &fixed), full_size));
-        match own {
-            Some(measured) if measured.setting.scale < 1.0 => match full_size.lost_detail(measured.setting.scale) {
-                Some((signed, squared)) => found.push((i, Measured { signed, squared, ..measured })),
-                None => missing.push((subject.setting.clone(), NOT_AT_FULL_SIZE)),
-            },
-            Some(measured) => found.push((i, measured)),
-            None => missing.push((subject.setting.clone(), unreached)),
-        }
-    }
-    for (setting, why) in missing {
-        sweep.leave_out(setting, why);
-    }
+    let mut found = measure(sweep, (&weights, &fixed), full_size, unreached);
     let distance = |subject: usize| reference?.distance(&sweep.subjects[subject].images(LEVEL), &weights);
     let of_defaults = distance(0);
     // Two tests for each setting against the defaults, and two for the defaults against the reference (Šidák, JASA 62(318), 1967).
@@ -264,6 +240,46 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
             .for_each(|(subject, measured)| measured.flips = flips(&sweep.subjects[*subject], truth, sweep.size));
     }
     let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
+    rank(&mut found);
+    Judged { measured: found, against_reference, weights: Some(weights) }
+}
+
+/// The subjects with at least three rounds, with their indices. The others are recorded as not measured.
+fn measure(
+    sweep: &mut Sweep<'_>,
+    weights: (&Weights, &Weights),
+    full_size: &FullSize,
+    unreached: &str,
+) -> Vec<(usize, Measured)> {
+    let seconds = sweep.subjects.iter().map(|subject| subject.blocks_of(LEVEL).iter().map(Block::timed).collect());
+    let seconds: Vec<Vec<Timed>> = seconds.collect();
+    let timed: Vec<usize> = (0..seconds.len()).filter(|&i| seconds[i].len() >= FEWEST_ROUNDS).collect();
+    let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>(), &sweep.clock).into_iter();
+    // The number of rounds that all of them have: an additional image of one setting alone would look like a difference.
+    let rounds = |level: u32| timed.iter().map(|&i| sweep.subjects[i].blocks_of(level).len()).min().unwrap_or(0);
+    let common = LEVELS.map(|level| (level, rounds(level)));
+    let mut found: Vec<(usize, Measured)> = Vec::new();
+    let mut missing = Vec::new();
+    for (i, subject) in sweep.subjects.iter().enumerate() {
+        let pace = if timed.contains(&i) { paces.next() } else { None };
+        let own = pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, weights, full_size));
+        match own {
+            Some(measured) if measured.setting.scale < 1.0 => match full_size.lost_detail(measured.setting.scale) {
+                Some((signed, squared)) => found.push((i, Measured { signed, squared, ..measured })),
+                None => missing.push((subject.setting.clone(), NOT_AT_FULL_SIZE)),
+            },
+            Some(measured) => found.push((i, measured)),
+            None => missing.push((subject.setting.clone(), unreached)),
+        }
+    }
+    for (setting, why) in missing {
+        sweep.leave_out(setting, why);
+    }
+    found
+}
+
+/// Ranks the settings by their times; the first are the defaults.
+fn rank(found: &mut [Measured]) {
     let times = |m: &Measured| Times { seconds: m.times.to_vec(), error: m.seconds_error, reliable: m.reliable };
     let all: Vec<Times> = found.iter().map(times).collect();
     for (measured, ranking) in found.iter_mut().zip(rankings(&all)) {
@@ -278,11 +294,10 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, full_size: &FullS
             .for_each(|m| m.ranking = Ranking::AsDefaults);
     }
     // The advised setting reaches its target as soon as the fastest one without bias, within the error of the timings.
-    let advised: Vec<String> = recommended(&found).into_iter().flatten().map(|m| m.setting.name()).collect();
+    let advised: Vec<String> = recommended(found).into_iter().flatten().map(|m| m.setting.name()).collect();
     for measured in found.iter_mut().filter(|m| advised.contains(&m.setting.name())) {
         measured.ranking = Ranking::Front;
     }
-    Judged { measured: found, against_reference, weights: Some(weights) }
 }
 
 /// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes

@@ -14,11 +14,10 @@ use super::rows::glass;
 use super::stats::Random;
 use super::vectors::{U, rounded, unit};
 
-/// As shaders/data/material.wgsl has them.
-pub const SCATTERED: u32 = 0;
-pub const ABSORBED: u32 = 1;
+pub const SCATTERED: u32 = data::SCATTERED;
+pub const ABSORBED: u32 = data::ABSORBED;
 /// The lobe of one direction.
-pub const SPECULAR: u32 = 2;
+pub const SPECULAR: u32 = data::LOBE_SPECULAR;
 
 /// What tests/shaders/rough.wgsl takes.
 #[repr(C)]

@@ -7,8 +7,7 @@ use super::kernel::{Kernel, Setup, array};
 use super::stats::Random;
 use super::vectors::rounded;
 
-/// `NO_HIT` of shaders/data/surface.wgsl.
-pub const NO_HIT: f32 = -1.0;
+pub const NO_HIT: f32 = gpu_rt::data::NO_HIT;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use gpu_rt::data::SCATTERED;
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::metal_density;
@@ -17,9 +18,6 @@ const DRAWS: usize = 1 << 17;
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
-
-/// As shaders/data/material.wgsl has it.
-const SCATTERED: u32 = 0;
 
 const OF_THE_SPHERE: (&str, &str) = ("material/metal", "test/control/metal_of_the_sphere");
 const SPHERE: &str = "point of the sphere instead of the ball";

@@ -1,5 +1,5 @@
-//! The host's side of what the device reads and writes, against naga's reflection of the WGSL: the structs field by field,
-//! and the constants that both sides name.
+//! The host's side of what the device reads and writes, which build.rs writes, against naga's reflection of the WGSL: the structs field by
+//! field, and the constants.
 
 use std::collections::BTreeMap;
 
@@ -9,6 +9,10 @@ use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::options::{FeatureSet, Fresnel, LightPaths, RenderOptions, Scatter};
 use gpu_rt::plan::{Code, Kernels, PathField, UniformTables, path_layout};
+
+#[allow(dead_code)]
+#[path = "../../build.rs"]
+mod build;
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
@@ -84,57 +88,46 @@ fn difference(modules: &[naga::Module], name: &str, fields: &Fields, size: usize
     })
 }
 
-/// The structs of src/data.rs by name: their fields and bytes.
+/// The structs of the host by name: their fields and bytes.
 fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
-    listed_structs()
-}
-
-fn listed_structs() -> BTreeMap<&'static str, (Fields, usize)> {
-    macro_rules! structs {
-        ($($name:ident)*) => {
-            BTreeMap::from([$((
-                stringify!($name),
-                (
-                    data::$name::FIELDS.iter().map(|(name, at, bytes)| (name.to_string(), *at, *bytes)).collect(),
-                    size_of::<data::$name>(),
-                ),
-            ),)*])
-        };
-    }
-    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere LargeSphere Quad Cuboid Instance Light DeltaLight LightNode AliasEntry Medium Material Texture Frame Trial Answer)
-}
-
-/// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
-fn declared(before: &str) -> Vec<String> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/data.rs");
-    let text = std::fs::read_to_string(path).expect("src/data.rs can be read");
-    let name = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    text.split(before).skip(1).map(|rest| name(rest.trim_start())).collect()
+    let owned = |fields: data::Fields| fields.iter().map(|(name, at, bytes)| (name.to_string(), *at, *bytes)).collect();
+    data::STRUCTS.iter().map(|(name, size, fields)| (*name, (owned(fields), *size))).collect()
 }
 
 #[test]
 fn every_struct_of_the_host_is_laid_out_as_in_wgsl() {
     // The totals of a pixel have more sums with light paths, which alone have a table for the alias method.
     let (without, with) = (modules(), linked(LightPaths::Count(8)));
-    let structs = host_structs();
-    for (name, (fields, size)) in &structs {
+    // The settings have a test of their own.
+    for (name, (fields, size)) in host_structs().iter().filter(|(name, _)| **name != "Settings") {
         let modules = if *name == "AliasEntry" { &with } else { &without };
         assert_eq!(difference(modules, name, fields, *size), None);
     }
-    // Behind its documentation, each device_struct! opens with its name.
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/data.rs");
-    let text = std::fs::read_to_string(path).expect("src/data.rs can be read");
-    let calls = text.split("device_struct!(").skip(1);
-    let names: Vec<&str> = calls
-        .filter_map(|call| call.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with("///")))
-        .filter_map(|line| line.split_whitespace().next())
-        .collect();
-    // The settings have a test of their own.
-    let mut listed: Vec<&str> = structs.keys().copied().chain(["Settings"]).collect();
-    listed.sort_unstable();
-    let mut sorted = names.clone();
-    sorted.sort_unstable();
-    assert_eq!(sorted, listed, "src/data.rs declares structs that this test does not list, or the reverse");
+}
+
+#[test]
+fn the_host_has_what_bindings_hold_and_says_where_it_cannot() {
+    let translated = |member: &str| {
+        let text = format!("// A thing.\nstruct Thing {{\n    {member}\n}}\nstruct Other {{\n    flag: bool,\n}}\n");
+        let mut host = build::Host::default();
+        host.add("shaders/data/thing.wgsl", &text, "var<uniform> things: array<Thing, 4>;").map(|()| host.text())
+    };
+    for (wgsl, rust) in [
+        ("a: vec3<f32>,", "a: [f32; 3],"),
+        ("a: array<array<atomic<u32>, 2>, 6u>,", "a: [[u32; 2]; 6],"),
+        ("a: array<i32, LENGTH>,", "a: [i32; LENGTH as usize],"),
+        ("a: array<vec2<u32>, ${of_plan}>,", "a: [[u32; 2]; OF_PLAN],"),
+    ] {
+        let text = translated(wgsl).expect(wgsl);
+        assert!(text.contains(&format!("/// A thing.\nThing {{\n{rust}\n")) && !text.contains("Other"), "{text}");
+    }
+    for member in ["a: bool,", "a: Other,", "a: array<u32>,", "@align(16) a: u32,", "a: mat3x3<f32>,", "a: vec3f,"] {
+        let error = translated(member).expect_err(member);
+        assert!(
+            error.starts_with("shaders/data/thing.wgsl:3: the host cannot have `a") || member.starts_with('@'),
+            "{error}"
+        );
+    }
 }
 
 /// The settings are placed by the names of their members, of which kernels have those that they need.
@@ -216,48 +209,13 @@ fn constant(modules: &[naga::Module], name: &str) -> Option<u32> {
 #[test]
 fn every_constant_of_the_host_is_that_of_the_shaders() {
     let modules = all_modules();
-    let same = BTreeMap::from([
-        ("PRIMITIVE_BIT", data::PRIMITIVE_BIT),
-        ("PRIMITIVE_KIND_SHIFT", data::PRIMITIVE_KIND_SHIFT),
-        ("HIT_NOTHING", data::HIT_NOTHING),
-        ("SLOT_IDLE", data::SLOT_IDLE),
-        ("NO_TEXTURE", data::NO_TEXTURE),
-        ("NO_FACE", data::NO_FACE),
-        ("NO_NORMAL", data::NO_NORMAL),
-        ("NO_UVS", data::NO_UVS),
-        ("NO_INSTANCE", data::NO_INSTANCE),
-        ("KIND_TRIANGLE", data::KIND_TRIANGLE),
-        ("KIND_INSTANCE", data::KIND_INSTANCE),
-        ("NO_EXTENSION", data::NO_EXTENSION),
-        ("KIND_DELTA_LIGHT", data::KIND_DELTA_LIGHT),
-        ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
-        ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),
-        ("LIGHT_NODE_SKY", data::LIGHT_NODE_SKY),
-        ("MOVES", data::MOVES),
-        ("NOT_SAMPLED", data::NOT_SAMPLED),
-        ("PARTS", data::PARTS),
-        ("CROSSED", data::CROSSED),
-        ("RUN_LENGTH", data::RUN_LENGTH),
-        ("QUEUE_HEADER", data::QUEUE_HEADER),
-        ("LIGHT_BINS", data::LIGHT_BINS as u32),
-        ("ODD_RUN", data::ODD_RUN),
-        ("STRIP_ROWS", data::STRIP_ROWS),
-        ("PATHS", data::PATHS),
-        ("RAYS", data::RAYS),
-        ("TOO_DEEP", data::TOO_DEEP),
-        ("TOO_DEEP_THROUGHPUT", data::TOO_DEEP_THROUGHPUT),
-        ("LIGHT_PATHS", data::LIGHT_PATHS),
-        ("SUM_FRACTION", data::SUM_FRACTION),
-        ("SQUARE_FRACTION", data::SQUARE_FRACTION),
-    ]);
-    for (name, value) in &same {
+    for (name, value) in data::CONSTANTS.iter().chain([&("RUN_LENGTH", data::RUN_LENGTH)]) {
         assert_eq!(constant(&modules, name), Some(*value), "{name}");
     }
     // Those that the shaders say in other words.
-    let mask = constant(&modules, "PRIMITIVE_INDEX_MASK").expect("it is in data/primitive");
-    assert_eq!(data::MAX_PRIMITIVES as u64, u64::from(mask) + 1);
+    assert_eq!(data::MAX_PRIMITIVES as u64, u64::from(data::PRIMITIVE_INDEX_MASK) + 1);
     let bits = data::LIGHT_NODE_LEAF | data::LIGHT_NODE_TWO_SIDED | data::LIGHT_NODE_SKY;
-    assert_eq!(constant(&modules, "LIGHT_NODE_INDEX"), Some(!bits));
+    assert_eq!(data::LIGHT_NODE_INDEX, !bits);
     // A queue's length stands before the queues, one word for each kind of material.
     assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());
     // No primitive's code is a status: the kinds stop short of the last one.
@@ -267,13 +225,6 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!(gpu_rt::flatten::PRIMITIVES.len() <= data::KIND_DELTA_LIGHT as usize);
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
-
-    let mut listed: Vec<&str> =
-        same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS", "CHANNELS", "FILM_SUMS", "SPLAT_SUMS"]).collect();
-    listed.sort_unstable();
-    let mut names = declared("pub const ");
-    names.sort_unstable();
-    assert_eq!(names, listed, "src/data.rs declares constants that this test does not list, or the reverse");
     // It would find a wrong value.
     assert_ne!(constant(&modules, "HIT_NOTHING"), Some(data::SLOT_IDLE));
     assert_eq!(constant(&modules, "NO_SUCH_CONSTANT"), None);

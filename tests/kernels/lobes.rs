@@ -4,9 +4,10 @@ use std::path::Path;
 
 use gpu_rt::bitmap::Bitmaps;
 use gpu_rt::data;
+use gpu_rt::data::NARROW_LOBE;
 use gpu_rt::lobe;
+use gpu_rt::material::LobeWidth;
 use gpu_rt::material::microfacets::directional_albedos;
-use gpu_rt::material::{LobeWidth, NARROW_LOBE};
 use gpu_rt::scene::{Material, Scene};
 
 use crate::common::kernel::array;

@@ -3,18 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use gpu_rt::data::Material;
+use gpu_rt::data::{ABSORBED, EMITTED, Material, SCATTERED};
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::{fresnel, metal_density};
 use crate::common::rows::{Answer as Out, SurfaceHit as In, glass};
 use crate::common::stats::{Random, bin, chi_square, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
-
-/// As shaders/data/material.wgsl has them.
-const SCATTERED: u32 = 0;
-const ABSORBED: u32 = 1;
-const EMITTED: u32 = 2;
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;

@@ -151,18 +151,16 @@ impl File {
         for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
             materials.primitives.entry(primitive.material.map(|it| it.value())).or_default().push(primitive);
         }
-        let (mut without_triangles, mut ranges) = (0, 0);
-        // The instances of primitives, and the first node whose instances are not read.
-        let (mut of_instances, mut unread_instances) = (0, None);
+        let mut deviations = Deviations::default();
         let (units, note_of_units) = self.light_units(reading);
-        let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
+        let mut of_mesh = HashSet::new();
         let pose = self.pose(reading.seconds)?;
         contents.notes.extend(pose.notes.iter().cloned());
         for scene_node in pose.nodes(root) {
             contents.views.extend(self.view(&scene_node, &mut contents.notes)?);
             if let Some(light) = self.light(&scene_node, units)? {
                 contents.objects.push(light.object);
-                ranges += usize::from(light.has_range);
+                deviations.has_range |= light.has_range;
             }
             let Some(mesh) = scene_node.node.mesh.map(|mesh| mesh.value()) else { continue };
             let is_skinned = scene_node.node.skin.is_some();
@@ -173,12 +171,13 @@ impl File {
             let (node, at) = (scene_node.index, |changes: bool| pose.seconds.filter(|_| changes));
             let is_first = of_mesh.insert(mesh);
             let has_instances = has_instances(scene_node.node);
-            unread_instances = unread_instances.or(has_unread_instances(scene_node.node).then_some(node));
+            deviations.unread_instances =
+                deviations.unread_instances.or(has_unread_instances(scene_node.node).then_some(node));
             // By primitive: whether it is morphed, and its material. None for points and lines.
             let mut primitives = Vec::new();
             for (index, primitive) in self.primitives(mesh, node)?.iter().enumerate() {
                 if !has_triangles(primitive) {
-                    without_triangles += 1;
+                    deviations.without_triangles += 1;
                     continue;
                 }
                 let is_morphed = self.is_morphed(&pose, &scene_node, primitive);
@@ -190,15 +189,15 @@ impl File {
             }
             for (number, to_scene) in self.instances(&scene_node, 0)?.enumerate() {
                 let (to_scene, instance) = (to_scene?, has_instances.then_some(number));
-                of_instances += if has_instances { primitives.len() as u64 } else { 0 };
-                if of_instances > MOST_INSTANCES {
+                deviations.of_instances += if has_instances { primitives.len() as u64 } else { 0 };
+                if deviations.of_instances > MOST_INSTANCES {
                     let reason = format!("expected at most {MOST_INSTANCES} instances of primitives, found more");
                     return Err(GltfError::new(format!("nodes[{node}].extensions.{}", instances::EXTENSION), reason));
                 }
                 // A skin moves vertices one by one, whatever the transform of the node is.
                 let transforms = similarity(&to_scene).filter(|_| !is_skinned);
                 if transforms.is_none() && !is_skinned && !(is_first && number == 0) {
-                    baked.push(node);
+                    deviations.baked.push(node);
                 }
                 for &(primitive, is_morphed, ref material) in &primitives {
                     let part = match transforms {
@@ -220,14 +219,37 @@ impl File {
         let has_lights = contents.has_lights();
         let notes = &mut contents.notes;
         notes.extend(note_of_units.filter(|_| has_lights));
+        notes.extend(deviations.notes(root, reading));
+        Ok(contents)
+    }
+}
+
+/// What objects and materials lack of a file, or have in another way.
+#[derive(Default)]
+struct Deviations {
+    /// The primitives of points and lines.
+    without_triangles: usize,
+    /// Whether a light has a range.
+    has_range: bool,
+    /// The instances of primitives.
+    of_instances: u64,
+    /// The first node whose instances are not read.
+    unread_instances: Option<usize>,
+    /// The nodes whose transforms are applied to vertices.
+    baked: Vec<usize>,
+}
+
+impl Deviations {
+    fn notes(&self, root: &gltf::json::Root, reading: &Reading) -> Vec<String> {
+        let mut notes = Vec::new();
         let unread: Vec<String> =
             root.extensions_used.iter().filter(|name| !is_read(name)).map(|name| quote(name.as_bytes())).collect();
         if !unread.is_empty() {
             notes.push(format!("extensionsUsed: not read: {}", unread.join(", ")));
         }
-        if let Some(first) = baked.first() {
-            let count = baked.len();
-            let them = match (of_instances > 0, count == 1) {
+        if let Some(first) = self.baked.first() {
+            let count = self.baked.len();
+            let them = match (self.of_instances > 0, count == 1) {
                 (false, true) => "node",
                 (false, false) => "nodes",
                 (true, true) => "node or instance",
@@ -241,9 +263,10 @@ impl File {
         if !root.animations.is_empty() && reading.seconds.is_none() {
             notes.push(format!("animations are not read without a frame: {} poses them", reading.asker.frame));
         }
-        if let Some(node) = unread_instances {
+        if let Some(node) = self.unread_instances {
             notes.push(format!("nodes[{node}]: {} is not read beside a skin", instances::EXTENSION));
         }
+        let without_triangles = self.without_triangles;
         if without_triangles > 0 {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
@@ -253,13 +276,16 @@ impl File {
                 primitives().any(has_more_joints),
                 "meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count",
             ),
-            (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit"),
+            (
+                self.has_range,
+                "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit",
+            ),
         ] {
             if is_there {
                 notes.push(note.to_owned());
             }
         }
-        Ok(contents)
+        notes
     }
 }
 
