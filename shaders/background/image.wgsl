@@ -1,6 +1,5 @@
 //@ use bind/settings
 //@ use choice/axes
-//@ use lib/sphere_map
 //@ use scene/texel
 // The radiance of a ray that leaves the scene: a latitude-longitude image.
 fn image_background(direction: vec3<f32>) -> vec3<f32> {

@@ -1,5 +1,4 @@
 //@ alternative camera when lens
-//@ use lib/sampling
 //@ use camera/film_plane
 //@ use choice/camera_pose
 // A point on the lens relative to its middle, uniform by area.

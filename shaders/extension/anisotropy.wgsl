@@ -1,4 +1,3 @@
-//@ use lib/microfacet
 // KHR_materials_anisotropy: red and green are a direction in the axes of the texture coordinates, which the row turns, and blue is a share of
 // the strength. Microfacets with one are never smooth. It comes after the roughness.
 fn begin_anisotropy(evaluated: ptr<function, EvaluatedMaterial>, own: Rows, front: bool) -> bool {

@@ -1,5 +1,4 @@
 //@ alternative filter when filter.gauss
-//@ use lib/sampling
 // A point around the middle of a pixel with a Gaussian density of standard deviation 1/2 pixel, cut off at a distance of 1.5
 // pixels (Box and Muller, "A note on the generation of random normal deviates", Annals of Mathematical Statistics 29(2), 1958).
 // WGSL promises a logarithm near 1 to 2^-21: the point is off by 5e-4 pixels at most.

@@ -1,5 +1,4 @@
 //@ use geometry/slab
-//@ use lib/float
 // Finds the children of a BVH node that a ray may hit from the distance `begin` to `nearest`. The test is conservative: it never
 // rejects a child that the ray hits.
 

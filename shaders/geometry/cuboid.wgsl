@@ -1,5 +1,4 @@
 //@ use geometry/slab
-//@ use lib/float
 
 fn to_cuboid(cuboid: Cuboid, v: vec3<f32>) -> vec3<f32> {
     let z_axis = cross(cuboid.x_axis, cuboid.y_axis);

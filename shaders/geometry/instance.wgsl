@@ -1,4 +1,3 @@
-//@ use lib/float
 // Transforms between render space and the space of a mesh.
 
 fn rotated_to_mesh(instance: Instance, v: vec3<f32>) -> vec3<f32> {

@@ -1,5 +1,3 @@
-//@ use lib/float
-//@ use lib/sphere_map
 // A sphere given by its point nearest to the camera, the normal there and the curvature c = 1/r (own derivation). Points x are
 // relative to that point, and n is the inward normal there. Errors are then relative to |x|, not to the radius.
 

@@ -1,4 +1,3 @@
-//@ use lib/float
 // The origin of a ray that leaves a surface. The point moves along the normal, to the side that the ray goes to, by the bound
 // of its error. Then each coordinate moves to the next float, so that rounding cannot undo the move (PBR 4th ed., section
 // 6.8.6, with the primitive's own bound).

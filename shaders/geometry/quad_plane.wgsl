@@ -1,4 +1,3 @@
-//@ use lib/float
 // The plane of a quad, and of the square around a disk.
 
 // Distance to the plane; not finite for a parallel ray.

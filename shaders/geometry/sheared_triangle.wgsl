@@ -1,4 +1,3 @@
-//@ use lib/float
 //@ relies on signs
 // Intersects rays with triangles, without gaps: no ray passes between triangles that share an edge or a vertex, and none hits
 // two of them there. The vertices are sheared so that the ray runs along z. Three edge functions show on which sides of the

@@ -1,5 +1,3 @@
-//@ use lib/float
-//@ use lib/sphere_map
 //@ use choice/sphere_chord
 
 // Distance to the nearest crossing of the sphere in front of the ray's origin, or NO_HIT.

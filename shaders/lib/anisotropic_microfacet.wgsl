@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // The functions of lib/microfacet for microfacets with one alpha along the tangent and another along the bitangent (Heitz, "Understanding the
 // Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2), 2014, equations 85 to 87).
 

@@ -1,5 +1,4 @@
 //@ alternative fresnel when !(fresnel.schlick & glass)
-//@ use lib/refraction
 // Fresnel reflection at a smooth boundary. This form has no cancellation as the relative index approaches 1.
 
 // cos_incident is in [0, 1]. contrast is (eta - 1)(eta + 1), with eta the index of the far side relative to the near one. Let c

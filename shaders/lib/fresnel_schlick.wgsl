@@ -1,5 +1,4 @@
 //@ alternative fresnel when fresnel.schlick & glass
-//@ use lib/refraction
 // Schlick's approximation instead of Fresnel reflection (`--fresnel schlick`): R = R0 + (1 - R0)(1 - cos)^5, with R0 the
 // reflectance at normal incidence (Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum
 // 13(3), 1994, equation 24). The cosine is that of the side with the smaller index. So both sides have the same reflectance, as

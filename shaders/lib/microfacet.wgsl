@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // Rough surfaces of microfacets: the distribution of Trowbridge and Reitz, also called GGX, and Smith's masking and shadowing
 // with correlated heights (Walter, Marschner, Li, Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR
 // 2007; Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2), 2014). alpha is the

@@ -1,4 +1,3 @@
-//@ use lib/rng
 // Gradient noise with period 256 in each direction: Perlin, "An Image Synthesizer", SIGGRAPH 1985, with the cubic fade and unit
 // gradients. The gradient of a lattice point is a hash of the point, so there is no table and no binding.
 

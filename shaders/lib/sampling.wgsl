@@ -1,4 +1,3 @@
-//@ use lib/angle
 // Maps from uniform numbers in [0, 1) to the distributions that the renderer samples.
 
 const PI: f32 = 3.14159265358979;

@@ -1,4 +1,3 @@
-//@ use lib/angle
 // Maps from directions to texture coordinates.
 
 // The texture coordinates of a sphere at its unit normal n: u = (atan2(-z, x) + pi) / 2 pi, v = acos(-y) / pi.

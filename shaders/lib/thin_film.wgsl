@@ -1,5 +1,3 @@
-//@ use lib/angle
-//@ use lib/fresnel_conductor
 // Interference in a thin film (Belcour and Barla, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", ACM
 // TOG 36(4), 2017), as KHR_materials_iridescence has it: Schlick's approximation at both boundaries, and light that passes the film up to
 // three times.

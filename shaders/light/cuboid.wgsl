@@ -1,6 +1,5 @@
 //@ use geometry/cuboid
 //@ use light/quad
-//@ use lib/sampling
 // A box as a light. From outside, directions are uniform in its solid angle: one of the up to three visible faces is chosen
 // with a probability proportional to its solid angle. From inside, directions are uniform over the sphere.
 

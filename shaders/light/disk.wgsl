@@ -1,5 +1,4 @@
 //@ use light/sample
-//@ use lib/sampling
 //@ use geometry/quad_plane
 // A disk as a light: points are uniform in its area. Directions that are uniform in the solid angle of the square around it were tried, as
 // samples of 0 where they miss the disk. From a distance of one radius on, their error is 1.3 to 14 times as large; closer by, 0.8 times.

@@ -1,4 +1,3 @@
-//@ use lib/angle
 //@ use light/disk
 //@ use light/parts
 // Parts of a disk: pieces of rings. The coordinates are the uniform numbers of its points: the square of the radius, and the turns.

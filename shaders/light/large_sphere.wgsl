@@ -1,7 +1,6 @@
 //@ use light/sample
 //@ use light/sphere
 //@ use geometry/large_sphere
-//@ use lib/float
 // A large sphere as a light. It is sampled like a sphere (light/sphere), but the cone of directions that hit it is computed from the
 // height above it.
 

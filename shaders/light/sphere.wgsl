@@ -1,7 +1,4 @@
 //@ use light/sample
-//@ use lib/basis
-//@ use lib/float
-//@ use lib/sampling
 // A sphere as a light. From outside, directions are uniform in the cone of directions that hit it (Shirley, Wang and
 // Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 15(1), 1996, section 3.2). From inside, they
 // are uniform over all directions.

@@ -1,4 +1,3 @@
-//@ use lib/angle
 // Spherical triangles: their solid angle, and directions uniform in it, by Arvo's method ("Stratified Sampling of Spherical
 // Triangles", SIGGRAPH 1995). An arc from p to a point of the arc a c cuts the triangle p, a, c so that the part next to a has a given
 // fraction of the solid angle. The direction lies on this arc, at a given fraction of the arc's height. Arvo's formulas use the angles

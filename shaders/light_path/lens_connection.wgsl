@@ -5,7 +5,6 @@
 //@ use choice/panes
 //@ use choice/sampler
 //@ use choice/transmittance
-//@ use lib/float
 //@ use light_path/counted_splat
 //@ use light_path/density_ratio
 //@ use step/light

@@ -6,7 +6,6 @@
 //@ use choice/light_absorption
 //@ use choice/sampler
 //@ use choice/time
-//@ use lib/float
 //@ use light_path/emission
 //@ use scene/lights
 //@ use light_path/counted_splat

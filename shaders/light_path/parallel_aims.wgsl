@@ -1,4 +1,3 @@
-//@ use lib/float
 //@ use light/cuboid
 //@ use light_path/aims
 // Light paths of directional lights: parallel rays to the boxes, each uniform in the area of a box's shadow.

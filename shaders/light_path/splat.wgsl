@@ -3,7 +3,6 @@
 //@ use bind/window
 //@ use choice/clamp
 //@ use choice/splat_filter
-//@ use lib/float
 //@ use step/film
 //@ use step/pixel_order
 //@ relies on bits

@@ -1,7 +1,4 @@
 //@ implements facets when anisotropy
-//@ use lib/anisotropic_microfacet
-//@ use lib/basis
-//@ use lib/microfacet
 // Microfacets that are rougher along the tangent (KHR_materials_anisotropy): alpha is mix(alpha, 1, strength^2) there. A material without an
 // anisotropy has the functions of isotropic ones.
 

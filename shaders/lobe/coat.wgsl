@@ -1,7 +1,4 @@
 //@ implements coat when coat
-//@ use lib/basis
-//@ use lib/fresnel_conductor
-//@ use lib/microfacet
 // KHR_materials_clearcoat: a layer of microfacets around all else. It reflects the share s F(n_c v) of the light, with its own normal n_c, and
 // all that lies below, its emission too, has the factor 1 - s F(n_c v). This depends on the view alone, so it is not reciprocal.
 

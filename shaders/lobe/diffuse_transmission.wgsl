@@ -1,6 +1,4 @@
 //@ implements body when diffuse_transmission
-//@ use lib/basis
-//@ use lib/sampling
 // KHR_materials_diffuse_transmission: the matt body of glTF's material lets a share t of the light that it scatters pass to its far side, in
 // all directions and in a colour of its own. The rest is scattered back in the base colour.
 

@@ -1,5 +1,4 @@
 //@ implements film when iridescence
-//@ use lib/thin_film
 // KHR_materials_iridescence: a thin film on the base of glTF's material, whose reflectance stands in the place of the base's own.
 
 // The film's share of the surface. A film that is much thinner than light fades, as its index does (lib/thin_film): Schlick's approximation at its

@@ -1,6 +1,4 @@
 //@ implements facets when !anisotropy
-//@ use lib/basis
-//@ use lib/microfacet
 // Microfacets that are as rough in all directions.
 
 // A microfacet normal, from those that are visible.

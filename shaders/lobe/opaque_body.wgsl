@@ -1,6 +1,4 @@
 //@ implements body when !diffuse_transmission
-//@ use lib/basis
-//@ use lib/sampling
 // The matt body of glTF's material: Lambertian.
 
 // The share of light that comes back of all that the body gets.

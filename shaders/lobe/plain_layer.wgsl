@@ -1,5 +1,4 @@
 //@ alternative layer when !specular
-//@ use lib/fresnel_conductor
 // The layer of glTF's material by its index of refraction alone.
 
 // The reflectance at normal incidence.

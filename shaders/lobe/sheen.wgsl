@@ -1,6 +1,3 @@
-//@ use lib/basis
-//@ use lib/charlie
-//@ use lib/sampling
 //@ use lobe/sheen_albedo
 // KHR_materials_sheen: fibres over the base. What lies below has the factor min(1 - m E(v), 1 - m E(l)), with m the largest channel of the
 // colour and E the directional albedo of white sheen. Where E is more than 1, at grazing angles of a low roughness, the sheen is

@@ -1,5 +1,4 @@
 //@ use bind/directional_albedos
-//@ use lib/charlie
 // The directional albedo of white sheen, interpolated in a table behind that of rough metals. It is nowhere less than the true one.
 
 // The size of the table, and where it begins (src/lobe/sheen.rs).

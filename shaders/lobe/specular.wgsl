@@ -1,5 +1,4 @@
 //@ alternative layer when specular
-//@ use lib/fresnel_conductor
 // The layer of glTF's material with a share or a colour of its own (KHR_materials_specular).
 
 fn pbr_f0(material: Material, hit: Interaction) -> vec3<f32> {

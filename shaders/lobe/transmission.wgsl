@@ -1,4 +1,3 @@
-//@ use lib/microfacet
 //@ use material/glass
 //@ use material/pane
 //@ use material/pbr_base

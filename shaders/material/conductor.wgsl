@@ -1,5 +1,3 @@
-//@ use lib/fresnel_conductor
-//@ use lib/microfacet
 //@ use choice/facets
 //@ use choice/multiscatter
 // A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta - 1. Its second part has k, and as `parameter`

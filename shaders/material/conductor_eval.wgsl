@@ -1,5 +1,3 @@
-//@ use lib/fresnel_conductor
-//@ use lib/microfacet
 //@ use choice/facets
 //@ use choice/multiscatter
 // A conductor that is smooth is a mirror.

@@ -1,5 +1,3 @@
-//@ use lib/basis
-//@ use lib/sampling
 // Lambertian reflection: the BSDF is albedo / pi. Directions are sampled by the cosine, so the weight is the
 // albedo (PBR 4th ed., section 9.2).
 fn lambertian_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {

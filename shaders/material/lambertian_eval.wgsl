@@ -1,4 +1,3 @@
-//@ use lib/sampling
 fn lambertian_is_non_specular(material: Material) -> bool {
     return true;
 }

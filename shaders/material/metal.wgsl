@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // A mirror direction, blurred by adding a random point of the unit ball times the fuzz (`parameter`). A direction below the surface is
 // absorbed (Shirley, Black, Hollasch, "Ray Tracing in One Weekend", section 10.6). There is no Fresnel factor: the weight is the albedo.
 fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {

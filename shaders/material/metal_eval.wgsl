@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // A metal without fuzz is a mirror.
 fn metal_is_non_specular(material: Material) -> bool {
     return material.${metal.fuzz} > 0.0;

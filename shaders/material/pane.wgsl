@@ -1,7 +1,6 @@
 //@ use choice/facets
 //@ use choice/film
 //@ use choice/fresnel
-//@ use lib/microfacet
 // A thin pane of glass with microfacets: light that it refracts leaves it in the direction in which it came. A microfacet is drawn from those that
 // are visible. It reflects with the probability of its reflectance. The light that passes is spread as the reflected light is, on the other side
 // of the pane, so both have the weight of a microfacet's reflection.

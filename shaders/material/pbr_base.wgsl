@@ -1,7 +1,3 @@
-//@ use lib/basis
-//@ use lib/fresnel_conductor
-//@ use lib/microfacet
-//@ use lib/sampling
 //@ use choice/facets
 //@ use choice/multiscatter
 //@ use choice/layer

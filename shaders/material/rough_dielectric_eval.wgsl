@@ -1,4 +1,3 @@
-//@ use lib/microfacet
 //@ use material/glass
 //@ use material/rough_dielectric
 // A rough dielectric that is smooth is clear glass.

@@ -1,4 +1,3 @@
-//@ use lib/microfacet
 //@ use material/pane
 //@ use material/thin_dielectric
 // A thin pane that is smooth is clear glass.

@@ -6,7 +6,6 @@
 //@ use geometry/instance
 //@ use geometry/slab
 //@ use scene/face_pairs
-//@ use lib/float
 //@ relies on loops
 // Media bounded by closed meshes, which a ray may enter and leave any number of times.
 

@@ -1,5 +1,3 @@
-//@ use lib/basis
-//@ use lib/sampling
 // Scattering in a medium: Henyey and Greenstein, "Diffuse radiation in the Galaxy", ApJ 93, 1941.
 
 // 1 - cos and 1 + cos of the angle between the old and the new direction, without cancellation for any g. Let h = |g| and D = 1 -

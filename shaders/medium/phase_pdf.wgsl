@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // The pdf of Henyey and Greenstein's phase function in solid angle: (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)). Let h = |g|, and
 // measure the angle from the direction of the peak: forwards for g > 0, backwards for g < 0. Then 1 + g^2 - 2 g cos = (1 - h)^2 + 2 h (1
 // - cos), and 1 - cos is half the squared difference of the two directions, so nothing cancels near the peak. `one_minus_g` is 1 - |g|.

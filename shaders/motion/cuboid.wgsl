@@ -1,5 +1,4 @@
 //@ implements moved_cuboid when moves.cuboid | boundary_moves.cuboid
-//@ use lib/tangents
 //@ use motion/turned_axes
 // Boxes that move. Their own point is the middle. Their axes turn with them, and so do their local coordinates and tangents.
 
@@ -29,7 +28,6 @@ fn cuboid_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use lib/tangents
 // Boxes rest.
 fn moved_cuboid(cuboid: Cuboid, pose: Pose) -> Cuboid {
     return cuboid;

@@ -1,5 +1,4 @@
 //@ implements moved_disk when moves.disk
-//@ use lib/tangents
 //@ use motion/square
 // Disks that move. Their axes turn with them, and so do their local coordinates and tangents.
 
@@ -20,7 +19,6 @@ fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use lib/tangents
 // Disks rest.
 fn moved_disk(disk: Quad, pose: Pose) -> Quad {
     return disk;

@@ -1,6 +1,4 @@
 //@ implements moved_large_sphere when moves.large_sphere | boundary_moves.large_sphere
-//@ use lib/quaternion
-//@ use lib/tangents
 //@ use motion/turned_surface
 // Large spheres that move. Their own point is the centre, or the point that is nearest to the camera at rest: the one that moves less. A large
 // sphere is given by any of its points with the normal there. As long as the centre is its own point, the point that was nearest is shifted with it and
@@ -45,7 +43,6 @@ fn large_sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use lib/tangents
 // Large spheres rest.
 fn moved_large_sphere(large_sphere: LargeSphere, pose: Pose) -> LargeSphere {
     return large_sphere;

@@ -1,6 +1,4 @@
 //@ use bind/motions
-//@ use lib/angle
-//@ use lib/quaternion
 // The poses of objects at the time of a path's sample (motion/time).
 
 // That time: 0 where the shutter opens, below 1 where it closes.

@@ -1,5 +1,4 @@
 //@ implements moved_quad when moves.quad
-//@ use lib/tangents
 //@ use motion/square
 // Quads that move. Their axes turn with them, and so do their local coordinates and tangents.
 
@@ -20,7 +19,6 @@ fn quad_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use lib/tangents
 // Quads rest.
 fn moved_quad(quad: Quad, pose: Pose) -> Quad {
     return quad;

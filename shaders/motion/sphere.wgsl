@@ -1,6 +1,4 @@
 //@ implements moved_sphere when moves.sphere | boundary_moves.sphere
-//@ use lib/quaternion
-//@ use lib/tangents
 //@ use motion/turned_surface
 // Spheres that move. Their own point is the middle.
 
@@ -33,7 +31,6 @@ fn sphere_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use lib/tangents
 // Spheres rest.
 fn moved_sphere(sphere: Sphere, pose: Pose) -> Sphere {
     return sphere;

@@ -1,5 +1,3 @@
-//@ use lib/float
-//@ use lib/quaternion
 // Quads, and the squares around disks, that move. Their own point is the corner.
 
 fn largest_of(v: vec3<f32>) -> f32 {

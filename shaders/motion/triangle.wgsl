@@ -1,6 +1,5 @@
 //@ implements moved_triangle when moves.triangle | boundary_moves.triangle
 //@ use geometry/triangle
-//@ use lib/tangents
 //@ use motion/turned_axes
 // Meshes that move. Their own point is the mesh's origin. What a face has in the mesh's space moves with the instance.
 
@@ -35,7 +34,6 @@ fn triangle_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 
 //@ without
 //@ use geometry/triangle
-//@ use lib/tangents
 // Meshes rest.
 fn moved_instance(instance: Instance, pose: Pose) -> Instance {
     return instance;

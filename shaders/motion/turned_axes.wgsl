@@ -1,4 +1,3 @@
-//@ use lib/quaternion
 // The axes of a box or of a mesh in a pose.
 
 struct TurnedAxes {

@@ -1,5 +1,3 @@
-//@ use lib/quaternion
-//@ use lib/tangents
 // The frame of a normal map of an object that moves: its tangents are found at rest, and turned.
 
 // Returns the surface with the normal that it has at rest.

@@ -1,5 +1,4 @@
 //@ alternative sampler when sampler.independent
-//@ use lib/rng
 // Independent samples: each number is a hash of its own key.
 
 // The block `dimension` of a sample: four random words.

@@ -1,6 +1,4 @@
 //@ alternative sampler when sampler.sobol
-//@ use lib/owen
-//@ use lib/rng
 // Owen-scrambled Sobol points: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020. A block of four dimensions is
 // two points of the two-dimensional Sobol sequence, each with its own shuffled order of the sequence (section 4.3, padding).
 // Each block, pixel, seed and half of a pixel's samples has its own scrambles. The functions replace those of

@@ -3,7 +3,6 @@
 //@ use choice/passed_panes
 //@ use scene/primitives
 //@ use scene/at_run_time
-//@ use lib/float
 // Finds the nearest primitive along a ray in a scene of few primitives. There is no hierarchy: every ray tests all primitives,
 // and all lanes test the same one at a time.
 

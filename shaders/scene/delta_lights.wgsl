@@ -2,7 +2,6 @@
 //@ use bind/delta_lights
 //@ use light/delta
 //@ use choice/moved_delta_light
-//@ use lib/float
 // Lights without size, by their codes.
 
 fn delta_light_at(index: u32) -> DeltaLight {

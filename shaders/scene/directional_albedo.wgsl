@@ -1,5 +1,4 @@
 //@ use bind/directional_albedos
-//@ use lib/microfacet
 // The directional albedo of a rough white metal by single scattering, interpolated in a table.
 
 // The size of the table (src/material/microfacets.rs).

@@ -1,6 +1,5 @@
 //@ implements facet_tangent when anisotropy
 //@ use bind/extensions
-//@ use lib/basis
 //@ use scene/normal_by_map
 // The direction along which microfacets are rougher: `turn` in the axes of the texture coordinates, made perpendicular to the normal. Where
 // there are no such axes, it is any.

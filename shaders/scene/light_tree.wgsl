@@ -1,7 +1,6 @@
 //@ alternative light_choice when several_lights
 //@ use bind/lights
 //@ use bind/light_nodes
-//@ use lib/octahedral
 //@ use scene/at_run_time
 // Chooses a light by its estimated contribution to a point. The choice descends a tree over the lights. At each node, the
 // probability of the left child is its share of the sum of both children's importances (Conty Estevez and Kulla, "Importance

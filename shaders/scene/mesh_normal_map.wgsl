@@ -3,7 +3,6 @@
 //@ use bind/triangles
 //@ use choice/moved_triangle
 //@ use geometry/instance
-//@ use lib/tangents
 //@ use scene/uv_tables
 //@ use choice/vertex_tangents
 //@ use tangent/triangle

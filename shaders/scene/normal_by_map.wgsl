@@ -1,7 +1,5 @@
 //@ use bind/frames
 //@ use bind/materials
-//@ use lib/bent_back
-//@ use lib/tangents
 //@ each primitive
 //@ use bind/${name}s
 //@ use choice/moved_${name}

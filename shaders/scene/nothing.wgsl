@@ -1,5 +1,4 @@
 //@ alternative walk when !surface & !brute_force
-//@ use lib/float
 // A scene without surfaces: every ray leaves it, and nothing blocks a shadow ray.
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     return limit;

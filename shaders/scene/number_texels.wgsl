@@ -1,5 +1,4 @@
 //@ implements number_texels when number_images
-//@ use lib/bilinear
 //@ use scene/texel
 // An image of colours or of numbers at (u, down), bilinear. Between equal texels of numbers it is their number to the bit, which mix may round.
 fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: bool, is_number: bool) -> vec3<f32> {

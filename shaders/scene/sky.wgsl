@@ -1,8 +1,4 @@
 //@ use bind/sky
-//@ use lib/angle
-//@ use lib/bilinear
-//@ use lib/sampling
-//@ use lib/sphere_map
 //@ relies on uniforms
 // The sky's image as a light, drawn by inversion: a texel's row by one uniform number, and its column by another. So neighbours among the
 // numbers are neighbours in the sky, and stratified numbers stay stratified. The rest of each number is the place around the texel,

@@ -3,8 +3,6 @@
 //@ use scene/at_run_time
 //@ use geometry/triangle
 //@ use choice/moved_triangle
-//@ use lib/bent_back
-//@ use lib/octahedral
 // Meshes with vertex normals look smooth: light scatters around the interpolated normal, and rays leave from the smooth
 // surface that this normal describes.
 

@@ -1,6 +1,5 @@
 //@ use bind/settings
 //@ use choice/sampler
-//@ use lib/rng
 //@ use choice/faces
 //@ use scene/primitives
 // Random numbers by which rays pass surfaces.

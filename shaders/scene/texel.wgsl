@@ -1,5 +1,4 @@
 //@ use scene/at_run_time
-//@ use lib/bilinear
 //@ each texel_format
 //@ use texel/${name}
 //@ end

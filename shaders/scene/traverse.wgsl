@@ -6,7 +6,6 @@
 //@ use scene/walk
 //@ use choice/stops
 //@ use choice/passed_panes
-//@ use lib/float
 //@ relies on loops
 // Finds the nearest primitive along a ray.
 

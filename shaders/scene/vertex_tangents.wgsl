@@ -1,5 +1,4 @@
 //@ implements vertex_tangents when vertex_tangents & further_uv
-//@ use lib/octahedral
 //@ use geometry/triangle
 // Tangents of vertices, which smooth meshes have for normal maps.
 

@@ -1,7 +1,6 @@
 //@ use bind/trials
 //@ use bind/answers
 //@ use geometry/sheared_triangle
-//@ use lib/float
 // Probes the arithmetic of this driver that kernels may rely on. The host knows the correct answers (src/gpu/probe.rs). All
 // inputs come from a uniform, so that no compiler computes a result in advance.
 override WORKGROUP_SIZE: u32 = 64u;

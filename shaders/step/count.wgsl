@@ -1,5 +1,4 @@
 //@ use bind/counters
-//@ use lib/carry
 // Adds to a counter of 64 bits.
 fn count(which: u32, added: u32) {
     let before = atomicAdd(&counters.counts[which][0], added);

@@ -1,7 +1,5 @@
 //@ use bind/counters
 //@ use bind/settings
-//@ use lib/carry
-//@ use lib/rng
 // Counts of light by lights, which do not change the image (step/narrow_lobe).
 
 // Each bin has two counts: light that probes found, and light that paths found.

@@ -1,8 +1,6 @@
 //@ use bind/film
 //@ use bind/counters
-//@ use lib/carry
 //@ use choice/filter_weight
-//@ use lib/float
 //@ relies on bits
 // Adds finished runs to the film.
 

@@ -1,7 +1,6 @@
 //@ use bind/settings
 //@ use choice/sampler
 //@ use scene/at_run_time
-//@ use lib/rng
 //@ use medium/free_flight
 //@ use scene/media
 // The free flight of a path through the media on its ray.

@@ -1,6 +1,5 @@
 //@ alternative probe when probed & !kernel.light_path
 //@ use bind/settings
-//@ use lib/rng
 //@ use choice/delta_lights
 //@ use scene/lights
 //@ use step/counted_light

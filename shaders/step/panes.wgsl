@@ -4,7 +4,6 @@
 //@ use choice/flight_end
 //@ use choice/passed_panes
 //@ use choice/walk
-//@ use lib/float
 //@ use scene/panes
 //@ use scene/surface_random
 // Smooth panes let light pass straight on, which is no event: a path keeps its ray, the density of its direction and its depth. A path is

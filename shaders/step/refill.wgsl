@@ -1,9 +1,6 @@
 //@ use bind/settings
 //@ use scene/background
 //@ use choice/clamp
-//@ use lib/float
-//@ use lib/compensated
-//@ use lib/squared_deviation
 //@ use step/start
 //@ use step/count
 //@ use bind/records

@@ -1,4 +1,3 @@
-//@ use lib/tangents
 // As the coordinates of geometry/cuboid.
 fn cuboid_tangents(surface: Surface, cuboid: Cuboid, frame: Frame) -> Tangents {
     let at = surface.local;

@@ -1,4 +1,3 @@
-//@ use lib/tangents
 fn disk_tangents(surface: Surface, disk: Quad, frame: Frame) -> Tangents {
     return Tangents(disk.u, disk.v);
 }

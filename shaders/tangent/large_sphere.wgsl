@@ -1,4 +1,3 @@
-//@ use lib/tangents
 // The texture's frame turns render space to the object's own, in which u grows around the y axis and v along it.
 fn large_sphere_tangents(surface: Surface, large_sphere: LargeSphere, frame: Frame) -> Tangents {
     let own = along_frame(frame, surface.normal);

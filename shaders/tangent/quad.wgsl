@@ -1,4 +1,3 @@
-//@ use lib/tangents
 fn quad_tangents(surface: Surface, quad: Quad, frame: Frame) -> Tangents {
     return Tangents(quad.u, quad.v);
 }

@@ -1,4 +1,3 @@
-//@ use lib/tangents
 // The texture's frame turns render space to the object's own, in which u grows around the y axis and v along it.
 fn sphere_tangents(surface: Surface, sphere: Sphere, frame: Frame) -> Tangents {
     let own = along_frame(frame, surface.normal);

@@ -1,6 +1,5 @@
 //@ use geometry/instance
 //@ use geometry/triangle
-//@ use lib/tangents
 // The tangents of a face of a mesh.
 
 // Returns dp/du and dp/dv in render space, both times the absolute value of the determinant: the edges of the face are

@@ -1,5 +1,3 @@
-//@ use lib/perlin
-//@ use lib/angle
 // Stripes along the object's z, bent by turbulence: 0.5 (1 + sin(scale z + 10 turbulence(p))).
 fn marble_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
     let angle = texture.parameter * at.along_z + at.phase + 10.0 * turbulence(at.point);

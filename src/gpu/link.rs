@@ -2,8 +2,8 @@
 //!
 //! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
 //! with `//@`:
-//! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module whose head says that it implements x
-//!   ([`super::modules`]). Modules under shaders/data are joined where their names are ([`super::vocabulary`]).
+//! - `//@ use geometry/quad` joins that module once, before this one. `choice/x` is the module whose head says that it implements x
+//!   ([`super::modules`]). Modules under shaders/data and shaders/lib are joined where their names are ([`super::vocabulary`]).
 //! - `//@ if light` … `//@ end` keeps the lines between, which are members of a struct, if that condition holds ([`super::when`]).
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
 //!   entry's name, `${number}` its number, `${rank}` its index in the list, and `${case}` its case of a switch: `case 2u`, or `default` for

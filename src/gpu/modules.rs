@@ -82,8 +82,10 @@ impl Embedded {
 static HEADS: LazyLock<Heads> = LazyLock::new(|| Heads::of(TEXTS.iter().map(|(name, text)| (name.as_str(), &**text))));
 
 static VOCABULARY: LazyLock<Vocabulary> = LazyLock::new(|| {
-    let data = TEXTS.iter().filter(|(name, _)| name.starts_with("data/"));
-    Vocabulary::of(data.map(|(name, text)| (name.as_str(), &**text)))
+    let is_in = |name: &str| name.starts_with("data/") || name.starts_with("lib/");
+    let stands_alone = |text: &str| text.lines().next().is_none_or(|line| head_of(line).is_none());
+    let own = TEXTS.iter().map(|(name, text)| (name.as_str(), &**text));
+    Vocabulary::of(own.filter(|(name, text)| is_in(name) && stands_alone(text)))
 });
 
 /// What begins the part of a module that stands where none of its choices' facts hold.

@@ -213,7 +213,7 @@ pub fn path_module(aovs: &Aovs) -> String {
     // WGSL has no empty arrays.
     members.push((AOV.to_string(), format!("array<f32, {}>", aovs.count().max(1))));
     let members: String = members.iter().map(|(name, kind)| format!("    {name}: {kind},\n")).collect();
-    format!("//@ use lib/compensated\nstruct Path {{\n{members}}}\n")
+    format!("struct Path {{\n{members}}}\n")
 }
 
 /// The module `generated/slots`: for each group of fields, a function that loads them and one that stores them. A word that shares a vec4

@@ -179,9 +179,12 @@ fn at_one(kernel: &Kernel) -> f64 {
 /// The table's cells of indices.
 pub fn cells() -> Vec<Cell> {
     let own = Kernel::new("test/fresnel");
-    let control =
-        |with| Kernel::with("test/fresnel", &Setup { replaced: &[("lib/fresnel", with)], ..Setup::default() });
-    let (textbook, schlick) = (control("test/control/fresnel_textbook"), control("test/control/fresnel_schlick"));
+    let control = |replaced| Kernel::with("test/fresnel", &Setup { replaced, ..Setup::default() });
+    let textbook = control(&[
+        ("lib/fresnel", "test/control/fresnel_textbook"),
+        ("lib/refraction", "test/control/refraction_textbook"),
+    ]);
+    let schlick = control(&[("lib/fresnel", "test/control/fresnel_schlick")]);
     let mut all = vec![
         Cell::new(
             Row::Index,

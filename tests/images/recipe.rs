@@ -20,16 +20,13 @@ fn retroreflector_scatter(material: Material, hit: Interaction, u: vec4<f32>) ->
 ";
 const NAME: &str = "retroreflector";
 /// The second scatters to all directions alike, and answers to lights: it has an evaluation beside it.
-const VELVET: &str = "//@ use lib/basis
-//@ use lib/sampling
-fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+const VELVET: &str = "fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let point = sample_sphere(u.xy);
     let direction = from_basis(basis_around(hit.normal), vec3<f32>(point.xy, abs(point.z)));
     return scatter_towards(normalize(direction), hit.colour * material.numbers.x, LOBE_WIDE);
 }
 ";
-const VELVET_EVAL: &str = "//@ use lib/sampling
-fn velvet_is_non_specular(material: Material) -> bool {
+const VELVET_EVAL: &str = "fn velvet_is_non_specular(material: Material) -> bool {
     return true;
 }
 
@@ -169,7 +166,6 @@ fn disk_uv(square: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
 }
 ";
 const RING_LIGHT: &str = "//@ use light/sample
-//@ use lib/sampling
 //@ use geometry/quad_plane
 fn disk_coordinates(u: vec2<f32>) -> vec2<f32> {
     return 0.5 + 0.5 * sqrt(0.25 + 0.75 * u.x) * sample_circle(u.y);
@@ -203,13 +199,11 @@ fn disk_light_leaves(normal: vec3<f32>, direction: vec3<f32>) -> bool {
     return true;
 }
 ";
-const RING_TANGENT: &str = "//@ use lib/tangents
-fn disk_tangents(surface: Surface, square: Quad, frame: Frame) -> Tangents {
+const RING_TANGENT: &str = "fn disk_tangents(surface: Surface, square: Quad, frame: Frame) -> Tangents {
     return Tangents(square.u, square.v);
 }
 ";
 const RING_MOTION: &str = "//@ implements moved_disk when moves.disk
-//@ use lib/tangents
 //@ use motion/square
 fn moved_disk(square: Quad, pose: Pose) -> Quad {
     return moved_square(square, pose);
@@ -228,7 +222,6 @@ fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
 }
 
 //@ without
-//@ use lib/tangents
 fn moved_disk(square: Quad, pose: Pose) -> Quad {
     return square;
 }

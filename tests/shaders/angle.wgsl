@@ -1,4 +1,3 @@
-//@ use lib/angle
 // A point on the circle after so many turns; sine and 1 - cosine of an angle, and the angle of a point.
 struct In {
     turns: f32,

@@ -1,4 +1,3 @@
-//@ use lib/basis
 // The basis around a vector.
 struct In {
     normal: vec3<f32>,

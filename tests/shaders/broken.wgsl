@@ -1,4 +1,3 @@
-//@ use lib/float
 // What the tests by bits say of a number made here.
 struct In {
     x: f32,

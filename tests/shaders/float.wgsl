@@ -1,4 +1,3 @@
-//@ use lib/float
 // The bits of a float, and of one that says where its neighbour is sought.
 struct In {
     x: u32,

@@ -2,7 +2,6 @@
 //@ use bind/settings
 //@ use scene/surfaces
 //@ use choice/delta_lights
-//@ use lib/float
 //@ use medium/phase_pdf
 //@ use light_path/density_ratio
 //@ use step/light

@@ -1,4 +1,3 @@
-//@ use lib/fresnel
 // A ray at a smooth boundary.
 struct In {
     incoming: vec3<f32>,

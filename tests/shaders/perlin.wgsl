@@ -1,4 +1,3 @@
-//@ use lib/perlin
 struct In {
     point: vec3<f32>,
     padding: u32,

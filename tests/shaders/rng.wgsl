@@ -1,4 +1,3 @@
-//@ use lib/rng
 //@ use sampler/independent
 struct Out {
     bits: vec4<u32>,

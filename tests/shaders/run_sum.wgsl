@@ -1,6 +1,4 @@
 //@ use bind/settings
-//@ use lib/compensated
-//@ use lib/squared_deviation
 // The sum of a run's samples, and how they are spread, as step/refill takes them in.
 const RUN_LENGTH: u32 = 8u;
 

@@ -1,5 +1,4 @@
 //@ use sampler/independent
-//@ use lib/sampling
 // Every map from uniforms; of those given, or of the row's own.
 struct Out {
     disk: vec2<f32>,

@@ -1,4 +1,3 @@
-//@ use lib/sphere_map
 struct In {
     direction: vec3<f32>,
     padding: u32,

@@ -1,4 +1,3 @@
-//@ use lib/thin_film
 // The reflectance of a thin film.
 struct In {
     f0: vec3<f32>,

@@ -1,7 +1,6 @@
 //@ use geometry/${primitive}
 //@ use ${surface_module}
 //@ use geometry/offset
-//@ use lib/basis
 // A ray against one primitive, the hit record where it meets it, and a second ray that leaves from there.
 struct In {
     origin: vec3<f32>,

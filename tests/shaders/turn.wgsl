@@ -1,5 +1,4 @@
 //@ use texture/marble
-//@ use lib/angle
 // An angle minus a multiple of 2 pi, and its sine.
 struct Out {
     angle: f32,

@@ -1,7 +1,4 @@
 //@ use light/sample
-//@ use lib/basis
-//@ use lib/float
-//@ use lib/sampling
 // Wrong on purpose: 1 - cos by subtraction, which has no digits for spheres far away.
 fn textbook_height(from_point: vec3<f32>, sphere: Sphere) -> f32 {
     let sine = sphere.radius / length(sphere.center - from_point);

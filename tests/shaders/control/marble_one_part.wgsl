@@ -1,4 +1,3 @@
-//@ use lib/perlin
 // Wrong on purpose: the turn in one part, whose multiples round.
 fn marble_colour(texture: Texture, at: TexturePoint) -> vec3<f32> {
     let angle = texture.parameter * at.along_z + at.phase + 10.0 * turbulence(at.point);

@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // Wrong on purpose: the density by the difference of the cubes as it stands, with the sine by 1 - cos^2.
 fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let fuzz = material.${metal.fuzz};

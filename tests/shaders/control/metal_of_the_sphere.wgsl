@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // Wrong on purpose: a point of the unit sphere's surface instead of the ball.
 fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);

@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // lib/microfacet with the density as papers write it, by 1 - cos^2.
 const LEAST_ROUGHNESS: f32 = 0x1p-10f;
 

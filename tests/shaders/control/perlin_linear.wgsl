@@ -1,4 +1,3 @@
-//@ use lib/rng
 // Wrong on purpose: no fade, so that the slope jumps at the lattice; truncated cells, wrong below zero; a period of 255.
 fn lattice_gradient(cell: vec3<i32>) -> vec3<f32> {
     let wrapped = vec3<u32>((cell % vec3<i32>(255) + vec3<i32>(255)) % vec3<i32>(255));

@@ -1,4 +1,3 @@
-//@ use lib/sampling
 // Wrong on purpose: the denominator by the cosine, which cancels near the peak.
 fn phase_pdf(incoming: vec3<f32>, direction: vec3<f32>, g: f32, one_minus_g: f32) -> f32 {
     let d = 1.0 + g * g - 2.0 * g * dot(incoming, direction);

@@ -1,5 +1,3 @@
-//@ use lib/basis
-//@ use lib/sampling
 // Wrong on purpose: the cosine as in textbooks, which cancels for small g, and where light goes nearly straight on.
 fn henyey_greenstein(g: f32, one_minus_g: f32, u: f32) -> vec2<f32> {
     let root = (1.0 - g * g) / (1.0 - g + 2.0 * g * select(u, 1.0 - u, g < 0.0));

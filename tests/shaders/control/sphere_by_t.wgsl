@@ -1,4 +1,3 @@
-//@ use lib/float
 // Wrong on purpose: the normal from the point at t, which is off by the rounding of a distance of many radii.
 fn sphere_surface_by_t(ray: Ray, t: f32, sphere: Sphere) -> Surface {
     let normal = normalize(ray.origin + t * ray.direction - sphere.center);

@@ -1,4 +1,3 @@
-//@ use lib/sphere_map
 // Wrong on purpose: the discriminant as b^2 - a c, which cancels where the sphere is far away.
 fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
     let f = ray.origin - sphere.center;
