@@ -1,3 +1,4 @@
+//@ use lib/fresnel
 // A ray at a smooth boundary.
 struct In {
     incoming: vec3<f32>,
