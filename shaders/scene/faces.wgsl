@@ -1,7 +1,7 @@
 //@ implements faces when mesh
 //@ use geometry/triangle
 //@ use scene/at_run_time
-// What the faces of meshes have that other primitives do not: each is a part of an object, the instance of its mesh.
+// Faces of meshes are parts of objects, which are the instances of the meshes.
 
 // The code of the object that a primitive is part of: of a face, that of the instance. Without an instance, a face is that of a mesh alone.
 fn object_code(code: u32, instance: u32) -> u32 {

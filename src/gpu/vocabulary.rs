@@ -1,6 +1,6 @@
 //! The vocabulary of the shaders: the structs, constants and functions of the modules under shaders/data and shaders/lib, but for those that stand
 //! behind a choice, and of those that the plan generates. A module that has one of these names gets the module that declares it, without a `//@ use`.
-//! What a module takes beyond that, such as buffers and choices, it says.
+//! A module says what it takes beyond that, such as buffers and choices.
 
 use std::collections::BTreeMap;
 
