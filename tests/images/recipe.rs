@@ -554,7 +554,7 @@ fn errors_name_the_new_file() {
     listed(&mut choices, NAME);
     let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
     let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();
-    assert!(error.starts_with("shaders/material/retroreflector.wgsl:4:"), "{error}");
+    assert!(error.starts_with("shaders/material/retroreflector.wgsl:3:"), "{error}");
 }
 
 /// A function that the new material lacks is named, with the file where it belongs and what it does. Only light paths ask a material that transmits
