@@ -210,14 +210,14 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     }
 }
 
-/// Seconds for one sample of every pixel, by all of the time of a round, with the work between the passes; none if no round ended in time.
+/// The seconds of one sample of every pixel. All of the time of a round counts, with the work between the passes. None if no round ended in time.
 fn cost_of_sample(
     probe: &mut Sweep<'_>,
     end: Instant,
     stop: Stop<'_>,
     progress: &mut dyn FnMut(usize, &str),
 ) -> Result<Option<f64>> {
-    // All of the time of a round, including the work between the passes. The first round also warms the machine up.
+    // The first round also warms the machine up.
     let mut cost = None;
     for round in 1..=2 {
         let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));

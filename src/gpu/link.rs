@@ -204,8 +204,9 @@ impl<'a> Linker<'a> {
             }
         }
         let texts: Vec<&str> = lines.iter().map(|line| line.text.as_str()).collect();
+        let own = reach::names(&texts);
         for vocabulary in [self.generated, self.library.vocabulary()] {
-            for (used, line) in vocabulary.used(&texts) {
+            for (used, line) in vocabulary.used(&texts, &own) {
                 self.join(used, &part, lines[line].number, &lines[line].why)?;
             }
         }

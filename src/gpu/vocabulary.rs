@@ -21,10 +21,9 @@ impl Vocabulary {
         Vocabulary(modules.into_iter().flat_map(names).collect())
     }
 
-    /// The modules whose names these lines have and do not declare themselves, each with the index of the first line that does. Types and
-    /// constants begin with a capital, and a function is called.
-    pub fn used(&self, lines: &[&str]) -> BTreeMap<&str, usize> {
-        let own = reach::names(lines);
+    /// The modules whose names these lines have, each with the index of the first line that does. `own` are the names that the lines declare
+    /// themselves. Types and constants begin with a capital, and a function is called.
+    pub fn used(&self, lines: &[&str], own: &[&str]) -> BTreeMap<&str, usize> {
         let mut used = BTreeMap::new();
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         for (index, line) in lines.iter().enumerate() {

@@ -1112,7 +1112,7 @@ fn no_mutated_scene_panics() {
 
 /// Nodes whose transforms are written into the vertices, and materials: each of 64,000 takes about as long as each of 1,000. Searched for one
 /// by one, 32,000 took 30 times as long as 4,000, so that each of 64,000 would take 9 times as long as each of 1,000. Caches that do not hold a
-/// large file make its nodes up to 2.2 times slower, on a machine with other work. The limit is the mean of these two ratios, the geometric one.
+/// large file make its nodes up to 2.2 times slower, on a machine with other work. The limit is the geometric mean of the two.
 #[test]
 fn time_grows_with_nodes_and_materials_and_not_with_their_square() {
     const LIMIT: f64 = 4.5;

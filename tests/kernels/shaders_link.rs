@@ -821,7 +821,7 @@ fn violations(module: &str, text: &str) -> Vec<String> {
     };
     let mut found = Vec::new();
     let lines: Vec<&str> = text.lines().collect();
-    let named = Embedded.vocabulary().used(&lines).into_iter().map(|(used, index)| (index + 1, used));
+    let named = Embedded.vocabulary().used(&lines, &[]).into_iter().map(|(used, index)| (index + 1, used));
     let uses = (1..)
         .zip(text.lines())
         .filter_map(|(number, line)| Some((number, line.trim().strip_prefix("//@ use ")?.trim())));
