@@ -32,13 +32,13 @@ pub const FORMAT: u32 = 1;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Folder {
     pub path: PathBuf,
-    pub request: Request,
+    pub request: ClusterRequest,
 }
 
 /// The request to all processes together: `job.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Request {
+pub struct ClusterRequest {
     pub format: u32,
     /// Of the program that wrote it.
     pub version: String,
@@ -78,7 +78,7 @@ impl Folder {
         if json.get("format").and_then(serde_json::Value::as_u64) != Some(u64::from(FORMAT)) {
             return Err(failed(format!("it has another format than this version of gpu-rt reads ({FORMAT})")));
         }
-        let request: Request = serde_json::from_value(json).map_err(|error| failed(error.to_string()))?;
+        let request: ClusterRequest = serde_json::from_value(json).map_err(|error| failed(error.to_string()))?;
         request.check().map_err(failed)?;
         Ok(Folder { path: path.to_owned(), request })
     }
@@ -137,7 +137,7 @@ fn failed(path: &Path, action: &'static str, error: &dyn std::fmt::Display) -> E
     Error::File { path: path.to_owned(), action, reason: error.to_string() }
 }
 
-impl Request {
+impl ClusterRequest {
     /// Checks that the parts follow one another and make up all samples.
     fn check(&self) -> std::result::Result<(), String> {
         let [mut at, end] = self.samples;
@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     fn folder(path: &Path) -> Folder {
-        let request = Request {
+        let request = ClusterRequest {
             format: FORMAT,
             scene: "scene/a b.ron".into(),
             output: "a b.exr".into(),
@@ -167,7 +167,7 @@ mod tests {
             parts: vec![[0, 504], [504, 1000]],
             width: 16,
             height: 9,
-            ..Request::default()
+            ..ClusterRequest::default()
         };
         Folder { path: path.to_owned(), request }
     }

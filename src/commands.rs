@@ -1,7 +1,9 @@
 //! The commands of the program, one file each.
 
+mod changes;
 mod check;
 mod compare;
+mod compiling;
 mod completions;
 mod console;
 mod converge;

@@ -1,14 +1,14 @@
 //! A scene rendered in memory, for programs that use this one as a library.
 
+use std::sync::Arc;
+
 use crate::error::{Error, Result};
 use crate::film::Picture;
-use crate::flatten::flatten;
 use crate::gpu::device::{Adapters, Device};
-use crate::job::{Goal, Job, MOST_SAMPLES};
+use crate::job::{Frame, Goal, Job, MOST_SAMPLES};
 use crate::options::RenderOptions;
-use crate::plan::Plan;
-use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
+use crate::session::Session;
 
 /// The longest side of an image, in pixels.
 const LONGEST_SIDE: u32 = 1 << 16;
@@ -40,13 +40,12 @@ pub fn render_scene(scene: &Scene, settings: &RenderSettings) -> Result<Picture>
     if !(1..=MOST_SAMPLES).contains(&i64::from(samples)) {
         return Err(Error::Usage(format!("expected from 1 to {MOST_SAMPLES} samples, found {samples}")));
     }
-    let options = RenderOptions::default();
-    let flat = flatten(scene, size, &options)?;
     let device = Device::open(Adapters::find().choose(settings.device.as_deref())?)?;
+    let mut session = Session::on(vec![Arc::new(device)]);
+    session.view(scene, &Frame::full(size), &RenderOptions::default())?;
+    let mut film = session.film(size)?;
     let goal = Goal::Samples(samples);
     let job = Job { size, max_depth: scene.render.max_depth, seed: settings.seed, first_sample: 0, goal };
-    let plan = Plan::new(&flat, &options, device.class(), &job)?;
-    let mut film = empty_film(&flat, size, &options)?;
-    Renderer::new(&device, &plan, &job, false)?.run(&job, &mut film, &mut |_, _| Next::GoOn)?;
-    Ok(film.develop())
+    session.render(&job, &mut film, &mut ())?;
+    Ok(film.film.develop())
 }

@@ -90,6 +90,8 @@ pub mod render;
 pub mod samples;
 #[doc(hidden)]
 pub mod scene;
+#[doc(hidden)]
+pub mod session;
 mod shape;
 #[doc(hidden)]
 pub mod source;

@@ -11,15 +11,17 @@
 //! Three things decide what is rendered next: [`goals`] how many samples, one [`sample_range`] after another; the sample range which device
 //! gets which blocks of samples; and the [`tiles`] how many blocks a device takes at a time, and for which pixels.
 
+mod accumulation;
 mod device;
 mod goals;
+mod observer;
 mod outcome;
 mod renderer;
 mod sample_range;
 mod tiles;
-mod watch;
 
+pub use accumulation::Accumulation;
 pub use goals::{FIRST_CHECK, LAST_CHECK, check_error, samples_at_check};
+pub use observer::{Following, Next, Observer, Snapshot, following, stopping};
 pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
 pub use renderer::{Renderer, empty_film};
-pub use watch::{Next, Snapshot, Watch};

@@ -1,6 +1,7 @@
 //! `gpu-rt converge`: the error of a render against a reference at 1, 2, 4 … samples, with the seconds of each.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
@@ -9,22 +10,22 @@ use serde_json::{Value, json};
 
 use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
 use super::outputs::{check_name, make_folder};
-use super::scene::{flatten_for, load, name_of, stem_of, tell_biases};
+use super::scene::{load, name_of, stem_of, tell_biases};
 use super::signals::Signals;
 use super::target::{open_device, tell_driver};
 use crate::cli::{PathArgs, SceneArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::{Film, Verdict};
 use crate::identity::Identity;
-use crate::job::{Frame, Goal, Job, Size};
+use crate::job::{Frame, Goal, Job};
 use crate::metrics::error as metrics;
 use crate::options::{RenderOptions, SppArg};
 use crate::output::atomic;
 use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, Width, svg};
-use crate::plan::Plan;
-use crate::render::{NOISE_LEVEL, Next, Outcome, Renderer, Snapshot, empty_film};
+use crate::render::{NOISE_LEVEL, stopping};
+use crate::session::Session;
 
 #[derive(Debug, Args)]
 pub struct ConvergeArgs {
@@ -105,8 +106,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let state = read_state(&args.reference).ok().flatten();
     let (table, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
-    let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), &args.options)?;
-    let device = open_device(args.paths.device.as_deref())?;
+    let device = Arc::new(open_device(args.paths.device.as_deref())?);
     tell_driver(&device, args.quiet);
 
     let end = args.spp.0.unwrap_or(scene.render.samples);
@@ -119,9 +119,9 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     {
         tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));
     }
-    let plan = Plan::new(&flat, &args.options, device.class(), &job)?;
-    let mut renderer = Renderer::new(&device, &plan, &job, false)?;
-    let mut film = empty_film(&flat, size, &args.options)?;
+    let mut session = Session::on(vec![Arc::clone(&device)]);
+    session.view(&scene, &Frame::full(size), &args.options)?;
+    let mut film = session.film(size)?;
 
     let signals = Signals::listen("no table and no plot are written");
     let mut steps: Vec<Measurement> = Vec::new();
@@ -134,17 +134,13 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         {
             break;
         }
-        let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Outcome, _: Option<Snapshot<'_>>| match signals.are_pending() {
-            true => Next::Stop,
-            false => Next::GoOn,
-        };
-        let outcome = renderer.run(&part, &mut film, &mut go_on)?;
-        if outcome.interrupted {
+        let job = Job { goal: Goal::Samples(next), ..job };
+        session.render(&job, &mut film, &mut stopping(|| signals.are_pending()))?;
+        if session.outcome.interrupted {
             break;
         }
-        (done, seconds) = (next, seconds + outcome.seconds);
-        let step = measure(&film, &reference, done, seconds)?;
+        (done, seconds) = (next, seconds + session.outcome.seconds);
+        let step = measure(&film.film, &reference, done, seconds)?;
         if !args.quiet && !args.json {
             if steps.is_empty() {
                 print_line(&format!(

@@ -7,11 +7,12 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::console::{object, path_text, print_json, tell, tell_colours};
+use super::console::{command_of_image, object, path_text, print_json, tell, tell_colours};
 use super::outputs::{EXR, PNG, check_name, check_outputs};
 use crate::cli::{OIDN, ViewArgs};
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
+use crate::output::destination::can_be_replaced;
 use crate::output::exr::{NoisyFile, read_noisy, write_denoised};
 use crate::output::png::write_png;
 use crate::output::view_transform::ViewTransform;
@@ -82,11 +83,20 @@ pub fn run(args: &DenoiseArgs) -> Result<()> {
     Ok(())
 }
 
+impl Denoising {
+    /// Denoises the image of a render, which its file holds.
+    pub fn of_render(&self, exr: &Path, quiet: bool) -> Result<Denoised> {
+        let again = command_of_image("denoise", exr, "NAME.exr");
+        let held = format!("{} holds the image with its noise. `{again}` denoises it", exr.display());
+        denoise(self, exr, quiet).map(|(denoised, _)| denoised).map_err(|error| error.and(&held))
+    }
+}
+
 /// Writes the denoised image of a file, which stays as it is. The result has the size of the image too.
 ///
 /// # Errors
 /// `Error::Usage` where the image is denoised already.
-pub fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised, (u32, u32))> {
+fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised, (u32, u32))> {
     let Denoising { denoiser, exr, png, view } = denoising;
     let noisy = read_noisy(image)?;
     let name = image.display();
@@ -123,6 +133,17 @@ pub fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Deno
         seconds,
     };
     Ok((denoised, *size))
+}
+
+/// The name of the denoised image: NAME.denoised.exr of NAME.exr.
+pub fn denoised_image(image: &Path) -> PathBuf {
+    let ending = image.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default();
+    image.with_extension(format!("denoised.{ending}"))
+}
+
+/// The name of the denoised picture. A pipe gets one picture, that of the render.
+pub fn denoised_picture(png: &Path) -> Option<PathBuf> {
+    can_be_replaced(png).then(|| denoised_image(png))
 }
 
 /// The layers that the denoiser uses. It takes a normal only with an albedo.

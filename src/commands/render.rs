@@ -1,131 +1,135 @@
 //! `gpu-rt render`: from a scene file to an image file.
 
-mod accumulation;
 mod args;
-mod changes;
-mod compiling;
-mod denoising;
+mod checkpoints;
+mod frames;
 mod last_write;
 mod observers;
 mod record;
-mod rendering;
 mod request;
-mod sequence;
-mod session;
+mod resume;
+mod series;
 mod summary;
 mod viewers;
 mod watch;
 
 use std::time::Instant;
 
-use serde_json::json;
-
 use super::console::print_json;
 use super::scene::tell_biases;
 use super::signals::Signals;
+use crate::aov::Aov;
 use crate::error::{Error, Result};
-use crate::render::Outcome;
 use crate::scene::Scene;
 use crate::threads::join;
-use accumulation::Accumulation;
 pub use args::RenderArgs;
+use last_write::LastWrite;
 use observers::Observers;
-use record::FileSamples;
+use record::{Clock, per_sample, record, report};
 pub use record::{Finish, attributes_of};
-use rendering::{Clock, Rendering};
 pub use request::excluded;
-use request::{Request, checked_image};
-use session::Session;
+use request::{Request, checked_image, denoising_of, frame_and_job};
+use resume::begin;
+use series::Series;
 pub use summary::{error_words, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
 
-/// Renders the scene once, or whenever it changes.
+/// Renders the scene once, or whenever it changes, or for each frame of it.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     Viewers::check(args)?;
-    if args.watch {
+    if args.keep.watch {
         return watch::watch(args, start, render);
     }
     let mut args = args.clone();
     if args.denoise() {
-        args.options.aov.include(&denoising::WANTED);
+        args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
     }
-    if let Some(frames) = args.frames.clone() {
-        return sequence::render_frames(&args, frames, start, render);
+    if let Some(frames) = args.goal.frames.clone() {
+        return frames::render_frames(&args, frames, start, render);
     }
-    let mut session = Session { quiet: args.quiet, ..Session::default() };
-    let scene = session.load(&args)?;
-    render(&args, &scene, &mut session, start)
+    let mut series = Series::new(&args);
+    let scene = series.load(&args)?;
+    render(&args, &scene, &mut series, start)
 }
 
 /// Renders a scene that has been loaded since `start`. The image is written now and then and at the end.
-fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instant) -> Result<()> {
+fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant) -> Result<()> {
     let mut clock = Clock::new(start);
+    let quiet = args.messages.quiet;
     // As `check` has them; --quiet leaves them to the report and the image's header.
     let warnings = scene.warnings();
-    session.tell_warnings(&warnings, args.quiet);
-    let are_reported = session.begins_later_frame();
-    tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet || are_reported);
+    series.tell_warnings(&warnings, quiet);
+    tell_biases(&args.options, args.paths.max_depth.0, scene, quiet || series.is_at_later_frame());
+    series.begin();
     let image = checked_image(args, scene)?;
-    let denoising = denoising::open(args, &image.0)?;
+    let denoising = denoising_of(args, &image.0)?;
+    let (frame, job) = frame_and_job(args, scene, start)?;
     clock.seconds.load = clock.lap();
 
-    let (opened, flat) = session.flatten(args, scene, &mut clock);
-    let mut request = Request::new(args, scene, flat?, image, start)?;
+    let build = series.session.view(scene, &frame, &args.options)?;
+    let mut request = Request::new(args, scene, (frame, job), image, &series.session.scene)?;
     let earlier = request.earlier()?;
-    session.tell_warnings(&request.flat.warnings, args.quiet);
+    request.held = earlier.as_ref().map(|state| state.samples.count());
+    series.tell_warnings(&request.warnings, quiet);
     // Every checkpoint has all of them in its header.
-    request.flat.warnings.splice(0..0, warnings);
-    session.add_devices(opened?, args.quiet);
-    clock.seconds.device = clock.lap();
+    request.warnings.splice(0..0, warnings);
+    series.tell_devices(quiet);
+    clock.seconds.build = build.as_secs_f64();
+    clock.seconds.device = (clock.lap() - clock.seconds.build).max(0.0);
 
-    let Session { devices, signals, changes, compile, quiet, sequence, .. } = session;
-    let film = Accumulation::begin(&request, earlier.as_ref(), devices)?;
-    let held = FileSamples { before: earlier.as_ref().map(|state| state.samples.count()), at_end: None };
+    let mut film = begin(&request, earlier.as_ref(), &series.session.scene, &series.session.devices)?;
+    let Series { session, signals, changes, compile, quiet: hides_compiling, frames, .. } = series;
+    session.profile = args.profile;
     let signals = signals.get_or_insert_with(|| {
         Signals::listen(&match &earlier {
             Some(state) => request.what_is_in(&request.image, &state.samples),
             None => "nothing has been written".to_owned(),
         })
     });
-    let observers = Observers::new(&request, signals, changes.as_ref(), held.before.unwrap_or(0));
-    let outcome = Outcome::default();
-    let mut rendering = Rendering { request: &request, devices, film, held, observers, outcome, clock, loaded: None };
+    let mut observers = Observers::new(&request, signals, changes.as_ref(), clock, *hides_compiling);
     // The hashes are needed when something is written.
-    let ((), rendered) = join(|| _ = request.identity(), || rendering.run(*quiet));
-    rendering.observers.progress.finish();
-    *compile = rendering.clock.seconds.compile;
+    let rendering = || session.render(&request.job, &mut film, &mut observers);
+    let ((), rendered) = join(|| _ = request.identity(), rendering);
+    observers.progress.finish();
 
-    let finish = rendering.finish(rendered.is_ok());
-    let record = rendering.record(&finish);
+    let Observers { clock, viewers, progress, .. } = &mut observers;
+    let (outcome, has_rendered) = (&session.outcome, session.is_ready());
+    *compile = clock.seconds.compile;
+    clock.seconds.render = clock.lap();
+    let count = film.samples.count();
+    clock.seconds.per_sample = per_sample(outcome.seconds, count.saturating_sub(request.held.unwrap_or(0)));
+    let complete = rendered.is_ok() && !outcome.interrupted;
+    let mut finish = Finish::new(&film.film, &film.samples, &film.devices, outcome.noise, complete);
+    let facts = session.numerics().map(|numerics| record(&request, numerics, &finish, &clock.seconds));
     if let Err(error) = rendered {
         // A device that has failed may not even tell its numerics.
-        return Err(rendering.keep(error, &record.unwrap_or_default()));
+        let write = LastWrite::new(&request, signals, &film, &facts.unwrap_or_default());
+        return Err(write.keep(error, observers.kept().ok().flatten()));
     }
-    let mut record = record?;
-    let is_interrupted = rendering.outcome.interrupted;
-    if let Err(error) = rendering.write(&finish, &record) {
-        return Err(if signals.are_pending() { signals.interrupted(&error.to_string()) } else { error });
-    }
-    rendering.clock.seconds.write = rendering.clock.lap();
+    let facts = facts?;
+    let written = LastWrite::new(&request, signals, &film, &facts).write(has_rendered, complete);
+    finish.more = written.map_err(|error| match signals.are_pending() {
+        true => signals.interrupted(&error.to_string()),
+        false => error,
+    })?;
+    clock.seconds.write = clock.lap();
     let denoised = match (denoising, request.exr()) {
-        (Some(denoising), Some(exr)) if finish.complete => Some(denoising::write(&denoising, exr, args.quiet)?),
+        (Some(denoising), Some(exr)) if complete => Some(denoising.of_render(exr, quiet)?),
         _ => None,
     };
 
-    let Rendering { film, held, observers, outcome, clock, .. } = &mut rendering;
     // The report has the passes alone, from the first to the last.
-    (clock.seconds.render, clock.seconds.pace.first_pass) = (outcome.seconds, outcome.first_pass);
+    (clock.seconds.render, clock.seconds.first_pass) = (outcome.seconds, outcome.first_pass);
     clock.seconds.total = start.elapsed().as_secs_f64();
-    observers.viewers.end(&film.film, &observers.progress);
-    if !args.quiet {
-        summarise(&request, outcome, &finish, held, clock.seconds.total);
+    viewers.end(&film.film, progress);
+    if !quiet {
+        summarise(&request, outcome, &finish, clock.seconds.total);
     }
-    if args.json {
-        record.insert("seconds".to_string(), json!(clock.seconds));
-        let report = rendering.report(record, denoised.as_ref());
-        match sequence {
-            Some(sequence) => sequence.reports.push(report),
+    if args.messages.json {
+        let report = report(&request, session, &finish, (facts, &clock.seconds), denoised.as_ref());
+        match frames {
+            Some(reported) => reported.reports.push(report),
             None => print_json(&report)?,
         }
     }
@@ -135,8 +139,8 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
         1.. if rejected >= paths => {
             Err(Error::Strict(format!("the image is black: {words}. `gpu-rt check` may say why")))
         }
-        1.. if args.strict => Err(Error::Strict(format!("--strict: {words}"))),
-        _ if is_interrupted => Err(signals.interrupted(&request.what_is_in(&request.image, &finish.samples))),
+        1.. if args.messages.strict => Err(Error::Strict(format!("--strict: {words}"))),
+        _ if outcome.interrupted => Err(signals.interrupted(&request.what_is_in(&request.image, &finish.samples))),
         _ => Ok(()),
     }
 }

@@ -21,10 +21,10 @@ pub const WAIT: Duration = Duration::from_millis(100);
 
 /// The signals that have come since the program listens.
 #[derive(Clone, Debug, Default)]
-pub struct Signals(Arc<State>);
+pub struct Signals(Arc<Received>);
 
 #[derive(Debug, Default)]
-struct State {
+struct Received {
     /// The number of the first one; 0 before it.
     first: AtomicI32,
     ending: Mutex<Ending>,

@@ -67,7 +67,7 @@ pub fn run(args: &StatusArgs) -> Result<()> {
     }
     let finish = joined.as_ref().map(|(film, samples)| finish(film, samples, &parts, &folder)).filter(|_| args.error);
 
-    let report = Report::new(&folder, &parts);
+    let report = StatusReport::new(&folder, &parts);
     match args.json {
         true => print_json(&report.json(args, finish.as_ref()))?,
         false => report.lines(args, finish.as_ref()).iter().try_for_each(|line| print_line(line))?,
@@ -203,7 +203,7 @@ impl Image {
 }
 
 /// The report.
-struct Report<'a> {
+struct StatusReport<'a> {
     folder: &'a Folder,
     parts: &'a Parts,
     image: Image,
@@ -214,12 +214,12 @@ struct Report<'a> {
     seconds_per_sample: Option<f64>,
 }
 
-impl Report<'_> {
-    fn new<'a>(folder: &'a Folder, parts: &'a Parts) -> Report<'a> {
+impl StatusReport<'_> {
+    fn new<'a>(folder: &'a Folder, parts: &'a Parts) -> StatusReport<'a> {
         let [start, end] = folder.request.samples;
         let usable = || parts.all.iter().filter(|part| part.is_usable());
         let paces: Vec<f64> = usable().filter_map(|part| part.seconds_per_sample).collect();
-        Report {
+        StatusReport {
             folder,
             parts,
             image: Image::read(folder, parts),
@@ -269,7 +269,7 @@ impl Report<'_> {
     }
 
     fn lines(&self, args: &StatusArgs, finish: Option<&Finish>) -> Vec<String> {
-        let Report { folder, requested, done, .. } = self;
+        let StatusReport { folder, requested, done, .. } = self;
         let share = 100.0 * *done as f64 / (*requested).max(1) as f64;
         let counts: Vec<String> = self
             .counts()

@@ -12,7 +12,7 @@ use super::scene::{load, size_of};
 use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error};
 use crate::cluster::scripts::{line, text_of};
 use crate::cluster::slurm::{Ids, Slurm, forget_tries};
-use crate::cluster::{FORMAT, Folder, MERGE, RENDER, Request, split};
+use crate::cluster::{ClusterRequest, FORMAT, Folder, MERGE, RENDER, split};
 use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;
 use crate::options::{RenderOptions, SizeArg, SppArg};
@@ -231,7 +231,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     for fixed in &files.fixed {
         print_line(&format!("not copied, because the scene names it by its absolute path: {}", fixed.display()))?;
     }
-    let request = Request {
+    let request = ClusterRequest {
         format: FORMAT,
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),

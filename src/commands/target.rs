@@ -53,11 +53,6 @@ pub fn open_device(spec: Option<&str>) -> Result<Device> {
     Device::open(Adapters::find().choose(spec)?)
 }
 
-/// Opens the devices of these indices or names, or the default device.
-pub fn open_devices(spec: Option<&str>) -> Result<Vec<Device>> {
-    Adapters::find().choose_several(spec)?.into_iter().map(Device::open).collect()
-}
-
 /// Prints warnings about a driver that renders on the processor, and about an old compiler, unless `quiet`.
 pub fn tell_driver(device: &Device, quiet: bool) {
     if quiet {

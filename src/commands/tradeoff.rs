@@ -1,6 +1,7 @@
 //! `gpu-rt tradeoff`: measures how the settings of `render` trade time, noise and bias on a scene, within a budget of time.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::{Args, Parser};
@@ -104,7 +105,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     };
     let seed = distinct_seed(args.seed, reference.as_ref());
     let folder = folder_of(args)?;
-    let device = open_device(args.device.as_deref())?;
+    let device = Arc::new(open_device(args.device.as_deref())?);
     tell_driver(&device, args.quiet);
     let at = |share: f64| start + Duration::from_secs_f64(share * args.budget.as_secs_f64());
 
@@ -358,7 +359,7 @@ fn settings_of(scene: &Scene, specs: &[&'static OptionSpec]) -> Result<Vec<Setti
         if denoise {
             args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
         }
-        let scale = match args.size.0 {
+        let scale = match args.goal.size.0 {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };
@@ -426,7 +427,7 @@ fn pictures(
     let mut examples = Vec::new();
     let Some(weights) = &judged.weights else { return Ok(examples) };
     for found in &judged.measured {
-        let of = |subject: &Subject<'_>| subject.setting.name() == found.setting.name();
+        let of = |subject: &Subject| subject.setting.name() == found.setting.name();
         let Some(subject) = sweep.subjects.iter().position(of) else { continue };
         let samples = ((same_time / pace(found)).round() as u32).max(1);
         let takes = Duration::from_secs_f64(pace(found) * f64::from(samples));

@@ -10,7 +10,7 @@ pub const MOST_STEPS: u32 = 1 << 18;
 pub const LOOPS_NEEDED: u32 = 65_535;
 
 /// The findings of the probe about a driver.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Numerics {
     /// Knuth's two-sum, in its plain form, gives the rounding error. False if the compiler simplifies `(x + y) - x` to `y`.
     pub two_sum: bool,
@@ -51,8 +51,9 @@ pub struct Numerics {
 }
 
 /// The rounding of integers to floats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rounding {
+    #[default]
     /// Ties to even.
     Nearest,
     TowardsZero,

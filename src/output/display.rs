@@ -24,12 +24,12 @@ pub struct Display(Arc<Shared>);
 
 #[derive(Default)]
 struct Shared {
-    state: Mutex<State>,
+    state: Mutex<Outbox>,
     changed: Condvar,
 }
 
 #[derive(Default)]
-struct State {
+struct Outbox {
     /// The newest image, until it is sent.
     image: Option<Vec<f32>>,
     /// Whether no image comes after it.
@@ -72,7 +72,7 @@ impl Display {
     /// Sends what there is, and waits until the viewer has it or has failed.
     pub fn close(&self) {
         self.0.change(|state| state.last = true);
-        let waiting = |state: &mut State| state.end.is_none();
+        let waiting = |state: &mut Outbox| state.end.is_none();
         let waited = self.0.changed.wait_timeout_while(self.0.state(), LONGEST_END, waiting);
         let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         state.end.get_or_insert_with(|| Err(io::ErrorKind::TimedOut.into()));
@@ -90,18 +90,18 @@ impl Display {
 
 impl Shared {
     /// A poisoned lock still holds a state.
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, Outbox> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn change(&self, change: impl FnOnce(&mut State)) {
+    fn change(&self, change: impl FnOnce(&mut Outbox)) {
         change(&mut self.state());
         self.changed.notify_all();
     }
 
     /// The newest image, when there is one; nothing after the last.
     fn next(&self) -> Option<Vec<f32>> {
-        let waiting = |state: &mut State| state.image.is_none() && !state.last;
+        let waiting = |state: &mut Outbox| state.image.is_none() && !state.last;
         let waited = self.changed.wait_while(self.state(), waiting);
         waited.unwrap_or_else(PoisonError::into_inner).image.take()
     }

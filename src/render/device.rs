@@ -3,12 +3,13 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::observer::Next;
 use super::outcome::totals_since;
 use super::sample_range::{PaceProbe, SampleRange};
 use super::tiles::{MOST_RUNS, Schedule, pixel_in_order, tiles};
-use super::watch::Next;
 use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
@@ -36,20 +37,20 @@ const COMPILED: Duration = Duration::from_millis(40);
 const FILM_AT_ONCE: u64 = 16 << 20;
 
 /// A device that is ready to render: kernels compiled, buffers filled.
-pub struct DeviceRenderer<'a> {
-    device: &'a Device,
+pub struct DeviceRenderer {
+    device: Arc<Device>,
     settings: Settings,
     tuning: Tuning,
     buffers: Buffers,
-    kernels: Kernels,
+    kernels: Pipelines,
     /// By the kind of paths that a submission is of.
-    paces: [Pace; 2],
+    paces: [Workload; 2],
     film: DeviceFilm,
-    reports: Reports,
+    readings: Readings,
 }
 
 /// The pipelines of a plan, and the layout of its settings.
-struct Kernels {
+struct Pipelines {
     generate: Stage,
     /// The stages of a bounce; one for all bounces of a submission if they are fused.
     bounce: Vec<Stage>,
@@ -84,7 +85,7 @@ enum PathKind {
 }
 
 /// Controls the slots and bounces of a submission.
-struct Pace {
+struct Workload {
     /// Slots of the next submission times its bounces. It has bounces of all slots, or one bounce of some.
     work: u64,
     /// Bounces of each submission, if their number is fixed.
@@ -117,14 +118,14 @@ struct DeviceFilm {
 }
 
 /// What submissions report to the host.
-struct Reports {
+struct Readings {
     /// One for each submission in flight.
-    each: Vec<Report>,
+    each: Vec<Reading>,
     stages: StageTimes,
 }
 
 /// What a submission reports to the host.
-struct Report {
+struct Reading {
     counters: Readback,
     timing: Option<Timing>,
 }
@@ -133,8 +134,8 @@ struct Report {
 struct Flight {
     submission: wgpu::SubmissionIndex,
     receipt: u32,
-    /// Its index among the reports.
-    report: usize,
+    /// Its index among the readings.
+    reading: usize,
     kind: PathKind,
     /// Its slots times its bounces.
     work: u64,
@@ -143,8 +144,8 @@ struct Flight {
     begin: Instant,
 }
 
-impl Kernels {
-    fn new(plan: &Plan<'_>, pipelines: Vec<Pipeline>) -> Result<Kernels> {
+impl Pipelines {
+    fn new(plan: &Plan<'_>, pipelines: Vec<Pipeline>) -> Result<Pipelines> {
         let mut named: BTreeMap<_, _> =
             pipelines.into_iter().map(|pipeline| (pipeline.name.clone(), pipeline)).collect();
         let mut pipeline = |kernel: &Kernel| {
@@ -170,7 +171,7 @@ impl Kernels {
                 stages
             }
         };
-        Ok(Kernels {
+        Ok(Pipelines {
             generate: stage(&plan.kernels.generate, StageSize::Slots)?,
             bounce,
             is_fused: matches!(plan.kernels.bounce, Bounce::Fused(_)),
@@ -207,13 +208,13 @@ fn check_limits(device: &Device, plan: &Plan<'_>) -> Result<()> {
     Ok(())
 }
 
-impl<'a> DeviceRenderer<'a> {
+impl DeviceRenderer {
     /// Allocates the buffers and compiles the kernels.
     ///
     /// # Errors
     /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
     /// the numerics probe does not find.
-    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer<'a>> {
+    pub fn new(device: &Arc<Device>, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer> {
         check_limits(device, plan)?;
         let tuning = plan.tuning;
         let numerics = probe::numerics(device)?;
@@ -237,14 +238,14 @@ impl<'a> DeviceRenderer<'a> {
                 constants: &constants,
             })
             .collect();
-        let kernels = Kernels::new(plan, Pipeline::all(device, &specs, &buffers)?)?;
+        let kernels = Pipelines::new(plan, Pipeline::all(device, &specs, &buffers)?)?;
         let light_paths = plan.options.light_paths.count() > 0;
         let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov, light_paths);
-        let report = |_| Report {
+        let reading = |_| Reading {
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             timing: if profile { Timing::new(device) } else { None },
         };
-        let pace = || Pace {
+        let pace = || Workload {
             work: LEAST_WORK,
             fixed: tuning.bounces,
             most: 1,
@@ -262,7 +263,7 @@ impl<'a> DeviceRenderer<'a> {
             ..plan.scene.settings
         };
         let renderer = DeviceRenderer {
-            device,
+            device: Arc::clone(device),
             settings,
             kernels,
             paces: [pace(), pace()],
@@ -276,7 +277,7 @@ impl<'a> DeviceRenderer<'a> {
                 received: Totals::default(),
                 is_stale: false,
             },
-            reports: Reports { each: (0..IN_FLIGHT).map(report).collect(), stages: StageTimes::default() },
+            readings: Readings { each: (0..IN_FLIGHT).map(reading).collect(), stages: StageTimes::default() },
             tuning,
             buffers,
         };
@@ -287,8 +288,8 @@ impl<'a> DeviceRenderer<'a> {
     /// Makes the kernels ready, and counts those that are. The first three are small: if they take long, the driver compiles. Then this device
     /// compiles the largest kernel, while another device compiles the others.
     fn warm_up(&self, specs: &[PipelineSpec<'_>], buffers: &[BufferSpec<'_>]) -> Result<()> {
-        let Kernels { generate, bounce, accumulate, light_path, receipt, .. } = &self.kernels;
-        let device = self.device;
+        let Pipelines { generate, bounce, accumulate, light_path, receipt, .. } = &self.kernels;
+        let device = &*self.device;
         let large: Vec<&Stage> = bounce.iter().chain(light_path).collect();
         device.compiling.begin(3 + large.len());
         let warm_up = |stage: &Stage| {
@@ -317,7 +318,7 @@ impl<'a> DeviceRenderer<'a> {
 
     /// Prepares for another job.
     pub fn begin(&mut self, job: &Job) {
-        self.reports.stages = StageTimes::default();
+        self.readings.stages = StageTimes::default();
         self.drop_film();
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
     }
@@ -329,7 +330,7 @@ impl<'a> DeviceRenderer<'a> {
 
     /// The seconds of the stages since the job began.
     pub fn stages(&self) -> &StageTimes {
-        &self.reports.stages
+        &self.readings.stages
     }
 
     /// Renders blocks of samples of every pixel until none are left.
@@ -483,14 +484,14 @@ impl<'a> DeviceRenderer<'a> {
 
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
-        let Flight { submission, receipt, report, kind, work, begun, begin } = flight;
-        let Report { counters, timing } = &mut self.reports.each[report];
+        let Flight { submission, receipt, reading, kind, work, begun, begin } = flight;
+        let Reading { counters, timing } = &mut self.readings.each[reading];
         let bytes = size_of::<Counters>() as u64;
-        let counted: Counters = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
+        let counted: Counters = counters.read(&self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
         // Each slot asks for a run in its first submission.
         self.device.expect_done(counted.receipt == receipt && counted.next >= begun)?;
         if let Some(timing) = timing {
-            timing.collect(self.device, submission, &mut self.reports.stages)?;
+            timing.collect(&self.device, submission, &mut self.readings.stages)?;
         }
         self.paces[kind as usize].adapt(work, begin);
         Ok(counted)
@@ -515,8 +516,8 @@ impl<'a> DeviceRenderer<'a> {
             let bytes = u64::from(end - first) * each;
             let mut encoder = self.device.encoder("film");
             let from = u64::from(first - tile.start) * each;
-            readback.copy(self.device, &mut encoder, self.buffers.get("film")?, from, bytes)?;
-            readback.read(self.device, self.device.submit(encoder), bytes, |bytes| {
+            readback.copy(&self.device, &mut encoder, self.buffers.get("film")?, from, bytes)?;
+            readback.read(&self.device, self.device.submit(encoder), bytes, |bytes| {
                 let indices = (first..end).map(|rank| pixel_in_order(rank, *size));
                 film.add_from_device(indices, bytes);
             })?;
@@ -554,8 +555,8 @@ impl<'a> DeviceRenderer<'a> {
         }
         let (slots, bounces) = self.paces[kind as usize].next(all - window.end_slot, all);
         (window.first_slot, window.end_slot) = (window.end_slot, window.end_slot + slots);
-        let report = number % IN_FLIGHT;
-        let receipt = self.reports.each[report].counters.next_receipt();
+        let reading = number % IN_FLIGHT;
+        let receipt = self.readings.each[reading].counters.next_receipt();
         (window.bounces, window.receipt) = (bounces, receipt);
         self.write("window", bytemuck::bytes_of(window))?;
         let mut encoder = self.device.encoder("pass");
@@ -563,7 +564,7 @@ impl<'a> DeviceRenderer<'a> {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = slots.div_ceil(self.tuning.workgroup);
-        let Kernels { generate, bounce, is_fused, accumulate, light_path, receipt: last, .. } = &self.kernels;
+        let Pipelines { generate, bounce, is_fused, accumulate, light_path, receipt: last, .. } = &self.kernels;
         let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
         let first = (window.begins == 1).then_some(generate);
         let stages: Vec<&Stage> = match kind {
@@ -571,7 +572,7 @@ impl<'a> DeviceRenderer<'a> {
             PathKind::Light => light_path.iter().chain([last]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();
-        let Report { counters: readback, timing } = &mut self.reports.each[report];
+        let Reading { counters: readback, timing } = &mut self.readings.each[reading];
         match timing {
             None => {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -585,16 +586,16 @@ impl<'a> DeviceRenderer<'a> {
                     });
                     stage.record(&mut pass, groups, sizes);
                 }
-                timing.resolve(self.device, &mut encoder)?;
+                timing.resolve(&self.device, &mut encoder)?;
             }
         }
         let counters = self.buffers.get("counters")?;
         // The records have been added to the film.
         encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
-        readback.copy(self.device, &mut encoder, counters, 0, size_of::<Counters>() as u64)?;
+        readback.copy(&self.device, &mut encoder, counters, 0, size_of::<Counters>() as u64)?;
         let (work, begun) =
             (u64::from(slots) * u64::from(bounces), if window.begins == 1 { window.end_slot } else { all });
-        Ok(Flight { submission: self.device.submit(encoder), receipt, report, kind, work, begun, begin })
+        Ok(Flight { submission: self.device.submit(encoder), receipt, reading, kind, work, begun, begin })
     }
 
     /// The most bounces of a submission, for which there are records for all finished runs: a slot finishes the run that it has, and then at
@@ -611,7 +612,7 @@ impl<'a> DeviceRenderer<'a> {
             }
         };
         let kernels = self.kernels.bounce.len() as u32;
-        let timed = match self.reports.each.iter().any(|report| report.timing.is_some()) {
+        let timed = match self.readings.each.iter().any(|reading| reading.timing.is_some()) {
             // Without the first kernel and the last two.
             true => (MAX_PASSES as u32 - 3) / kernels,
             false => u32::MAX,
@@ -624,7 +625,7 @@ impl<'a> DeviceRenderer<'a> {
     }
 }
 
-impl Pace {
+impl Workload {
     /// The slots and bounces of the next submission, if so many slots of all are left. What is left is divided evenly.
     fn next(&self, left: u32, all: u32) -> (u32, u32) {
         if let Some(bounces) = self.fixed {
@@ -661,8 +662,8 @@ impl Stage {
 mod tests {
     use super::*;
 
-    fn pace(work: u64) -> Pace {
-        Pace { work, fixed: None, most: 120, submission: SUBMISSION, last_end: Instant::now() }
+    fn pace(work: u64) -> Workload {
+        Workload { work, fixed: None, most: 120, submission: SUBMISSION, last_end: Instant::now() }
     }
 
     /// Little first; then some slots, all of them, and bounces of all, up to the most.
@@ -676,7 +677,7 @@ mod tests {
         assert_eq!(pace(7 << 20).next(all, all), (all, 7));
         assert_eq!(pace(1 << 40).next(all, all), (all, 120));
         assert_eq!(pace(1 << 40).next(5, all), (5, 120));
-        assert_eq!(Pace { fixed: Some(3), ..pace(LEAST_WORK) }.next(all, all), (all, 3));
+        assert_eq!(Workload { fixed: Some(3), ..pace(LEAST_WORK) }.next(all, all), (all, 3));
     }
 
     /// A device that needs a second for each bounce of all slots gets a tenth of them, within four submissions.

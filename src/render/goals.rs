@@ -48,7 +48,7 @@ fn seconds_until(deadline: Instant) -> f64 {
     deadline.saturating_duration_since(Instant::now()).as_secs_f64()
 }
 
-impl Renderer<'_> {
+impl Renderer {
     /// Renders as many samples as fit before the deadline, and at least a run of each pixel, or a sample where a run takes long.
     pub(super) fn render_until(&mut self, most: Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<()> {
         if let Some(mut pace) = self.probe_pace(&most, deadline, caller)? {

@@ -1,61 +1,55 @@
 //! A render by one or several devices, which add to one film.
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
 use super::device::DeviceRenderer;
+use super::observer::Observer;
 use super::outcome::Outcome;
 use super::sample_range::{Caller, SampleRange};
-use super::watch::Watch;
+use crate::data::Settings;
 use crate::error::Result;
 use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
-use crate::job::{Goal, Job};
+use crate::job::{Crop, Frame, Goal, Job};
 use crate::options::RenderOptions;
 use crate::plan::Plan;
 use crate::threads::each;
 
 /// Devices that are ready to render.
-pub struct Renderer<'a> {
-    devices: Vec<DeviceRenderer<'a>>,
+pub struct Renderer {
+    devices: Vec<DeviceRenderer>,
 }
 
-impl<'a> Renderer<'a> {
-    /// Allocates the buffers and compiles the kernels.
+impl Renderer {
+    /// Allocates the buffers of devices, and compiles their kernels, each by its plan. The image is that of one device, if their drivers round
+    /// alike.
     ///
     /// # Errors
     /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
     /// the numerics probe does not find.
-    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<Renderer<'a>> {
-        Renderer::of_devices(&[(device, plan)], job, profile)
-    }
-
-    /// A render by several devices, each with its plan. The image is that of one of them, if their drivers round alike.
-    ///
-    /// # Errors
-    /// As of [`Renderer::new`].
-    pub fn of_devices(devices: &[(&'a Device, &Plan<'_>)], job: &Job, profile: bool) -> Result<Renderer<'a>> {
+    pub fn new(devices: &[(&Arc<Device>, &Plan<'_>)], job: &Job, profile: bool) -> Result<Renderer> {
         let ready = each(devices.len(), devices, |(device, plan)| DeviceRenderer::new(device, plan, job, profile));
         Ok(Renderer { devices: ready.into_iter().collect::<Result<_>>()? })
     }
 
-    /// Sets the time that a submission should take, after which `watch` is called.
+    /// Sets the time that a submission should take, after which the observer is asked.
     pub fn set_submission_time(&mut self, time: Duration) {
         self.devices.iter_mut().for_each(|device| device.set_submission_time(time));
     }
 
-    /// Renders until the goal is reached. Calls `watch` after each submission with the outcome so far; fields that are known only at the end
-    /// have their defaults. If `watch` returns a snapshot as its decision, it is called again with the film. The job may differ from the one that the renderer
-    /// was made for, but not in its size.
+    /// Renders until the goal is reached. The observer follows with the outcome so far; fields that are known only at the end have their defaults. The
+    /// job may differ from the one that the renderer was made for, but not in its size.
     ///
     /// # Errors
     /// `Error::Usage` if the film has another size than the job, or another scale than the scene. `Error::Device` if a device fails; the
-    /// film then has what it had after the last snapshot. `Error::Dropped` if `watch` returns [`Next::Drop`](super::watch::Next::Drop).
-    pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
+    /// film then has what it had after the last snapshot. `Error::Dropped` if the observer returns [`Next::Drop`](super::observer::Next::Drop).
+    pub fn run(&mut self, job: &Job, film: &mut Film, observer: &mut dyn Observer) -> Result<Outcome> {
         self.devices.iter().try_for_each(|device| device.check_film(job, film))?;
         let mut outcome = Outcome::default();
         let start = Instant::now();
@@ -63,7 +57,7 @@ impl<'a> Renderer<'a> {
         self.devices.iter_mut().for_each(|device| device.begin(job));
         let first = job.first_sample;
         let mut caller =
-            Caller { film: &mut *film, watch, start, outcome: &mut outcome, wants_complete: false, probe: None };
+            Caller { film: &mut *film, observer, start, outcome: &mut outcome, wants_complete: false, probe: None };
         match job.goal {
             Goal::Samples(end) => self.render_samples(first..end, &mut caller)?,
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut caller)?,
@@ -85,7 +79,7 @@ impl<'a> Renderer<'a> {
         let count = self.devices.len();
         let range = SampleRange::new(samples, count, caller);
         let calling = thread::current().id();
-        let work = |device: &mut DeviceRenderer<'_>| -> Result<()> {
+        let work = |device: &mut DeviceRenderer| -> Result<()> {
             let processor = ThreadTime::now();
             let present = range.enter();
             device.work(&range)?;
@@ -109,12 +103,14 @@ impl<'a> Renderer<'a> {
     }
 }
 
-/// An empty film for a render of this scene.
+/// An empty film for a render of this scene, of the part of the image that the scene's settings name.
 ///
 /// # Errors
 /// As of [`Film::with_sampler`], [`Film::with_aovs`] and [`Film::with_light_paths`].
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
-    let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?;
+    let Settings { film_left: left, film_top: top, image_width, image_height, .. } = scene.settings;
+    let frame = Frame { part: Crop { left, top, width, height }, full: (image_width, image_height) };
+    let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?.of_part(frame);
     let film = film.not_sampling(scene.not_sampled).with_aovs(&options.aov, scene.space)?;
     Ok(film.with_light_paths(scene.light_paths(options).count() > 0)?.with_lamps(&scene.lamps))
 }

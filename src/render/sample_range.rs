@@ -4,16 +4,16 @@ use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use super::observer::{Next, Observer, Snapshot};
 use super::outcome::Outcome;
 use super::tiles::Schedule;
-use super::watch::{Next, Snapshot, Watch};
 use crate::film::{Film, Totals};
 use crate::job::{blocks, samples_of};
 
-/// The caller of a render: its film, its outcome so far, and its `watch`.
+/// The caller of a render: its film, its outcome so far, and who follows.
 pub struct Caller<'a> {
     pub film: &'a mut Film,
-    pub watch: Watch<'a>,
+    pub observer: &'a mut dyn Observer,
     pub start: Instant,
     pub outcome: &'a mut Outcome,
     /// Whether the caller wants a complete snapshot.
@@ -30,10 +30,10 @@ pub struct PaceProbe {
 }
 
 impl Caller<'_> {
-    /// Calls `watch`, and returns the caller's decision. `snapshot`: when it began, and whether the film is complete.
+    /// Tells the observer, and returns its decision. `snapshot`: when it began, and whether the film is complete.
     pub fn notify(&mut self, snapshot: Option<(Instant, bool)>) -> Next {
         let snapshot = snapshot.map(|(begin, is_complete)| Snapshot { film: self.film, begin, is_complete });
-        let next = (self.watch)(self.outcome, snapshot);
+        let next = self.observer.follow(self.outcome, snapshot);
         let next = if self.probe.is_some() && !matches!(next, Next::Stop | Next::Drop) { Next::GoOn } else { next };
         self.wants_complete |= next == Next::CompleteSnapshot;
         self.outcome.interrupted |= next == Next::Stop;
@@ -55,11 +55,11 @@ pub struct SampleRange<'a, 'b> {
     pub samples: Range<u32>,
     /// The number of devices that may take part.
     pub devices: usize,
-    state: Mutex<State<'a, 'b>>,
+    state: Mutex<Shared<'a, 'b>>,
     changed: Condvar,
 }
 
-pub struct State<'a, 'b> {
+pub struct Shared<'a, 'b> {
     pub caller: &'a mut Caller<'b>,
     /// The blocks of samples that no device has taken, in order.
     left: Vec<Range<u32>>,
@@ -72,7 +72,7 @@ pub struct State<'a, 'b> {
     failed: bool,
 }
 
-impl State<'_, '_> {
+impl Shared<'_, '_> {
     /// Whether devices must stop after the block of samples that they have started.
     pub fn ends_early(&self) -> bool {
         self.caller.wants_complete || self.ends()
@@ -87,11 +87,11 @@ impl State<'_, '_> {
 impl<'a, 'b> SampleRange<'a, 'b> {
     pub fn new(samples: Range<u32>, devices: usize, caller: &'a mut Caller<'b>) -> SampleRange<'a, 'b> {
         let left = Vec::from([blocks(samples.clone())]);
-        let state = State { caller, left, working: 0, waiting: 0, snapshots: 0, failed: false };
+        let state = Shared { caller, left, working: 0, waiting: 0, snapshots: 0, failed: false };
         SampleRange { samples, devices, state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    pub fn state(&self) -> MutexGuard<'_, State<'a, 'b>> {
+    pub fn state(&self) -> MutexGuard<'_, Shared<'a, 'b>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

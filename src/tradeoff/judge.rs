@@ -354,7 +354,7 @@ fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
 }
 
 /// The FLIP of the first image of each number of samples.
-fn flips(subject: &Subject<'_>, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f64)> {
+fn flips(subject: &Subject, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f64)> {
     let flip = |image: &Pixels| {
         let map = error_map(size.0 as usize, image, &truth.image);
         map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64
@@ -364,14 +364,14 @@ fn flips(subject: &Subject<'_>, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f6
 }
 
 fn measured(
-    subject: &Subject<'_>,
-    defaults: &Subject<'_>,
+    subject: &Subject,
+    defaults: &Subject,
     pace: Pace,
     common: &[(u32, usize)],
     (weights, fixed): (&Weights, &Weights),
     full_size: &FullSize,
 ) -> Option<Measured> {
-    let images = |subject: &Subject<'_>, level: u32| {
+    let images = |subject: &Subject, level: u32| {
         let (_, rounds) = common.iter().find(|(of, _)| *of == level)?;
         let blocks = subject.blocks.get(&level)?.get(..*rounds)?;
         Some(blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>())

@@ -1,6 +1,7 @@
 //! The measurement: renders all settings in turn, round after round with new random numbers, until the time is over.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::pace::Timed;
@@ -10,13 +11,14 @@ use crate::data;
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::flatten::{DeviceScene, flatten};
+use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
-use crate::job::{Goal, Job};
+use crate::job::{Frame, Goal, Job};
 use crate::options::{Class, LightPaths, OptionSpec, RenderOptions};
 use crate::plan::{Plan, Tuning};
-use crate::render::{Next, Renderer, empty_film};
+use crate::render::{Accumulation, stopping};
 use crate::scene::Scene;
+use crate::session::Session;
 
 /// The samples per pixel of the blocks of a round. Biases are measured with the middle one.
 pub const LEVELS: [u32; 3] = [4, 16, 64];
@@ -91,10 +93,10 @@ impl Block {
 }
 
 /// A setting under measurement.
-pub struct Subject<'a> {
+pub struct Subject {
     pub setting: Setting,
-    renderer: Renderer<'a>,
-    film: Film,
+    session: Session,
+    film: Accumulation,
     size: (u32, u32),
     /// The time to build its hierarchies and to compile its kernels.
     pub seconds_compile: f64,
@@ -105,7 +107,7 @@ pub struct Subject<'a> {
     pub total: Film,
 }
 
-impl Subject<'_> {
+impl Subject {
     /// The blocks with this number of samples per pixel.
     pub fn blocks_of(&self, samples: u32) -> &[Block] {
         self.blocks.get(&samples).map_or(&[], Vec::as_slice)
@@ -127,9 +129,9 @@ pub struct Unmeasured {
 /// All measurements, the defaults first.
 pub struct Sweep<'a> {
     pub size: (u32, u32),
-    pub subjects: Vec<Subject<'a>>,
+    pub subjects: Vec<Subject>,
     pub unmeasured: Vec<Unmeasured>,
-    device: &'a Device,
+    device: &'a Arc<Device>,
     scene: &'a Scene,
     /// Without it, settings that denoise are not measured.
     denoiser: Option<&'a Denoiser>,
@@ -188,7 +190,7 @@ impl Sweep<'_> {
 
 impl<'a> Sweep<'a> {
     /// An empty sweep over images of this size.
-    pub fn new(device: &'a Device, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
+    pub fn new(device: &'a Arc<Device>, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
         Sweep {
             size,
             subjects: Vec::new(),
@@ -240,7 +242,7 @@ impl<'a> Sweep<'a> {
         self.unmeasured.push(Unmeasured { setting, why: why.to_string() });
     }
 
-    fn compile(&mut self, setting: &Setting) -> Result<Option<Subject<'a>>> {
+    fn compile(&mut self, setting: &Setting) -> Result<Option<Subject>> {
         if setting.denoise && self.denoiser.is_none() {
             return Err(Error::Denoiser(
                 "it needs Open Image Denoise; `gpu-rt denoise` says how to get it".to_string(),
@@ -248,22 +250,24 @@ impl<'a> Sweep<'a> {
         }
         let begin = Instant::now();
         let size = scaled(self.size, setting.scale);
-        let flat = flatten(self.scene, size, &setting.options)?;
         let job = self.job(size, setting.max_depth, LEVEL, 0);
         // What is measured here is to hold for renders that are longer.
         let mut options = setting.options.clone();
         options.scatter.get_or_insert(Tuning::scatter_of_long_renders(self.device.class()));
-        let plan = Plan::new(&flat, &options, self.device.class(), &job)?;
+        let mut session = Session::on(vec![Arc::clone(self.device)]);
+        session.view(self.scene, &Frame::full(size), &options)?;
+        let view = Arc::clone(&session.scene);
+        let plan = Plan::new(&view, &options, self.device.class(), &job)?;
         let effect = Effect::new(&plan, setting.max_depth);
         if size == self.size && self.defaults.as_ref() == Some(&effect) {
             return Ok(None);
         }
-        let renderer = Renderer::new(self.device, &plan, &job, false)?;
-        let film = empty_film(&flat, size, &setting.options)?;
+        session.compile_plans(&[plan], &job, &mut ())?;
+        let film = session.film(size)?;
         let subject = Subject {
             setting: setting.clone(),
-            renderer,
-            total: film.clone(),
+            session,
+            total: film.film.clone(),
             film,
             size,
             seconds_compile: begin.elapsed().as_secs_f64(),
@@ -282,19 +286,20 @@ impl<'a> Sweep<'a> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
         let full_size = self.size;
-        let Subject { renderer, film, size, setting, .. } = &mut self.subjects[subject];
+        let Subject { session, film, size, setting, .. } = &mut self.subjects[subject];
         film.clear();
         let begin = self.began.elapsed().as_secs_f64();
-        let outcome = renderer.run(&job, film, &mut |_, _| if stop() { Next::Stop } else { Next::GoOn })?;
-        if outcome.interrupted {
+        session.render(&job, film, &mut stopping(stop))?;
+        if session.outcome.interrupted {
             return Ok(None);
         }
-        let at = begin + 0.5 * outcome.seconds;
+        let (film, seconds) = (&film.film, session.outcome.seconds);
+        let at = begin + 0.5 * seconds;
         let image = match self.denoiser.filter(|_| setting.denoise) {
             Some(denoiser) => Layers::from_film(film).denoised(denoiser, *size)?,
             None => film.develop().rgb,
         };
-        Ok(Some(Block { image: enlarged(&image, *size, full_size), seconds: outcome.seconds, at }))
+        Ok(Some(Block { image: enlarged(&image, *size, full_size), seconds, at }))
     }
 
     /// The seconds that denoising an image of some size takes; none if no setting denoises. They do not depend on what the image shows. It is timed
@@ -302,7 +307,7 @@ impl<'a> Sweep<'a> {
     pub fn seconds_to_denoise(&self, size: (u32, u32), until: Instant) -> Result<Option<f64>> {
         let Some(subject) = self.subjects.iter().find(|subject| subject.setting.denoise) else { return Ok(None) };
         let Some(denoiser) = self.denoiser else { return Ok(None) };
-        let Layers { rgb, albedo, normal } = Layers::from_film(&subject.film);
+        let Layers { rgb, albedo, normal } = Layers::from_film(&subject.film.film);
         let [rgb, albedo, normal] = [rgb, albedo, normal].map(|layer| enlarged(&layer, subject.size, size));
         let layers = Layers { rgb, albedo, normal };
         let mut least = f64::INFINITY;
@@ -356,7 +361,7 @@ impl<'a> Sweep<'a> {
                         self.clock.push(block.timed());
                     }
                     let Subject { blocks, total, film, .. } = &mut self.subjects[subject];
-                    total.merge(film)?;
+                    total.merge(&film.film)?;
                     blocks.entry(level).or_default().push(block);
                 }
             }

@@ -59,7 +59,7 @@ impl Truth {
     }
 
     /// Leaves out the first `skipped` images of each number of samples.
-    fn joined(sweep: &Sweep<'_>, skipped: usize, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
+    fn joined(sweep: &Sweep<'_>, skipped: usize, takes: impl Fn(usize, &Subject) -> bool) -> Option<Truth> {
         // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves
         // share none, so that their difference measures the noise for any number of settings.
         let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];

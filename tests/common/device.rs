@@ -1,26 +1,26 @@
 //! The device of the tests: a software driver, chosen explicitly. A test without one fails; it is never skipped.
 
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use gpu_rt::gpu::device::{Adapters, Device};
 
 /// The software device of this test. Tests that run at the same time have devices of their own: a software device compiles in the one
 /// thread of its queue, and the renders of all others would wait. A later test takes the device of one that has ended, with its kernels.
-pub fn software() -> &'static Device {
+pub fn software() -> &'static Arc<Device> {
     thread_local! {
         static LENT: Lent = {
             let free = FREE.lock().expect("no test fails here").pop();
-            Lent(free.unwrap_or_else(|| Box::leak(Box::new(open()))))
+            Lent(free.unwrap_or_else(|| Box::leak(Box::new(Arc::new(open())))))
         };
     }
     LENT.with(|lent| lent.0)
 }
 
 /// Devices that no test has.
-static FREE: Mutex<Vec<&'static Device>> = Mutex::new(Vec::new());
+static FREE: Mutex<Vec<&'static Arc<Device>>> = Mutex::new(Vec::new());
 
 /// A device for as long as a thread lives.
-struct Lent(&'static Device);
+struct Lent(&'static Arc<Device>);
 
 impl Drop for Lent {
     fn drop(&mut self) {

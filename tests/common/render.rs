@@ -2,18 +2,21 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{DeviceScene, flatten};
+use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job, blocks};
 use gpu_rt::options::{Filter, Integrator, LightPaths, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged, Tuning};
-use gpu_rt::render::{Next, Outcome, Renderer, Watch, empty_film};
+use gpu_rt::render::{Accumulation, Next, Observer, Outcome, following};
 use gpu_rt::scene::Scene;
+use gpu_rt::session::Session;
 
 use super::device::software;
 use super::stats::{sidak, student_two_sided};
@@ -222,11 +225,10 @@ pub fn render_with(
         first_sample: samples.start,
         goal: Goal::Samples(samples.end),
     };
-    let device = software();
     let mut wanted = wanted.peekable();
     let (seed, samples) = wanted.peek().expect("something is asked for");
     let first = job(*seed, samples);
-    let mut class = device.class();
+    let mut class = software().class();
     if request.storage_tables {
         class.max_uniform_bytes = 0;
     }
@@ -235,20 +237,34 @@ pub fn render_with(
         // All of them together are no short render.
         options.scatter.get_or_insert(Tuning::scatter_of_long_renders(class));
     }
-    let mut plan = Plan::new(&flat, &options, class, &first).expect("the kernels link");
-    relink(&mut plan.kernels, change);
-    let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
-    if let Some(time) = request.submission {
-        renderer.set_submission_time(time);
-    }
+    let mut session = Session::on(vec![Arc::clone(software())]);
+    session.submission = request.submission;
+    compile(&mut session, flat, &options, class, &first, |plan| relink(&mut plan.kernels, change));
     for (seed, samples) in wanted {
         let job = job(seed, &samples);
-        let mut film = empty_film(&flat, size, &request.options).expect("the film fits");
+        let mut film = session.film(size).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
-        let outcome =
-            renderer.run(&job, &mut film, &mut |outcome, _| watch.observe(outcome)).expect("the device renders");
+        let mut observer = following(|outcome, _| watch.observe(outcome));
+        session.render(&job, &mut film, &mut observer).expect("the device renders");
+        let (film, outcome) = (film.film, std::mem::take(&mut session.outcome));
         take(Shot { picture: film.develop(), film, outcome, sampler: request.options.sampler });
     }
+}
+
+/// Compiles a flattened scene in a session, by a plan that is changed.
+fn compile(
+    session: &mut Session,
+    flat: DeviceScene,
+    options: &RenderOptions,
+    class: DeviceClass,
+    job: &Job,
+    change: impl FnOnce(&mut Plan<'_>),
+) {
+    session.show(flat, options);
+    let view = Arc::clone(&session.scene);
+    let mut plan = Plan::new(&view, options, class, job).expect("the kernels link");
+    change(&mut plan);
+    session.compile_plans(&[plan], job, &mut ()).expect("the kernels compile and the buffers fit");
 }
 
 /// Renders a job by a plan that is changed, onto a film whose samples are taken to be placed by a sampler.
@@ -258,12 +274,12 @@ pub fn render_job(
     job: &Job,
     of_film: Sampler,
     change: impl FnOnce(&mut Plan<'_>),
-    watch: Watch<'_>,
+    observer: &mut dyn Observer,
 ) -> (Film, Outcome) {
     let flat = flatten(scene, job.size, options).expect("the scene flattens");
     let film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
     let mut film = film.not_sampling(flat.not_sampled).with_lamps(&flat.lamps);
-    let outcome = render_flat(&flat, options, job, &mut film, change, watch);
+    let outcome = render_flat(flat, options, job, &mut film, change, observer);
     (film, outcome)
 }
 
@@ -274,23 +290,36 @@ pub fn render_onto(
     job: &Job,
     film: &mut Film,
     change: impl FnOnce(&mut Plan<'_>),
-    watch: Watch<'_>,
+    observer: &mut dyn Observer,
 ) -> Outcome {
-    render_flat(&flatten(scene, job.size, options).expect("the scene flattens"), options, job, film, change, watch)
+    render_flat(flatten(scene, job.size, options).expect("the scene flattens"), options, job, film, change, observer)
 }
 
 fn render_flat(
-    flat: &DeviceScene,
+    flat: DeviceScene,
     options: &RenderOptions,
     job: &Job,
     film: &mut Film,
     change: impl FnOnce(&mut Plan<'_>),
-    watch: Watch<'_>,
+    observer: &mut dyn Observer,
 ) -> Outcome {
-    let mut plan = Plan::new(flat, options, software().class(), job).expect("the kernels link");
-    change(&mut plan);
-    let mut renderer = Renderer::new(software(), &plan, job, false).expect("the kernels compile and the buffers fit");
-    renderer.run(job, film, watch).expect("the device renders")
+    let mut session = Session::on(vec![Arc::clone(software())]);
+    compile(&mut session, flat, options, software().class(), job, change);
+    render_in(&mut session, job, film, observer)
+}
+
+/// Renders a job in a session, all of it, onto a film that may have other samples.
+pub fn render_in(session: &mut Session, job: &Job, film: &mut Film, observer: &mut dyn Observer) -> Outcome {
+    let checks = if let Goal::Noise { checks, .. } = job.goal { checks } else { 0 };
+    let mut onto = Accumulation { checks, ..Accumulation::empty(std::mem::replace(film, one_pixel())) };
+    session.render(job, &mut onto, observer).expect("the device renders");
+    *film = onto.film;
+    std::mem::take(&mut session.outcome)
+}
+
+/// A film of one pixel.
+pub fn one_pixel() -> Film {
+    Film::new(1, 1, 0).expect("it is small")
 }
 
 /// Renders by kernels from another library.

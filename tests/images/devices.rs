@@ -1,6 +1,7 @@
 //! Several devices that render one film: what they come to is what one of them does.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gpu_rt::data::RUN_LENGTH;
@@ -9,11 +10,13 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Outcome, Renderer, Watch};
+use gpu_rt::render::{Next, Observer, Outcome, following};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
+use gpu_rt::session::Session;
 
 use crate::common::device::software;
+use crate::common::render::{one_pixel, render_in};
 
 const SIZE: (u32, u32) = (29, 21);
 
@@ -24,7 +27,7 @@ fn render(
     goal: Goal,
     tile: Option<u32>,
     film: &mut Film,
-    watch: Watch<'_>,
+    observer: &mut dyn Observer,
 ) -> Outcome {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
     let scene = Scene::load(&file).expect("it ships");
@@ -36,24 +39,22 @@ fn render(
         *film = empty.expect("the film fits");
     }
     let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample, goal };
+    let mut session = Session::on(vec![Arc::clone(software()); devices as usize]);
+    session.show(flat, &options(0));
+    let view = Arc::clone(&session.scene);
     let plan = |device: u32| {
-        let mut plan = Plan::new(&flat, &options(device), software().class(), &job).expect("the kernels link");
+        let mut plan = Plan::new(&view, &options(device), software().class(), &job).expect("the kernels link");
         plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
         plan
     };
     let plans: Vec<_> = (0..devices).map(plan).collect();
-    let pairs: Vec<_> = plans.iter().map(|plan| (software(), plan)).collect();
-    let mut renderer = Renderer::of_devices(&pairs, &job, false).expect("the kernels compile and the buffers fit");
-    renderer.run(&job, film, watch).expect("the devices render")
-}
-
-fn empty() -> Film {
-    Film::new(1, 1, 0).expect("it is small")
+    session.compile_plans(&plans, &job, &mut ()).expect("the kernels compile and the buffers fit");
+    render_in(&mut session, &job, film, observer)
 }
 
 fn by_one(end: u32) -> Film {
-    let mut film = empty();
-    render(1, 0, Goal::Samples(end), None, &mut film, &mut |_, _| Next::GoOn);
+    let mut film = one_pixel();
+    render(1, 0, Goal::Samples(end), None, &mut film, &mut ());
     film
 }
 
@@ -61,12 +62,19 @@ fn by_one(end: u32) -> Film {
 fn devices_share_a_film() {
     let full = by_one(200);
     for (devices, tile) in [(2, None), (3, None), (3, Some(97))] {
-        let mut film = empty();
+        let mut film = one_pixel();
         let mut calls = 0;
-        let outcome = render(devices, 0, Goal::Samples(200), tile, &mut film, &mut |_, _| {
-            calls += 1;
-            Next::GoOn
-        });
+        let outcome = render(
+            devices,
+            0,
+            Goal::Samples(200),
+            tile,
+            &mut film,
+            &mut following(|_, _| {
+                calls += 1;
+                Next::GoOn
+            }),
+        );
         assert!(film == full, "{devices} devices, {tile:?}");
         assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
         assert!(calls > 0);
@@ -79,23 +87,30 @@ fn devices_share_a_film() {
 #[test]
 fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
     for (devices, tile) in [(2, None), (3, Some(97))] {
-        let (mut film, mut snapshots, mut calls) = (empty(), Vec::new(), 0);
-        render(devices, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, snapshot| {
-            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                let samples = outcome.samples.count() as u32;
-                assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
-                assert_eq!(snapshot.film.totals(), outcome.totals);
-                snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
-                return Next::GoOn;
-            }
-            calls += 1;
-            if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
-        });
+        let (mut film, mut snapshots, mut calls) = (one_pixel(), Vec::new(), 0);
+        render(
+            devices,
+            0,
+            Goal::Samples(200),
+            tile,
+            &mut film,
+            &mut following(|outcome, snapshot| {
+                if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
+                    let samples = outcome.samples.count() as u32;
+                    assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
+                    assert_eq!(snapshot.film.totals(), outcome.totals);
+                    snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
+                    return Next::GoOn;
+                }
+                calls += 1;
+                if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
+            }),
+        );
         assert!(film == by_one(200) && snapshots.len() > 2, "{} snapshots", snapshots.len());
         // What is missing of each is what the render had left.
         for (samples, mut film) in snapshots.into_iter().step_by(3) {
             for gap in samples.missing(0..200).ranges() {
-                render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
+                render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut ());
             }
             assert!(film == by_one(200), "{samples}");
         }
@@ -106,11 +121,18 @@ fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
 #[test]
 fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
     for stop in [1, 2, 5, 9, 20] {
-        let (mut film, mut calls) = (empty(), 0);
-        let outcome = render(3, 0, Goal::Samples(4096), None, &mut film, &mut |_, _| {
-            calls += 1;
-            if calls >= stop { Next::Stop } else { Next::GoOn }
-        });
+        let (mut film, mut calls) = (one_pixel(), 0);
+        let outcome = render(
+            3,
+            0,
+            Goal::Samples(4096),
+            None,
+            &mut film,
+            &mut following(|_, _| {
+                calls += 1;
+                if calls >= stop { Next::Stop } else { Next::GoOn }
+            }),
+        );
         assert!(outcome.interrupted && outcome.samples.count() < 4096, "{:?}", outcome.samples);
         let samples = outcome.samples.count() as u32;
         assert!(film.develop().samples.iter().all(|n| *n == samples));
@@ -118,7 +140,7 @@ fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
         assert!(ends.into_iter().all(|end| end.is_multiple_of(RUN_LENGTH)), "{:?}", outcome.samples);
         let end = outcome.samples.range().end;
         for gap in outcome.samples.missing(0..end).ranges() {
-            render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
+            render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut ());
         }
         assert!(film == by_one(end), "{:?}", outcome.samples);
     }
@@ -132,8 +154,8 @@ fn devices_reach_goals() {
         Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
         Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
     ] {
-        let mut film = empty();
-        let outcome = render(2, 0, goal, None, &mut film, &mut |_, _| Next::GoOn);
+        let mut film = one_pixel();
+        let outcome = render(2, 0, goal, None, &mut film, &mut ());
         assert_eq!(outcome.samples, Samples::from(outcome.samples.range()), "{goal:?}");
         assert!(film == by_one(outcome.samples.range().end), "{goal:?}: {:?}", outcome.samples);
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{Filter, Scatter};
-use gpu_rt::render::{Next, empty_film};
+use gpu_rt::render::empty_film;
 
 use crate::common::everything::same;
 use crate::common::instances::smooth_ball_file;
@@ -329,6 +329,6 @@ fn the_bytes_are_the_same_however_the_work_is_done() {
     let job = Job { size: (16, 16), max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(24) };
     let flat = flatten(&room, job.size, &request.options).expect("the scene flattens");
     let mut film = empty_film(&flat, job.size, &request.options).expect("the film fits");
-    render_onto(&room, &request.options, &job, &mut film, |plan| plan.tuning.tile = 96, &mut |_, _| Next::GoOn);
+    render_onto(&room, &request.options, &job, &mut film, |plan| plan.tuning.tile = 96, &mut ());
     assert_eq!(film.develop(), whole.picture, "tiles change the image");
 }

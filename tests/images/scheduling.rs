@@ -10,7 +10,7 @@ use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Outcome, Watch};
+use gpu_rt::render::{Next, Observer, Outcome, following};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
@@ -35,9 +35,9 @@ fn render(
     size: (u32, u32),
     samples: Range<u32>,
     tile: Option<u32>,
-    watch: Watch<'_>,
+    observer: &mut dyn Observer,
 ) -> (Film, Outcome, u32) {
-    render_until(options, size, samples.start, Goal::Samples(samples.end), tile, watch)
+    render_until(options, size, samples.start, Goal::Samples(samples.end), tile, observer)
 }
 
 fn render_until(
@@ -46,7 +46,7 @@ fn render_until(
     first_sample: u32,
     goal: Goal,
     tile: Option<u32>,
-    watch: Watch<'_>,
+    observer: &mut dyn Observer,
 ) -> (Film, Outcome, u32) {
     let job = Job { size, max_depth: 20, seed: 3, first_sample, goal };
     let mut used = 0;
@@ -54,7 +54,7 @@ fn render_until(
         plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
         used = plan.tuning.tile;
     };
-    let (film, outcome) = render_job(&cover(), options, &job, Sampler::Sobol, change, watch);
+    let (film, outcome) = render_job(&cover(), options, &job, Sampler::Sobol, change, observer);
     assert_eq!(film.totals(), outcome.totals);
     (film, outcome, used)
 }
@@ -64,15 +64,15 @@ fn tiles_do_not_show() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         let options = options(scatter);
         for samples in [0..40, 3..21] {
-            let full = render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn);
+            let full = render(&options, SIZE, samples.clone(), None, &mut ());
             for tile in [800, 300, 97] {
-                let tiled = render(&options, SIZE, samples.clone(), Some(tile), &mut |_, _| Next::GoOn);
+                let tiled = render(&options, SIZE, samples.clone(), Some(tile), &mut ());
                 assert!(tiled.0 == full.0, "{scatter:?}, {samples:?}, {tile}");
             }
         }
         // That films can differ at all is seen of other samples.
-        let other = render(&options, SIZE, 0..48, None, &mut |_, _| Next::GoOn);
-        assert!(other.0 != render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0);
+        let other = render(&options, SIZE, 0..48, None, &mut ());
+        assert!(other.0 != render(&options, SIZE, 0..40, None, &mut ()).0);
     }
 }
 
@@ -81,10 +81,10 @@ fn tiles_do_not_show() {
 fn a_film_beyond_a_binding_is_complete() {
     let size = (1300, 1000);
     let options = RenderOptions::default();
-    let (film, _, tile) = render(&options, size, 0..1, None, &mut |_, _| Next::GoOn);
+    let (film, _, tile) = render(&options, size, 0..1, None, &mut ());
     assert!(tile < 1_300_000 || !device::software().class().software, "{tile}");
     assert!(film.develop().samples.iter().all(|n| *n == 1));
-    assert!(film == render(&options, size, 0..1, Some(500_000), &mut |_, _| Next::GoOn).0);
+    assert!(film == render(&options, size, 0..1, Some(500_000), &mut ()).0);
 }
 
 /// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has checked.
@@ -98,9 +98,9 @@ fn pace_probes_and_goals_do_not_show() {
             Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
             Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
         ] {
-            let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
+            let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut ());
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
-            let full = render(&options, SIZE, outcome.samples.range(), None, &mut |_, _| Next::GoOn).0;
+            let full = render(&options, SIZE, outcome.samples.range(), None, &mut ()).0;
             assert!(film.develop().samples == full.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
             assert!(film == full, "{goal:?}: {:?}", outcome.samples);
@@ -115,12 +115,19 @@ fn a_slow_render_ends_at_any_sample() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
     let until = |time: Duration, wait: Duration, stops: bool| {
         let goal = Goal::Until { deadline: Instant::now() + time, end: 4096 };
-        let (film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut |_, _| {
-            sleep(wait);
-            if stops { Next::Stop } else { Next::GoOn }
-        });
+        let (film, outcome, _) = render_until(
+            &options,
+            SIZE,
+            0,
+            goal,
+            None,
+            &mut following(|_, _| {
+                sleep(wait);
+                if stops { Next::Stop } else { Next::GoOn }
+            }),
+        );
         let samples = outcome.samples.range();
-        assert!(film == render(&options, SIZE, samples.clone(), None, &mut |_, _| Next::GoOn).0, "{samples:?}");
+        assert!(film == render(&options, SIZE, samples.clone(), None, &mut ()).0, "{samples:?}");
         samples.end
     };
     let (slow, fast) = (Duration::from_millis(400), Duration::ZERO);
@@ -136,18 +143,24 @@ fn a_slow_render_ends_at_any_sample() {
 fn snapshots_do_not_show() {
     for tile in [None, Some(97)] {
         let options = options(Scatter::Fused);
-        let full = render(&options, SIZE, 0..40, None, &mut |_, _| Next::GoOn).0;
+        let full = render(&options, SIZE, 0..40, None, &mut ()).0;
         let (mut snapshots, mut paths) = (0, 0);
-        let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
-            if let Some(snapshot) = snapshot {
-                let picture = snapshot.film.develop();
-                let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
-                assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
-                snapshots += 1;
-                paths = paths.max(seen);
-            }
-            Next::Snapshot
-        });
+        let observed = render(
+            &options,
+            SIZE,
+            0..40,
+            tile,
+            &mut following(|outcome, snapshot| {
+                if let Some(snapshot) = snapshot {
+                    let picture = snapshot.film.develop();
+                    let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
+                    assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
+                    snapshots += 1;
+                    paths = paths.max(seen);
+                }
+                Next::Snapshot
+            }),
+        );
         assert!(observed.0 == full, "{tile:?}");
         assert!(snapshots > 10 && paths > 0, "{snapshots} snapshots, {paths} paths");
     }
@@ -162,22 +175,25 @@ fn a_stopped_render_has_a_complete_film() {
             let options = options(scatter);
             for start in [0, 13] {
                 let mut calls = 0;
-                let (film, outcome, _) = render(&options, SIZE, start..4096, tile, &mut |_, _| {
-                    calls += 1;
-                    if calls < at { Next::GoOn } else { Next::Stop }
-                });
+                let (film, outcome, _) = render(
+                    &options,
+                    SIZE,
+                    start..4096,
+                    tile,
+                    &mut following(|_, _| {
+                        calls += 1;
+                        if calls < at { Next::GoOn } else { Next::Stop }
+                    }),
+                );
                 let end = outcome.samples.range().end;
                 assert!(outcome.interrupted && outcome.samples.range().start == start && end < 4096, "{outcome:?}");
                 assert!(end > start && end.is_multiple_of(RUN_LENGTH), "{outcome:?}");
-                assert!(
-                    film == render(&options, SIZE, start..end, None, &mut |_, _| Next::GoOn).0,
-                    "{scatter:?}, {at}"
-                );
+                assert!(film == render(&options, SIZE, start..end, None, &mut ()).0, "{scatter:?}, {at}");
                 let more = end + 20;
-                let rest = render(&options, SIZE, end..more, tile, &mut |_, _| Next::GoOn).0;
+                let rest = render(&options, SIZE, end..more, tile, &mut ()).0;
                 let mut joined = film;
                 joined.merge(&rest).expect("they are of one image");
-                assert!(joined == render(&options, SIZE, start..more, None, &mut |_, _| Next::GoOn).0);
+                assert!(joined == render(&options, SIZE, start..more, None, &mut ()).0);
             }
         }
     }
@@ -187,23 +203,29 @@ fn a_stopped_render_has_a_complete_film() {
 #[test]
 fn a_complete_film_has_equal_samples_in_all_pixels() {
     let options = options(Scatter::Fused);
-    let full = |end: u32| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0;
+    let full = |end: u32| render(&options, SIZE, 0..end, None, &mut ()).0;
     let each: Vec<Film> = (1..=5).map(|runs| full(RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
-        let observed = render(&options, SIZE, 0..40, tile, &mut |outcome, snapshot| {
-            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                let end = outcome.samples.range().end;
-                seen.push(end);
-                assert!(
-                    end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
-                    "{end}"
-                );
-            }
-            // A snapshot of runs under way in between must not matter.
-            calls += 1;
-            if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
-        });
+        let observed = render(
+            &options,
+            SIZE,
+            0..40,
+            tile,
+            &mut following(|outcome, snapshot| {
+                if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
+                    let end = outcome.samples.range().end;
+                    seen.push(end);
+                    assert!(
+                        end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
+                        "{end}"
+                    );
+                }
+                // A snapshot of runs under way in between must not matter.
+                calls += 1;
+                if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
+            }),
+        );
         assert!(observed.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
     }
 }
@@ -221,14 +243,15 @@ fn goals_go_on_with_a_film() {
             Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, checks: 1 },
             Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, checks: 1 },
         ] {
-            let mut film = render(&options, SIZE, 0..24, None, &mut |_, _| Next::GoOn).0;
+            let mut film = render(&options, SIZE, 0..24, None, &mut ()).0;
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
             let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
-            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::CompleteSnapshot);
+            let outcome =
+                render_onto(&scene, &options, &job, &mut film, change, &mut following(|_, _| Next::CompleteSnapshot));
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");
-            let full = render(&options, SIZE, samples.range(), None, &mut |_, _| Next::GoOn).0;
+            let full = render(&options, SIZE, samples.range(), None, &mut ()).0;
             assert!(film == full, "{tile:?}, {goal:?}: {:?}", outcome.samples);
         }
     }
@@ -239,16 +262,16 @@ fn goals_go_on_with_a_film() {
 fn a_resumed_render_has_the_checks_of_one_render() {
     let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
     let noise = |begun, checks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, checks };
-    let (full, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
+    let (full, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut ());
     let found = uninterrupted.noise.expect("the error was checked");
     assert!(found.reached && found.checks > 2 && found.checks < 8, "{found:?}");
     for stop in [8, 16, 24, 40, 64] {
         let goal = Goal::Noise { error: 0.06, deadline: None, end: stop, begun: 0, checks: 0 };
-        let (mut film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut |_, _| Next::GoOn);
+        let (mut film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut ());
         // The render with so few samples has checked its end, which an interrupted one has not.
         let checks = outcome.noise.expect("the error was checked").checks - 1;
         let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, checks) };
-        let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut |_, _| Next::GoOn);
+        let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut ());
         assert_eq!(
             (outcome.noise, outcome.samples.range().end),
             (Some(found), uninterrupted.samples.range().end),

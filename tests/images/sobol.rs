@@ -11,7 +11,7 @@ use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, level_after, samples_at_check};
+use gpu_rt::render::{NOISE_LEVEL, Outcome, level_after, samples_at_check};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
@@ -74,7 +74,7 @@ fn onto_film(scene: &Scene, goal: Goal, sampler: Sampler, seed: u32, of_film: Sa
     let size = (scene.image.width, scene.image.height);
     let options = RenderOptions { sampler, ..crate::common::render::plain() };
     let job = Job { size, max_depth: 10, seed, first_sample: 0, goal };
-    render_job(scene, &options, &job, of_film, |_| {}, &mut |_, _| Next::GoOn)
+    render_job(scene, &options, &job, of_film, |_| {}, &mut ())
 }
 
 #[test]

@@ -10,7 +10,6 @@ use gpu_rt::film::Film;
 use gpu_rt::gpu::probe;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
-use gpu_rt::render::Next;
 use gpu_rt::scene::Scene;
 
 const QUALITIES: [Quality; 2] = [Quality::Medium, Quality::Best];
@@ -46,7 +45,7 @@ fn render(material: &str, count: usize, scatter: Scatter) -> Film {
         ..RenderOptions::default()
     };
     let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
-    render_job(&scene, &options, &job, Sampler::Independent, |_| {}, &mut |_, _| Next::GoOn).0
+    render_job(&scene, &options, &job, Sampler::Independent, |_| {}, &mut ()).0
 }
 
 /// A walk may take 48,000 steps where loops are limited, and 262,144 elsewhere. 30,000 coincident objects take 40,000 or so, and the

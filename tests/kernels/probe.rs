@@ -1,20 +1,20 @@
 //! The numerics probe: what it finds of the software drivers, that it finds what is planted, and that kernels are refused
 //! where a driver lacks what they rely on.
 
-use crate::common::device;
 use std::path::Path;
+use std::sync::Arc;
+
+use crate::common::device;
 
 use gpu_rt::data::{Answer, Trial};
-use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::gpu::link::{Embedded, Library};
 use gpu_rt::gpu::numerics::{LOOPS, Numerics, PROPERTIES, Rounding};
 use gpu_rt::gpu::probe::{judge, numerics, run, trials};
-use gpu_rt::job::{Goal, Job};
+use gpu_rt::job::{Frame, Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
-use gpu_rt::plan::Plan;
-use gpu_rt::render::Renderer;
 use gpu_rt::scene::Scene;
+use gpu_rt::session::Session;
 
 /// What a device that does everything right answers.
 fn right(trial: &Trial) -> Answer {
@@ -167,30 +167,30 @@ fn the_software_drivers_are_as_known() {
 }
 
 /// A device that the probe is to have found this of.
-fn pretend(change: impl Fn(&mut Numerics)) -> Device {
+fn pretend(change: impl Fn(&mut Numerics)) -> Arc<Device> {
     let name = device::software().name.to_string();
     let device = Device::open(Adapters::find().choose(Some(&name)).expect("it is there")).expect("it opens");
     let mut found = numerics(device::software()).expect("the probe runs").clone();
     change(&mut found);
     device.numerics.set(found).expect("nobody has asked it yet");
-    device
+    Arc::new(device)
 }
 
 /// Why no renderer is made for a scene with these objects, fused and with a kernel a stage, or nothing where it is made.
-fn refusals(device: &Device, objects: &str) -> [Option<String>; 2] {
+fn refusals(device: &Arc<Device>, objects: &str) -> [Option<String>; 2] {
     let text = format!(
         "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40),
          background: Solid((1, 1, 1)), materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [{objects}])"
     );
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test.ron");
     let scene = Scene::parse(&text, &path).expect("the scene is valid");
-    let flat = flatten(&scene, (4, 4), &RenderOptions::default()).expect("it flattens");
     let job = Job { size: (4, 4), max_depth: 4, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
     [Scatter::Fused, Scatter::Linked].map(|scatter| {
         let options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
-        let plan = Plan::new(&flat, &options, device.class(), &job).expect("it links");
-        let made = Renderer::new(device, &plan, &job, false);
-        made.err().map(|error| error.to_string())
+        let mut session = Session::on(vec![Arc::clone(device)]);
+        session.view(&scene, &Frame::full(job.size), &options).expect("it flattens");
+        let mut film = session.film(job.size).expect("it is small");
+        session.render(&job, &mut film, &mut ()).err().map(|error| error.to_string())
     })
 }
 

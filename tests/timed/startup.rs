@@ -5,41 +5,43 @@ use crate::alone;
 use crate::common::{device, render};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::common::everything::{Everything, World};
 use gpu_rt::aov::Aov;
-use gpu_rt::data::Sampler;
-use gpu_rt::film::Film;
-use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::Buffers;
 use gpu_rt::gpu::device::Device;
 use gpu_rt::gpu::kernel_cache::KEPT_KERNELS;
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
-use gpu_rt::job::{Goal, Job};
+use gpu_rt::job::{Frame, Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Outcome, Renderer, Snapshot, empty_film};
+use gpu_rt::render::{Next, following};
 use gpu_rt::scene::Scene;
+use gpu_rt::session::Session;
 
 const SIZE: (u32, u32) = (16, 9);
 
 /// Makes a scene's kernels ready and, if it is to be rendered, renders a sample; the result is the kernels that were dispatched.
-fn start(device: &Device, scene: &Scene, scatter: Scatter, aov: &[Aov], to_be_rendered: bool) -> Vec<String> {
+fn start(device: &Arc<Device>, scene: &Scene, scatter: Scatter, aov: &[Aov], to_be_rendered: bool) -> Vec<String> {
     let mut options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
     options.aov.include(aov);
-    let flat = flatten(scene, SIZE, &options).expect("the scene flattens");
     let job = Job { size: SIZE, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
-    let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
+    let mut session = Session::on(vec![Arc::clone(device)]);
     // The seconds of each kernel on the device name all that were dispatched.
-    let mut renderer = Renderer::new(device, &plan, &job, true).expect("the kernels compile");
+    session.profile = true;
+    session.view(scene, &Frame::full(SIZE), &options).expect("the scene flattens");
     if !to_be_rendered {
+        let view = Arc::clone(&session.scene);
+        let plan = Plan::new(&view, &options, device.class(), &job).expect("the kernels link");
+        session.compile_plans(&[plan], &job, &mut ()).expect("the kernels compile");
         return Vec::new();
     }
-    let mut film = empty_film(&flat, SIZE, &options).expect("the film fits");
-    let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("the device renders");
-    assert_eq!(film.totals().paths, u64::from(SIZE.0 * SIZE.1));
-    outcome.profile.stages.into_iter().map(|(name, _)| name).collect()
+    let mut film = session.film(SIZE).expect("the film fits");
+    session.render(&job, &mut film, &mut ()).expect("the device renders");
+    assert_eq!(film.film.totals().paths, u64::from(SIZE.0 * SIZE.1));
+    session.outcome.profile.stages.into_iter().map(|(name, _)| name).collect()
 }
 
 /// The kernels that were compiled in vain: for nothing, or once more.
@@ -70,22 +72,21 @@ fn scene_of(objects: &str) -> Scene {
 
 /// The seconds of a submission of a render that goes on until some have been made: the median after the first. Of the cover scene: bounces of a lone
 /// sphere are over in less than 100 ms where there is room for no more runs.
-fn submission(device: &Device, bounces: Option<u32>) -> f64 {
+fn submission(device: &Arc<Device>, bounces: Option<u32>) -> f64 {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
     let scene = Scene::load(&file).expect("it ships");
     let size = (256, 256);
     let options = RenderOptions { bounces, ..crate::common::render::plain() };
-    let flat = flatten(&scene, size, &options).expect("the scene flattens");
     let job = Job { size, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1 << 20) };
-    let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
-    let mut renderer = Renderer::new(device, &plan, &job, false).expect("the kernels compile");
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
-    let mut ends = vec![Instant::now()];
-    let mut watch = |_: &Outcome, _: Option<Snapshot<'_>>| {
+    let mut session = Session::on(vec![Arc::clone(device)]);
+    session.view(&scene, &Frame::full(size), &options).expect("the scene flattens");
+    let mut film = session.film(size).expect("the film fits");
+    let mut ends = Vec::new();
+    let mut observer = following(|_, _| {
         ends.push(Instant::now());
         if ends.len() < 24 { Next::GoOn } else { Next::Stop }
-    };
-    renderer.run(&job, &mut film, &mut watch).expect("the device renders");
+    });
+    session.render(&job, &mut film, &mut observer).expect("the device renders");
     let mut seconds: Vec<f64> =
         ends.windows(2).skip(8).take(15).map(|pair| (pair[1] - pair[0]).as_secs_f64()).collect();
     seconds.sort_by(f64::total_cmp);
@@ -97,7 +98,7 @@ fn submission(device: &Device, bounces: Option<u32>) -> f64 {
 #[test]
 fn submissions_are_short() {
     let _machine = alone();
-    let device = device::open();
+    let device = Arc::new(device::open());
     let adapted = submission(&device, None);
     let least = if device.class().software { 0.05 } else { 0.0 };
     assert!((least..0.2).contains(&adapted), "{adapted} s");
@@ -118,7 +119,7 @@ fn every_compiled_kernel_runs() {
     ];
     for (name, scene, aov) in &scenes {
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-            let device = device::open();
+            let device = Arc::new(device::open());
             assert!(device.timestamps, "this test needs a device that tells which kernels it ran");
             let ran = start(&device, scene, scatter, aov, true);
             assert!(ran.len() >= 2, "{name}, {scatter:?}: {ran:?}");
@@ -132,7 +133,7 @@ fn every_compiled_kernel_runs() {
 #[test]
 fn a_kernel_that_is_compiled_in_vain_is_found() {
     let _machine = alone();
-    let device = device::open();
+    let device = Arc::new(device::open());
     let scene = scene_of(SPHERE);
     let _ = start(&device, &scene, Scatter::Linked, &[], false);
     let ran = start(&device, &scene, Scatter::Fused, &[], true);
@@ -163,7 +164,7 @@ fn make_ready(device: &Device, buffers: &Buffers, number: usize) {
 #[test]
 fn a_device_keeps_the_kernels_used_last() {
     let _machine = alone();
-    let device = device::open();
+    let device = Arc::new(device::open());
     let buffers = Buffers::create(&device, &[]).expect("no buffer is asked for");
     let compilations =
         |number: usize| device.kernels.compiled_names().iter().filter(|name| **name == number.to_string()).count();

@@ -17,6 +17,32 @@ use crate::options::{Class, DENOISE, DenoiseArg, RenderOptions, SizeArg, SppArg}
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    #[command(flatten)]
+    pub files: FileArgs,
+    #[command(flatten)]
+    pub goal: GoalArgs,
+    #[command(flatten)]
+    pub paths: PathArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    #[command(flatten)]
+    pub denoising: DenoisingArgs,
+    #[command(flatten)]
+    pub viewers: ViewerArgs,
+    #[command(flatten)]
+    pub keep: KeepArgs,
+    #[command(flatten)]
+    pub messages: MessageArgs,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Measure the seconds of each stage on the device; each dispatch then needs a pass of its own.
+    #[arg(long, help_heading = Class::Exact.heading())]
+    pub profile: bool,
+}
+
+/// The files to write.
+#[derive(Clone, Debug, Args)]
+pub struct FileArgs {
     /// The image to write, .exr or .png [default: the scene's name with .exr].
     ///
     /// A linear .exr, or a .png, which is the picture alone and cannot be resumed. - is a PNG on standard output. By default it is in the
@@ -26,6 +52,11 @@ pub struct RenderArgs {
     /// Also write a tone-mapped picture, - for standard output.
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
+}
+
+/// What to render, and until when.
+#[derive(Clone, Debug, Args)]
+pub struct GoalArgs {
     /// Render the frames A to B - 1 of a .glb or .gltf, each as --frame does: the #### in the names of -o and --png are its number, with as many
     /// digits or more [default of -o: the scene's name with .####.exr]. --resume leaves out what is complete.
     #[arg(long, value_name = "A..B", value_parser = frame_range, conflicts_with_all = ["frame", "watch"])]
@@ -51,14 +82,19 @@ pub struct RenderArgs {
     /// Render only a part of the image: WIDTH x HEIGHT pixels, from column X and row Y on, with the bytes of the whole image.
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
     pub crop: Option<Crop>,
-    #[command(flatten)]
-    pub paths: PathArgs,
-    #[command(flatten)]
-    pub view: ViewArgs,
+}
+
+#[derive(Clone, Debug, Args)]
+pub struct DenoisingArgs {
     #[command(flatten)]
     pub denoise: DenoiseArg,
     #[arg(long, value_name = "FOLDER", requires = "denoise", help = OIDN, help_heading = DENOISE.class.heading())]
     pub oidn: Option<PathBuf>,
+}
+
+/// Who sees the image while it renders.
+#[derive(Clone, Debug, Args)]
+pub struct ViewerArgs {
     /// Draw the image in the terminal, about once a second.
     ///
     /// The image so far, and the image at the end, as --exposure and --tonemap have it.
@@ -67,6 +103,11 @@ pub struct RenderArgs {
     /// Send the image so far, about once a second, and the image at the end to a viewer: tev, which listens on 127.0.0.1:14158.
     #[arg(long, value_name = "HOST:PORT", value_parser = host_and_port)]
     pub display_server: Option<String>,
+}
+
+/// What is kept of renders: of this one while it goes on, and of earlier ones.
+#[derive(Clone, Debug, Args)]
+pub struct KeepArgs {
     /// Write the image so far at this interval, and the PNG too [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
     pub checkpoint: Duration,
@@ -89,6 +130,11 @@ pub struct RenderArgs {
     /// Overwrite an image of this render that has more samples.
     #[arg(long)]
     pub force: bool,
+}
+
+/// What is said, and what is an error.
+#[derive(Clone, Debug, Args)]
+pub struct MessageArgs {
     /// Fail if a sample was not finite and therefore rejected.
     #[arg(long)]
     pub strict: bool,
@@ -101,22 +147,17 @@ pub struct RenderArgs {
     /// Print one JSON object on stdout at the end.
     #[arg(long)]
     pub json: bool,
-    #[command(flatten)]
-    pub options: RenderOptions,
-    /// Measure the seconds of each stage on the device; each dispatch then needs a pass of its own.
-    #[arg(long, help_heading = Class::Exact.heading())]
-    pub profile: bool,
 }
 
 impl RenderArgs {
     /// Whether the image is denoised at the end.
     pub fn denoise(&self) -> bool {
-        self.denoise.0 == Some(true)
+        self.denoising.denoise.0 == Some(true)
     }
 
     /// The image to write.
     pub fn image(&self) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| self.default_image())
+        self.files.output.clone().unwrap_or_else(|| self.default_image())
     }
 
     /// The scene's name with .exr, in the current folder.

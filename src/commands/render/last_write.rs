@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use serde_json::{Map, Value};
+
+use super::record::attributes_of;
 use super::request::Request;
-use crate::commands::console::tell;
+use crate::commands::console::{command_of_image, tell};
 use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
-use crate::film::Film;
 use crate::output::destination::can_be_replaced;
 use crate::output::exr::{Attribute, State};
 use crate::output::rescue::{folders, reserve};
-use crate::samples::Samples;
+use crate::render::Accumulation;
 
 /// How long a full disk is tried again if the image has been written under another name. If not, it is tried until a signal comes.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -23,26 +25,74 @@ const LAST_PAUSE: Duration = Duration::from_secs(60);
 
 /// What is written at the end.
 pub struct LastWrite<'a> {
-    pub request: &'a Request<'a>,
-    pub signals: &'a Signals,
-    pub film: &'a Film,
-    pub samples: &'a Samples,
+    request: &'a Request<'a>,
+    signals: &'a Signals,
+    film: &'a Accumulation,
     /// `None` if the film cannot be resumed.
-    pub state: Option<State>,
-    pub attributes: Vec<(String, Attribute)>,
+    state: Option<State>,
+    attributes: Vec<(String, Attribute)>,
 }
 
-impl LastWrite<'_> {
+impl<'a> LastWrite<'a> {
+    /// The last write of a film with this record.
+    pub fn new(
+        request: &'a Request<'a>,
+        signals: &'a Signals,
+        film: &'a Accumulation,
+        record: &Map<String, Value>,
+    ) -> LastWrite<'a> {
+        LastWrite { request, signals, film, state: None, attributes: attributes_of(record) }
+    }
+
+    /// Writes the image, if the render has added something to it, and its picture. An EXR with more samples than the complete render is kept: the
+    /// number of samples of `--time` and `--noise` is known only now. The result is the number of those samples.
+    pub fn write(mut self, has_rendered: bool, complete: bool) -> Result<Option<u64>> {
+        let (request, Accumulation { film, samples, checks, devices }) = (self.request, self.film);
+        let more = if complete { request.more_than(samples.count()) } else { None };
+        if has_rendered && more.is_none() {
+            self.state = Some(State::new(request.identity().clone(), devices.clone(), film, samples.clone(), *checks));
+            if let Err(error) = self.write_image() {
+                let _ = request.write_png(film);
+                return Err(error);
+            }
+        }
+        let image = request.image.display();
+        let contents = if request.args.keep.watch { "last picture" } else { "image" };
+        self.signals.set_loss(format!("{image} holds the {contents}"));
+        let develop = command_of_image("develop", &request.image, "NAME.png");
+        let held = format!("{image} holds the image. `{develop}` makes the picture");
+        request.write_png(film).map_err(|error| error.and(&held)).map(|()| more)
+    }
+
+    /// Keeps what there is where the device has failed for good; `kept` is the state in the output. The error says what that is.
+    pub fn keep(self, error: Error, kept: Option<State>) -> Error {
+        let (request, film) = (self.request, &self.film.film);
+        if !matches!(error, Error::Device(_)) {
+            return error;
+        }
+        if let Some(state) = kept {
+            return error.and(&request.what_is_in(&request.image, &state.samples));
+        }
+        // A film with runs under way left out favours short paths. Nothing can go on from it.
+        if film.totals().paths == 0 {
+            return error.and("nothing has been written");
+        }
+        match self.write_image().and_then(|()| request.write_png(film)) {
+            Ok(()) => error.and(&format!("{} holds what there was, and cannot be resumed", request.image.display())),
+            Err(failed) => error.and(&failed.to_string()),
+        }
+    }
+
     /// Writes the image under its name, or under another one if that fails. A full disk is tried again.
     ///
     /// # Errors
     /// The first error, even if the image has another name now. It names that file, what it holds, and the command that resumes the render.
-    pub fn write(&self) -> Result<()> {
+    fn write_image(&self) -> Result<()> {
         let Request { args, image, .. } = self.request;
         let (begin, mut pause) = (Instant::now(), FIRST_PAUSE);
         let (was_interrupted, mut rescued, mut is_reported) = (self.signals.are_pending(), None, false);
         loop {
-            let Err(error) = self.request.write(self.film, self.state.as_ref(), &self.attributes) else {
+            let Err(error) = self.request.write(&self.film.film, self.state.as_ref(), &self.attributes) else {
                 if is_reported {
                     tell(&format!("{} is written after all", image.display()));
                 }
@@ -50,7 +100,7 @@ impl LastWrite<'_> {
                 return Ok(());
             };
             // Nothing is lost if the file has more samples of this render, or if this is a preview.
-            if self.request.more_than(self.samples.count()).is_some() || (args.watch && args.no_state) {
+            if self.request.more_than(self.film.samples.count()).is_some() || (args.keep.watch && args.keep.no_state) {
                 return Err(error);
             }
             let mut failures = Vec::new();
@@ -67,13 +117,13 @@ impl LastWrite<'_> {
                 None => !was_interrupted && self.signals.are_pending(),
             };
             // Under --watch, the next save does not wait.
-            if is_over || args.watch || !is_full || !can_be_replaced(image) {
+            if is_over || args.keep.watch || !is_full || !can_be_replaced(image) {
                 return Err(error.and(&found));
             }
             if !is_reported {
                 self.signals.set_loss(match rescued {
                     Some(_) => found.clone(),
-                    None => format!("{} samples per pixel are lost", self.samples.count()),
+                    None => format!("{} samples per pixel are lost", self.film.samples.count()),
                 });
                 let until = if rescued.is_some() { "" } else { " until it can be written or a signal comes" };
                 tell(&format!("warning: {error}; {found}. {} is tried again{until}", image.display()));
@@ -101,7 +151,7 @@ impl LastWrite<'_> {
         for folder in folders(image) {
             let written = reserve(&folder, name, image).map_err(|error| Error::of_write(&folder, &error));
             let written = written.and_then(|path| {
-                let written = self.request.write_to(&path, self.film, self.state.as_ref(), &self.attributes);
+                let written = self.request.write_to(&path, &self.film.film, self.state.as_ref(), &self.attributes);
                 if written.is_err() {
                     let _ = fs::remove_file(&path);
                 }
@@ -117,7 +167,7 @@ impl LastWrite<'_> {
 
     fn words(&self, path: &Path) -> String {
         match &self.state {
-            Some(_) => self.request.what_is_in(path, self.samples),
+            Some(_) => self.request.what_is_in(path, &self.film.samples),
             None => format!("{} holds what there was, and cannot be resumed", path.display()),
         }
     }

@@ -1,6 +1,6 @@
 //! The facts about a render, in its image's header and as JSON. docs/files.md has their list.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -8,11 +8,13 @@ use serde_json::{Map, Value, json};
 use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
+use crate::commands::denoise::Denoised;
 use crate::film::{Film, TooDeep, Totals, Verdict};
 use crate::gpu::numerics::Numerics;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
+use crate::session::Session;
 
 /// The result of a render, or of films that were joined.
 pub struct Finish {
@@ -27,6 +29,8 @@ pub struct Finish {
     pub too_deep: TooDeep,
     /// Whether nothing is left to do.
     pub complete: bool,
+    /// The samples of the output, if it stays as it was because they are more than this render has.
+    pub more: Option<u64>,
 }
 
 impl Finish {
@@ -45,6 +49,7 @@ impl Finish {
             noise,
             too_deep: film.totals().too_deep(),
             complete,
+            more: None,
         }
     }
 
@@ -81,15 +86,6 @@ impl Finish {
     }
 }
 
-/// Samples of each pixel in the output.
-#[derive(Clone, Copy, Default)]
-pub struct FileSamples {
-    /// The earlier render's, if this one goes on with it.
-    pub before: Option<u64>,
-    /// The samples of the file if it stays as it was, because they are more than this render has.
-    pub at_end: Option<u64>,
-}
-
 /// Seconds of the parts of a render.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Seconds {
@@ -102,24 +98,40 @@ pub struct Seconds {
     pub render: f64,
     pub write: f64,
     pub total: f64,
-    #[serde(flatten)]
-    pub pace: Pace,
-}
-
-/// Seconds of parts of the rendering.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Pace {
-    /// From its start to the end of the first submission.
+    /// From the start of the rendering to the end of the first submission.
     pub first_pass: f64,
     /// For one sample of every pixel. It is the pace of this process, also while it renders and after a resumption.
     pub per_sample: f64,
 }
 
+/// The seconds of one of so many samples; 0, which is not known, if there are none.
+pub fn per_sample(seconds: f64, samples: u64) -> f64 {
+    if samples == 0 { 0.0 } else { seconds / samples as f64 }
+}
+
+/// Measures the parts of a render.
+pub struct Clock {
+    last: Instant,
+    pub seconds: Seconds,
+}
+
+impl Clock {
+    pub fn new(start: Instant) -> Clock {
+        Clock { last: start, seconds: Seconds::default() }
+    }
+
+    /// The seconds since the last call.
+    pub fn lap(&mut self) -> f64 {
+        let before = std::mem::replace(&mut self.last, Instant::now());
+        self.last.duration_since(before).as_secs_f64()
+    }
+}
+
 /// The facts about a render that its header and the JSON have in common.
 pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, seconds: &Seconds) -> Map<String, Value> {
-    let Request { args, scene, flat, job, .. } = request;
+    let Request { args, scene, job, warnings, materials, .. } = request;
     let options = &args.options;
-    let materials = Some(&flat.material_names).filter(|names| options.aov.has(Aov::Material) && !names.is_empty());
+    let materials = Some(materials).filter(|names| options.aov.has(Aov::Material) && !names.is_empty());
     let mut record = object(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": command_line(),
@@ -136,12 +148,12 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
         "aov": options.aov.words(),
         "materials": materials,
         "biases": request.biases(),
-        "warnings": flat.warnings,
+        "warnings": warnings,
         "seconds": seconds,
     }));
     record.extend(finish.record(&request.excluded()));
     record.extend(object(json!({
-        "noise": args.noise,
+        "noise": args.goal.noise,
         "noise_reached": finish.noise.map(|noise| noise.reached),
     })));
     drop_absent(&mut record);
@@ -201,4 +213,43 @@ fn attribute(value: &Value, list: &str) -> Option<Attribute> {
 /// Seconds beyond `--time`, if the render took longer.
 pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
     time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
+}
+
+/// The JSON of a render: its record with all of the seconds, and further fields.
+pub fn report(
+    request: &Request<'_>,
+    session: &Session,
+    finish: &Finish,
+    (mut record, seconds): (Map<String, Value>, &Seconds),
+    denoised: Option<&Denoised>,
+) -> Value {
+    let (Request { args, .. }, outcome, (kernels, gpu_bytes)) = (request, &session.outcome, session.kernels());
+    let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
+    let stages = || outcome.profile.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect::<Map<_, _>>();
+    let mut report = object(json!({
+        "output": path_text(&request.image),
+        "width": request.job.size.0,
+        "height": request.job.size.1,
+        "samples_per_pixel": finish.samples.count(),
+        "resumed_from": request.held,
+        "output_samples": finish.more,
+        "denoised": denoised,
+    }));
+    record.insert("seconds".to_string(), json!(seconds));
+    report.extend(record);
+    report.extend(object(json!({
+        "features": args.options.features.to_string(),
+        "software": session.devices.iter().any(|device| device.name.software),
+        "paths_per_second": per_second(outcome.totals.paths),
+        "rays_per_second": per_second(outcome.totals.rays),
+        "host_seconds": outcome.host_seconds,
+        "interrupted": outcome.interrupted,
+        "time_overrun_seconds": overrun(args.goal.time, seconds.total),
+        "stage_seconds": args.profile.then(stages),
+        "device_idle": outcome.profile.idle,
+        "kernels": kernels,
+        "gpu_bytes": gpu_bytes,
+    })));
+    drop_absent(&mut report);
+    Value::Object(report)
 }

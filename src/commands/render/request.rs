@@ -6,11 +6,12 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
-use super::denoising;
 use crate::commands::console::command_to_resume;
+use crate::commands::denoise::{Denoising, denoised_image, denoised_picture};
 use crate::commands::outputs::{EXR, EXR_OR_PNG, PNG, check_outputs};
 use crate::commands::scene::{biases, size_of};
 use crate::data::RUN_LENGTH;
+use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::flatten::DeviceScene;
@@ -32,32 +33,47 @@ const EXCLUDED: &str =
 pub struct Request<'a> {
     pub args: &'a RenderArgs,
     pub scene: &'a Scene,
-    pub flat: DeviceScene,
     pub frame: Frame,
     pub job: Job,
     /// What `-o` names: an EXR, or a PNG, which has no state, so that nothing can go on from it.
     pub image: PathBuf,
     pub format: Format,
+    /// Warnings about the scene, for the header.
+    pub warnings: Vec<String>,
+    /// The names of the materials, in the order of their numbers.
+    pub materials: Vec<String>,
+    /// Samples of each pixel that the output has already, if the render goes on with them.
+    pub held: Option<u64>,
     /// Known when it is first needed: hashing a large scene takes as long as reading it.
     identity: OnceLock<Identity>,
 }
 
 impl<'a> Request<'a> {
-    /// `image` is as [`checked_image`] has it. `start` is when the time of `--time` begins.
+    /// The request for this part of the image and this job, and for an image as [`checked_image`] has it.
     ///
     /// # Errors
-    /// `Error::Usage` if `--crop` is not within the image.
+    /// `Error::Usage` if no light path belongs to the samples.
     pub fn new(
         args: &'a RenderArgs,
         scene: &'a Scene,
-        mut flat: DeviceScene,
+        (frame, job): (Frame, Job),
         (image, format): (PathBuf, Format),
-        start: Instant,
+        view: &DeviceScene,
     ) -> Result<Request<'a>> {
-        let (frame, job) = frame_and_job(args, scene, start)?;
-        check_light_paths(&job, &frame, flat.light_paths(&args.options))?;
-        (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
-        Ok(Request { args, scene, flat, frame, job, image, format, identity: OnceLock::new() })
+        check_light_paths(&job, &frame, view.light_paths(&args.options))?;
+        let (warnings, materials) = (view.warnings.clone(), view.material_names.clone());
+        Ok(Request {
+            args,
+            scene,
+            frame,
+            job,
+            image,
+            format,
+            warnings,
+            materials,
+            held: None,
+            identity: OnceLock::new(),
+        })
     }
 
     pub fn identity(&self) -> &Identity {
@@ -82,7 +98,7 @@ impl<'a> Request<'a> {
 
     /// How many samples of this render the EXR holds, if these are more than `count` and --force does not give them up.
     pub fn more_than(&self, count: u64) -> Option<u64> {
-        let exr = self.exr().filter(|_| !self.args.force)?;
+        let exr = self.exr().filter(|_| !self.args.keep.force)?;
         more_there(exr, || self.identity(), count)
     }
 
@@ -97,7 +113,7 @@ impl<'a> Request<'a> {
                 "it holds {more} samples per pixel of this render, more than the {mine} here: it stays. --force overwrites it"
             )),
         };
-        write_render(exr, film, attributes, state.filter(|_| !self.args.no_state), may)
+        write_render(exr, film, attributes, state.filter(|_| !self.args.keep.no_state), may)
     }
 
     /// Writes the image into a file that has been made for it.
@@ -108,17 +124,17 @@ impl<'a> Request<'a> {
         state: Option<&State>,
         attributes: &[(String, Attribute)],
     ) -> Result<()> {
-        write_render(exr, film, attributes, state.filter(|_| !self.args.no_state), || Ok(()))
+        write_render(exr, film, attributes, state.filter(|_| !self.args.keep.no_state), || Ok(()))
     }
 
     /// Writes the picture with the EXR, if requested.
     pub fn write_png(&self, film: &Film) -> Result<()> {
-        self.args.png.as_ref().map_or(Ok(()), |png| self.write_picture(png, film))
+        self.args.files.png.as_ref().map_or(Ok(()), |png| self.write_picture(png, film))
     }
 
     /// Writes that picture at a checkpoint. A pipe gets one picture, at the end.
     pub fn write_png_so_far(&self, film: &Film) -> Result<()> {
-        match self.args.png.as_ref().is_some_and(|png| can_be_replaced(png)) {
+        match self.args.files.png.as_ref().is_some_and(|png| can_be_replaced(png)) {
             true => self.write_png(film),
             false => Ok(()),
         }
@@ -132,7 +148,7 @@ impl<'a> Request<'a> {
     pub fn what_is_in(&self, file: &Path, samples: &Samples) -> String {
         let (name, count) = (file.display(), samples.count());
         let is_picture = self.exr().is_none() && file == self.image;
-        if is_picture || self.args.no_state || count == 0 || !can_be_replaced(file) {
+        if is_picture || self.args.keep.no_state || count == 0 || !can_be_replaced(file) {
             return format!("{name} holds the image so far, {count} samples per pixel");
         }
         let may_differ = match self.ends_within_run(samples) {
@@ -142,7 +158,7 @@ impl<'a> Request<'a> {
             false => "",
         };
         let command = command_to_resume(file);
-        match self.args.frames.is_some() && file != self.image {
+        match self.args.goal.frames.is_some() && file != self.image {
             true => {
                 let image = self.image.display();
                 format!(
@@ -194,11 +210,11 @@ pub fn more_there<I: Borrow<Identity>>(exr: &Path, identity: impl FnOnce() -> I,
 /// The image to write and its format, checked before anything costs time, together with the other files of the render.
 pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> {
     let image = args.image();
-    let png = args.png.as_deref();
+    let png = args.files.png.as_deref();
     // A name that says no format is refused below.
     let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
-    let denoised = args.denoise().then(|| denoising::denoised_image(&image));
-    let denoised_png = png.filter(|_| args.denoise()).and_then(denoising::denoised_picture);
+    let denoised = args.denoise().then(|| denoised_image(&image));
+    let denoised_png = png.filter(|_| args.denoise()).and_then(denoised_picture);
     if args.denoise() && (format == Format::Png || !can_be_replaced(&image)) {
         return Err(Error::Usage(format!(
             "{}: --denoise reads the EXR that the render writes: give -o {}; nothing has been rendered",
@@ -212,12 +228,12 @@ pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Forma
         ("-o", denoised.as_deref(), EXR),
         ("--png", denoised_png.as_deref(), PNG),
     ];
-    let stdout = args.json.then_some("the report of --json");
+    let stdout = args.messages.json.then_some("the report of --json");
     check_outputs(&images, &scene.inputs(), stdout, "nothing has been rendered")?;
     let why = match format {
         Format::Exr => None,
         Format::Png if !args.options.aov.is_empty() => Some("a PNG has no room for the channels of --aov"),
-        Format::Png if args.resume.is_some() => Some("a PNG cannot be resumed, and --resume goes on from an EXR"),
+        Format::Png if args.keep.resume.is_some() => Some("a PNG cannot be resumed, and --resume goes on from an EXR"),
         Format::Png if png.is_some() => Some("-o and --png are both a PNG"),
         Format::Png => None,
     };
@@ -227,10 +243,21 @@ pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Forma
     Err(Error::Usage(format!("{name}: {why}: give -o {exr} --png {name}; nothing has been rendered")))
 }
 
+/// Loads the library that denoises, before anything costs time; `None` without `--denoise`.
+pub fn denoising_of(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
+    if !args.denoise() {
+        return Ok(None);
+    }
+    let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
+    let denoiser = Denoiser::open(args.denoising.oidn.as_deref()).map_err(undone)?;
+    let (exr, png) = (denoised_image(image), args.files.png.as_deref().and_then(denoised_picture));
+    Ok(Some(Denoising { denoiser, exr, png, view: args.view.transform() }))
+}
+
 /// The requested part of the image, and the goal of its render.
 pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result<(Frame, Job)> {
-    let full = size_of(scene, args.size.0);
-    let part = args.crop.unwrap_or(Crop::full(full));
+    let full = size_of(scene, args.goal.size.0);
+    let part = args.goal.crop.unwrap_or(Crop::full(full));
     if !part.is_in(full) {
         let (width, height) = full;
         return Err(Error::Usage(format!(
@@ -238,10 +265,10 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
         )));
     }
     let size = part.size();
-    let samples = args.samples.clone().unwrap_or(0..args.spp.0.unwrap_or(scene.render.samples));
-    let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size, args)));
-    let end = args.spp.0.unwrap_or(MOST_SAMPLES as u32);
-    let goal = match (args.noise, deadline) {
+    let samples = args.goal.samples.clone().unwrap_or(0..args.goal.spp.0.unwrap_or(scene.render.samples));
+    let deadline = args.goal.time.map(|time| start + time.saturating_sub(write_time(size, args)));
+    let end = args.goal.spp.0.unwrap_or(MOST_SAMPLES as u32);
+    let goal = match (args.goal.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },
         (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, checks: 0 },
@@ -254,7 +281,7 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
 /// What developing and writing the image is allowed for under `--time`: measured as 0.15 to 0.5 µs a pixel on two cores, and 0.5 to 0.6 µs more
 /// with the state; denoising takes 5 µs.
 fn write_time((width, height): (u32, u32), args: &RenderArgs) -> Duration {
-    let state = if args.no_state { 0 } else { 600 };
+    let state = if args.keep.no_state { 0 } else { 600 };
     let denoise = if args.denoise() { 5000 } else { 0 };
     let pixels = u64::from(width) * u64::from(height);
     Duration::from_nanos(pixels * (500 + state + denoise)) + Duration::from_millis(20)

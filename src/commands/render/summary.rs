@@ -1,6 +1,6 @@
 //! What a render says at its end.
 
-use super::record::{FileSamples, Finish, overrun};
+use super::record::{Finish, overrun};
 use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
@@ -15,24 +15,24 @@ const LEAST_OF_TIME: f64 = 0.9;
 const LEAST_CUT: f64 = 1e-3;
 
 /// The last line, and before it what the user should know. `total` is the seconds of all of the render.
-pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held: &FileSamples, total: f64) {
+pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
     let Request { args, job, .. } = request;
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
     let cut = finish.too_deep;
     let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
-    if cut.paths > 0 && (args.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
+    if cut.paths > 0 && (args.messages.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
         let most = known_bound(finish.verdict.cut).map_or(String::new(), |cut| format!(" by up to {}", percent(cut)));
         let (share, depth) = (percent(share), job.max_depth);
         tell(&format!("{share} of the paths were cut off at max_depth {depth}: the image may be too dark{most}"));
     }
-    if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
+    if let Some((time, over)) = args.goal.time.zip(overrun(args.goal.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
-    let ended_by_time = args.time.filter(|_| {
-        let all = args.spp.0.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+    let ended_by_time = args.goal.time.filter(|_| {
+        let all = args.goal.spp.0.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
         !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
     });
     if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {
@@ -60,24 +60,24 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, held
         }
     }
     reliability_warnings(finish).for_each(|warning| tell(&warning));
-    if let (Some(wanted), Some(noise)) = (args.noise, finish.noise) {
+    if let (Some(wanted), Some(noise)) = (args.goal.noise, finish.noise) {
         tell(&noise_words(wanted, &noise, &finish.verdict));
     }
-    if args.verbose && finish.verdict.error.is_some() {
+    if args.messages.verbose && finish.verdict.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", request.excluded()));
     }
     if request.exr().is_none() {
         tell("a PNG is the picture alone: no EXR is written");
     }
     let samples = finish.samples.count();
-    if let Some(more) = held.at_end {
+    if let Some(more) = finish.more {
         tell(&format!(
             "warning: {} stays as it was: it holds {more} samples per pixel of this render, more than the {samples} here. --force \
              overwrites it",
             request.image.display()
         ));
     }
-    let resumed = held.before.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
+    let resumed = request.held.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
     let error = error_words(finish);
     let samples = counted(samples, "sample");
     tell(&format!("{}: {samples}{resumed}, {error}, {total:.1} s", request.image.display()));

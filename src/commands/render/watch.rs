@@ -1,16 +1,15 @@
 //! `--watch`: a render whenever the scene is saved.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
-use super::changes::Changes;
 use super::request::{frame_and_job, more_there};
-use super::session::Session;
+use super::series::Series;
+use crate::commands::changes::Changes;
 use crate::commands::console::tell;
 use crate::commands::scene::name_of;
 use crate::commands::signals::Signals;
 use crate::error::{Error, Result};
-use crate::flatten::Hierarchies;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Size};
 use crate::options::{SizeArg, SppArg};
@@ -19,7 +18,10 @@ use crate::printable::counted;
 use crate::scene::Scene;
 
 /// Renders a scene that has been loaded since an instant.
-type Render = fn(&RenderArgs, &Scene, &mut Session, Instant) -> Result<()>;
+type Render = fn(&RenderArgs, &Scene, &mut Series, Instant) -> Result<()>;
+
+/// The time that a submission should take, since the one that is under way is waited for.
+const SOON: Duration = Duration::from_millis(30);
 
 /// The pictures that come before an image: shares of its width and height, and the samples of each pixel. The first one takes a sixteenth of
 /// the time of one sample of the full image, and the second one about all of it.
@@ -29,29 +31,25 @@ const PREVIEWS: [(f64, u32); 2] = [(0.25, 1), (0.5, 4)];
 pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
     refuse(args)?;
     let signals = Signals::listen("nothing has been written");
-    let mut session = Session {
-        signals: Some(signals.clone()),
-        changes: Some(Changes::new()),
-        hierarchies: Some(Hierarchies::default()),
-        quiet: args.quiet,
-        ..Session::default()
-    };
+    let mut series = Series { signals: Some(signals.clone()), changes: Some(Changes::new()), ..Series::new(args) };
+    series.session = series.session.keeping_hierarchies();
+    series.session.submission = Some(SOON);
     let (mut start, mut began) = (start, false);
     loop {
-        match pass(&mut session, args, start, render) {
+        match pass(&mut series, args, start, render) {
             Err(Error::Dropped) => began = true,
-            Err(error) if is_end(&session, args, &error, began) => return Err(error),
+            Err(error) if is_end(&series, args, &error, began) => return Err(error),
             passed => {
                 began |= passed.is_ok();
                 if let Err(error) = passed {
                     error.messages().iter().for_each(|message| tell(&format!("error: {message}")));
                 }
-                if !args.quiet {
+                if !args.messages.quiet {
                     tell("waiting for the next save; Ctrl-C ends");
                 }
             }
         }
-        let changed = session.changes.as_ref().and_then(|changes| changes.wait(|| signals.are_pending()));
+        let changed = series.changes.as_ref().and_then(|changes| changes.wait(|| signals.are_pending()));
         let Some((files, noted)) = changed else {
             let image = args.image();
             return Err(signals.interrupted(&match began {
@@ -59,7 +57,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
                 false => "nothing has been written".to_owned(),
             }));
         };
-        if !args.quiet {
+        if !args.messages.quiet {
             let names: Vec<String> = files.into_iter().map(name_of).collect();
             tell(&format!("{} changed", names.join(", ")));
         }
@@ -73,7 +71,7 @@ fn refuse(args: &RenderArgs) -> Result<()> {
         return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
     }
     let image = args.image();
-    for (option, path) in [("-o", Some(&image)), ("--png", args.png.as_ref())] {
+    for (option, path) in [("-o", Some(&image)), ("--png", args.files.png.as_ref())] {
         if let Some(path) = path.filter(|path| !can_be_replaced(path)) {
             let path = path.display();
             return Err(Error::Usage(format!(
@@ -85,61 +83,58 @@ fn refuse(args: &RenderArgs) -> Result<()> {
 }
 
 /// Loads the scene and renders it: previews first, but not over samples of this very image.
-fn pass(session: &mut Session, args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
-    let (is_first, mut compiled, mut read) = (session.devices.is_empty(), session.compiled(), session.assets.read);
-    let scene = session.load(args);
-    if let Some(changes) = &mut session.changes {
-        changes.follow(&session.assets.files);
+fn pass(series: &mut Series, args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
+    let (is_first, mut compiled, mut read) = (series.session.devices.is_empty(), series.compiled(), series.assets.read);
+    let scene = series.load(args);
+    if let Some(changes) = &mut series.changes {
+        changes.follow(&series.assets.files);
     }
     let scene = scene?;
     let (frame, job) = frame_and_job(args, &scene, start)?;
     let identity = || Identity::new(&scene, &frame, &job, &args.options);
-    let is_held = !args.force && more_there(&args.image(), identity, 0).is_some();
-    let most = args.spp.0.unwrap_or(scene.render.samples);
+    let is_held = !args.keep.force && more_there(&args.image(), identity, 0).is_some();
+    let most = args.goal.spp.0.unwrap_or(scene.render.samples);
     let mut begun = start;
     for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
         let (width, height) = Size::Share(share).in_pixels(frame.full);
-        render(&of_preview(args, &frame, (width, height), samples.min(most)), &scene, session, begun)?;
+        render(&of_preview(args, &frame, (width, height), samples.min(most)), &scene, series, begun)?;
         begun = Instant::now();
-        let new = session.compiled() - std::mem::replace(&mut compiled, session.compiled());
-        if new > 0 && !is_first && !args.quiet {
+        let new = series.compiled() - std::mem::replace(&mut compiled, series.compiled());
+        if new > 0 && !is_first && !args.messages.quiet {
             let kernels = counted(new as u64, "kernel");
-            tell(&format!("{kernels} compiled for the change: {:.2} s", session.compile));
+            tell(&format!("{kernels} compiled for the change: {:.2} s", series.compile));
         }
-        if args.verbose {
-            let (seconds, all) = (start.elapsed().as_secs_f64(), session.assets.count());
-            let files = session.assets.read - std::mem::replace(&mut read, session.assets.read);
+        if args.messages.verbose {
+            let (seconds, all) = (start.elapsed().as_secs_f64(), series.assets.count());
+            let files = series.assets.read - std::mem::replace(&mut read, series.assets.read);
             tell(&format!(
                 "preview of {width} x {height} pixels after {seconds:.2} s: {new} kernels compiled, {files} of {all} images and \
                  meshes read"
             ));
         }
     }
-    render(args, &scene, session, begun)
+    render(args, &scene, series, begun)
 }
 
 /// Whether no save can mend an error. Before anything was rendered, the arguments are to blame, and not the scene.
-fn is_end(session: &Session, args: &RenderArgs, error: &Error, began: bool) -> bool {
+fn is_end(series: &Series, args: &RenderArgs, error: &Error, began: bool) -> bool {
     match error {
         Error::Interrupted { .. } => true,
         Error::Scene { .. } | Error::Several { .. } => !began && !args.scene.path.is_file(),
-        _ => !began || session.devices.iter().any(|device| device.check().is_err()),
+        _ => !began || series.session.devices.iter().any(|device| device.check().is_err()),
     }
 }
 
 /// The arguments of a preview.
 fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
-    RenderArgs {
-        size: SizeArg(Some(Size::Pixels(size.0, size.1))),
-        crop: frame.crop().map(|crop| scaled(&crop, frame.full, size)),
-        spp: SppArg(Some(samples)),
-        time: None,
-        noise: None,
-        no_state: true,
-        strict: false,
-        quiet: true,
-        ..args.clone()
-    }
+    let mut args = args.clone();
+    args.goal.size = SizeArg(Some(Size::Pixels(size.0, size.1)));
+    args.goal.crop = frame.crop().map(|crop| scaled(&crop, frame.full, size));
+    args.goal.spp = SppArg(Some(samples));
+    (args.goal.time, args.goal.noise) = (None, None);
+    args.keep.no_state = true;
+    (args.messages.strict, args.messages.quiet) = (false, true);
+    args
 }
 
 /// A part of an image, in an image of another size: all pixels that it touches.

@@ -9,13 +9,12 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::args::RenderArgs;
-use super::denoising::{self, denoised_image, denoised_picture};
-use super::request::frame_and_job;
-use super::session::{Sequence, Session};
+use super::request::{denoising_of, frame_and_job};
+use super::series::{Reported, Series};
 use crate::commands::console::{path_text, print_json, tell};
+use crate::commands::denoise::{denoised_image, denoised_picture};
 use crate::commands::scene::stem_of;
 use crate::error::{Error, Result};
-use crate::flatten::Hierarchies;
 use crate::identity::Identity;
 use crate::job::Goal;
 use crate::output::exr::{Attribute, read_attributes, read_exr, read_state};
@@ -24,59 +23,48 @@ use crate::printable::counted;
 use crate::scene::{Assets, Scene};
 
 /// Renders a scene that has been loaded since an instant.
-type Render = fn(&RenderArgs, &Scene, &mut Session, Instant) -> Result<()>;
+type Render = fn(&RenderArgs, &Scene, &mut Series, Instant) -> Result<()>;
 
 /// Renders the frames one after the other, until one fails or a signal comes.
 pub fn render_frames(args: &RenderArgs, frames: Range<u32>, start: Instant, render: Render) -> Result<()> {
     let names = Names::of(args)?;
-    let mut session = Session {
-        hierarchies: Some(Hierarchies::default()),
-        quiet: args.quiet,
-        assets: Assets::of_frames(),
-        sequence: Some(Sequence::default()),
-        ..Session::default()
-    };
+    let mut series = Series { assets: Assets::of_frames(), frames: Some(Reported::default()), ..Series::new(args) };
+    series.session = series.session.keeping_hierarchies();
     // The time of a frame counts from its own begin.
     let begins = std::iter::once(start).chain(std::iter::repeat_with(Instant::now));
     let rendered = frames.zip(begins).try_for_each(|(number, begin)| {
         let args = names.args_of(args, number);
-        if let Some(signals) = session.signals.as_ref().filter(|signals| signals.are_pending()) {
+        if let Some(signals) = series.signals.as_ref().filter(|signals| signals.are_pending()) {
             return Err(signals.interrupted(&format!("frame {number} and later ones are not rendered")));
         }
-        render_frame(args, number, &mut session, begin, render)
+        render_frame(args, number, &mut series, begin, render)
     });
-    let reports = session.sequence.map(|sequence| sequence.reports).unwrap_or_default();
-    let printed = if args.json { print_json(&json!({"frames": reports})) } else { Ok(()) };
+    let reports = series.frames.map(|reported| reported.reports).unwrap_or_default();
+    let printed = if args.messages.json { print_json(&json!({"frames": reports})) } else { Ok(()) };
     rendered.and(printed)
 }
 
 /// Renders a frame, unless --resume finds it complete. One that is not there yet begins.
-fn render_frame(
-    mut args: RenderArgs,
-    number: u32,
-    session: &mut Session,
-    begin: Instant,
-    render: Render,
-) -> Result<()> {
-    let scene = session.load(&args)?;
+fn render_frame(mut args: RenderArgs, number: u32, series: &mut Series, begin: Instant, render: Render) -> Result<()> {
+    let scene = series.load(&args)?;
     let image = args.image();
-    if args.resume.is_some()
+    if args.keep.resume.is_some()
         && let Some(samples) = samples_of_complete(&args, &scene, begin)?
     {
         develop_again(&args, &image)?;
-        if !args.quiet {
+        if !args.messages.quiet {
             tell(&format!("{}: {}, complete", image.display(), counted(samples, "sample")));
         }
         let report = json!({
             "output": path_text(&image), "samples_per_pixel": samples, "frame": f64::from(number), "skipped": true,
         });
-        session.sequence.iter_mut().for_each(|sequence| sequence.reports.push(report.clone()));
+        series.frames.iter_mut().for_each(|reported| reported.reports.push(report.clone()));
         return Ok(());
     }
     if !image.exists() {
-        args.resume = None;
+        args.keep.resume = None;
     }
-    render(&args, &scene, session, begin)
+    render(&args, &scene, series, begin)
 }
 
 /// Makes the pictures of a complete frame: they may be older than it, after a kill, or of another exposure.
@@ -86,7 +74,7 @@ fn develop_again(args: &RenderArgs, image: &Path) -> Result<()> {
         let exr = read_exr(exr)?;
         write_png(png, (exr.width, exr.height), &|index| exr.rgb[index], &args.view.transform())
     };
-    develop(image, args.png.as_deref())?;
+    develop(image, args.files.png.as_deref())?;
     if !args.denoise() {
         return Ok(());
     }
@@ -94,9 +82,10 @@ fn develop_again(args: &RenderArgs, image: &Path) -> Result<()> {
     let denoised = denoised_image(image);
     match time(&denoised) < time(image) {
         true => {
-            denoising::open(args, image)?.map_or(Ok(()), |with| denoising::write(&with, image, args.quiet).map(|_| ()))
+            let denoising = denoising_of(args, image)?;
+            denoising.map_or(Ok(()), |denoising| denoising.of_render(image, args.messages.quiet).map(|_| ()))
         }
-        false => develop(&denoised, args.png.as_deref().and_then(denoised_picture).as_deref()),
+        false => develop(&denoised, args.files.png.as_deref().and_then(denoised_picture).as_deref()),
     }
 }
 
@@ -129,15 +118,16 @@ impl Names {
     fn of(args: &RenderArgs) -> Result<Names> {
         let default = || PathBuf::from(stem_of(&args.scene.path)).with_added_extension("####.exr");
         Ok(Names {
-            image: Name::of("-o", &args.output.clone().unwrap_or_else(default))?,
-            png: args.png.as_deref().map(|path| Name::of("--png", path)).transpose()?,
+            image: Name::of("-o", &args.files.output.clone().unwrap_or_else(default))?,
+            png: args.files.png.as_deref().map(|path| Name::of("--png", path)).transpose()?,
         })
     }
 
     /// The arguments of one frame.
     fn args_of(&self, args: &RenderArgs, number: u32) -> RenderArgs {
-        let mut args = RenderArgs { output: Some(self.image.of_frame(number)), ..args.clone() };
-        args.png = self.png.as_ref().map(|name| name.of_frame(number));
+        let mut args = args.clone();
+        args.files.output = Some(self.image.of_frame(number));
+        args.files.png = self.png.as_ref().map(|name| name.of_frame(number));
         args.scene.gltf.frame = Some(f64::from(number));
         args
     }
