@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test test-programs driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -26,15 +26,19 @@ render: toolchain
 
 # The tests run on a software driver, which they choose by themselves; GPU_RT_TEST_DEVICE names another device.
 # LVP_POISON_MEMORY makes Mesa's software driver fill fresh memory with junk, so that reading what nobody wrote shows.
-test: export LVP_POISON_MEMORY = true
+# `make test-programs PROGRAMS="--test images"` runs some of the test programs alone.
+PROGRAMS ?= --lib --bins --tests
+test test-programs: export LVP_POISON_MEMORY = true
 # Mesa's device-select layer complains on every run where there is no desktop session to ask about GPUs.
-test: export NODEVICE_SELECT = 1
-test: toolchain oidn
-	$(CARGO) test --release --no-run
-	@$(MAKE) --no-print-directory driver
-	tests/slowest.sh $(CARGO) test --release --lib --bins --tests
+test test-programs: export NODEVICE_SELECT = 1
+test: test-programs
 	$(CARGO) test --release --doc
 	@$(MAKE) --no-print-directory test-python
+
+test-programs: toolchain oidn
+	$(CARGO) test --release --no-run $(PROGRAMS)
+	@$(MAKE) --no-print-directory driver
+	tests/slowest.sh $(CARGO) test --release $(PROGRAMS)
 
 # The package for Python, of the program that `cargo build --release` builds: target/wheels/gpu_rt-VERSION-….whl. Its name has the oldest
 # glibc that it runs with, so that pip refuses it elsewhere.

@@ -81,7 +81,7 @@ fn a_session_keeps_its_kernels_from_view_to_view() {
         (view("(0, 0, 4)", 1.0, matt), SIZE, 3, false),
         (view("(3000, 2, 4)", 1.0, matt), SIZE, 3, false),
         (view("(0, 0, 4)", 0.5, matt), (20, 15), 4, false),
-        (view("(0, 0, 4)", 1.0, "Dielectric(refraction_index: 1.5)"), SIZE, 3, true),
+        (view("(0, 0, 4)", 1.0, "Dielectric(ior: 1.5)"), SIZE, 3, true),
     ];
     let render = |session: &mut Session, (scene, size, seed, _): &(Scene, (u32, u32), u32, bool)| {
         session.view(scene, &Frame::full(*size), &RenderOptions::default()).expect("it flattens");
