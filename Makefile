@@ -51,11 +51,13 @@ test-python: wheel driver
 	target/python/bin/pip install --quiet target/wheels/*.whl -r tests/python/requirements.txt
 	PATH="$(CURDIR)/target/python/bin" target/python/bin/python -B -m unittest $(PYTHON_TESTS)
 
-# The extension for Blender, which holds no program: target/blender/gpu_rt-VERSION.zip, packed and validated by Blender's own command.
+# The extension for Blender, which holds no program: target/blender/gpu_rt-VERSION.zip, packed and validated by Blender's own command, which
+# leaves out links: ron.py is that of the Python package.
 EXTENSION = target/bpy/bin/python $$(ls target/bpy/lib/python3.*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
 blender: bpy
 	rm -rf target/blender && mkdir -p target/blender
-	$(EXTENSION) build --source-dir blender/gpu_rt --output-dir target/blender
+	cp -RL blender/gpu_rt target/blender/gpu_rt
+	$(EXTENSION) build --source-dir target/blender/gpu_rt --output-dir target/blender
 	@$(MAKE) --no-print-directory validate ZIP="$$(ls target/blender/*.zip)"
 
 validate:
