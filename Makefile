@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -169,11 +169,6 @@ BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain oidn
 	OIDN_DIR=$${OIDN_DIR:-$(CURDIR)/target/oidn/pyoidn/oidn/lib} $(CARGO) bench --bench accuracy -- --budget $(BUDGET)
-
-# docs/scaling.md: what its tables are computed from, measured here in half an hour, and the tables.
-scaling: export NODEVICE_SELECT = 1
-scaling: toolchain
-	$(CARGO) bench --bench scaling
 
 # Every kernel compiled for GPUs that are not here, compared with docs/dev/gpu-kernels.tsv, which GPU_RT_RENEW=1 writes anew.
 gpu-compile: export NODEVICE_SELECT = 1

@@ -19,6 +19,5 @@ mod mesh_files;
 mod mesh_scenes;
 mod page;
 mod plan;
-mod scaling;
 mod scene_file;
 mod statistics;
