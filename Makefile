@@ -151,14 +151,14 @@ test-files: toolchain
 COUNT ?= 100000
 SEED ?= 2
 fuzz: toolchain
-	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::damaged_files --ignored --nocapture
+	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::many_damaged_files_are_read_or_refused --ignored --nocapture
 
 # Random scenes from the seed FIRST on, for SECONDS after the first hundred.
 SECONDS ?= 1800
 FIRST ?= 1000
 soak: export NODEVICE_SELECT = 1
 soak: toolchain
-	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::random_scenes --ignored --nocapture
+	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::many_random_scenes_render_without_a_fault --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain oidn

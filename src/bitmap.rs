@@ -241,7 +241,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decodes_srgb() {
+    fn codes_of_srgb_become_linear() {
         assert_eq!(from_srgb(0.0), 0.0);
         assert_eq!(from_srgb(1.0), 1.0);
         // Values of the standard, and the code at which its two parts join.

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn words_and_damage() {
+    fn ranges_are_written_in_words_and_damaged_ones_are_refused() {
         let mut samples = Samples::from(0..64);
         samples.add(128..256);
         assert_eq!((samples.to_string().as_str(), samples.range()), ("0..64, 128..256", 0..256));
