@@ -184,8 +184,7 @@ fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
             files.push(path.clone());
             continue;
         }
-        let failed =
-            |error: std::io::Error| Error::File { path: path.clone(), action: "read", reason: error.to_string() };
+        let failed = Error::file(path, "read");
         let mut inside = Vec::new();
         for entry in std::fs::read_dir(path).map_err(failed)? {
             inside.push(entry.map_err(failed)?.path());
