@@ -106,7 +106,7 @@ impl Accumulation {
             Some(state) => {
                 let mut film = state.film()?.not_sampling(request.flat.not_sampled).with_lamps(&request.flat.lamps);
                 add_film(&request.image, state, &mut film)?;
-                let State { samples, looks: checks, devices, .. } = state.clone();
+                let State { samples, checks, devices, .. } = state.clone();
                 Accumulation { film, samples, checks, devices }
             }
             None => {

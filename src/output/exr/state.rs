@@ -18,7 +18,7 @@ use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
 
-/// What a render needs to go on: which image a film is of, its samples, and the film's form. In files as JSON, but for the size.
+/// The description of a film with which a render goes on: its image, its samples, and its form. In files as JSON, but for the size.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct State {
@@ -28,8 +28,9 @@ pub struct State {
     pub devices: Vec<(String, String)>,
     /// The samples that each pixel has.
     pub samples: Samples,
-    /// How often `--noise` has compared the error with the requested one.
-    pub looks: u32,
+    /// The number of times that `--noise` has compared the error with the requested one.
+    #[serde(rename = "looks")]
+    pub checks: u32,
     /// The size, the scale and the sampler of the film.
     #[serde(skip)]
     pub size: (u32, u32),
@@ -56,13 +57,19 @@ const FORMAT: u32 = 2;
 
 impl State {
     /// The state of a film.
-    pub fn new(identity: Identity, devices: Vec<(String, String)>, film: &Film, samples: Samples, looks: u32) -> State {
+    pub fn new(
+        identity: Identity,
+        devices: Vec<(String, String)>,
+        film: &Film,
+        samples: Samples,
+        checks: u32,
+    ) -> State {
         State {
             format: FORMAT,
             identity,
             devices,
             samples,
-            looks,
+            checks,
             size: (film.width(), film.height()),
             exponent: film.exponent(),
             sampler: film.sampler(),
