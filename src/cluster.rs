@@ -126,11 +126,6 @@ impl Folder {
     pub fn output(&self) -> PathBuf {
         self.path.join(&self.request.output)
     }
-
-    /// The scene file.
-    pub fn scene(&self) -> PathBuf {
-        self.path.join(&self.request.scene)
-    }
 }
 
 impl Request {

@@ -242,8 +242,7 @@ struct Deviations {
 impl Deviations {
     fn notes(&self, root: &gltf::json::Root, reading: &Reading) -> Vec<String> {
         let mut notes = Vec::new();
-        let unread: Vec<String> =
-            root.extensions_used.iter().filter(|name| !is_read(name)).map(|name| quote(name)).collect();
+        let unread: Vec<String> = root.extensions_used.iter().filter(|name| !is_read(name)).map(quote).collect();
         if !unread.is_empty() {
             notes.push(format!("extensionsUsed: not read: {}", unread.join(", ")));
         }

@@ -322,7 +322,7 @@ impl<'a> Reader<'a> {
             has(is_lit && given.occlusion_texture.is_some(), "occlusionTexture"),
         ];
         let others = self.extensions().into_iter().flat_map(|found| found.others.keys());
-        let others = others.filter(|name| !lobes::is_read(name)).map(|name| quote(name));
+        let others = others.filter(|name| !lobes::is_read(name)).map(quote);
         let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
         self.found.extend((!unread.is_empty()).then(|| format!("not read: {}", unread.join(", "))));
     }
