@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test test-programs driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy scaling gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test test-programs driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -55,11 +55,13 @@ test-python: wheel driver
 	target/python/bin/pip install --quiet target/wheels/*.whl -r tests/python/requirements.txt
 	PATH="$(CURDIR)/target/python/bin" target/python/bin/python -B -m unittest $(PYTHON_TESTS)
 
-# The extension for Blender, which holds no program: target/blender/gpu_rt-VERSION.zip, packed and validated by Blender's own command.
+# The extension for Blender, which holds no program: target/blender/gpu_rt-VERSION.zip, packed and validated by Blender's own command, which
+# leaves out links: ron.py is that of the Python package.
 EXTENSION = target/bpy/bin/python $$(ls target/bpy/lib/python3.*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
 blender: bpy
 	rm -rf target/blender && mkdir -p target/blender
-	$(EXTENSION) build --source-dir blender/gpu_rt --output-dir target/blender
+	cp -RL blender/gpu_rt target/blender/gpu_rt
+	$(EXTENSION) build --source-dir target/blender/gpu_rt --output-dir target/blender
 	@$(MAKE) --no-print-directory validate ZIP="$$(ls target/blender/*.zip)"
 
 validate:
@@ -153,14 +155,14 @@ test-files: toolchain
 COUNT ?= 100000
 SEED ?= 2
 fuzz: toolchain
-	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::damaged_files --ignored --nocapture
+	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::many_damaged_files_are_read_or_refused --ignored --nocapture
 
 # Random scenes from the seed FIRST on, for SECONDS after the first hundred.
 SECONDS ?= 1800
 FIRST ?= 1000
 soak: export NODEVICE_SELECT = 1
 soak: toolchain
-	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::random_scenes --ignored --nocapture
+	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::many_random_scenes_render_without_a_fault --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain oidn
@@ -171,11 +173,6 @@ BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain oidn
 	OIDN_DIR=$${OIDN_DIR:-$(CURDIR)/target/oidn/pyoidn/oidn/lib} $(CARGO) bench --bench accuracy -- --budget $(BUDGET)
-
-# docs/scaling.md: what its tables are computed from, measured here in half an hour, and the tables.
-scaling: export NODEVICE_SELECT = 1
-scaling: toolchain
-	$(CARGO) bench --bench scaling
 
 # Every kernel compiled for GPUs that are not here, compared with docs/dev/gpu-kernels.tsv, which GPU_RT_RENEW=1 writes anew.
 gpu-compile: export NODEVICE_SELECT = 1

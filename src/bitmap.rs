@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use serde::{Deserialize, Serialize};
 
-/// What the codes of an image file stand for. A file can be decoded in several ways.
+/// The meaning of the codes of an image file. A file can be decoded in several ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Decoding {
     /// Colours in linear Rec. 709. Integers are sRGB codes, and floats are linear.
@@ -148,7 +148,7 @@ impl Bitmap {
         ));
     }
 
-    /// How many texels it has.
+    /// The number of texels.
     pub fn len(&self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -241,7 +241,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decodes_srgb() {
+    fn codes_of_srgb_become_linear() {
         assert_eq!(from_srgb(0.0), 0.0);
         assert_eq!(from_srgb(1.0), 1.0);
         // Values of the standard, and the code at which its two parts join.

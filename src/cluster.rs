@@ -71,7 +71,7 @@ impl Folder {
     /// `Error::File` with the file's name, where it cannot be read or is not what `gpu-rt submit` writes.
     pub fn read(path: &Path) -> Result<Folder> {
         let file = path.join(JOB_FILE);
-        let failed = |reason: String| Error::File { path: file.clone(), action: "read", reason };
+        let failed = Error::file(&file, "read");
         let text = std::fs::read_to_string(&file)
             .map_err(|error| failed(format!("{error}. Is this a folder that `gpu-rt submit` has written?")))?;
         let json = serde_json::from_str::<serde_json::Value>(&text).map_err(|error| failed(error.to_string()))?;
@@ -86,7 +86,7 @@ impl Folder {
     /// Writes the request; a reader finds the old text or the new one.
     pub fn write(&self) -> Result<()> {
         let file = self.path.join(JOB_FILE);
-        let json = serde_json::to_string_pretty(&self.request).map_err(|error| failed(&file, "write", &error))?;
+        let json = serde_json::to_string_pretty(&self.request).map_err(Error::file(&file, "write"))?;
         atomic::write(&file, (json + "\n").as_bytes())
     }
 
@@ -126,15 +126,6 @@ impl Folder {
     pub fn output(&self) -> PathBuf {
         self.path.join(&self.request.output)
     }
-
-    /// The scene file.
-    pub fn scene(&self) -> PathBuf {
-        self.path.join(&self.request.scene)
-    }
-}
-
-fn failed(path: &Path, action: &'static str, error: &dyn std::fmt::Display) -> Error {
-    Error::File { path: path.to_owned(), action, reason: error.to_string() }
 }
 
 impl ClusterRequest {

@@ -83,6 +83,12 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// The error of a file that could not be read or written, for its reason.
+    pub fn file<R: ToString>(path: &(impl AsRef<Path> + ?Sized), action: &'static str) -> impl Fn(R) -> Error {
+        let path = path.as_ref().to_owned();
+        move |reason| Error::File { path: path.clone(), action, reason: reason.to_string() }
+    }
+
     /// The error of a file that could not be written.
     pub fn of_write(path: &Path, error: &io::Error) -> Error {
         let (path, reason) = (path.to_owned(), error.to_string());

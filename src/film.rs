@@ -3,6 +3,7 @@
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
 //! any order and split. It also adds the sums of squares that the error estimate needs. The host joins the device's totals here.
 
+mod bound;
 mod channels;
 mod error;
 mod estimate;
@@ -15,7 +16,7 @@ mod verdict;
 mod words;
 
 use crate::aov::{Aovs, SceneSpace};
-use crate::data::{LampPixel, PixelTotals, Rgb, Sampler};
+use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
@@ -25,6 +26,7 @@ pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
 pub use verdict::Verdict;
 pub use words::{sample_variance_of, word_names};
 
+use bound::Bound;
 use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
@@ -53,10 +55,7 @@ const MAX_EXPONENT: i32 = 300;
 pub struct Film {
     exponent: i32,
     sampler: Sampler,
-    /// The largest radiance, in device units, of what its paths do not sample as a light: they find it by BSDF sampling alone.
-    not_sampled: f64,
-    /// The pixels that lamps cover in part, for the bound of the error.
-    lamps: Vec<LampPixel>,
+    bound: Bound,
     /// The part of the image that the pixels are of.
     frame: Frame,
     pixels: Vec<Pixel>,
@@ -101,18 +100,8 @@ impl Film {
         // Zeroed pages of the system: writing zeros would take longer than anything else before the first pass of a large film.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::full((width, height));
-        let (channels, totals) = (Channels::default(), Totals::default());
-        Ok(Film { exponent, sampler, not_sampled: 0.0, lamps: Vec::new(), frame, pixels, channels, totals })
-    }
-
-    /// Sets the largest radiance, in device units, of what the paths do not sample as a light, and find by BSDF sampling alone. By default it is 0.
-    pub fn not_sampling(self, radiance: f64) -> Film {
-        Film { not_sampled: radiance, ..self }
-    }
-
-    /// The largest radiance, in device units, of what the paths do not sample as a light.
-    pub fn not_sampled(&self) -> f64 {
-        self.not_sampled
+        let (bound, channels, totals) = (Bound::default(), Channels::default(), Totals::default());
+        Ok(Film { exponent, sampler, bound, frame, pixels, channels, totals })
     }
 
     /// Adds channels of `--aov` to an empty film. `space` maps the kernels' space to the scene's.
@@ -234,10 +223,7 @@ impl Film {
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
         self.channels.add(&other.channels);
         self.totals += other.totals;
-        self.not_sampled = self.not_sampled.max(other.not_sampled);
-        if self.lamps.is_empty() {
-            self.lamps.clone_from(&other.lamps);
-        }
+        self.bound.merge(&other.bound);
         Ok(())
     }
 

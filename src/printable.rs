@@ -25,6 +25,14 @@ pub fn known_bound(bound: f64) -> Option<f64> {
     Some(bound).filter(|bound| *bound < 1.0)
 }
 
+/// A word in quotes, shortened if it is long.
+pub fn quote(word: impl AsRef<[u8]>) -> String {
+    const LONGEST: usize = 40;
+    let word = word.as_ref();
+    let text = String::from_utf8_lossy(word.get(..LONGEST).unwrap_or(word));
+    format!("{text:?}")
+}
+
 /// The text, with every character that controls a terminal written as `\u001b`. Newlines stay. This is JSON's own notation, so
 /// that JSON stays the same JSON.
 pub fn printable(text: &str) -> Cow<'_, str> {

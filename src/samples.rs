@@ -15,7 +15,7 @@ impl Samples {
         &self.0
     }
 
-    /// How many there are.
+    /// The number of samples.
     pub fn count(&self) -> u64 {
         self.0.iter().map(|range| range.len() as u64).sum()
     }
@@ -51,7 +51,7 @@ impl Samples {
         other.0.iter().for_each(|range| self.add(range.clone()));
     }
 
-    /// What both have: the first common range.
+    /// The first range that both have.
     pub fn overlap(&self, other: &Samples) -> Option<Range<u32>> {
         let common = |a: &Range<u32>| {
             let b = other.0.get(other.0.partition_point(|b| b.end <= a.start))?;
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn words_and_damage() {
+    fn ranges_are_written_in_words_and_damaged_ones_are_refused() {
         let mut samples = Samples::from(0..64);
         samples.add(128..256);
         assert_eq!((samples.to_string().as_str(), samples.range()), ("0..64, 128..256", 0..256));

@@ -7,6 +7,7 @@
 mod animation_frame;
 mod assets;
 mod declared;
+mod draft;
 mod explain;
 mod file;
 mod findings;

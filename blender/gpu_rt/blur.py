@@ -2,7 +2,8 @@
 
 import math
 
-from .ron import placed, point
+from . import ron
+from .axes import placed
 
 # The most groups of objects, as each has a file of its own.
 MOST = 256
@@ -50,14 +51,16 @@ class Blur:
             self.notes.append(f"the blur of {len(lost)} objects, such as {min(lost)}: only {MOST} motions that differ are rendered")
 
     def of_camera(self, view, up):
+        """The fields of the camera that say how it moves. `view` gives those of a matrix."""
         if not self.times:
-            return ""
+            return {}
         # Its keys have no up: it stays as upright as it is at the frame.
         if any(up.cross(matrix.col[2].xyz).angle(matrix.col[0].xyz, 0) > math.radians(0.1) for matrix in self.camera):
             self.notes.append("the blur of the camera's roll")
-        keys = ", ".join(f"({time!r}, ({view(matrix)}))" for time, matrix in zip(self.times, self.camera))
-        moves = any(matrix != self.camera[0] for matrix in self.camera)
-        return f", shutter: ({self.times[0]!r}, {self.times[-1]!r})" + (f", moving: [{keys}]" if moves else "")
+        shutter = {"shutter": (self.times[0], self.times[-1])}
+        if all(matrix == self.camera[0] for matrix in self.camera):
+            return shutter
+        return shutter | {"moving": [(time, view(matrix)) for time, matrix in zip(self.times, self.camera)]}
 
     def moving(self, index, made):
         """An object of the scene file, at the frame, as it moves with a group."""
@@ -66,11 +69,11 @@ class Blur:
         for time, matrix in zip(self.times, by):
             to, turn, scale = (matrix @ middle), matrix.to_quaternion(), matrix.to_scale()
             axis, angle = turn.to_axis_angle()
-            keys.append(
-                f"({time!r}, [Translate({point(-x for x in placed(middle))}), Scale({max(sum(scale) / 3, 1e-6)!r}), "
-                f"Rotate(axis: {point(placed(axis) if angle else (0, 1, 0))}, degrees: {math.degrees(angle)!r}), Translate({point(placed(to))})])"
-            )
-        return f"Moving(keys: [{', '.join(keys)}], object: {made})"
+            keys.append((time, [
+                ron.Translate(placed(-middle)), ron.Scale(max(sum(scale) / 3, 1e-6)),
+                ron.Rotate(axis=placed(axis) if angle else (0.0, 1.0, 0.0), degrees=math.degrees(angle)), ron.Translate(placed(to)),
+            ]))
+        return ron.Moving(keys=keys, object=made)
 
 
 def key(instance):

@@ -2,8 +2,8 @@
 
 import math
 
+from .axes import placed
 from .process import Failure
-from .ron import placed, point
 
 
 def fields(scene, depsgraph, size, blur):
@@ -32,7 +32,7 @@ def fields(scene, depsgraph, size, blur):
     matrix = camera.matrix_world.normalized()
     at, back, up = matrix.translation, matrix.col[2].xyz, matrix.col[1].xyz
     distance = 1.0
-    aperture = ""
+    aperture = {}
     if lens.dof.use_dof:
         focused = lens.dof.focus_object
         if focused:
@@ -40,12 +40,13 @@ def fields(scene, depsgraph, size, blur):
         else:
             distance = lens.dof.focus_distance
         # The f-number is a share of the focal length, which is in millimetres.
-        aperture = f", aperture: {1e-3 * lens.lens / lens.dof.aperture_fstop!r}, focus_distance: {max(distance, 1e-6)!r}"
-    view = lambda matrix: (
-        f"look_from: {point(placed(matrix.translation))}, "
-        f"look_at: {point(placed(matrix.translation - matrix.col[2].xyz.normalized() * max(distance, 1e-6)))}"
-    )
-    return (
-        f"    image: (width: {whole[0]}, height: {whole[1]}),\n"
-        f"    camera: ({view(matrix)}, up: {point(placed(up))}, vertical_fov: {angle!r}{aperture}{blur.of_camera(view, up)}),\n"
-    ), (abs(across) + across, abs(down) + down)
+        aperture = {"aperture": 1e-3 * lens.lens / lens.dof.aperture_fstop, "focus_distance": max(distance, 1e-6)}
+    view = lambda matrix: {
+        "look_from": placed(matrix.translation),
+        "look_at": placed(matrix.translation - matrix.col[2].xyz.normalized() * max(distance, 1e-6)),
+    }
+    made = {
+        "image": {"width": whole[0], "height": whole[1]},
+        "camera": view(matrix) | {"up": placed(up), "vertical_fov": angle} | aperture | blur.of_camera(view, up),
+    }
+    return made, (abs(across) + across, abs(down) + down)

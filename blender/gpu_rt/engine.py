@@ -208,7 +208,7 @@ def hand_over(image, combined, passes, exposure):
     """Fills the passes from the program's files. The film's exposure is that of the picture alone, as in Cycles."""
     channels = exr.read(image)
     fill(passes["Depth"], np.minimum(channels["Z"], FAR))
-    # Blender's x, y and z are -z, -x and y of the scene file (ron.placed).
+    # Blender's x, y and z are -z, -x and y of the scene file (axes.placed).
     for name, layer in (("Position", "P"), ("Denoising Normal", "N")):
         x, y, z = (channels[f"{layer}.{axis}"] for axis in "XYZ")
         fill(passes[name], -z, -x, y)

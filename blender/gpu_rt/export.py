@@ -37,23 +37,20 @@ def export(job, folder):
     scene.frame_set(job["frame"], subframe=job["subframe"])
     depsgraph = bpy.context.evaluated_depsgraph_get()
     moves = blur.Blur(scene, depsgraph, job["frame"] + job["subframe"])
-    image, begin = camera.fields(scene, depsgraph, job["size"], moves)
+    fields, begin = camera.fields(scene, depsgraph, job["size"], moves)
     lights = lamps.Lamps(depsgraph, folder)
     background = world.background(scene, folder)
     # Last: it changes the scene of the window, and with it what Blender has evaluated.
     files, notes = geometry.write_glbs(depsgraph, folder, moves)
-    # Blender's exporter has Blender's +x along +x, and the image of the world has it along -z (ron.placed).
-    meshes = {group: f"Transformed(by: [RotateY(90)], object: Gltf(path: {ron.text(file)}))" for group, file in files.items()}
+    # Blender's exporter has Blender's +x along +x, and the image of the world has it along -z (axes.placed).
+    meshes = {group: ron.Transformed(by=[ron.RotateY(90)], object=ron.Gltf(path=file)) for group, file in files.items()}
     meshes = [made if group is None else moves.moving(group, made) for group, made in meshes.items()]
     # Cycles' bounces are those after the first event.
     depth = scene.cycles.max_bounces + 1
-    lines = [
-        "Scene(\n", image, f"    background: {background},\n",
-        "    materials: {\n", *(f"        {material},\n" for material in lights.materials), "    },\n",
-        "    objects: [\n", *(f"        {made},\n" for made in [*meshes, *lights.objects]),
-        f"    ],\n    render: (max_depth: {depth}),\n)\n",
-    ]
-    (folder / "scene.ron").write_text("".join(lines), encoding="utf-8")
+    fields |= {
+        "background": background, "materials": lights.materials, "objects": [*meshes, *lights.objects], "render": {"max_depth": depth},
+    }
+    (folder / "scene.ron").write_text(ron.dumps(fields), encoding="utf-8")
     return {"begin": begin, "notes": [*moves.notes, *notes], "exposure": scene.cycles.film_exposure, "filter": pixel_filter(scene.cycles)[0]}
 
 

@@ -4,7 +4,8 @@ import math
 
 from mathutils import Vector
 
-from .ron import placed, point, text
+from . import ron
+from .axes import placed
 
 # The corners of the polygon that stands for an ellipse.
 CORNERS = 64
@@ -14,7 +15,7 @@ FAR = 1000.0
 
 class Lamps:
     def __init__(self, depsgraph, folder):
-        self.materials, self.objects = [], []
+        self.materials, self.objects = {}, []
         self._folder = folder
         self._depsgraph = depsgraph
         for instance in depsgraph.object_instances:
@@ -32,30 +33,26 @@ class Lamps:
             self._add_area(name, light, power, matrix, axis)
         elif light.type == "SPOT":
             inner, outer = beam(light)
-            self.objects.append(
-                f"SpotLight(at: {point(at)}, towards: {point(placed(matrix.translation + axis))}, "
-                f"intensity: {point(power / (4 * math.pi))}, inner: {inner!r}, outer: {outer!r})"
-            )
+            towards, intensity = placed(matrix.translation + axis), tuple(power / (4 * math.pi))
+            self.objects.append(ron.SpotLight(at=at, towards=towards, intensity=intensity, inner=inner, outer=outer))
         elif light.shadow_soft_size > 0:
             radius = light.shadow_soft_size
             # All directions see a disk of this radius.
             material = self._material(name, power / (4 * math.pi * math.pi * radius**2))
-            self.objects.append(f"Sphere(center: {point(at)}, radius: {radius!r}, material: {material})")
+            self.objects.append(ron.Sphere(center=at, radius=radius, material=material))
         else:
-            self.objects.append(f"PointLight(at: {point(at)}, intensity: {point(power / (4 * math.pi))})")
+            self.objects.append(ron.PointLight(at=at, intensity=tuple(power / (4 * math.pi))))
 
     def _add_sun(self, name, light, power, axis):
         half = min(light.angle / 2, math.radians(89))
         if half <= 0:
-            self.objects.append(f"DirectionalLight(direction: {point(placed(axis))}, irradiance: {point(power)})")
+            self.objects.append(ron.DirectionalLight(direction=placed(axis), irradiance=tuple(power)))
             return
         middle, radius = self._bounds()
         distance = FAR * radius
         material = self._material(name, power / (math.pi * math.sin(half) ** 2))
-        self.objects.append(
-            f"Disk(center: {point(placed(middle - distance * axis))}, normal: {point(placed(axis))}, "
-            f"radius: {distance * math.tan(half)!r}, material: {material})"
-        )
+        center = placed(middle - distance * axis)
+        self.objects.append(ron.Disk(center=center, normal=placed(axis), radius=distance * math.tan(half), material=material))
 
     def _add_area(self, name, light, power, matrix, axis):
         height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
@@ -71,9 +68,7 @@ class Lamps:
         material = self._material(name, power / (math.pi * area))
         middle = matrix.translation
         if light.shape in ("SQUARE", "RECTANGLE"):
-            self.objects.append(
-                f"Quad(corner: {point(placed(middle - (u + v) / 2))}, u: {point(placed(u))}, v: {point(placed(v))}, material: {material})"
-            )
+            self.objects.append(ron.Quad(corner=placed(middle - (u + v) / 2), u=placed(u), v=placed(v), material=material))
             return
         # The polygon has the area of the ellipse.
         step = 2 * math.pi / CORNERS
@@ -83,12 +78,14 @@ class Lamps:
         lines = ["v %r %r %r" % placed(corner) for corner in corners]
         lines.append("f " + " ".join(str(i + 1) for i in range(CORNERS)))
         (self._folder / file).write_text("\n".join(lines) + "\n")
-        self.objects.append(f"Mesh(path: {text(file)}, material: {material})")
+        self.objects.append(ron.Mesh(path=file, material=material))
 
     def _material(self, name, radiance):
-        """The name, in quotes, of a new material that emits on one side."""
-        name = text(name if len(self.materials) == 0 else f"{name} ({len(self.materials) + 1})")
-        self.materials.append(f"{name}: DiffuseLight(emit: Rgb{point(radiance)}, two_sided: false)")
+        """The name of a new material that emits on one side. Names of Blender may hold any character."""
+        name = "".join(letter if letter.isprintable() else " " for letter in name)
+        while name in self.materials:
+            name += f" ({len(self.materials) + 1})"
+        self.materials[name] = ron.DiffuseLight(emit=ron.Rgb(*radiance), two_sided=False)
         return name
 
     def _bounds(self):

@@ -4,7 +4,7 @@ import os
 
 import bpy
 
-from .ron import point, text
+from . import ron
 
 # What the program reads: 8 bits in sRGB, and floats.
 CODES, FLOATS = (".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"), (".hdr", ".exr")
@@ -15,23 +15,23 @@ LEAST, MOST = 1024, 4096
 def background(scene, folder):
     world = scene.world
     if world is None:
-        return f"Solid({point((0, 0, 0))})"
+        return ron.Solid((0.0, 0.0, 0.0))
     # Since Blender 5.0 it is always true, and it goes with 6.0.
     if not getattr(world, "use_nodes", True) or not world.node_tree:
-        return f"Solid({point(world.color)})"
+        return ron.Solid(tuple(world.color))
     output = world.node_tree.get_output_node("CYCLES")
     links = output.inputs["Surface"].links if output else ()
     if not links:
-        return f"Solid({point((0, 0, 0))})"
+        return ron.Solid((0.0, 0.0, 0.0))
     node = links[0].from_node
     if node.type == "BACKGROUND" and not node.inputs["Strength"].is_linked and not node.mute:
         colour, strength = node.inputs["Color"], max(node.inputs["Strength"].default_value, 0.0)
         if strength == 0 or not colour.is_linked:
-            return f"Solid({point(max(channel, 0.0) * strength for channel in colour.default_value[:3])})"
+            return ron.Solid(tuple(max(channel, 0.0) * strength for channel in colour.default_value[:3]))
         file = own_file(colour.links[0].from_node) if strength == 1 else None
         if file:
-            return f"Image(path: {text(file)})"
-    return f"Image(path: {text(bake(world, folder).name)})"
+            return ron.Image(path=file)
+    return ron.Image(path=bake(world, folder).name)
 
 
 def own_file(node):

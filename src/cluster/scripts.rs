@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Folder, LOG, MERGE, PARTS, RENDER, failed};
+use super::{Folder, LOG, MERGE, PARTS, RENDER};
 use crate::error::{Error, Result};
 use crate::output::atomic;
 
@@ -13,7 +13,7 @@ impl Folder {
     /// Writes what the tasks need, so many of them: the list of parts, and the scripts for the program at this path.
     pub fn write_scripts(&self, program: &Path, tasks: u32) -> Result<()> {
         for folder in [self.path.join(PARTS), self.path.join(LOG)] {
-            std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, "write", &error))?;
+            std::fs::create_dir_all(&folder).map_err(Error::file(&folder, "write"))?;
         }
         let lines: String = self.parts().map(|part| format!("{}..{}\n", part.start, part.end)).collect();
         atomic::write(&self.path.join("parts.txt"), lines.as_bytes())?;
@@ -31,7 +31,7 @@ impl Folder {
             std::fs::metadata(&path)
                 .map(|found| executable(found.permissions().mode()))
                 .and_then(|mode| std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)))
-                .map_err(|error| failed(&path, "write", &error))?;
+                .map_err(Error::file(&path, "write"))?;
         }
         Ok(())
     }

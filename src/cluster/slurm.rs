@@ -38,13 +38,10 @@ impl Slurm {
     pub fn find(dry_run: bool) -> Result<Slurm> {
         let there = has("sbatch");
         if !there && !dry_run {
-            return Err(Error::File {
-                path: "sbatch".into(),
-                action: "run",
-                reason: "it is not on the PATH. Run this on a machine that can submit to Slurm; or add --dry-run, which writes the folder \
-                         and its scripts, to run them by Slurm, GNU parallel or by hand"
-                    .to_string(),
-            });
+            return Err(Error::file("sbatch", "run")(
+                "it is not on the PATH. Run this on a machine that can submit to Slurm; or add --dry-run, which writes the folder and its \
+                 scripts, to run them by Slurm, GNU parallel or by hand",
+            ));
         }
         let most_tasks = if there { most_tasks() } else { Some(TASKS) };
         Ok(Slurm { there: there && !dry_run, most_tasks: most_tasks.unwrap_or(TASKS).max(1) })
@@ -104,7 +101,7 @@ impl Slurm {
             tell(&format!("sbatch {}", line(&words)))?;
             return Ok(dry.to_string());
         }
-        let failed = |reason: String| Error::File { path: "sbatch".into(), action: "run", reason };
+        let failed = Error::file("sbatch", "run");
         let ran = Command::new("sbatch").args(&words).stdin(Stdio::null()).output();
         let ran = ran.map_err(|error| failed(error.to_string()))?;
         let said = String::from_utf8_lossy(&ran.stdout);

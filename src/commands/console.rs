@@ -105,9 +105,7 @@ pub fn print_help(help: &clap::Error) -> Result<()> {
 fn flushed(written: std::io::Result<()>) -> Result<()> {
     use std::io::ErrorKind;
     match written.and_then(|()| std::io::stdout().flush()).and_then(|()| stdout::check()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
-        }
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::file("stdout", "write")(error)),
         _ => Ok(()),
     }
 }

@@ -128,10 +128,10 @@ struct Part<'a> {
     state: State,
 }
 
-/// What has been joined.
+/// The parts that have been joined.
 #[derive(Default)]
 struct Joined {
-    /// How many parts.
+    /// Their number.
     count: usize,
     samples: Samples,
     devices: Vec<(String, String)>,
@@ -143,7 +143,7 @@ impl Joined {
     fn add(&mut self, part: &Part<'_>) {
         self.count += 1;
         self.samples.join(&part.state.samples);
-        self.checks = self.checks.saturating_add(part.state.looks);
+        self.checks = self.checks.saturating_add(part.state.checks);
         for device in &part.state.devices {
             if !self.devices.contains(device) {
                 self.devices.push(device.clone());
@@ -184,11 +184,10 @@ fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
             files.push(path.clone());
             continue;
         }
-        let failed =
-            |error: std::io::Error| Error::File { path: path.clone(), action: "read", reason: error.to_string() };
+        let failed = Error::file(path, "read");
         let mut inside = Vec::new();
-        for entry in std::fs::read_dir(path).map_err(failed)? {
-            inside.push(entry.map_err(failed)?.path());
+        for entry in std::fs::read_dir(path).map_err(&failed)? {
+            inside.push(entry.map_err(&failed)?.path());
         }
         inside.retain(|file| file.extension().is_some_and(|ending| ending == "exr"));
         inside.sort();

@@ -40,8 +40,7 @@ pub fn check_outputs(
         }
     }
     if stdout.is_some() || images.iter().any(|(_, path, _)| is_standard(path)) {
-        let closed =
-            |reason| Error::File { path: "stdout".into(), action: "write", reason: format!("{reason}; {undone}") };
+        let closed = |reason| Error::file("stdout", "write")(format!("{reason}; {undone}"));
         crate::output::stdout::check().map_err(closed)?;
     }
     for (option, path, formats) in images {
@@ -65,10 +64,5 @@ pub fn check_name(path: &Path, what: &str) -> Result<()> {
 
 /// Creates a folder unless it exists. If that fails, the error includes `undone`: the work that has not been done.
 pub fn make_folder(folder: &Path, undone: &str) -> Result<()> {
-    let failed = |error: std::io::Error| Error::File {
-        path: folder.to_path_buf(),
-        action: "write",
-        reason: format!("{error}; {undone}"),
-    };
-    std::fs::create_dir_all(folder).map_err(failed)
+    std::fs::create_dir_all(folder).map_err(|error| Error::file(folder, "write")(format!("{error}; {undone}")))
 }

@@ -113,11 +113,8 @@ pub fn run(args: &SlurmArgs) -> Result<()> {
         },
         (None, None, None) => return Err(Error::Usage("a scene is missing".to_string())),
     };
-    let program = std::env::current_exe().map_err(|error| Error::File {
-        path: "gpu-rt".into(),
-        action: "run",
-        reason: format!("the program does not know where it is: {error}"),
-    })?;
+    let lost = |error| Error::file("gpu-rt", "run")(format!("the program does not know where it is: {error}"));
+    let program = std::env::current_exe().map_err(lost)?;
     // A part is of the task that is its number modulo the number of tasks.
     let all = folder.request.parts.len() as u32;
     let tasks = all.min(slurm.most_tasks);
@@ -171,10 +168,8 @@ fn read(path: &Path, args: &SlurmArgs) -> Result<Folder> {
 
 /// A path from the root, without `.` and `..`.
 fn absolute(path: &Path) -> Result<PathBuf> {
-    let failed =
-        |error: std::io::Error| Error::File { path: path.to_owned(), action: "read", reason: error.to_string() };
     let mut absolute = PathBuf::new();
-    for component in std::path::absolute(path).map_err(failed)?.components() {
+    for component in std::path::absolute(path).map_err(Error::file(path, "read"))?.components() {
         match component {
             Component::ParentDir => _ = absolute.pop(),
             Component::CurDir => {}
@@ -221,8 +216,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     make_folder(&path, undone)?;
     let copy = |from: &Path, to: &Path| -> Result<()> {
         make_folder(to.parent().unwrap_or(&path), undone)?;
-        let failed =
-            |error| Error::File { path: from.to_owned(), action: "copy", reason: format!("{error}; {undone}") };
+        let failed = |error| Error::file(from, "copy")(format!("{error}; {undone}"));
         fs::copy(from, to).map(|_| ()).map_err(failed)
     };
     for (from, to) in &files.copied {

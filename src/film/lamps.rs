@@ -38,17 +38,18 @@ impl Film {
             lamps.iter_mut().for_each(|lamp| lamp.count *= count);
             lamps.sort_by_key(|lamp| lamp.pixel);
         }
-        Film { lamps, ..self }
+        self.having_lamps(lamps)
     }
 
     /// Sets the pixels that lamps cover in part, by its own indices.
-    pub fn having_lamps(self, lamps: Vec<LampPixel>) -> Film {
-        Film { lamps, ..self }
+    pub fn having_lamps(mut self, lamps: Vec<LampPixel>) -> Film {
+        self.bound.lamps = lamps;
+        self
     }
 
     /// The pixels that lamps cover in part.
     pub fn lamps(&self) -> &[LampPixel] {
-        &self.lamps
+        &self.bound.lamps
     }
 
     /// The squared relative errors of pixels in which few samples see a lamp; `floor` is that of the relative error.
@@ -63,7 +64,7 @@ impl Film {
     pub(super) fn errors_of_lamps(&self, floor: f64) -> LampErrors {
         let visible = self.visible_lamps();
         let mut errors = LampErrors::default();
-        for lamp in &self.lamps {
+        for lamp in self.lamps() {
             let estimate = self.estimate(lamp.pixel as usize);
             let (samples, share) = (estimate.pixel.samples() as f64, f64::from(lamp.share));
             if samples == 0.0 || share * samples >= FEW {
@@ -97,7 +98,7 @@ impl Film {
     /// of a Poisson variable by its value n is n + 2 √n + 3.
     fn visible_lamps(&self) -> BTreeMap<u32, f64> {
         let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
-        for lamp in &self.lamps {
+        for lamp in self.lamps() {
             let estimate = self.estimate(lamp.pixel as usize);
             let (samples, count) = (estimate.pixel.samples() as f64, f64::from(lamp.count));
             let of_lamp = (luminance(lamp.square.map(f64::from)) / f64::from(lamp.share)).sqrt();
@@ -170,7 +171,7 @@ mod tests {
         assert_eq!(film.having_lamps(vec![lamp(7, 0.6)]).error_estimate(0.05), Some(own));
     }
 
-    /// Of a lamp that samples have seen, the rest is missing, and nothing if they are enough.
+    /// The rest of a lamp that few samples have seen is missing; nothing if they are enough.
     #[test]
     fn samples_that_have_seen_the_lamp_are_not_missing() {
         let with = |seen: u32| {

@@ -72,7 +72,7 @@ impl Adapters {
         Adapters { list }
     }
 
-    /// What is missing where the system has a GPU, and no adapter is one.
+    /// The missing driver, in words, if the system has a GPU and no adapter is one.
     pub fn unseen_gpu(&self) -> Option<String> {
         let are_software = self.list.iter().all(|adapter| AdapterName::from_adapter(adapter).software);
         if are_software { unseen_gpu() } else { None }
@@ -98,7 +98,7 @@ impl Adapters {
         found.ok_or_else(|| Error::Device(format!("{name} is gone")))
     }
 
-    /// The adapters that render one film: those of a list `A,B,…` of wishes, all of a machine, or the one that
+    /// The adapters that render one film: those of a list `A,B,…` of device specs, all of a machine, or the one that
     /// [`Adapters::index_of_choice`] selects.
     pub fn choose_several(&self, spec: Option<&str>) -> Result<Vec<&wgpu::Adapter>> {
         let first = self.index_of_choice(None)?;

@@ -62,7 +62,6 @@ pub fn uncontracted(
         (ResourceBinding { group: 0, binding }, info)
     });
     let words = written(module, entry_point, overrides, numbered.collect(), BoundsCheckPolicy::Unchecked)?;
-    let words = rough_factor().map(|factor| with_rough_quotients(&words, factor)).unwrap_or(words);
     Ok(with_no_contraction(&words))
 }
 
@@ -129,96 +128,6 @@ pub fn with_no_contraction(words: &[u32]) -> Vec<u32> {
     before.iter().copied().chain(decorations.flatten()).chain(after.iter().copied()).collect()
 }
 
-/// In the environment, `up` or `down` makes quotients and roots too large or too small, as much as WGSL allows.
-const ROUGH: &str = "GPU_RT_ROUGH";
-
-// Numbers of the SPIR-V specification, section 3.32, and of its extended instructions for GLSL.
-const EXTENDED: u32 = 12;
-const TYPE_FLOAT: u32 = 22;
-const TYPE_VECTOR: u32 = 23;
-const CONSTANT: u32 = 43;
-const COMPOSITE: u32 = 44;
-const FUNCTION: u32 = 54;
-const ADD: u32 = 129;
-const SUBTRACT: u32 = 131;
-const MULTIPLY: u32 = 133;
-const DIVIDE: u32 = 136;
-/// Square root, its inverse, and length.
-const ROOTS: [u32; 3] = [31, 32, 66];
-/// The interpolation of two values.
-const MIX: u32 = 46;
-
-/// What the environment asks of quotients and roots.
-fn rough_factor() -> Option<f32> {
-    match std::env::var(ROUGH).ok()?.as_str() {
-        "up" => Some(1f32.next_up()),
-        "down" => Some(1f32.next_down()),
-        _ => None,
-    }
-}
-
-/// The module with quotients and roots times this factor, and with x + a (y - x) for mix(x, y, a). WGSL allows 2.5 ULP for a quotient and more for a root
-/// (section 15.7.4). GPUs make use of it, and NVIDIA's mix is that sum, which loses a small y. Software drivers round all of them correctly: with a
-/// factor next to 1, they too return another number than 1 for x / x.
-pub fn with_rough_quotients(words: &[u32], factor: f32) -> Vec<u32> {
-    let mut factors: Vec<(u32, u32)> = Vec::new();
-    let mut constants = Vec::new();
-    let mut bound = words.get(3).copied().unwrap_or(0);
-    let mut fresh = || {
-        bound += 1;
-        bound - 1
-    };
-    let own = |(begin, _, length): (usize, u32, usize)| words.get(begin..begin + length).unwrap_or_default();
-    let factor_of =
-        |factors: &[(u32, u32)], of: u32| factors.iter().find(|(id, _)| *id == of).map(|(_, factor)| *factor);
-    for instruction in instructions_of(words) {
-        match (instruction.1, own(instruction)) {
-            (TYPE_FLOAT, &[_, id, 32]) => {
-                let own = fresh();
-                factors.push((id, own));
-                constants.extend([4 << 16 | CONSTANT, id, own, factor.to_bits()]);
-            }
-            (TYPE_VECTOR, &[_, id, of, count]) if let Some(scalar) = factor_of(&factors, of) => {
-                let own = fresh();
-                factors.push((id, own));
-                constants.extend([(3 + count) << 16 | COMPOSITE, id, own]);
-                constants.extend((0..count).map(|_| scalar));
-            }
-            _ => {}
-        }
-    }
-    let mut rough = words.get(..HEADER).unwrap_or_default().to_vec();
-    for instruction in instructions_of(words) {
-        if instruction.1 == FUNCTION {
-            rough.append(&mut constants);
-        }
-        let own = own(instruction);
-        if let (EXTENDED, &[_, of, result, _, MIX, x, y, share]) = (instruction.1, own) {
-            let (difference, part) = (fresh(), fresh());
-            rough.extend([5 << 16 | SUBTRACT, of, difference, y, x, 5 << 16 | MULTIPLY, of, part, difference, share]);
-            rough.extend([5 << 16 | ADD, of, result, x, part]);
-            continue;
-        }
-        let begin = rough.len();
-        rough.extend(own);
-        let is_rough = match (instruction.1, own) {
-            (DIVIDE, _) => true,
-            (EXTENDED, [_, _, _, _, number, ..]) => ROOTS.contains(number),
-            _ => false,
-        };
-        if let (true, [_, of, result, ..]) = (is_rough, own)
-            && let Some(factor) = factor_of(&factors, *of)
-        {
-            rough[begin + 2] = fresh();
-            rough.extend([5 << 16 | MULTIPLY, *of, *result, rough[begin + 2], factor]);
-        }
-    }
-    if let Some(word) = rough.get_mut(3) {
-        *word = bound;
-    }
-    rough
-}
-
 /// The number of instructions.
 fn instructions(words: &[u32]) -> u64 {
     instructions_of(words).count() as u64
@@ -257,24 +166,5 @@ mod tests {
             .collect();
         bindings.sort_unstable();
         assert_eq!(bindings, [0, 1]);
-    }
-
-    #[test]
-    fn quotients_and_roots_get_a_factor_and_a_mix_is_a_sum() {
-        let text = "@group(0) @binding(0) var<storage, read_write> a: array<vec4<f32>>;
-            @compute @workgroup_size(1) fn main() {
-                a[0] = a[1] / a[2] + vec4(sqrt(a[3].x)) + mix(a[4], a[5], a[6]);
-            }";
-        let module = naga::front::wgsl::parse_str(text).expect("it parses");
-        let plain = written(&module, "main", &[], BindingMap::default(), BoundsCheckPolicy::Unchecked);
-        let plain = plain.expect("it is written");
-        let rough = with_rough_quotients(&plain, 1f32.next_up());
-        let count = |words: &[u32], opcode| instructions_of(words).filter(|(_, own, _)| *own == opcode).count();
-        let added = |opcode| count(&rough, opcode) - count(&plain, opcode);
-        // Two factors and a product for a quotient and a root; the difference, product and sum of the mix.
-        assert_eq!([MULTIPLY, SUBTRACT, ADD, CONSTANT, COMPOSITE].map(added), [3, 1, 1, 1, 1]);
-        assert_eq!((count(&plain, EXTENDED), count(&rough, EXTENDED)), (2, 1));
-        // Each identifier is less than the bound, and none has two meanings.
-        assert_eq!(rough[3], plain[3] + 6);
     }
 }

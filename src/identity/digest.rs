@@ -35,7 +35,7 @@ pub fn of_scene(scene: &Scene) -> String {
     hexadecimal(hasher)
 }
 
-/// What a value says, but for the paths of files in it.
+/// A value as JSON, without the paths of files in it.
 fn without_paths(value: &impl Serialize) -> Value {
     fn strip(value: &mut Value) {
         match value {
@@ -110,7 +110,6 @@ fn of_mesh(mesh: &Mesh) -> String {
     hexadecimal(hasher)
 }
 
-/// The first 128 bits of the hash.
 /// A hash of hashes.
 pub fn of_texts<'a>(texts: impl Iterator<Item = &'a String>) -> String {
     let mut hasher = Sha256::new();
@@ -119,6 +118,7 @@ pub fn of_texts<'a>(texts: impl Iterator<Item = &'a String>) -> String {
     hexadecimal(hasher)
 }
 
+/// The first 128 bits of the hash.
 fn hexadecimal(hasher: Sha256) -> String {
     hasher.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,6 +1,6 @@
 //! KHR_materials_anisotropy: microfacets that are rougher along a direction than across it. Materials other than `Pbr` have it too.
 
-use super::kind::{Gltf, GltfField, Lobe, To};
+use super::kind::{Gltf, Lobe, To, field};
 use crate::material::declared::conductor::FIELDS;
 use crate::material::{Pbr, Row, RowKind, Slot};
 use crate::texture::{Texture, Use};
@@ -15,21 +15,9 @@ pub const LOBE: Lobe = Lobe {
     gltf: Some(Gltf {
         extension: "KHR_materials_anisotropy",
         fields: &[
-            GltfField {
-                factor: "anisotropyStrength",
-                texture: "",
-                to: To::Number(|pbr, strength| pbr.anisotropy = strength.clamp(0.0, 1.0)),
-            },
-            GltfField {
-                factor: "anisotropyRotation",
-                texture: "",
-                to: To::Number(|pbr, radians| pbr.anisotropy_rotation = radians.to_degrees()),
-            },
-            GltfField {
-                factor: "",
-                texture: "anisotropyTexture",
-                to: To::Map(|pbr| &mut pbr.anisotropy_texture, None),
-            },
+            field("anisotropyStrength", "", To::Number(|pbr, strength| pbr.anisotropy = strength.clamp(0.0, 1.0))),
+            field("anisotropyRotation", "", To::Number(|pbr, radians| pbr.anisotropy_rotation = radians.to_degrees())),
+            field("", "anisotropyTexture", To::Map(|pbr| &mut pbr.anisotropy_texture, None)),
         ],
         has_direction: true,
     }),

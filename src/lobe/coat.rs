@@ -1,6 +1,6 @@
 //! KHR_materials_clearcoat: a clear coat around all else, such as varnish, with a roughness and a normal map of its own.
 
-use super::kind::{Gltf, GltfField, Lobe, To};
+use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
 use crate::material::{Along, Pbr, Row, RowKind, Sets, Slot, is_zero, varying, widths_of_facets};
@@ -20,21 +20,17 @@ pub const LOBE: Lobe = Lobe {
     gltf: Some(Gltf {
         extension: "KHR_materials_clearcoat",
         fields: &[
-            GltfField {
-                factor: "clearcoatFactor",
-                texture: "clearcoatTexture",
-                to: To::Share(Channel::R, |pbr| &mut pbr.coat),
-            },
-            GltfField {
-                factor: "clearcoatRoughnessFactor",
-                texture: "clearcoatRoughnessTexture",
-                to: To::Share(Channel::G, |pbr| &mut pbr.coat_roughness),
-            },
-            GltfField {
-                factor: "",
-                texture: "clearcoatNormalTexture",
-                to: To::Map(|pbr| &mut pbr.coat_normal, Some(|pbr| &mut pbr.coat_normal_scale)),
-            },
+            field("clearcoatFactor", "clearcoatTexture", To::Share(Channel::R, |pbr| &mut pbr.coat)),
+            field(
+                "clearcoatRoughnessFactor",
+                "clearcoatRoughnessTexture",
+                To::Share(Channel::G, |pbr| &mut pbr.coat_roughness),
+            ),
+            field(
+                "",
+                "clearcoatNormalTexture",
+                To::Map(|pbr| &mut pbr.coat_normal, Some(|pbr| &mut pbr.coat_normal_scale)),
+            ),
         ],
         has_direction: false,
     }),

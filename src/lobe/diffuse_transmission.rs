@@ -1,6 +1,6 @@
 //! KHR_materials_diffuse_transmission: the matt body lets a share of the light that it scatters pass, as leaves and paper do.
 
-use super::kind::{Gltf, GltfField, Lobe, To};
+use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
 use crate::material::{Pbr, Row, RowKind, Slot, is_zero, varying};
@@ -17,16 +17,16 @@ pub const LOBE: Lobe = Lobe {
     gltf: Some(Gltf {
         extension: "KHR_materials_diffuse_transmission",
         fields: &[
-            GltfField {
-                factor: "diffuseTransmissionFactor",
-                texture: "diffuseTransmissionTexture",
-                to: To::Share(Channel::A, |pbr| &mut pbr.diffuse_transmission),
-            },
-            GltfField {
-                factor: "diffuseTransmissionColorFactor",
-                texture: "diffuseTransmissionColorTexture",
-                to: To::Colour(1.0, |pbr| &mut pbr.diffuse_transmission_color),
-            },
+            field(
+                "diffuseTransmissionFactor",
+                "diffuseTransmissionTexture",
+                To::Share(Channel::A, |pbr| &mut pbr.diffuse_transmission),
+            ),
+            field(
+                "diffuseTransmissionColorFactor",
+                "diffuseTransmissionColorTexture",
+                To::Colour(1.0, |pbr| &mut pbr.diffuse_transmission_color),
+            ),
         ],
         has_direction: false,
     }),

@@ -1,6 +1,6 @@
 //! KHR_materials_dispersion: glass has an index of refraction for each channel. Materials other than `Pbr` have it too.
 
-use super::kind::{Gltf, GltfField, Lobe, To};
+use super::kind::{Gltf, Lobe, To, field};
 use crate::material::declared::dielectric::FIELDS;
 use crate::material::{MOST_DISPERSION, Row, RowKind};
 
@@ -13,11 +13,11 @@ pub const LOBE: Lobe = Lobe {
     counts: |pbr| !pbr.is_all_metal(),
     gltf: Some(Gltf {
         extension: "KHR_materials_dispersion",
-        fields: &[GltfField {
-            factor: "dispersion",
-            texture: "",
-            to: To::Number(|pbr, dispersion| pbr.dispersion = dispersion.clamp(0.0, MOST_DISPERSION)),
-        }],
+        fields: &[field(
+            "dispersion",
+            "",
+            To::Number(|pbr, dispersion| pbr.dispersion = dispersion.clamp(0.0, MOST_DISPERSION)),
+        )],
         has_direction: false,
     }),
     ..Lobe::new(&[DISPERSION], |pbr| if pbr.has_inside() { rows(pbr.ior, pbr.dispersion) } else { Vec::new() })

@@ -1,6 +1,6 @@
 //! KHR_materials_iridescence: a thin film on the base, as on soap bubbles and oil.
 
-use super::kind::{Gltf, GltfField, Lobe, To};
+use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
 use crate::material::{MOST_IOR, MOST_THICKNESS, Pbr, Row, RowKind, Slot, is_zero};
@@ -19,31 +19,23 @@ pub const LOBE: Lobe = Lobe {
     gltf: Some(Gltf {
         extension: "KHR_materials_iridescence",
         fields: &[
-            GltfField {
-                factor: "iridescenceFactor",
-                texture: "iridescenceTexture",
-                to: To::Share(Channel::R, |pbr| &mut pbr.iridescence),
-            },
-            GltfField {
-                factor: "iridescenceIor",
-                texture: "",
-                to: To::Number(|pbr, ior| pbr.iridescence_ior = ior.clamp(1.0, MOST_IOR)),
-            },
-            GltfField {
-                factor: "iridescenceThicknessMinimum",
-                texture: "",
-                to: To::Number(|pbr, nm| pbr.iridescence_thickness_min = nm.clamp(0.0, MOST_THICKNESS)),
-            },
-            GltfField {
-                factor: "iridescenceThicknessMaximum",
-                texture: "",
-                to: To::Number(|pbr, nm| pbr.iridescence_thickness = nm.clamp(0.0, MOST_THICKNESS)),
-            },
-            GltfField {
-                factor: "",
-                texture: "iridescenceThicknessTexture",
-                to: To::Share(Channel::G, |pbr| &mut pbr.iridescence_thickness_texture),
-            },
+            field("iridescenceFactor", "iridescenceTexture", To::Share(Channel::R, |pbr| &mut pbr.iridescence)),
+            field("iridescenceIor", "", To::Number(|pbr, ior| pbr.iridescence_ior = ior.clamp(1.0, MOST_IOR))),
+            field(
+                "iridescenceThicknessMinimum",
+                "",
+                To::Number(|pbr, nm| pbr.iridescence_thickness_min = nm.clamp(0.0, MOST_THICKNESS)),
+            ),
+            field(
+                "iridescenceThicknessMaximum",
+                "",
+                To::Number(|pbr, nm| pbr.iridescence_thickness = nm.clamp(0.0, MOST_THICKNESS)),
+            ),
+            field(
+                "",
+                "iridescenceThicknessTexture",
+                To::Share(Channel::G, |pbr| &mut pbr.iridescence_thickness_texture),
+            ),
         ],
         has_direction: false,
     }),

@@ -64,6 +64,11 @@ pub struct GltfField {
     pub to: To,
 }
 
+/// A factor with its texture, by their names in glTF.
+pub const fn field(factor: &'static str, texture: &'static str, to: To) -> GltfField {
+    GltfField { factor, texture, to }
+}
+
 /// Where a field of glTF's goes.
 pub enum To {
     /// A factor from 0 to 1, and a channel of the texture. Without a name it is 1, else its default is 0.

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::kind::{Gltf, GltfField, Lobe, To};
+use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
 use crate::material::{LobeWidth, Pbr, Row, RowKind, Slot, is_zero, varying};
@@ -21,16 +21,12 @@ pub const LOBE: Lobe = Lobe {
     gltf: Some(Gltf {
         extension: "KHR_materials_sheen",
         fields: &[
-            GltfField {
-                factor: "sheenColorFactor",
-                texture: "sheenColorTexture",
-                to: To::Colour(0.0, |pbr| &mut pbr.sheen),
-            },
-            GltfField {
-                factor: "sheenRoughnessFactor",
-                texture: "sheenRoughnessTexture",
-                to: To::Share(Channel::A, |pbr| &mut pbr.sheen_roughness),
-            },
+            field("sheenColorFactor", "sheenColorTexture", To::Colour(0.0, |pbr| &mut pbr.sheen)),
+            field(
+                "sheenRoughnessFactor",
+                "sheenRoughnessTexture",
+                To::Share(Channel::A, |pbr| &mut pbr.sheen_roughness),
+            ),
         ],
         has_direction: false,
     }),

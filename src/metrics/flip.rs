@@ -394,7 +394,7 @@ mod tests {
     const TOLERANCE: f64 = 1e-4;
 
     #[test]
-    fn it_agrees_with_the_authors_program() {
+    fn flip_agrees_with_the_program_of_its_authors() {
         for case in cases() {
             let found = [PIXELS_PER_DEGREE, 40.0].map(|density| judge(&Flip::new(density), &case));
             for (found, expected) in found.into_iter().zip(case.expected) {
@@ -423,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_symmetric_and_zero_for_one_image() {
+    fn flip_is_symmetric_and_zero_for_equal_images() {
         let case = &cases()[9];
         let (a, b) = (image(case, case.a), image(case, case.b));
         assert_eq!(error_map(50, &a, &b), error_map(50, &b, &a));
@@ -435,7 +435,7 @@ mod tests {
 
     /// There is no seam between bands: the map of a periodic image of several bands is periodic.
     #[test]
-    fn bands_do_not_show() {
+    fn an_image_in_bands_has_the_errors_of_one_in_one_band() {
         let height = 3 * BAND + 5;
         let column =
             |shift: f64| (0..height).map(|y| [(0.5 + 0.4 * (y as f64 * 0.7 + shift).sin()) as f32; 3]).collect();

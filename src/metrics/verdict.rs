@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn sentences() {
+    fn verdicts_say_where_and_by_how_much_images_differ() {
         assert_eq!(verdict(&nothing()), "A differs by noise only, p = 0.41: less than 0.01 would be a difference");
         assert_eq!(
             verdict(&Difference { identical: true, ..nothing() }),
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn sentences_about_single_pixels() {
+    fn verdicts_name_single_pixels() {
         let most = Single { at: [24, 39], quantity: Quantity::Luminance, difference: 49.5, reference: 0.5, p: 3.21e-8 };
         let of = |pixels: Pixels| verdict(&Difference { pixels, ..nothing() });
         assert_eq!(

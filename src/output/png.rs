@@ -10,13 +10,13 @@ use crate::output::{atomic, magma::magma, view_transform::ViewTransform};
 
 /// Writes a picture as an 8-bit sRGB PNG. `rgb` returns the radiance of a pixel, row 0 on top. It takes up to 7 bytes of memory a pixel.
 pub fn write_png(path: &Path, size: (u32, u32), rgb: &dyn Fn(usize) -> Rgb<f32>, view: &ViewTransform) -> Result<()> {
-    let bytes = encode(size, rgb, view).map_err(|reason| failed(path, reason))?;
+    let bytes = encode(size, rgb, view).map_err(Error::file(path, "write"))?;
     atomic::write(path, &bytes)
 }
 
 /// Writes values of 0..1, with row 0 at the top, as a PNG in magma colours: from black through red to pale yellow.
 pub fn write_heatmap(path: &Path, size: (u32, u32), values: &[f32]) -> Result<()> {
-    let bytes = heatmap(size, values).map_err(|reason| failed(path, reason))?;
+    let bytes = heatmap(size, values).map_err(Error::file(path, "write"))?;
     atomic::write(path, &bytes)
 }
 
@@ -39,10 +39,6 @@ fn encode(
     let positions = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let pixels: Vec<_> = positions.map(|(x, y)| view.bytes(rgb(y * width + x), (x, y))).collect();
     compress(size, &pixels)
-}
-
-fn failed(path: &Path, reason: String) -> Error {
-    Error::File { path: path.to_owned(), action: "write", reason }
 }
 
 /// The bytes of a PNG. Encodes in memory, so that the encoder cannot hide an error of the disk. The PNG is small relative to the film.

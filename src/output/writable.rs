@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn obstacles_are_said() {
+    fn obstacles_are_named() {
         use rustix::fs::StatxAttributes as Is;
         for (attributes, words) in [
             (Is::IMMUTABLE | Is::COMPRESSED, "is immutable"),

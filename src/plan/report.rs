@@ -44,8 +44,6 @@ pub struct Choice {
 #[derive(Clone, Debug)]
 pub struct KernelReport {
     pub name: String,
-    /// The file of its entry point under shaders, without the ending.
-    pub root: String,
     pub why: String,
     /// Names of the scene's features that it has code for.
     pub features: Vec<String>,
@@ -145,7 +143,6 @@ impl Report {
         let choices: BTreeMap<_, _> = choices.collect();
         let of_kernel = |kernel: &&Kernel| KernelReport {
             name: kernel.name.clone(),
-            root: kernel.linked.root.clone(),
             why: kernel.why.clone(),
             features: there
                 .iter()

@@ -320,8 +320,8 @@ declare! {
             /// Whether its lights are in Blender's watts, which are divided by 683 lm/W.
             #[serde(default, skip_serializing)]
             watts: Option<bool> = flag().or("true for files by Blender, else false");
-            /// Which glass is thin. Auto: of files by Blender open meshes, as it renders them. Pane: glass without a thickness in the
-            /// file, as glTF says.
+            /// Which glass is thin. Auto: glass of open meshes in files by Blender, as Blender renders it. Pane: glass without a
+            /// thickness in the file, as glTF says.
             #[serde(default, skip_serializing)]
             thin: Thin = other("Auto or Pane").or("Auto");
             /// The frame of its animations, at frame / fps seconds.

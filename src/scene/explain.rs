@@ -182,9 +182,7 @@ impl<'a> Explain<'a> {
     /// For an unknown variant, with the cursor just after its name.
     fn variant(&self, found: &str, variants: &[&str]) -> Error {
         let path = self.path(self.before_cursor(), false);
-        let meant = other_name(found, variants).or_else(|| nearest(found, variants.iter().copied()));
-        let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
-        self.expected(self.before_cursor(), &path, &meant)
+        self.expected(self.before_cursor(), &path, &meant(found, variants))
     }
 
     /// For a value that ron could not read, with the cursor at it or just after it.
@@ -392,9 +390,13 @@ impl<'a> Explain<'a> {
 
 /// "expected one of ..., did you mean ...?"
 fn known(found: &str, names: &[&str]) -> String {
+    format!("expected one of {}{}", names.join(", "), meant(found, names))
+}
+
+/// "; did you mean ...?", if one of the names is near.
+fn meant(found: &str, names: &[&str]) -> String {
     let meant = other_name(found, names).or_else(|| nearest(found, names.iter().copied()));
-    let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
-    format!("expected one of {}{meant}", names.join(", "))
+    meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"))
 }
 
 /// One of ron's sentences with a small initial letter.

@@ -19,16 +19,20 @@ impl Findings {
         match result {
             Ok(value) => Some(value),
             Err(error) => {
-                if !self.is_full() {
-                    self.errors.push(error);
-                }
+                self.refuse(error);
                 None
             }
         }
     }
 
+    pub fn refuse(&mut self, error: Error) {
+        if !self.is_full() {
+            self.errors.push(error);
+        }
+    }
+
     pub fn record_all(&mut self, errors: Vec<Error>) {
-        errors.into_iter().for_each(|error| _ = self.record::<()>(Err(error)));
+        errors.into_iter().for_each(|error| self.refuse(error));
     }
 
     pub fn is_empty(&self) -> bool {

@@ -35,9 +35,9 @@ use serde_json::{Value, json};
 
 use super::file::{self, OnProgress};
 use super::gltf_path::unescape;
-use super::mesh_files::quote;
 use crate::guard::guarded;
 
+use crate::printable::quote;
 pub use camera::framing;
 use channels::Animation;
 pub use contents::{Contents, OBJECT, OPTIONS, Reading, bounds};
@@ -81,7 +81,7 @@ pub struct File {
     rest: Arc<Pose>,
     /// The pose that was requested last: the parts of a scene are read one by one, in one pose.
     last: Mutex<Option<Arc<Pose>>>,
-    /// What is wrong with them counts only where a pose is requested.
+    /// An error in them counts only where a pose is requested.
     animations: Result<Vec<Animation>>,
 }
 
@@ -156,7 +156,7 @@ fn check_json(json: &[u8]) -> std::result::Result<(), String> {
         objects += usize::from(*byte == b'{');
         values += usize::from(matches!(byte, b'{' | b'[' | b','));
     }
-    // What is broken is told where it is parsed.
+    // Broken JSON is reported where it is parsed.
     let materials = serde_json::from_slice::<Counted>(json).map_or(0, |counted| counted.materials.len());
     let limits =
         [("objects", objects, MOST_OBJECTS), ("values", values, MOST_VALUES), ("materials", materials, MOST_MATERIALS)];
@@ -166,14 +166,14 @@ fn check_json(json: &[u8]) -> std::result::Result<(), String> {
     }
 }
 
-/// What is counted before it becomes structs. It takes no memory.
+/// Lists whose elements are counted before they become structs. It takes no memory.
 #[derive(Deserialize)]
 struct Counted {
     #[serde(default)]
     materials: Vec<IgnoredAny>,
 }
 
-/// The structs of the JSON. What the standard leaves out or open, and the crate's structs do not, is brought into their form if they refuse it.
+/// The structs of the JSON. If they refuse it, properties that the standard leaves open and the crate does not are first brought into its form.
 fn parse(json: &[u8]) -> Result<Root> {
     /// A tree of longer JSON would need much memory.
     const LONGEST: usize = 1 << 22;
@@ -233,7 +233,7 @@ fn check_version(version: &str) -> Result<()> {
     match version.starts_with("2.") {
         true => Ok(()),
         false => {
-            let found = quote(version.as_bytes());
+            let found = quote(version);
             Err(GltfError::new("asset.version", format!("expected glTF of version 2.0, found {found}")))
         }
     }
@@ -262,7 +262,7 @@ fn check(root: &Root) -> Result<()> {
     match root.extensions_required.iter().enumerate().find(|(_, name)| !is_harmless(name)) {
         Some((at, name)) => Err(GltfError::new(
             format!("extensionsRequired[{at}]"),
-            format!("it requires the extension {}, which is not supported: export it without", quote(name.as_bytes())),
+            format!("it requires the extension {}, which is not supported: export it without", quote(name)),
         )),
         None => Ok(()),
     }
@@ -313,7 +313,7 @@ fn read_uri(uri: &str, path: &Path, what: &str, room: u64) -> std::result::Resul
 /// The path of the file that a uri names, relative to the glTF file.
 fn path_of_uri(uri: &str) -> std::result::Result<String, String> {
     match uri.contains(':') {
-        true => Err(format!("expected the path of a file, relative to this one, found {}", quote(uri.as_bytes()))),
+        true => Err(format!("expected the path of a file, relative to this one, found {}", quote(uri))),
         false => Ok(unescape(uri)),
     }
 }

@@ -6,19 +6,17 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use glam::DVec3;
-use serde::Deserialize;
 
 use super::animation_frame::AnimationFrame;
 use super::assets::Assets;
-use super::explain::{explain, hash_at_start};
+use super::explain::hash_at_start;
 use super::file::{OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
 use super::model::Scene;
-use super::recover::{Parts, recover};
+use super::recover::{Parts, parts_of};
 use super::sky::SKY;
-use super::syntax::{in_file_order, options};
 use super::types::*;
 use super::write::relative;
 use super::{gltf, image_files, mesh_files, validate};
@@ -29,20 +27,6 @@ use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
 const LONGEST_FILE: u64 = 1 << 28;
-
-/// The contents of a scene file.
-#[derive(Deserialize)]
-#[serde(rename = "Scene", deny_unknown_fields)]
-struct SceneFile {
-    image: ImageSize,
-    camera: Camera,
-    background: Background,
-    #[serde(default, deserialize_with = "in_file_order")]
-    materials: Vec<(String, Material)>,
-    objects: Vec<Object>,
-    #[serde(default)]
-    render: RenderDefaults,
-}
 
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
@@ -162,30 +146,8 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
         return Err(source.error(&[], message));
     }
     let mut findings = Findings::default();
-    let file = match options().from_str::<SceneFile>(source.text()) {
-        Ok(file) => file,
-        Err(error) => {
-            let parts = recover(&source, &mut findings);
-            if findings.is_empty() {
-                return Err(explain(&source, error).error);
-            }
-            SceneFile::of_parts(parts)
-        }
-    };
-    let mut scene = Scene {
-        image: file.image,
-        camera: file.camera,
-        background: file.background,
-        materials: file.materials,
-        objects: file.objects,
-        render: file.render,
-        bitmaps: Bitmaps::default(),
-        meshes: BTreeMap::new(),
-        frame: None,
-        notes: Vec::new(),
-        libraries: Vec::new(),
-        source,
-    };
+    let parts = parts_of(&source, &mut findings)?;
+    let mut scene = Scene::of_parts(parts, source);
     add_gltf(&mut scene, &mut findings, progress, assets);
     finish(&mut scene, findings, progress, assets)?;
     Ok(scene)
@@ -291,21 +253,16 @@ fn of_model(
         Some(Sky::Default) => SKY,
         Some(Sky::None) | None => Background::Solid(Colour::ZERO),
     };
-    let notes = std::mem::take(&mut contents.notes);
-    let mut scene = Scene {
-        image,
-        camera,
-        background,
+    let parts = Parts {
+        image: Some(image),
+        camera: Some(camera),
+        background: Some(background),
         materials: contents.materials,
-        objects: contents.objects,
+        objects: Some(contents.objects),
         render: RenderDefaults::default(),
-        bitmaps: Bitmaps::default(),
-        meshes: BTreeMap::new(),
-        frame: options.frame,
-        notes,
-        libraries,
-        source: Source::without_text(to),
     };
+    let scene = Scene::of_parts(parts, Source::without_text(to));
+    let mut scene = Scene { frame: options.frame, notes: contents.notes, libraries, ..scene };
     finish(&mut scene, Findings::default(), progress, assets)?;
     if is_of_blender && !has_lamps {
         scene.notes.push(note(
@@ -344,9 +301,9 @@ fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, 
     Ok(())
 }
 
-impl SceneFile {
-    /// What is absent is replaced by something that is valid.
-    fn of_parts(parts: Parts) -> SceneFile {
+impl Scene {
+    /// The scene without its files. A section that is absent is replaced by something that is valid.
+    fn of_parts(parts: Parts, source: Source) -> Scene {
         let camera = || Camera {
             look_from: DVec3::ZERO,
             look_at: DVec3::NEG_Z,
@@ -357,13 +314,19 @@ impl SceneFile {
             shutter: (0.0, 0.0),
             moving: Vec::new(),
         };
-        SceneFile {
+        Scene {
             image: parts.image.unwrap_or(ImageSize { width: 1, height: 1 }),
             camera: parts.camera.unwrap_or_else(camera),
             background: parts.background.unwrap_or(Background::Solid(Colour::ZERO)),
             materials: parts.materials,
             objects: parts.objects.unwrap_or_default(),
             render: parts.render,
+            bitmaps: Bitmaps::default(),
+            meshes: BTreeMap::new(),
+            frame: None,
+            notes: Vec::new(),
+            libraries: Vec::new(),
+            source,
         }
     }
 }

@@ -5,7 +5,6 @@
 //! `finish` checks it, drops faces without area and unused vertices, and makes a `Mesh` of it. `contents` makes a scene of a file.
 
 mod contents;
-mod draft;
 mod input;
 mod mtl;
 mod obj;
@@ -18,6 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::assets::Assets;
+use super::draft::{self, Draft, MOST_BYTES};
 use super::file::{self, OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf::{self, GltfError};
@@ -29,8 +29,6 @@ use input::Input;
 
 use crate::shape::mesh::Mesh;
 pub(super) use contents::contents;
-pub(super) use draft::{Draft, MOST_BYTES};
-pub(super) use input::quote;
 pub(super) use parts::ObjFiles;
 
 /// Reads every mesh of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn finds_the_word_that_was_meant() {
+    fn the_word_that_was_meant_is_found() {
         let known = ["center", "radius", "material"];
         assert_eq!(nearest("radus", known), Some("radius"));
         assert_eq!(nearest("Centre", known), Some("center"));

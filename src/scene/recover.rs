@@ -1,4 +1,4 @@
-//! Finds the errors behind the first one of a text that does not parse.
+//! Parses a scene file, and finds the errors behind the first one of a text that does not parse.
 //!
 //! ron stops at the first error. Where it is about one value, as a wrong type or an unknown field, the entry around the value is
 //! replaced by spaces, and the text is parsed again: the next error is another one. What is left in the end is checked like any scene,
@@ -40,8 +40,26 @@ fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Res
 /// The bytes that are parsed again, all in all: a large file has its first errors listed.
 const MOST_BYTES: usize = 1 << 26;
 
+/// The parts of a scene file that have no errors. Those of the others are collected.
+///
+/// # Errors
+/// `Error::Scene` where nothing behind the first error is known.
+pub fn parts_of(source: &Source, findings: &mut Findings) -> crate::error::Result<Parts> {
+    match options().from_str::<Parts>(source.text()) {
+        Ok(parts) => {
+            let absent = needed(&parts).into_iter().filter(|(_, is_absent)| *is_absent);
+            absent.for_each(|(name, _)| findings.refuse(missing_section(source, name)));
+            Ok(parts)
+        }
+        Err(error) => {
+            let parts = recover(source, findings);
+            if findings.is_empty() { Err(explain(source, error).error) } else { Ok(parts) }
+        }
+    }
+}
+
 /// Collects the errors of a text that does not parse, and returns the parts of it that have none.
-pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
+fn recover(source: &Source, findings: &mut Findings) -> Parts {
     let spans = &source.spans;
     // If brackets do not match, the nesting is unknown.
     if spans.mismatch.is_some() || spans.unclosed_bracket.is_some() || spans.unclosed_comment.is_some() {
@@ -58,7 +76,7 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
         let id = source.spans.at(offset as u32).filter(|_| about_value);
         // Where an entry has been taken out, nothing is missing.
         if !(is_missing && id.is_some_and(|id| blanks.parents.contains(&id))) {
-            findings.record::<()>(Err(error));
+            findings.refuse(error);
             listed += 1;
         }
         tries -= 1;
@@ -68,23 +86,27 @@ pub fn recover(source: &Source, findings: &mut Findings) -> Parts {
     }
     // The text without the objects around the entries. If it does not parse, nothing in it is checked.
     let Ok(parts) = options().from_str::<Parts>(&object_blanks.applied(source, true)) else { return Parts::default() };
-    let absent = [
+    // One with errors is there, and an unknown field may be any of them.
+    let names = needed(&parts).map(|(name, _)| name);
+    let has_unknown =
+        blanks.sections.iter().any(|name| !["materials", "render"].contains(name) && !names.contains(name));
+    for (name, is_absent) in needed(&parts) {
+        // A section that was taken out for the sake of its errors is there.
+        if is_absent && !has_unknown && !object_blanks.sections.contains(name) {
+            findings.refuse(missing_section(source, name));
+        }
+    }
+    parts
+}
+
+/// The sections that a scene needs, and whether they are absent.
+fn needed(parts: &Parts) -> [(&'static str, bool); 4] {
+    [
         ("image", parts.image.is_none()),
         ("camera", parts.camera.is_none()),
         ("background", parts.background.is_none()),
         ("objects", parts.objects.is_none()),
-    ];
-    // One with errors is there, and an unknown field may be any of them.
-    let names = absent.map(|(name, _)| name);
-    let has_unknown =
-        blanks.sections.iter().any(|name| !["materials", "render"].contains(name) && !names.contains(name));
-    for (name, is_absent) in absent {
-        // A section that was taken out for the sake of its errors is there.
-        if is_absent && !has_unknown && !object_blanks.sections.contains(name) {
-            findings.record::<()>(Err(missing_section(source, name)));
-        }
-    }
-    parts
+    ]
 }
 
 /// Entries that are replaced by spaces.

@@ -48,7 +48,7 @@ fn image(at: &ValuePath, image: &ImageSize, findings: &mut Findings) {
     let area = u64::from(image.width) * u64::from(image.height);
     if sides.is_empty() && area > LARGEST_AREA {
         let most = format!("width times height of at most {LARGEST_AREA} pixels");
-        findings.record::<()>(Err(at.error(format!("expected {most}, found {area}"))));
+        findings.refuse(at.error(format!("expected {most}, found {area}")));
     }
     findings.record_all(sides);
 }
@@ -275,14 +275,14 @@ fn boundary(known: &KnownNames, at: &ValuePath, object: &Object, bound: Transfor
         return boundary(known, &inside.field("object"), object, bound, findings);
     }
     if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
-        findings.record::<()>(Err(at.unexpected(boundaries("", ", Transformed, Moving or not"))));
+        findings.refuse(at.unexpected(boundaries("", ", Transformed, Moving or not")));
         return;
     }
     findings.record(shape(known, inside, object, bound));
     if object.material().is_some() {
         let message = "a medium's boundary has no surface, and so no material: remove the material, or list the object \
                        outside the medium, too";
-        findings.record::<()>(Err(inside.field("material").error(message)));
+        findings.refuse(inside.field("material").error(message));
     }
     if let Some(mesh) = object.shape(known.meshes).and_then(|shape| shape.mesh()) {
         findings.record(mesh.check_closed(inside));
@@ -306,7 +306,7 @@ fn transforms(at: &ValuePath, by: &[Transform], mut bound: TransformBound, findi
         let wider = bound.after(transform);
         match wider.least_scale >= SMALLEST && wider.scale <= LARGEST && wider.shift <= LARGEST {
             true => bound = wider,
-            false => _ = findings.record::<()>(Err(at.error(OUT_OF_RANGE))),
+            false => findings.refuse(at.error(OUT_OF_RANGE)),
         }
     }
     bound
@@ -321,9 +321,9 @@ fn moving(
 ) -> TransformBound {
     findings.record(times(at, keys));
     let Some((_, first)) = keys.first() else {
-        findings.record::<()>(Err(at.error(
+        findings.refuse(at.error(
             "there is no key: expected a list such as [(0, [Translate((0, 0, 0))]), (1, [Translate((8, 0, 0))])]",
-        )));
+        ));
         return bound;
     };
     let mut all: Option<TransformBound> = None;
@@ -332,11 +332,11 @@ fn moving(
         let at = of_key.index(1);
         let kinds = |by: &[Transform]| by.iter().map(Transform::name).collect::<Vec<_>>();
         if kinds(by) != kinds(first) {
-            findings.record::<()>(Err(at.error(format!(
+            findings.refuse(at.error(format!(
                 "expected the transforms of the first key, [{}], found [{}]",
                 kinds(first).join(", "),
                 kinds(by).join(", ")
-            ))));
+            )));
         }
         let own = transforms(&at, by, bound, findings);
         all = Some(all.map_or(own, |all| all.union(own)));

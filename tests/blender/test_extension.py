@@ -22,7 +22,7 @@ FOLDER = pathlib.Path(__file__).resolve().parent
 # The extension, and not the module of PyPI that has the same name.
 sys.path.insert(0, str(FOLDER.parents[1] / "blender"))
 import gpu_rt
-from gpu_rt import engine, exr, lamps, losses, panel, preferences, process, ron
+from gpu_rt import engine, exr, lamps, losses, panel, preferences, process
 
 SIZE = (64, 48)
 # Of Cycles and of the program, samples of a pixel.
@@ -336,8 +336,7 @@ class BesideCycles(InBlender):
 
         def turned():
             # The file itself is in use until then.
-            file = ron.text(str(FOLDER / "world-in-blender.hdr"))
-            self.assertIn(f"background: Image(path: {file})", (self.files() / "scene.ron").read_text())
+            self.assertIn(f'background: Image(path: "{FOLDER / "world-in-blender.hdr"}")', (self.files() / "scene.ron").read_text())
             add_sky((0, 0, 90))
 
         self.beside(add_sky, turned)

@@ -42,18 +42,8 @@ pub fn put_layer_under(command: &mut Command) {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
         let library = library("fault");
-        let manifest = serde_json::json!({
-            "file_format_version": "1.0.0",
-            "layer": {
-                "name": LAYER,
-                "type": "INSTANCE",
-                "library_path": library,
-                "api_version": "1.3.0",
-                "implementation_version": "1",
-                "description": "Makes a driver fail",
-            },
-        });
-        std::fs::write(library.with_extension("json"), manifest.to_string()).expect("the manifest is written");
+        let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/layer/fault.json");
+        std::fs::copy(manifest, library.with_extension("json")).expect("the manifest is copied");
         library.parent().expect("a folder").to_path_buf()
     });
     command.env("VK_LAYER_PATH", folder).env("VK_INSTANCE_LAYERS", LAYER);

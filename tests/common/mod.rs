@@ -38,7 +38,6 @@ pub mod referee;
 pub mod render;
 pub mod rooms;
 pub mod rows;
-pub mod scaling;
 pub mod scenes;
 #[cfg(target_os = "linux")]
 pub mod screen;

@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-# `rough-up` and `rough-down` are Mesa 25.0.7 with quotients and roots as inexact as GPUs make them (src/gpu/spirv.rs).
+# `rough-up` and `rough-down` are Mesa 25.0.7 with quotients and roots as inexact as GPUs make them (tests/layer/rough.rs).
 drivers=(mesa-22.3.6 mesa-25.0.7 rough-up rough-down swiftshader)
 kept=$PWD/target/drivers
 known=${KNOWN_FAILURES:-tests/drivers/known.txt}
@@ -134,7 +134,12 @@ run_on() {
     for name in $(skipped_on "$driver"); do skipped+=(--skip "$name::"); done
     local run=(env VK_DRIVER_FILES="$manifest" VK_ICD_FILENAMES="$manifest" NODEVICE_SELECT=1 LVP_POISON_MEMORY=true
         LD_LIBRARY_PATH="${library%/*}")
-    case $driver in rough-*) run+=(GPU_RT_NO_CONTRACTION=1 GPU_RT_ROUGH="${driver#rough-}") ;; esac
+    if [[ $driver = rough-* ]]; then
+        mkdir -p "$kept/layer"
+        rustc --edition 2024 --crate-type cdylib -o "$kept/layer/libfault.so" tests/layer/fault.rs
+        cp tests/layer/fault.json "$kept/layer"
+        run+=(GPU_RT_NO_CONTRACTION=1 GPU_RT_ROUGH="${driver#rough-}" VK_LAYER_PATH="$kept/layer" VK_INSTANCE_LAYERS=VK_LAYER_GPU_RT_fault)
+    fi
     echo "== $driver"
     "${run[@]}" cargo run --release --quiet -- devices | sed 's/^/   /'
     local begin=$SECONDS

@@ -35,7 +35,7 @@ fn plan(scene: &Scene, scatter: Scatter) -> Kernels {
 
 /// Kernels with everything on take ten seconds to compile, each scene its own: here are the least. The scene with everything in it has them with
 /// queues and all channels (`trade_offs::exact_values_and_undeclared_options_change_no_byte`). What the kernels of the others are linked of
-/// is in `everything_is_on` and `nothing_that_is_linked_is_out_of_reach`.
+/// is in `features_all_links_every_module_that_a_scene_can_need` and `nothing_that_is_linked_is_out_of_reach`.
 #[test]
 fn everything_on_changes_no_byte() {
     let lattice = Lattice::new();
@@ -104,7 +104,7 @@ fn the_state_of_all_slots_has_room() {
 
 /// With everything on, a scene of nothing much has every kernel, and each of the modules that some scene has.
 #[test]
-fn everything_is_on() {
+fn features_all_links_every_module_that_a_scene_can_need() {
     let lattice = Lattice::new();
     let scenes = lattice.scenes();
     let every = RenderOptions { features: FeatureSet::All, ..RenderOptions::default() };

@@ -168,7 +168,7 @@ fn counted(text: &str, samples: u32) -> Counted {
 /// the cone has below a surface: over eleven scenes at 1024 samples or more paths find 0.95 to 1.16 times as much, and 1.6 times by a mirror that stands
 /// on edge to lamp and floor. 1024 samples give each sum to 3 %. Light that counted twice, or by half, would be found.
 #[test]
-fn paths_find_what_probes_find() {
+fn paths_find_as_much_light_as_probes_do() {
     let ball = |position, radius| text(position, radius, 0.3);
     // Half a sky: no probe reaches light that is darker than the mean, which BSDF sampling alone finds.
     let folder = tempfile::tempdir().expect("a folder");
@@ -191,7 +191,7 @@ fn paths_find_what_probes_find() {
 /// The lobes up to the limit are found by scattered rays and by light sampling, which count with their weights; so are the narrow parts of
 /// materials that have others too. The sums are known to 5 %.
 #[test]
-fn paths_find_what_probes_find_in_lobes_up_to_the_limit() {
+fn paths_find_as_much_light_as_probes_do_in_lobes_up_to_the_limit() {
     let metal = |text: &str| under_a(text, 0.4);
     for text in [
         metal("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0.099)"),

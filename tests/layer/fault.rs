@@ -9,7 +9,7 @@
 //! fault that has happened leaves the file `GPU_RT_FAULT_MARK`.
 //!
 //! With `GPU_RT_FENCES` the driver has no timeline semaphores, so that wgpu waits for fences. With `GPU_RT_TWINS` it has each
-//! physical device twice.
+//! physical device twice. With `GPU_RT_ROUGH` (`up` or `down`) it makes quotients and roots too large or too small, as much as WGSL allows.
 
 #![allow(non_snake_case)]
 
@@ -19,6 +19,8 @@ use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
+
+mod rough;
 
 type Handle = *mut c_void;
 type Any = *mut c_void;
@@ -288,6 +290,36 @@ unsafe extern "system" fn counter_value(device: Handle, semaphore: u64, value: *
     result
 }
 
+/// VkShaderModuleCreateInfo.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct ModuleInfo {
+    struct_type: i32,
+    next: Any,
+    flags: u32,
+    bytes: usize,
+    words: *const u32,
+}
+
+/// Makes a module with rough quotients, if they are asked for.
+unsafe extern "system" fn create_shader_module(
+    device: Handle,
+    info: *mut ModuleInfo,
+    allocator: Any,
+    module: Any,
+) -> i32 {
+    let factor = match std::env::var("GPU_RT_ROUGH").as_deref() {
+        Ok("up") => 1f32.next_up(),
+        Ok("down") => 1f32.next_down(),
+        _ => return unsafe { vkCreateShaderModule(device, info.cast(), allocator, module) },
+    };
+    let info = unsafe { *info };
+    let words = unsafe { std::slice::from_raw_parts(info.words, info.bytes / 4) };
+    let words = rough::with_rough_quotients(words, factor);
+    let mut info = ModuleInfo { bytes: 4 * words.len(), words: words.as_ptr(), ..info };
+    unsafe { vkCreateShaderModule(device, (&raw mut info).cast(), allocator, module) }
+}
+
 // What the loader calls.
 
 /// The link to the next layer, which this one takes out of the chain.
@@ -401,6 +433,7 @@ unsafe extern "system" fn device_proc(device: Handle, name: *const c_char) -> Fu
     match of_device(core, next) {
         Some(_) if core == "vkGetSemaphoreCounterValue" => counter_value as Function,
         Some(_) if core == "vkQueueSubmit" => queue_submit as Function,
+        Some(_) if core == "vkCreateShaderModule" => create_shader_module as Function,
         Some(function) => function,
         None => next,
     }

@@ -277,7 +277,7 @@ fn run(format: &str, seed: u64, numbers: std::ops::Range<u64>, progress: &Path) 
 /// The process that `fuzz` starts.
 #[test]
 #[ignore = "the test beside it starts it"]
-fn worker() {
+fn a_worker_reads_the_files_of_its_order() {
     let Ok(order) = std::env::var("GPU_RT_FUZZ_ORDER") else { return };
     let words: Vec<&str> = order.splitn(4, ' ').collect();
     let [format, seed, count, progress] = words[..] else { panic!("{order}") };
@@ -302,7 +302,7 @@ fn in_process(format: &str, seed: u64, count: u64) -> Result<String, String> {
     let mut child = Command::new("sh")
         .args(["-c", &format!("ulimit -v {MEMORY} && exec \"$@\""), "sh"])
         .arg(program)
-        .args(["--exact", "fuzz::worker", "--ignored", "--nocapture"])
+        .args(["--exact", "fuzz::a_worker_reads_the_files_of_its_order", "--ignored", "--nocapture"])
         .env("GPU_RT_FUZZ_ORDER", format!("{format} {seed} {count} {}", progress.display()))
         .env("RUST_BACKTRACE", "1")
         .stdin(Stdio::null())
@@ -352,7 +352,7 @@ fn number_of(name: &str, otherwise: u64) -> u64 {
 }
 
 #[test]
-fn a_slice_of_damaged_files() {
+fn some_damaged_files_are_read_or_refused() {
     fuzz(1, 2000);
     // Case 1290 claimed a row of 2.7 GB, which ended the program.
     in_process("resume", 4242, 1300).unwrap_or_else(|failure| panic!("{failure}"));
@@ -361,7 +361,7 @@ fn a_slice_of_damaged_files() {
 /// `make fuzz`. `GPU_RT_FUZZ` repeats one case, and keeps its file.
 #[test]
 #[ignore = "takes minutes"]
-fn damaged_files() {
+fn many_damaged_files_are_read_or_refused() {
     let Ok(wanted) = std::env::var("GPU_RT_FUZZ") else {
         return fuzz(number_of("GPU_RT_FUZZ_SEED", 2), number_of("GPU_RT_FUZZ_COUNT", 10_000));
     };

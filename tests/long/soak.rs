@@ -266,7 +266,7 @@ fn number_of(name: &str, otherwise: u64) -> u64 {
 }
 
 #[test]
-fn a_slice_of_random_scenes() {
+fn some_random_scenes_render_without_a_fault() {
     soak(1..9, Duration::MAX);
 }
 
@@ -292,7 +292,7 @@ fn the_soak_finds_a_difference() {
 /// `make soak`.
 #[test]
 #[ignore = "takes half an hour"]
-fn random_scenes() {
+fn many_random_scenes_render_without_a_fault() {
     let (first, seconds) = (number_of("GPU_RT_SOAK_SEED", 1000), number_of("GPU_RT_SOAK_SECONDS", 60));
     soak(first.., Duration::from_secs(seconds));
 }

@@ -250,7 +250,7 @@ fn a_render_denoises_what_it_has_written() {
 }
 
 #[test]
-fn windows_stay_where_they_are() {
+fn denoising_keeps_the_data_and_display_windows() {
     let sandbox = Sandbox::new();
     let image = vec![[0.5, 0.25, 0.125]; 12];
     let display = IntegerBounds { position: Vec2(-2, 30), size: Vec2(50, 20) };

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use gpu_rt::gpu::spirv::uncontracted;
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use tempfile::TempDir;
 
@@ -13,6 +14,9 @@ use crate::common::device::index as software;
 use crate::common::fault::{Fault, put_layer_under, without_threads};
 use crate::common::program::{Ran, command, finish};
 use crate::sandbox::SPHERE;
+
+#[path = "../layer/rough.rs"]
+mod rough;
 
 /// A render that a fault must end, in submissions of one bounce, with a checkpoint after each.
 const ENDLESS: [&str; 6] = ["--spp", "1000000000", "--bounces", "1", "--checkpoint", "1ns"];
@@ -317,6 +321,40 @@ fn a_device_that_fails_after_the_render_does_no_harm() {
         assert!(fault.has_happened());
         assert_eq!(image(folder.path()).samples, Some(vec![16; 240]));
     }
+}
+
+/// Quotients and roots that are as inexact as those of GPUs, for `make test-drivers`.
+#[test]
+fn rough_quotients_change_the_image() {
+    let folder = sandbox();
+    let image_with = |rough: &str| {
+        let mut command = render(folder.path(), &["--spp", "1", "--force"]);
+        put_layer_under(&mut command);
+        command.env("GPU_RT_ROUGH", rough);
+        ran(command).exits(0);
+        image(folder.path()).rgb
+    };
+    let [exact, up, down] = ["", "up", "down"].map(image_with);
+    assert!(exact != up && exact != down && up != down);
+}
+
+#[test]
+fn rough_quotients_and_roots_have_a_factor_and_a_mix_is_a_sum() {
+    let text = "@group(0) @binding(0) var<storage, read_write> a: array<vec4<f32>>;
+        @compute @workgroup_size(1) fn main() {
+            a[0] = a[1] / a[2] + vec4(sqrt(a[3].x)) + mix(a[4], a[5], a[6]);
+        }";
+    let module = naga::front::wgsl::parse_str(text).expect("it parses");
+    let plain = uncontracted(&module, "main", &[], vec![0]).expect("it is written");
+    let rough = rough::with_rough_quotients(&plain, 1f32.next_up());
+    let count = |words: &[u32], opcode| rough::instructions(words).filter(|(own, _)| *own == opcode).count();
+    // Two factors and a product for a quotient and a root; the difference, product and sum of the mix; and these five are not contracted.
+    let [constant, composite, extended, decorate, add, subtract, multiply] = [43, 44, 12, 71, 129, 131, 133];
+    let added = |opcode| count(&rough, opcode) - count(&plain, opcode);
+    assert_eq!([constant, composite, decorate, add, subtract, multiply].map(added), [1, 1, 5, 1, 1, 3]);
+    assert_eq!((count(&plain, extended), count(&rough, extended)), (2, 1));
+    // Each identifier is less than the bound, and none has two meanings.
+    assert_eq!(rough[3], plain[3] + 6);
 }
 
 /// Two devices that only their numbers distinguish: the layer has each device twice.

@@ -97,7 +97,7 @@ fn a_pipe_may_have_any_name() {
 }
 
 #[test]
-fn a_dash_is_standard_input_and_output() {
+fn a_dash_reads_standard_input_and_writes_standard_output() {
     let sandbox = Sandbox::new();
     let render = ["render", "-", "--device", software()];
     sandbox.render(&["-o", "a.png", "--quiet"]).exits(0);

@@ -143,7 +143,7 @@ impl Held {
             !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene" && name != "gpu-rt:command"
         });
         attributes.sort_by(|a, b| a.0.cmp(&b.0));
-        let State { samples, looks: checks, .. } = state;
+        let State { samples, checks, .. } = state;
         Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), checks, attributes }
     }
 }
@@ -229,7 +229,7 @@ fn a_render_until_an_error_goes_on() {
         let mut state = read_state(&path).expect("it is read").expect("there is a state");
         let mut film = state.film().expect("it fits");
         add_film(&path, &state, &mut film).expect("it is read");
-        state.looks = checks;
+        state.checks = checks;
         write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
             .expect("it is written");
         sandbox.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);

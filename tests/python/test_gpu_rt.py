@@ -474,6 +474,13 @@ class Documents(InAFolder):
             ran = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True)
             self.assertEqual(ran.returncode, 0, example + ran.stderr)
 
+    def test_the_tables_of_scaling_follow_from_its_measurements(self):
+        page = (ROOT / "docs/scaling.md").read_text()
+        tables = lambda page: subprocess.check_output([sys.executable, ROOT / "docs/scaling.py"], input=page, text=True)
+        self.assertIn(tables(page), page)
+        # Another time of a merge gives other tables.
+        self.assertNotIn(tables(page.replace("| 0.174 |", "| 0.175 |")), page)
+
 
 if __name__ == "__main__":
     unittest.main()

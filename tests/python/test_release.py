@@ -94,6 +94,8 @@ class Release(unittest.TestCase):
                 self.assertEqual(sorted(name for name in extension.namelist() if name.startswith("bin")), [program])
                 plain = {path.name for path in (ROOT / "blender/gpu_rt").iterdir() if path.is_file()}
                 self.assertEqual(set(extension.namelist()) - {program}, plain)
+                # There a link of the checkout is a file.
+                self.assertEqual(extension.read("ron.py"), (ROOT / "python/gpu_rt/ron.py").read_bytes())
 
     def test_the_program_of_an_archive_runs_and_the_extension_finds_that_inside(self):
         self.wheels(systems=["manylinux_2_28_x86_64"])

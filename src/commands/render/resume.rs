@@ -95,7 +95,7 @@ pub fn begin(
         Some(state) => {
             let mut film = state.film()?.not_sampling(view.not_sampled).with_lamps(&view.lamps);
             add_film(&request.image, state, &mut film)?;
-            let State { samples, looks: checks, devices: earlier, .. } = state.clone();
+            let State { samples, checks, devices: earlier, .. } = state.clone();
             Accumulation { film, samples, checks, devices: earlier }
         }
         None => Accumulation::empty(empty_film(view, request.job.size, &request.args.options)?),

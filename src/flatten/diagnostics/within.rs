@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_point_of_a_triangle() {
+    fn the_distance_to_a_triangle_is_that_to_its_nearest_point() {
         let from = |p: DVec3| {
             let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|q| q - p);
             distance_squared(a, b, c).sqrt()

@@ -62,7 +62,7 @@ impl NoisyFile {
 
 /// Reads the picture that [`read_exr`](super::read_exr) reads, and what the same part has of albedo and normal. Colours are those of Rec. 709.
 pub fn read_noisy(path: &Path) -> Result<NoisyFile> {
-    read(path).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
+    read(path).map_err(Error::file(path, "read"))
 }
 
 fn read(path: &Path) -> std::result::Result<NoisyFile, String> {

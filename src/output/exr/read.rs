@@ -102,8 +102,7 @@ pub(super) fn read_part(
 
 /// The attributes of a file's first part that this program can write, as they are.
 pub fn read_attributes(path: &Path) -> Result<Vec<(String, Attribute)>> {
-    let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
-    Ok(attributes_of(&open(path).map_err(failed)?))
+    Ok(attributes_of(&open(path).map_err(Error::file(path, "read"))?))
 }
 
 pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
@@ -115,14 +114,14 @@ pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
 /// have a luminance, Y, which is grey. Colours of other primaries, by the header's chromaticities, are converted to Rec. 709. The size is
 /// that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
-    read_rgb(path, find_rgb).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
+    read_rgb(path, find_rgb).map_err(Error::file(path, "read"))
 }
 
 /// Reads the layer of this name, as [`read_exr`] does: three channels, or one, which is grey. It has no variance. Several parts or layers may
 /// precede the name.
 pub fn read_layer(path: &Path, layer: &str) -> Result<ExrImage> {
     let read = read_rgb(path, |parts| find_layer(parts, layer));
-    let image = read.map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })?;
+    let image = read.map_err(Error::file(path, "read"))?;
     Ok(ExrImage { variance: None, ..image })
 }
 

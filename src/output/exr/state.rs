@@ -18,7 +18,7 @@ use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
 
-/// What a render needs to go on: which image a film is of, its samples, and the film's form. In files as JSON, but for the size.
+/// The description of a film with which a render goes on: its image, its samples, and its form. In files as JSON, but for the size.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct State {
@@ -28,8 +28,9 @@ pub struct State {
     pub devices: Vec<(String, String)>,
     /// The samples that each pixel has.
     pub samples: Samples,
-    /// How often `--noise` has compared the error with the requested one.
-    pub looks: u32,
+    /// The number of times that `--noise` has compared the error with the requested one.
+    #[serde(rename = "looks")]
+    pub checks: u32,
     /// The size, the scale and the sampler of the film.
     #[serde(skip)]
     pub size: (u32, u32),
@@ -56,13 +57,19 @@ const FORMAT: u32 = 2;
 
 impl State {
     /// The state of a film.
-    pub fn new(identity: Identity, devices: Vec<(String, String)>, film: &Film, samples: Samples, looks: u32) -> State {
+    pub fn new(
+        identity: Identity,
+        devices: Vec<(String, String)>,
+        film: &Film,
+        samples: Samples,
+        checks: u32,
+    ) -> State {
         State {
             format: FORMAT,
             identity,
             devices,
             samples,
-            looks,
+            checks,
             size: (film.width(), film.height()),
             exponent: film.exponent(),
             sampler: film.sampler(),
@@ -137,10 +144,6 @@ fn value_of<'a>(header: &'a Header, name: &str) -> Option<&'a AttributeValue> {
     attributes.find(|(known, _)| known.as_slice() == name.as_bytes()).map(|(_, value)| value)
 }
 
-fn failed(path: &Path) -> impl Fn(String) -> Error {
-    move |reason| Error::File { path: path.to_owned(), action: "read", reason }
-}
-
 /// The number of the part that holds the state: the one that has its name or its attribute, so that damage of one of them is no file without a
 /// state, which a render would begin anew.
 fn state_part(headers: &[Header]) -> Option<usize> {
@@ -163,10 +166,10 @@ impl StateFile {
     /// # Errors
     /// `Error::File` where it cannot be read or is damaged.
     pub fn open(path: &Path) -> Result<Option<StateFile>> {
-        let opened = open(path).map_err(failed(path))?;
+        let opened = open(path).map_err(Error::file(path, "read"))?;
         let headers = opened.headers();
         let Some(part) = state_part(headers) else { return Ok(None) };
-        let state = State::of_header(&headers[part], &headers[0]).map_err(failed(path))?;
+        let state = State::of_header(&headers[part], &headers[0]).map_err(Error::file(path, "read"))?;
         Ok(Some(StateFile { state, path: path.to_owned(), opened, part }))
     }
 
@@ -183,7 +186,8 @@ impl StateFile {
         let StateFile { state, path, opened, part } = self;
         film.add_totals(state.totals);
         let names = film.word_names();
-        read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words)).map_err(failed(&path))
+        read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words))
+            .map_err(Error::file(&path, "read"))
     }
 
     /// The variance of the samples of each pixel, row 0 on top.
@@ -192,13 +196,14 @@ impl StateFile {
     /// `Error::File` where they cannot be read, or are not those that were written.
     pub fn sample_variances(self) -> Result<Vec<SampleVariance>> {
         let StateFile { state, path, opened, part } = self;
-        let count = pixels_of(&opened.headers()[part], size_of::<SampleVariance>()).map_err(failed(&path))?;
+        let count =
+            pixels_of(&opened.headers()[part], size_of::<SampleVariance>()).map_err(Error::file(&path, "read"))?;
         let mut sample_variances = Vec::with_capacity(count);
         let has_light_paths = state.light_paths;
         let names = word_names(&state.identity.aovs(), has_light_paths);
         let light_paths = has_light_paths.then(|| state.totals.light_paths_of_a_pixel(state.frame().full));
         let add = |_, words: &[u16]| sample_variances.push(sample_variance_of(words, state.exponent, light_paths));
-        read_pixels(opened, part, &state, &names, add).map_err(failed(&path))?;
+        read_pixels(opened, part, &state, &names, add).map_err(Error::file(&path, "read"))?;
         Ok(sample_variances)
     }
 }
@@ -217,7 +222,7 @@ pub fn read_state(path: &Path) -> Result<Option<State>> {
 /// # Errors
 /// `Error::File` where they cannot be read, or are not those of the state. The film may then have a part of them.
 pub fn add_film(path: &Path, state: &State, film: &mut Film) -> Result<()> {
-    let changed = || failed(path)("it has changed while it was read".to_string());
+    let changed = || Error::file(path, "read")("it has changed while it was read");
     let file = StateFile::open(path)?.ok_or_else(changed)?;
     StateFile { state: state.clone(), ..file }.add_to(film)
 }

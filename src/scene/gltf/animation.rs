@@ -12,13 +12,12 @@ use super::channels::{Interpolation, Sampler};
 use super::interpolate::{Position, locate, value};
 use super::nodes::{Animated, Pose};
 use super::{File, GltfError, Result};
-use crate::printable::counted;
-use crate::scene::mesh_files::quote;
+use crate::printable::{counted, quote};
 
 /// The most keys of all samplers. A time is searched among all keys of a sampler.
 const MOST_KEYS: u64 = 1 << 28;
 
-/// What a channel moves.
+/// The property of a node that a channel moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Property {
     Translation,
@@ -91,7 +90,7 @@ impl File {
             notes.extend(moved_before.map(|(mover, node)| {
                 let name = |number: usize| {
                     let name = animations.get(number).and_then(|animation| animation.name.as_ref());
-                    name.map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())))
+                    name.map_or(String::new(), |name| format!(" ({})", quote(name)))
                 };
                 let (this, other) = (name(number), name(mover));
                 format!(

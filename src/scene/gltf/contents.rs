@@ -15,14 +15,14 @@ use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, 
 use super::nodes::similarity;
 use super::{File, GltfError, Result, is_read};
 use crate::guard::guarded;
+use crate::printable::quote;
 use crate::scene::gltf_path::Part;
-use crate::scene::mesh_files::quote;
 use crate::scene::nearest::nearest;
 use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
-/// How one says that a file is read in another way.
+/// The words by which users have a file read in another way.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Asker {
     /// Lights are not in watts.
@@ -38,7 +38,7 @@ pub const OPTIONS: Asker = Asker { watts_off: "--watts=off", thin_pane: "--thin 
 /// By the fields of a Gltf object in a scene file.
 pub const OBJECT: Asker = Asker { watts_off: "watts: false", thin_pane: "thin: Pane", frame: "frame: N" };
 
-/// How a file is read where glTF and Blender differ.
+/// The choices of reading a file where glTF and Blender differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     pub asker: &'static Asker,
@@ -49,7 +49,7 @@ pub struct Reading {
     pub seconds: Option<f64>,
 }
 
-/// What the default scene of a file has.
+/// The contents of the default scene of a file.
 #[derive(Default)]
 pub struct Contents {
     pub materials: Vec<(String, Material)>,
@@ -224,7 +224,7 @@ impl File {
     }
 }
 
-/// What objects and materials lack of a file, or have in another way.
+/// The properties of a file that objects and materials lack, or have in another way.
 #[derive(Default)]
 struct Deviations {
     /// The primitives of points and lines.
@@ -242,8 +242,7 @@ struct Deviations {
 impl Deviations {
     fn notes(&self, root: &gltf::json::Root, reading: &Reading) -> Vec<String> {
         let mut notes = Vec::new();
-        let unread: Vec<String> =
-            root.extensions_used.iter().filter(|name| !is_read(name)).map(|name| quote(name.as_bytes())).collect();
+        let unread: Vec<String> = root.extensions_used.iter().filter(|name| !is_read(name)).map(quote).collect();
         if !unread.is_empty() {
             notes.push(format!("extensionsUsed: not read: {}", unread.join(", ")));
         }
@@ -307,7 +306,7 @@ struct Materials<'a> {
 }
 
 impl Materials<'_> {
-    /// What the glass of a material is on a mesh. Blender renders closed meshes as solids and knows no thickness, unless a group of nodes
+    /// The form of a material's glass on a mesh. Blender renders closed meshes as solids and knows no thickness, unless a group of nodes
     /// has it for the exporter; and it takes the root of the base colour at each surface.
     fn glass(&mut self, index: Option<usize>, mesh: usize) -> Glass {
         let given = index.and_then(|index| self.file.root().materials.get(index));
@@ -327,7 +326,7 @@ impl Materials<'_> {
     /// Says what glass became by the shape of its meshes, and how it becomes the other.
     fn note_of_glass(&self, index: usize, glass: Glass) -> Option<String> {
         let given = self.file.root().materials.get(index).filter(|_| glass.by_shape)?;
-        let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
+        let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name)));
         let became = match glass.is_solid {
             true => format!(
                 "read as solid glass, because its mesh is closed, as Blender renders it: {} reads the thin pane that the file describes",

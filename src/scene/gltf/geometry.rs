@@ -12,8 +12,8 @@ use super::deformation::{Deformation, NORMAL, POSITION, TANGENT};
 use super::material::{UvTransform, is_opaque};
 use super::nodes::SceneNode;
 use super::{File, GltfError, Result};
+use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::scene::gltf_path::Part;
-use crate::scene::mesh_files::{Draft, MOST_BYTES};
 
 /// Whether a primitive consists of triangles, and not of points or lines.
 pub fn has_triangles(primitive: &Primitive) -> bool {

@@ -88,10 +88,3 @@ pub fn rest_of(line: &[u8]) -> String {
 pub fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
-
-/// A word in quotes for messages, shortened if it is long.
-pub fn quote(word: &[u8]) -> String {
-    const LONGEST: usize = 40;
-    let text = String::from_utf8_lossy(word.get(..LONGEST).unwrap_or(word));
-    format!("{text:?}")
-}

@@ -5,10 +5,11 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-use super::input::{Input, number, quote, rest_of, words};
+use super::input::{Input, number, rest_of, words};
 use super::obj::{Lines, Named};
 use crate::bitmap::Channel;
 use crate::material::MOST_IOR;
+use crate::printable::quote;
 use crate::scene::file;
 use crate::scene::gltf::{default_material, radiance};
 use crate::scene::types::{Colour, Dielectric, Lambertian, Material, Pbr, Texture};
@@ -194,7 +195,7 @@ impl Given {
         let lost = (refracts && light != Colour::ZERO).then(|| "Ke of clear glass".to_owned());
         let found: Vec<String> = self.unread.iter().cloned().chain(lost).collect();
         if !found.is_empty() {
-            notes.push(format!("{}: {}: not read: {}", self.place, quote(name.as_bytes()), found.join(", ")));
+            notes.push(format!("{}: {}: not read: {}", self.place, quote(name), found.join(", ")));
         }
         material
     }

@@ -9,8 +9,9 @@ use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::draft::{Draft, LARGEST};
-use super::input::{Input, number, quote, rest_of, words};
+use super::input::{Input, number, rest_of, words};
+use crate::printable::quote;
+use crate::scene::draft::{Draft, LARGEST};
 
 /// The memory that reading a file may take beside its mesh: for an entry of a list, and for a vertex in the table of vertices.
 const MOST_BYTES: usize = 5 << 29;
@@ -45,7 +46,7 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
     if let Some((library, _)) = libraries.first() {
         draft.warnings.push(format!(
             "its materials, in {} (mtllib), are not read: the mesh has the one that the scene gives it",
-            quote(library.as_bytes())
+            quote(library)
         ));
     }
     Ok(())

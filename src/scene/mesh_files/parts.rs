@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::draft::MOST_BYTES;
 use super::input::Input;
 use super::obj;
+use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
 use crate::shape::mesh::Mesh;
 

@@ -13,10 +13,11 @@ use glam::{DVec3, Vec2, Vec3};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyProperty, PlyReader, PropertyType, ScalarType};
 
-use super::draft::Draft;
-use super::input::{Input, number, quote, words};
+use super::input::{Input, number, words};
 use crate::bitmap::from_srgb;
 use crate::guard::guarded;
+use crate::printable::quote;
+use crate::scene::draft::Draft;
 
 /// Vertices are numbered in 32 bits.
 const MOST_VERTICES: usize = u32::MAX as usize;

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::draft::Draft;
-use super::input::{Input, number, quote, words};
+use super::input::{Input, number, words};
+use crate::printable::quote;
+use crate::scene::draft::Draft;
 
 /// The bytes before the triangles of a binary file, whose last four are the number of triangles; and those of a triangle.
 const HEADER: usize = 84;

@@ -13,9 +13,9 @@ use super::{
 use crate::bitmap::Channel;
 use crate::lobe::To;
 use crate::material::MOST_IOR;
+use crate::printable::quote;
 use crate::scene::gltf::lobes;
 use crate::scene::gltf::{File, GltfError, Result, decimal};
-use crate::scene::mesh_files::quote;
 use crate::scene::types::{
     Colour, Conductor, Dielectric, DiffuseLight, Lambertian, Material, Pbr, RoughDielectric, Texture, ThinDielectric,
 };
@@ -29,7 +29,7 @@ struct Reader<'a> {
     /// The file as the scene names it.
     path: &'a str,
     placings: Vec<UvTransform>,
-    /// What is not as the file says.
+    /// The properties that are approximated.
     found: Vec<String>,
 }
 
@@ -120,7 +120,7 @@ impl File {
         reader.tell_unread(glass);
         let Reader { found, at, .. } = reader;
         if !found.is_empty() {
-            let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
+            let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name)));
             notes.push(format!("{at}{name} is approximated: {}", found.join("; ")));
         }
         Ok(material)
@@ -322,7 +322,7 @@ impl<'a> Reader<'a> {
             has(is_lit && given.occlusion_texture.is_some(), "occlusionTexture"),
         ];
         let others = self.extensions().into_iter().flat_map(|found| found.others.keys());
-        let others = others.filter(|name| !lobes::is_read(name)).map(|name| quote(name.as_bytes()));
+        let others = others.filter(|name| !lobes::is_read(name)).map(quote);
         let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
         self.found.extend((!unread.is_empty()).then(|| format!("not read: {}", unread.join(", "))));
     }
