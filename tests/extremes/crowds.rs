@@ -2,16 +2,14 @@
 
 use std::io::Write;
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
 use gpu_rt::flatten::DeviceScene;
-use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{UniformTables, choices_of};
 
-use crate::common::kernel::{Kernel, Overlay, Setup, array};
+use crate::common::kernel::{Kernel, Overlay, Setup, array, plan_of};
 use crate::common::render::{Request, diagnostics, render, render_planted, scene_in};
+use crate::common::rows::rows;
 use crate::common::scenes::flat;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -146,13 +144,11 @@ fn triangles() -> Cell {
     .achieved(farthest(&shot, 1.0))
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Ray {
-    origin: [f32; 3],
-    root: u32,
-    direction: [f32; 3],
-    padding: u32,
+rows! {
+    struct Ray {
+        origin: [f32; 3], root: u32,
+        direction: [f32; 3], padding: u32,
+    }
 }
 
 /// 2^20 spheres of radii over two decades in a ball around the eye: the walk, against every one of them in f64.
@@ -185,7 +181,7 @@ fn spheres() -> Cell {
     let one = flat(&["Sphere(center: (0, 0, -2), radius: 1, material: \"m\")".to_string()]);
     let mut features = one.features.clone();
     features.quantities.stack_size = tree.stack_size.max(1);
-    let plan = choices_of(&features, &RenderOptions::default(), &UniformTables::default());
+    let plan = plan_of(&features);
     let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let walk = |nodes: &[gpu_rt::data::Node]| -> Vec<[[u32; 4]; 2]> {

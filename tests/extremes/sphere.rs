@@ -105,16 +105,7 @@ fn compare(kernel: &Kernel, distance: f64, of_l: f64, spheres: &[Sphere], rays: 
     Verdict { wrong: f64::from(wrong) / rays.len() as f64, worst_decision, median, worst_distance, worst_normal }
 }
 
-/// The table's cells of spheres.
-pub fn cells() -> Vec<Cell> {
-    let mut all = distances();
-    all.extend(on_the_axis());
-    all.extend(leavings());
-    all.extend(grazing());
-    all
-}
-
-fn distances() -> Vec<Cell> {
+pub fn distances() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     // The textbook's discriminant has an error of u D^2: 3 % of the decisions are wrong at 1e3 radii, a third beyond.
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
@@ -196,7 +187,7 @@ fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
 /// the foot is taken out again.
 const AXIS_ERROR: f64 = 4.0 * 6.0 * U;
 
-fn on_the_axis() -> Vec<Cell> {
+pub fn on_the_axis() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
     let by_distance = tracer_with_surface("sphere", "sphere_surface_by_t", "test/control/sphere_by_t", &[]);
@@ -336,7 +327,7 @@ fn leave(kernel: &Kernel, radius: f64, ratio: f64) -> Leaving {
 }
 
 /// Rays that leave spheres of radii from 1e-6 to 1e6, each with its centre up to 1000 radii away from the origin of space.
-fn leavings() -> Vec<Cell> {
+pub fn leavings() -> Vec<Cell> {
     const FIGURE: &str = "Spheres: of 1000 rays, those that hit their own sphere again or had a wrong chord inside, with cosines \
                           from 0.05 to 1";
     const BECAUSE: &str =
@@ -409,7 +400,7 @@ fn graze(kernel: &Kernel, ratio: f64, cosines: (f64, f64)) -> f64 {
     wrong as f64
 }
 
-fn grazing() -> Vec<Cell> {
+pub fn grazing() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     let without = tracer("sphere", &[("geometry/offset", "test/control/offset_none")]);
     let mut all = Vec::new();

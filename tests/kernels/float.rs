@@ -1,6 +1,6 @@
 //! lib/float: what the bits of a float say.
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 
 fn inputs() -> Vec<[u32; 2]> {
@@ -56,6 +56,6 @@ fn wrong(kernel: &Kernel) -> [usize; 3] {
 fn floats_are_distinguished_and_stepped_by_their_bits() {
     assert_eq!(wrong(&Kernel::new("test/float")), [0; 3]);
     let replaced = [("lib/float", "test/control/float_wrong")];
-    let found = wrong(&Kernel::with("test/float", &Setup { replaced: &replaced, ..Setup::default() }));
+    let found = wrong(&Kernel::replacing("test/float", &replaced));
     assert!(found.iter().all(|&n| n > 0), "{found:?}");
 }

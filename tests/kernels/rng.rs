@@ -1,6 +1,6 @@
 //! lib/rng and sampler/independent: the hash against an independent one, the unit interval, and the statistics of what comes out.
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::oracles::pcg4d;
 use crate::common::rows::Words as Out;
 use crate::common::stats::{Random, normal_two_sided, sidak, uniform_in_cells};
@@ -9,7 +9,7 @@ use crate::common::stats::{Random, normal_two_sided, sidak, uniform_in_cells};
 const ALPHA: f64 = 1e-6;
 
 fn weak() -> Kernel {
-    Kernel::with("test/rng", &Setup { replaced: &[("lib/rng", "test/control/rng_weak")], ..Setup::default() })
+    Kernel::replacing("test/rng", &[("lib/rng", "test/control/rng_weak")])
 }
 
 #[test]

@@ -1,20 +1,20 @@
 //! shaders/sampler: nets that are exact, scrambles that know nothing of each other, and errors that fall as they should.
 
-use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::RUN_LENGTH;
 
 use crate::common::kernel::{Kernel, Setup};
+use crate::common::rows::rows;
 use crate::common::stats::{Random, sidak, welch_t};
 use crate::rng::{histogram, joint};
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    words: [u32; 4],
-    u: [f32; 4],
+rows! {
+    struct Out {
+        words: [u32; 4],
+        u: [f32; 4],
+    }
 }
 
 fn sampler(is_sobol: bool, replaced: &[(&str, &str)]) -> Kernel {

@@ -1,24 +1,20 @@
 //! scene/traverse: the walk through the BVH finds what asking every primitive finds, to the bit.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Node;
 use gpu_rt::flatten::DeviceScene;
-use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{UniformTables, choices_of};
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Setup, array, plan_of};
+use crate::common::rows::rows;
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
 use crate::common::vectors::{decades, rounded, unit};
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    root: u32,
-    direction: [f32; 3],
-    padding: u32,
+rows! {
+    struct In {
+        origin: [f32; 3], root: u32,
+        direction: [f32; 3], padding: u32,
+    }
 }
 
 /// Code, t as bits, steps.
@@ -70,7 +66,7 @@ fn the_walk_finds_what_asking_every_primitive_finds() {
     let scene = flat(&clutter(&mut random));
     let counts =
         [scene.shapes.spheres.len(), scene.shapes.quads.len(), scene.shapes.cuboids.len()].map(|n| n.to_string());
-    let plan = choices_of(&scene.features, &RenderOptions::default(), &UniformTables::default());
+    let plan = plan_of(&scene.features);
     let values = [("spheres", &*counts[0]), ("quads", &*counts[1]), ("cuboids", &*counts[2])];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let rays: Vec<In> = (0..20_000)

@@ -3,7 +3,12 @@
 override WORKGROUP_SIZE: u32 = 64u;
 
 struct Job {
+    // Of output.
     rows: u32,
+    // How many of them each row of input has.
+    times: u32,
+    // The planted error that is there (tests/common/kernel.rs), from 1 on.
+    planted: u32,
 }
 
 @group(0) @binding(20) var<uniform> job: Job;

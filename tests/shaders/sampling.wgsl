@@ -15,12 +15,7 @@ struct Out {
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 fn run(row: u32) {
-    var u = input[0];
-    if ${keyed} {
-        u = random4(row, 0u, 0u, 1u);
-    } else {
-        u = input[row];
-    }
+    let u = select(input[row / job.times], random4(row, 0u, 0u, 1u), job.times > 1u);
     var out: Out;
     out.disk = sample_disk(u.xy);
     out.circle = sample_circle(u.x);
