@@ -2,6 +2,8 @@
 
 use bytemuck::Pod;
 use glam::DVec3;
+use gpu_rt::data::Node;
+use gpu_rt::flatten::DeviceScene;
 
 use super::kernel::{Kernel, Plant, Setup, array};
 use super::rows::rows;
@@ -73,4 +75,23 @@ fn kernel(primitive: &str, surface: &str, surface_module: &str, setup: &Setup<'_
 /// Traces rays against primitives.
 pub fn trace<P: Pod>(kernel: &Kernel, primitives: &[P], rays: &[In]) -> Vec<Out> {
     kernel.run_with(rays, rays.len(), &[array("primitives", primitives)])
+}
+
+rows! {
+    /// A ray through the hierarchy: tests/shaders/walk.wgsl.
+    pub struct ThroughTree {
+        origin: [f32; 3], root: u32,
+        direction: [f32; 3], padding: u32,
+    }
+}
+
+/// The hits, as code, t as bits, and steps, that the walk finds and that asking every primitive of a scene finds.
+pub fn walk(kernel: &Kernel, scene: &DeviceScene, nodes: &[Node], rays: &[ThroughTree]) -> Vec<[[u32; 4]; 2]> {
+    let tables = [
+        array("nodes", nodes),
+        array("spheres", &scene.shapes.spheres),
+        array("quads", &scene.shapes.quads),
+        array("cuboids", &scene.shapes.cuboids),
+    ];
+    kernel.run_with(rays, rays.len(), &tables)
 }

@@ -209,10 +209,8 @@ pub fn variances() -> Vec<Cell> {
         let expected = samples.chunks(8).map(squared_deviations).sum::<f64>() / (7.0 * count * samples.len() as f64);
         let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
         let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
-        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as
-        // noise of variance 2^-44 / 3 and less. With r its share of the deviation of a sample, it adds r², and 2 r
-        // times a correlation that is 1 / sqrt(n) of n samples, five times by chance. Then come the roundings of seven
-        // squares and their sum.
+        // The rounding of a mean is noise of variance 2^-44 / 3 and less: it adds r², and 2 r times a correlation of 1 / sqrt(n), five times by
+        // chance. Then come the roundings of seven squares and their sum.
         let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
         let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(

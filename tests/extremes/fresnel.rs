@@ -215,8 +215,6 @@ pub fn cells() -> Vec<Cell> {
             );
             all.push(by_textbook(cell_of_bound.planted(SCHLICK, of_schlick.reflectance), &|v| v.reflectance));
             if !leaving {
-                // g by 7 u and its sum with c to the fourth: 28 u; the quotient of 5 u squared: 10 u; 1 + q², q off by 20 u
-                // where it cancels: 40 u; contrast, square, sum and product: 4 u.
                 let cell = cell(
                     "Largest relative error of the reflectance, entering",
                     82.0 * U,

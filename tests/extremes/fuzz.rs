@@ -6,11 +6,12 @@ use glam::DVec3;
 use gpu_rt::data::SCATTERED;
 
 use crate::common::kernel::Kernel;
+use crate::common::microfacets;
 use crate::common::oracles::metal_density;
 use crate::common::render::{Request, render, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
-use crate::common::vectors::{U, decades, exact, rounded, unit};
+use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, Row};
 
 const FUZZES: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
@@ -42,10 +43,8 @@ fn kernel(replaced: &[(&str, &str)]) -> Kernel {
 
 /// A ray that meets a surface at an angle with its normal.
 fn arriving(random: &mut Random, cos: f64, fuzz: f64) -> In {
-    let normal = unit(random);
-    let across = normal.cross(unit(random)).normalize();
-    let incoming = ((1.0 - cos * cos).sqrt() * across - cos * normal).normalize();
-    In { incoming: rounded(incoming), normal: rounded(normal), fuzz: fuzz as f32, ..In::default() }
+    let at = microfacets::arriving(random, cos);
+    In { incoming: at.incoming, normal: at.normal, fuzz: fuzz as f32, ..In::default() }
 }
 
 /// The mirrored ray of the very numbers that the device has.
@@ -198,8 +197,6 @@ pub fn cells() -> Vec<Cell> {
             .achieved(lobe_error(&drawn, &row).abs())
             .planted(SPHERE, lobe_error(&sphere, &row).abs()),
         );
-        // p over its peak is h / fuzz, h² = fuzz² - s²: with s off by 16 u, and s = 0.9 fuzz at most, 2.1 times as much of
-        // the fuzz; and 16 roundings of its own.
         let cell = cell(
             "Largest error of the density over its peak, within 0.9 of the lobe",
             34.0 * U / fuzz + 32.0 * U,

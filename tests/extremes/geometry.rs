@@ -516,13 +516,7 @@ pub fn grazing() -> Vec<Cell> {
         };
         let integral: f64 = (0..=steps)
             .map(|i| {
-                let weight = if i == 0 || i == steps {
-                    1.0
-                } else if i % 2 == 1 {
-                    4.0
-                } else {
-                    2.0
-                };
+                let weight = if i % steps == 0 { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
                 weight * inner(-0.1 + 0.2 * f64::from(i) / f64::from(steps))
             })
             .sum::<f64>()

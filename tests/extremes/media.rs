@@ -47,8 +47,6 @@ pub fn depths_of_words() -> Vec<Cell> {
         for (row, tau) in rows.iter().zip(depths(replaced, &rows)) {
             let share = f64::from(row[0] >> 8) / 2f64.powi(24) + f64::from(row[1] >> 8) / 2f64.powi(48);
             let (expected, rest) = (-(-share).ln_1p(), 1.0 - share);
-            // u, the sum and the product round by u each, the nested terms count by less than 0.01; or the rounding of
-            // 1 - U, and the logarithm's promise: 2^-21 for 1 - U in 0.5..2, else 3 ulps of at most 2 u.
             let series = 4.0 * U * expected;
             let log = U + if rest >= 0.5 { 8.0 * U } else { 6.0 * U * expected };
             // By rounding either may be taken within an ulp of 0.01.

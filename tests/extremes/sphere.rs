@@ -9,7 +9,7 @@ use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
 use crate::common::vectors::{U, decades, exact, quantile, rounded, unit};
-use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE};
+use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE, decade};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
 struct Roots {
@@ -110,9 +110,7 @@ pub fn distances() -> Vec<Cell> {
     // The textbook's discriminant has an error of u D^2: 3 % of the decisions are wrong at 1e3 radii, a third beyond.
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
     let mut all = Vec::new();
-    // Measured on both Mesas: 0 wrong of 20 000 up to 1e4 radii, 0.1 % at 1e5, 1 % at 1e6; the median of the distance's
-    // error is 1 u D. At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the
-    // camera's own axes.
+    // At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the camera's own axes.
     for distance in [0.0, 0.5, 0.99, 1.000_01, 1.001, 1.5, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6] {
         let range = format!("D/r = {distance}");
         let found = judge(&own, distance);
@@ -406,9 +404,8 @@ pub fn grazing() -> Vec<Cell> {
     let mut all = Vec::new();
     for ratio in [0.0, 1.0, 100.0] {
         for exponent in 0..7 {
-            let decade = f64::from(exponent);
-            let cosines = (-decade - 1.0, -decade);
-            let range = format!("1e-{} to 1e-{exponent}, {ratio} radii from the origin", exponent + 1);
+            let (range, cosines) = decade(exponent);
+            let range = format!("{range}, {ratio} radii from the origin");
             let figure = "Spheres by the cosine of the leaving ray: of 10 000 rays, those that hit their own sphere again or had a \
                           wrong chord inside";
             let because = "none, because the offset ε exceeds the bound of the error, and the chord from there is at least sqrt(8 ε \

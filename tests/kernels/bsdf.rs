@@ -277,11 +277,10 @@ fn materials_scatter_the_same_both_ways() {
         move |row: &In, _: &In| (absolute + roundings * U / f64::from(row.material.numbers[0]).powi(2), 1e-9)
     };
     let none: (f64, fn(&In) -> f64) = (0.0, |_| 1.0);
-    let metals = |rows| steep(rows, 1e-3, false);
     compare_both_ways(
         "conductors",
         &kernel("conductor", &[]),
-        metals(rough::metal_rows(&mut Random(175), 20_000, true)),
+        steep(rough::metal_rows(&mut Random(175), 20_000, true), 1e-3, false),
         none,
         &|row, turned| {
             let cos_back = exact(turned.light).dot(exact(row.normal));

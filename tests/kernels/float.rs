@@ -5,21 +5,8 @@ use crate::common::stats::Random;
 
 fn inputs() -> Vec<[u32; 2]> {
     let special = [
-        0,
-        1,
-        0x007f_ffff,
-        0x0080_0000,
-        0x0080_0001,
-        0x3f7f_ffff,
-        0x3f80_0000,
-        0x3fff_ffff,
-        0x7f7f_fffe,
-        0x7f7f_ffff,
-        0x7f80_0000,
-        0x7f80_0001,
-        0x7fbf_ffff,
-        0x7fc0_0000,
-        0x7fff_ffff,
+        0, 1, 0x007fffff, 0x00800000, 0x00800001, 0x3f7fffff, 0x3f800000, 0x3fffffff, 0x7f7ffffe, 0x7f7fffff,
+        0x7f800000, 0x7f800001, 0x7fbfffff, 0x7fc00000, 0x7fffffff,
     ];
     let toward = [0.0f32, -0.0, 1.0, -1.0, 1e-30, -1e30].map(f32::to_bits);
     let mut random = Random(51);

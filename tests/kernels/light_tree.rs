@@ -68,25 +68,24 @@ fn lights(random: &mut Random, sky: bool, without_size: bool) -> DeviceScene {
         format!("\"{i}\": DiffuseLight(emit: Rgb({emit:?}, {emit:?}, {emit:?}), two_sided: {})", i == 3)
     };
     let lamps: Vec<String> = (0..8).map(lamp).collect();
-    let text = format!(
-        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
-        background: {}, materials: {{{}, {GREY}}}, objects: [{}, {RECEIVER}])",
-        if sky { SKY } else { "Solid((0, 0, 0))" },
-        lamps.join(","),
-        objects.join(",")
-    );
-    flattened(&text)
+    let background = if sky { SKY } else { "Solid((0, 0, 0))" };
+    flattened((0, -1), background, &lamps.join(","), &objects.join(","))
 }
 
 /// Lights are sampled where something answers to them.
 const GREY: &str = "\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))";
 const RECEIVER: &str = "Quad(corner: (0, 0, 0.1), u: (0.01, 0, 0), v: (0, 0.01, 0), material: \"grey\")";
 
-fn flattened(text: &str) -> DeviceScene {
+/// A scene seen along z from one place to another.
+fn flattened((from, to): (i32, i32), background: &str, materials: &str, objects: &str) -> DeviceScene {
+    let text = format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, {from}), look_at: (0, 0, {to}), vertical_fov: 40),
+        background: {background}, materials: {{{GREY}, {materials}}}, objects: [{objects}, {RECEIVER}])"
+    );
     let folder = tempfile::tempdir().expect("a temporary folder");
     let image = Rgb32FImage::from_pixel(16, 8, Rgb([1.0, 2.0, 3.0]));
     image::DynamicImage::from(image).save(folder.path().join("sky.hdr")).expect("the sky is written");
-    let scene = Scene::parse(text, &folder.path().join("test.ron")).expect("the test's scene is valid");
+    let scene = Scene::parse(&text, &folder.path().join("test.ron")).expect("the test's scene is valid");
     flatten(&scene, (16, 16), &RenderOptions::default()).expect("the test's scene is small")
 }
 
@@ -195,15 +194,10 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
 /// Two lights are chosen by the tree as more are, and one with a sky; the sky as often as what it sends to every point says beside
 /// what a lamp does, and between a tenth and nine tenths of all.
 #[test]
-fn two_lights_and_a_lamp_under_a_sky() {
+fn the_tree_chooses_from_two_lights_and_from_a_lamp_and_its_sky() {
     let lamp = "\"lamp\": DiffuseLight(emit: Rgb(1000, 1000, 1000))";
     let sphere = |x: f64| format!("Sphere(center: ({x:?}, 0, 0), radius: 0.01, material: \"lamp\")");
-    let scene = |background: &str, objects: &str| {
-        flattened(&format!(
-            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 2), look_at: (0, 0, 0), vertical_fov: 40),
-            background: {background}, materials: {{{lamp}, {GREY}}}, objects: [{objects}, {RECEIVER}])"
-        ))
-    };
+    let scene = |background: &str, objects: &str| flattened((2, 0), background, lamp, objects);
     let probability = |flat: &DeviceScene, light: usize, from: DVec3| -> f64 {
         // The scene moved so that the camera is at the origin, and scaled by a power of two.
         let scale = f64::from(flat.shapes.spheres[0].radius) / 0.01;
@@ -231,12 +225,7 @@ fn two_lights_and_a_lamp_under_a_sky() {
 /// by their irradiance, against a sky and a point light between a tenth and nine tenths.
 #[test]
 fn lights_without_size_are_chosen_by_their_irradiance() {
-    let scene = |background: &str, lights: &str| {
-        flattened(&format!(
-            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
-            background: {background}, materials: {{{GREY}}}, objects: [{lights}, {RECEIVER}])"
-        ))
-    };
+    let scene = |background: &str, lights: &str| flattened((0, -1), background, "", lights);
     // Render space is the scene's, but for its scale of 8; the receiver's reach is 0.1.
     let probabilities = |flat: &DeviceScene, from: DVec3| probabilities(flat, 8.0 * from);
     let close = |found: &[f64], expected: &[f64]| {

@@ -354,18 +354,9 @@ fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
     let mut rows = Vec::new();
     for (shape, flat) in (0..).zip(flats) {
         let size = flat.along.length();
-        let points = [
-            (0.0, 0.0),
-            (1.0, 0.0),
-            (1.0, 1.0),
-            (0.5, 0.0),
-            (0.5, 0.5),
-            (1.0, 0.5),
-            (0.6, 0.3),
-            (3.0, 0.0),
-            (-2.0, 1.0),
-        ];
-        for (x, y) in points {
+        let x = [0.0, 1.0, 1.0, 0.5, 0.5, 1.0, 0.6, 3.0, -2.0];
+        let y = [0.0, 0.0, 1.0, 0.0, 0.5, 0.5, 0.3, 0.0, 1.0];
+        for (x, y) in x.into_iter().zip(y) {
             let on = flat.a + x * flat.along + y * flat.across;
             for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3, 0.1, 1.0, 1e4, 1e8, 1e12] {
                 for height in [height, -height] {
@@ -579,12 +570,10 @@ fn tables_are_drawn_with_exactly_the_probabilities_that_they_state() {
 
 #[test]
 fn tables_of_nothing_are_none() {
-    assert_eq!(host::alias_table(&[]), None);
-    assert_eq!(host::alias_table(&[0.0, 0.0]), None);
-    assert_eq!(host::alias_table(&[1.0, -1.0]), None);
-    assert_eq!(host::alias_table(&[1.0, f64::NAN]), None);
-    assert_eq!(host::alias_table(&[1.0, f64::INFINITY]), None);
-    assert_eq!(host::alias_table(&vec![1.0; host::MAX_ENTRIES + 1]), None);
+    let none: [&[f64]; 5] = [&[], &[0.0, 0.0], &[1.0, -1.0], &[1.0, f64::NAN], &[1.0, f64::INFINITY]];
+    for weights in none.into_iter().chain([&*vec![1.0; host::MAX_ENTRIES + 1]]) {
+        assert_eq!(host::alias_table(weights), None);
+    }
     assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(2, 1, [[0.0; 3]; 2]), 0.0), None);
     assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(0, 0, []), 0.0), None);
 }

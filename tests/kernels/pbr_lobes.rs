@@ -453,11 +453,6 @@ fn coated(random: &mut Random, i: usize, row: In) -> In {
     In { coat_normal: own, lobes: Lobes { coat, coat_roughness, coat_f0, ..row.lobes }, ..row }
 }
 
-fn sheened_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    let rows = rows(random, count, towards_light).into_iter().enumerate();
-    rows.map(|(i, row)| sheened(i, row)).collect()
-}
-
 pub fn sheened(i: usize, row: In) -> In {
     let sheen = [[0.9, 0.3, 0.0], [1.0; 3], [0.0; 3], [0.01, 0.0, 0.02]][i / 2 % 4];
     let sheen_roughness = [0.5, 0.0, 1.0, 0.1, 0.3][i / 3 % 5];
@@ -470,18 +465,10 @@ pub fn filmed(i: usize, row: In) -> In {
     In { coat_normal: row.normal, lobes: Lobes { film, film_ior, film_thickness, ..row.lobes }, ..row }
 }
 
-fn filmed_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    glassy_rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| filmed(i / 11, row)).collect()
-}
-
 pub fn translucent(i: usize, row: In) -> In {
     let through = [0.5, 1.0, 0.0, 0.01][i % 4];
     let colour_through = [[0.9, 0.3, 0.0], [1.0; 3], [0.0; 3], [0.2, 0.5, 0.1]][i / 3 % 4];
     In { coat_normal: row.normal, lobes: Lobes { through, colour_through, ..row.lobes }, ..row }
-}
-
-fn translucent_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| translucent(i / 11, row)).collect()
 }
 
 /// Of solid glass.
@@ -490,20 +477,19 @@ fn dispersed(i: usize, row: In) -> In {
     In { followed: [-1.0, 1.0, 0.0][i / 3 % 3], lobes: Lobes { dispersion: spread, ..row.lobes }, ..row }
 }
 
-fn dispersed_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    glassy_rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| dispersed(i / 11, row)).collect()
+/// Rows that are changed by their numbers.
+fn changed(rows: Vec<In>, by: impl Fn(usize, In) -> In) -> Vec<In> {
+    rows.into_iter().enumerate().map(|(i, row)| by(i, row)).collect()
 }
 
 /// With all lobes.
 fn full_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
     let rows = glassy_rows(random, count, towards_light).into_iter().enumerate();
     let around = |(i, row)| coated(random, i / 3, sheened(i / 7, row));
-    let rows: Vec<In> = rows.map(around).collect();
-    let within = |(i, row): (usize, In)| {
+    changed(rows.map(around).collect(), |i, row| {
         let own = dispersed(i / 17, translucent(i / 13, filmed(i / 11, row)));
         In { coat_normal: row.coat_normal, ..own }
-    };
-    rows.into_iter().enumerate().map(within).collect()
+    })
 }
 
 /// Layers of these rows. Each error is found in at least 100 of them.
@@ -548,7 +534,7 @@ const LAYERS: [Material; 7] = [
     layers(
         "a sheen takes from what lies below what it reflects",
         613,
-        sheened_rows,
+        |random, count, lights| changed(rows(random, count, lights), sheened),
         &[
             plant("lobe/sheen", "min({{max(albedos.x, albedos.y)}}, 1.0)", "albedos.x"),
             plant("lib/charlie", "{{2.0 * charlie_fit(0.5, alpha)}} - fit", "1.99 * charlie_fit(0.5, alpha)"),
@@ -559,7 +545,7 @@ const LAYERS: [Material; 7] = [
     layers(
         "a film reflects in place of the base and its glass",
         631,
-        filmed_rows,
+        |random, count, lights| changed(glassy_rows(random, count, lights), |i, row| filmed(i / 11, row)),
         &[
             plant("lobe/iridescence", "+ {{share * film}};", "0.97 * share * film"),
             plant("lobe/iridescence", "{{smoothstep(0.0, 0.03, hit.lobes.film_thickness)}}", "1.0"),
@@ -580,7 +566,7 @@ const LAYERS: [Material; 7] = [
     layers(
         "light passes a translucent body",
         633,
-        translucent_rows,
+        |random, count, lights| changed(rows(random, count, lights), |i, row| translucent(i / 11, row)),
         &[
             plant(
                 "lobe/diffuse_transmission",
@@ -595,7 +581,7 @@ const LAYERS: [Material; 7] = [
     layers(
         "glass with dispersion has an index for each channel",
         635,
-        dispersed_rows,
+        |random, count, lights| changed(glassy_rows(random, count, lights), |i, row| dispersed(i / 11, row)),
         &[
             plant("lobe/dispersion", "let own = {{glass.ior + shift}};", "glass.ior - shift"),
             plant("lobe/dispersion", "shift * ({{2.0 * glass.ior + shift}})", "2.0 * glass.ior"),

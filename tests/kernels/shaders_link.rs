@@ -228,28 +228,9 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    let surfaces = varying(
-        surfaces,
-        &[
-            "roughness",
-            "metallic",
-            "multiscatter",
-            "specular",
-            "specular_share",
-            "transmission",
-            "coat",
-            "coat_roughness",
-            "coat_normal",
-            "sheen",
-            "sheen_roughness",
-            "anisotropy",
-            "iridescence",
-            "iridescence_thickness",
-            "diffuse_transmission",
-            "diffuse_transmission_share",
-            "dispersion",
-        ],
-    );
+    let rows = "roughness metallic multiscatter specular specular_share transmission coat coat_roughness coat_normal \
+                sheen sheen_roughness anisotropy iridescence iridescence_thickness diffuse_transmission diffuse_transmission_share dispersion";
+    let surfaces = varying(surfaces, &rows.split(' ').collect::<Vec<_>>());
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
     with_extension(covered(emissive(coloured(lit, true, true))), "normal")
 }
@@ -1214,17 +1195,7 @@ fn helper(kept: Kept) -> f32 {
 ";
     let root = "//@ use test/inner\n//@ use lib/rng\n@compute @workgroup_size(1)\nfn main() {\n    let x = helper(Kept(1.0, 2.0));\n}\n";
     let linked = linked(&[("test/root", root), ("test/inner", inner)]).expect("it links");
-    for kept in [
-        "struct Kept",
-        "SIZE",
-        "TWICE",
-        "CHOSEN",
-        "var<storage",
-        "@binding(0)",
-        "fn helper",
-        "fn main",
-        "    x: f32,\n",
-    ] {
+    for kept in "struct Kept|SIZE|TWICE|CHOSEN|var<storage|@binding(0)|fn helper|fn main|    x: f32,\n".split('|') {
         assert!(linked.text.contains(kept), "{kept} is missing:\n{}", linked.text);
     }
     for gone in ["Unused", "LONE", "others", "fn unused()", "fn unused_like", "omment", "third", "pcg4d", "@binding(1)"]

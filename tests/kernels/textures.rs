@@ -260,24 +260,11 @@ fn directions() -> Vec<[f32; 4]> {
     for exponent in 1..=10 {
         for _ in 0..50 {
             let near = 10f64.powi(-exponent) * unit(&mut random);
-            all.extend([
-                DVec3::Y + near,
-                DVec3::NEG_Y + near,
-                DVec3::X + near,
-                DVec3::NEG_X + near,
-                DVec3::Z + near,
-                DVec3::NEG_Z + near,
-            ]);
+            all.extend(DVec3::AXES.iter().flat_map(|axis| [axis + near, near - axis]));
         }
     }
-    all.extend([
-        DVec3::X,
-        DVec3::NEG_X,
-        DVec3::Z,
-        DVec3::NEG_Z,
-        DVec3::new(-0.6, 0.8, -0.0),
-        DVec3::new(-0.0, 0.8, 0.6),
-    ]);
+    let seam = [DVec3::new(-0.6, 0.8, -0.0), DVec3::new(-0.0, 0.8, 0.6)];
+    all.extend([DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z].into_iter().chain(seam));
     all.into_iter().map(|d| rounded(d.normalize())).map(|[x, y, z]| [x, y, z, 0.0]).collect()
 }
 

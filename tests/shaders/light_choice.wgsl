@@ -15,9 +15,6 @@ struct Out {
     of_row: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let from_point = input[row / job.times].from_point;
     let choice = choose_light(from_point, random4(row, 0u, 0u, 1u).xw);

@@ -1,5 +1,5 @@
 //@ use ${kernel}
-// The entry point of every test kernel.
+// The entry point of every test kernel, and its rows: a kernel's module has the types.
 override WORKGROUP_SIZE: u32 = 64u;
 
 struct Job {
@@ -12,6 +12,8 @@ struct Job {
 }
 
 @group(0) @binding(20) var<uniform> job: Job;
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {

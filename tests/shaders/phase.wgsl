@@ -16,9 +16,6 @@ struct Out {
     padding2: vec2<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     var given = input[row / job.times];
     given.u = select(given.u, random4(row, 0u, 0u, 1u).xy, job.times > 1u);

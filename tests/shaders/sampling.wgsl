@@ -11,8 +11,7 @@ struct Out {
     padding1: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<vec4<f32>>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = vec4<f32>;
 
 fn run(row: u32) {
     let u = select(input[row / job.times], random4(row, 0u, 0u, 1u), job.times > 1u);
