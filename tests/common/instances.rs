@@ -4,41 +4,30 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
-use gpu_rt::plan::{UniformTables, choices_of};
 use gpu_rt::scene::Scene;
 
-use super::kernel::{Kernel, Setup, array};
+use super::kernel::{Kernel, Setup, array, plan_of};
+use super::rows::rows;
 use super::scenes::triple;
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct In {
-    pub origin: [f32; 3],
-    pub root: u32,
-    pub direction: [f32; 3],
-    pub request: u32,
-    pub leaving: [f32; 3],
-    pub padding: u32,
-}
+rows! {
+    pub struct In {
+        origin: [f32; 3], root: u32,
+        direction: [f32; 3], request: u32,
+        leaving: [f32; 3], padding: u32,
+    }
 
-/// Code, instance, t as bits, steps.
-pub type Hit = [u32; 4];
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Out {
-    pub walked: Hit,
-    pub brute_force: Hit,
-    pub point: [f32; 3],
-    pub again: f32,
-    pub normal: [f32; 3],
-    pub again_code: u32,
-    pub start: [f32; 3],
-    pub again_instance: u32,
+    /// Hits by code, instance, t as bits, and steps.
+    pub struct Out {
+        walked: [u32; 4],
+        brute_force: [u32; 4],
+        point: [f32; 3], again: f32,
+        normal: [f32; 3], again_code: u32,
+        start: [f32; 3], again_instance: u32,
+    }
 }
 
 pub const NOTHING: u32 = u32::MAX;
@@ -118,7 +107,7 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> DeviceScene {
 }
 
 pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
+    let plan = plan_of(&flat.features);
     let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })

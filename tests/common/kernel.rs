@@ -1,8 +1,8 @@
 //! Test kernels: small WGSL modules under tests/shaders that import production modules by name and run them on rows of
 //! input on the device. A module `test/x` is tests/shaders/x.wgsl; every other name is the production file. A wrong form
-//! is planted by a module of tests/shaders/control that replaces a production module.
+//! is planted by a module of tests/shaders/control that replaces a production module, or by an expression in place of another.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -86,12 +86,24 @@ fn complete<K: Ord, V>(own: &mut BTreeMap<K, V>, usual: BTreeMap<K, V>) {
     }
 }
 
+/// A planted error: a production module, an expression in it, and the wrong one. `{{` and `}}` part the expression from the text around it, where it
+/// stands more than once. Kernels have both expressions, and a number chooses, so that all errors of a kernel are compiled once.
+pub type Plant = (&'static str, &'static str, &'static str);
+
+/// The choices of a plan for a scene.
+pub fn plan_of(features: &Features) -> Choices {
+    choices_of(features, &RenderOptions::default(), &UniformTables::default())
+}
+
 /// A test kernel, linked and validated.
+#[derive(Clone)]
 pub struct Kernel {
     name: String,
     module: naga::Module,
     text: String,
     bindings: BTreeMap<String, Binding>,
+    /// The number of the planted error that is there, from 1 on; 0 for none.
+    planted: u32,
 }
 
 /// What a test kernel is linked with beside its own file.
@@ -101,6 +113,8 @@ pub struct Setup<'a> {
     pub replaced: &'a [(&'a str, &'a str)],
     /// A production module, a part of its text, and what stands in for that part.
     pub rewritten: Option<(&'a str, &'a str, &'a str)>,
+    /// Errors of which `Kernel::planted` chooses one.
+    pub plants: &'a [Plant],
     /// The values behind `${name}`.
     pub values: &'a [(&'static str, &'a str)],
     /// Facts that hold, and facts that do not.
@@ -115,11 +129,16 @@ impl Kernel {
         Kernel::with(name, &Setup::default())
     }
 
+    /// The same with production modules replaced.
+    pub fn replacing(name: &'static str, replaced: &[(&str, &str)]) -> Kernel {
+        Kernel::with(name, &Setup { replaced, ..Setup::default() })
+    }
+
     /// Links `test/NAME`, whose `run(row)` is called once for every row of input.
     pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
         let mut choices = setup.plan.clone();
         // By default, the choices of a plan for an empty scene.
-        let nothing = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
+        let nothing = plan_of(&Features::default());
         for fact in SETTINGS {
             choices.facts.entry(fact.to_string()).or_insert(Some(Reason::EveryRender));
         }
@@ -140,10 +159,30 @@ impl Kernel {
         if let Some((module, part, other)) = setup.rewritten {
             overlay = overlay.rewritten(module, |own| own.replace(part, other));
         }
+        let modules: BTreeSet<&str> = setup.plants.iter().map(|(module, ..)| *module).collect();
+        for module in modules {
+            let own = |text: &str| {
+                let plants = (1..).zip(setup.plants).filter(|(_, plant)| plant.0 == module);
+                plants.fold(text.to_string(), |text, (number, (_, part, other))| {
+                    let (before, rest) = part.split_once("{{").unwrap_or(("", part));
+                    let (right, after) = rest.split_once("}}").unwrap_or((rest, ""));
+                    let found = [before, right, after].concat();
+                    assert!(text.contains(&found), "{module} has no {found}");
+                    let chosen = format!("{before}select(({right}), ({other}), job.planted == {number}u){after}");
+                    text.replace(&found, &chosen)
+                })
+            };
+            overlay = overlay.rewritten(module, own);
+        }
         let linked = link(&overlay, "test/main", &choices).unwrap_or_else(|error| panic!("{name}: {error}"));
         let (module, _) = linked.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
         let bindings = layout::bindings(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
-        Kernel { name: name.to_string(), module, text: linked.text, bindings }
+        Kernel { name: name.to_string(), module, text: linked.text, bindings, planted: 0 }
+    }
+
+    /// The same with the error of this index in `Setup::plants`.
+    pub fn planted(&self, index: usize) -> Kernel {
+        Kernel { planted: index as u32 + 1, ..self.clone() }
     }
 
     /// The settings as this kernel has them.
@@ -158,7 +197,7 @@ impl Kernel {
         self.run_with(rows, rows.len(), &[])
     }
 
-    /// Runs the kernel `count` times over the input, with further buffers by the names of their variables.
+    /// Runs the kernel `count` times over the input, as often for each of its rows, with further buffers by the names of their variables.
     pub fn run_with<I: Pod, O: Pod>(&self, input: &[I], count: usize, more: &[BufferSpec<'_>]) -> Vec<O> {
         self.run_again(input, count, more, 1)
     }
@@ -199,8 +238,9 @@ impl Kernel {
     ) -> Vec<O> {
         let rows = u32::try_from(count).expect("a dispatch of less than 2^32 rows");
         let bytes = (wanted_rows * size_of::<O>()) as u64;
-        let mut job = BufferSpec::uniform("job", 4, "the test");
-        job.contents = vec![rows.to_le_bytes().to_vec().into()];
+        let times = (count / input.len().max(1)).max(1) as u32;
+        let mut job = BufferSpec::uniform("job", 12, "the test");
+        job.contents = vec![bytemuck::cast_slice(&[rows, times, self.planted]).to_vec().into()];
         let input = BufferSpec::scene("input", vec![bytemuck::cast_slice(input).into()], "the test");
         let output_bytes = count as u64 * u64::from(self.bindings["output"].element_bytes);
         let output = BufferSpec::working("output", output_bytes, "the test");

@@ -1,10 +1,11 @@
 //! Directions towards lights on the device, by the kernel tests/shaders/light.wgsl; and spheres as lights in f64.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
 use super::kernel::{Kernel, Setup, array};
+use super::rows::rows;
 use super::stats::Random;
 use super::vectors::{U, decades, exact, rounded, unit};
 
@@ -45,47 +46,67 @@ pub const CELLS: [PartCell; 4] = [
     PartCell { exponents: [2, 2], cell: [2, 0], is_above: false },
 ];
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct In {
-    pub from: [f32; 3],
-    pub shape: u32,
-    pub u: [f32; 2],
-    pub padding: [f32; 2],
+rows! {
+    pub struct In {
+        from: [f32; 3], shape: u32,
+        u: [f32; 2], padding: [f32; 2],
+    }
+
+    pub struct Out {
+        direction: [f32; 3], pdf: f32,
+        again: f32, distance: f32, padding: [f32; 2],
+    }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Out {
-    pub direction: [f32; 3],
-    pub pdf: f32,
-    pub again: f32,
-    pub distance: f32,
-    pub padding: [f32; 2],
-}
+/// A kind of light: its module in geometry, its type in WGSL, and whether it is a part of the shape.
+pub type Kind = (&'static str, &'static str, bool);
 
-/// A kind of light: its module, and the name of its struct.
-pub type Kind = (&'static str, &'static str);
+pub const SPHERE: Kind = ("sphere", "Sphere", false);
+pub const LARGE_SPHERE: Kind = ("large_sphere", "LargeSphere", false);
+/// Corners; the code of the part is beside the first.
+pub const TRIANGLE: Kind = ("triangle", "array<vec4<f32>, 3>", false);
+pub const TRIANGLE_PART: Kind = ("triangle", "array<vec4<f32>, 3>", true);
+pub const QUAD: Kind = ("quad", "Quad", false);
+/// The light's number is the code of the part.
+pub const QUAD_PART: Kind = ("quad", "Quad", true);
+pub const DISK: Kind = ("disk", "Quad", false);
+pub const DISK_PART: Kind = ("disk", "Quad", true);
+pub const CUBOID: Kind = ("cuboid", "Cuboid", false);
 
-pub const SPHERE: Kind = ("sphere", "Sphere");
-pub const LARGE_SPHERE: Kind = ("large_sphere", "LargeSphere");
-pub const TRIANGLE: Kind = ("triangle", "Corners");
-pub const QUAD: Kind = ("quad", "Quad");
-pub const DISK: Kind = ("disk", "Quad");
-pub const QUAD_PART: Kind = ("quad_part", "Quad");
-pub const DISK_PART: Kind = ("disk_part", "Quad");
-pub const TRIANGLE_PART: Kind = ("triangle_part", "TrianglePart");
-pub const CUBOID: Kind = ("cuboid", "Cuboid");
-
-pub fn kernel((shape, name): Kind, draws: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let draws = draws.to_string();
-    let values = [("shape", shape), ("type", name), ("draws", &*draws)];
+pub fn kernel((shape, kind, is_part): Kind, replaced: &[(&str, &str)]) -> Kernel {
+    let light = format!("{shape}{}", if is_part { "_parts" } else { "" });
+    let calls = if shape == "triangle" {
+        let corners = "Corners(shape[0].xyz, shape[1].xyz, shape[2].xyz)";
+        let part = format!("part_of_triangle({corners}, bitcast<u32>(shape[0].w))");
+        let own = if is_part { &*part } else { corners };
+        [
+            format!("corners_sample(from_point, {own}, u)"),
+            format!("corners_pdf(from_point, {own})"),
+            format!("face_hit(ray, {corners}).t"),
+        ]
+    } else {
+        let (name, of) = if is_part { ("part", "shape, shape.light") } else { ("light", "shape") };
+        [
+            format!("{shape}_{name}_sample(from_point, {of}, u)"),
+            format!("{shape}_{name}_pdf(from_point, sampled.direction, {of})"),
+            format!("{shape}_distance(ray, shape)"),
+        ]
+    };
+    let [sample, pdf, distance] = calls.each_ref().map(String::as_str);
+    let values = [
+        ("light", &*light),
+        ("shape", shape),
+        ("type", kind),
+        ("sample", sample),
+        ("pdf", pdf),
+        ("distance", distance),
+    ];
     Kernel::with("test/light", &Setup { replaced, values: &values, ..Setup::default() })
 }
 
 /// Many draws for each row; a few rows at a time, for a buffer's sake.
 pub fn draws<S: Pod>(kind: Kind, rows: &[In], shapes: &[S], replaced: &[(&str, &str)]) -> Vec<Out> {
-    let kernel = kernel(kind, DRAWS, replaced);
+    let kernel = kernel(kind, replaced);
     let shapes = array("shapes", shapes);
     rows.chunks(32).flat_map(|rows| kernel.run_with(rows, rows.len() * DRAWS, std::slice::from_ref(&shapes))).collect()
 }
@@ -99,7 +120,7 @@ pub fn ends() -> Vec<[f32; 2]> {
 /// Answers every row for all of [`ends`].
 pub fn at_ends<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) -> Vec<(In, Out)> {
     let rows: Vec<In> = rows.iter().flat_map(|row| ends().into_iter().map(|u| In { u, ..*row })).collect();
-    let found = kernel(kind, 1, &[]).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", shapes)]);
+    let found = kernel(kind, &[]).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", shapes)]);
     rows.into_iter().zip(found).collect()
 }
 
@@ -126,35 +147,14 @@ pub fn cone(row: &In, sphere: &Sphere) -> (DVec3, f64, f64) {
 }
 
 pub const SHARES: [f64; 20] = [
-    1e-8,
-    1e-7,
-    1e-6,
-    1e-5,
-    1e-4,
-    2e-4,
-    1e-3,
-    1e-2,
-    0.1,
-    0.3,
-    0.5,
-    0.7,
-    0.9,
-    0.99,
-    0.999,
-    0.9999,
-    0.99999,
-    0.999999,
-    1.0 - 5e-7,
-    1.0 - 1e-7,
+    1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 2e-4, 1e-3, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 0.9999, 0.99999, 0.999999,
+    0.9999995, 0.9999999,
 ];
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Triangle {
-    pub a: [f32; 3],
-    pub padding0: f32,
-    pub b: [f32; 3],
-    pub padding1: f32,
-    pub c: [f32; 3],
-    pub padding2: f32,
+rows! {
+    pub struct Triangle {
+        a: [f32; 3], padding0: f32,
+        b: [f32; 3], padding1: f32,
+        c: [f32; 3], padding2: f32,
+    }
 }

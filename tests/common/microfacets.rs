@@ -2,113 +2,72 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{self, NO_TEXTURE};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, When};
 use gpu_rt::lobe::{LOBES, Lobe};
+use gpu_rt::material::microfacets::directional_albedos;
 
-use super::kernel::{Kernel, Setup};
-use super::rows::glass;
+use super::kernel::{Kernel, Setup, array};
+use super::rows::{glass, rows};
 use super::stats::Random;
-use super::vectors::{U, rounded, unit};
+use super::vectors::{U, exact, rounded, unit};
 
 pub const SCATTERED: u32 = data::SCATTERED;
 pub const ABSORBED: u32 = data::ABSORBED;
 /// The lobe of one direction.
 pub const SPECULAR: u32 = data::LOBE_SPECULAR;
 
-/// What tests/shaders/rough.wgsl takes.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct In {
-    pub incoming: [f32; 3],
-    pub front: u32,
-    pub normal: [f32; 3],
-    /// The channel of dispersion.
-    pub followed: f32,
-    pub colour: [f32; 3],
-    pub padding1: u32,
-    pub light: [f32; 3],
-    /// Of a material that makes up for it.
-    pub compensation: f32,
-    pub u: [f32; 4],
-    pub material: data::Material,
-    pub second: data::Material,
-    /// Of glTF's material with a layer of its own.
-    pub f0: [f32; 3],
-    pub f90: f32,
-    /// Of glTF's material with more than its base.
-    pub lobes: Lobes,
-    pub coat_normal: [f32; 3],
-    pub padding2: u32,
-    /// Of anisotropic microfacets.
-    pub tangent: [f32; 3],
-    pub padding3: u32,
+rows! {
+    /// What tests/shaders/rough.wgsl takes. `followed` is the channel of dispersion.
+    pub struct In {
+        incoming: [f32; 3], front: u32,
+        normal: [f32; 3], followed: f32,
+        colour: [f32; 3], padding1: u32,
+        light: [f32; 3], compensation: f32,
+        u: [f32; 4],
+        material: data::Material,
+        second: data::Material,
+        f0: [f32; 3], f90: f32,
+        lobes: Lobes,
+        coat_normal: [f32; 3], padding2: u32,
+        tangent: [f32; 3], padding3: u32,
+    }
+
+    /// As `generated/lobes` has it. `anisotropy` is the square of the strength.
+    #[derive(PartialEq)]
+    pub struct Lobes {
+        coat: f32, coat_roughness: f32, coat_f0: f32, padding1: f32,
+        sheen: [f32; 3], sheen_roughness: f32,
+        transmission: f32, padding2: f32, contrasts: [f32; 2],
+        ior: f32, anisotropy: f32, film: f32, film_ior: f32,
+        film_thickness: f32, padding3: [f32; 3],
+        colour_through: [f32; 3], through: f32,
+        dispersion: f32, padding4: [f32; 3],
+    }
+
+    /// What it gives: the lobe of the direction that it drew (shaders/data/material), and the share of the pdf that narrow lobes have.
+    pub struct Out {
+        direction: [f32; 3], event: u32,
+        weight: [f32; 3], pdf: f32,
+        value: [f32; 3], non_specular: u32,
+        lobe: u32, narrow: f32, padding: [u32; 2],
+    }
 }
 
-/// As `generated/lobes` has it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Lobes {
-    pub coat: f32,
-    pub coat_roughness: f32,
-    pub coat_f0: f32,
-    pub padding1: f32,
-    pub sheen: [f32; 3],
-    pub sheen_roughness: f32,
-    pub transmission: f32,
-    pub padding2: f32,
-    pub contrasts: [f32; 2],
-    pub ior: f32,
-    /// The square of the strength.
-    pub anisotropy: f32,
-    pub film: f32,
-    pub film_ior: f32,
-    pub film_thickness: f32,
-    pub padding3: [f32; 3],
-    pub colour_through: [f32; 3],
-    pub through: f32,
-    pub dispersion: f32,
-    pub padding4: [f32; 3],
+/// The F90 of a row of glTF's material whose layer is that of its index.
+pub const NO_LAYER: f32 = -1.0;
+
+/// The kernel of a material with some of the modules that a scene may choose. It answers a row for its own uniforms; or many times, for
+/// independent ones.
+pub fn kernel(material: &str, with: &[&str]) -> Kernel {
+    kernel_with(material, with, &Setup::default())
 }
 
-/// What it gives.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Out {
-    pub direction: [f32; 3],
-    pub event: u32,
-    pub weight: [f32; 3],
-    pub pdf: f32,
-    pub value: [f32; 3],
-    pub non_specular: u32,
-    /// The lobe of the direction that it drew (shaders/data/material).
-    pub lobe: u32,
-    /// The share of the pdf that narrow lobes have.
-    pub narrow: f32,
-    pub padding: [u32; 2],
-}
-
-/// A kernel that answers each row so many times: once for the row's own uniforms, or for independent ones.
-pub fn kernel(material: &str, times: usize, replaced: &[(&str, &str)]) -> Kernel {
-    kernel_of(material, times, replaced, &[])
-}
-
-/// Such a kernel of a material with some of the modules that a scene may choose.
-pub fn kernel_of(material: &str, times: usize, replaced: &[(&str, &str)], with: &[&str]) -> Kernel {
-    kernel_with(material, times, with, &Setup { replaced, ..Setup::default() })
-}
-
-/// The same, with a part of a module's text replaced.
-pub fn planted_kernel(material: &str, times: usize, with: &[&str], planted: (&str, &str, &str)) -> Kernel {
-    kernel_with(material, times, with, &Setup { rewritten: Some(planted), ..Setup::default() })
-}
-
-fn kernel_with(material: &str, times: usize, with: &[&str], setup: &Setup<'_>) -> Kernel {
-    let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
-    let values = [("material", material), ("times", &*times), ("keyed", keyed)];
+/// The same with what is planted.
+pub fn kernel_with(material: &str, with: &[&str], setup: &Setup<'_>) -> Kernel {
     let heads = Embedded.heads().choices().values().flat_map(|choice| &choice.heads);
     let those =
         heads.filter(|head| with.contains(&&*head.module)).flat_map(|head| head.when.iter().flat_map(When::facts));
@@ -119,8 +78,31 @@ fn kernel_with(material: &str, times: usize, with: &[&str], setup: &Setup<'_>) -
     let facts: Vec<_> = those.map(|fact| (fact, true)).collect();
     let inner = layers.iter().rev().cloned().collect();
     let plan = Choices { lists: BTreeMap::from([("layer", layers), ("inner_layer", inner)]), ..Choices::default() };
-    let Setup { replaced, rewritten, .. } = *setup;
-    Kernel::with("test/rough", &Setup { replaced, rewritten, values: &values, facts: &facts, plan })
+    let Setup { replaced, rewritten, plants, .. } = *setup;
+    let values = [("material", material)];
+    Kernel::with("test/rough", &Setup { replaced, rewritten, plants, values: &values, facts: &facts, plan })
+}
+
+/// What single scattering by microfacets keeps, and behind it what sheen reflects, as kernels have it.
+pub fn albedo_table() -> &'static [[f32; 4]] {
+    static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
+    let tables = || LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table());
+    TABLE.get_or_init(|| directional_albedos().into_iter().chain(tables()).collect())
+}
+
+/// So many answers to rows, as many to each.
+pub fn answers(kernel: &Kernel, rows: &[In], count: usize) -> Vec<Out> {
+    let with_layer = |row: &In| match row.f90 == NO_LAYER {
+        true => In { f0: [row.material.numbers[1]; 3], f90: 1.0, ..*row },
+        false => *row,
+    };
+    let rows: Vec<In> = rows.iter().map(with_layer).collect();
+    kernel.run_with(&rows, count, &[array("directional_albedos", albedo_table())])
+}
+
+/// The unit vectors to the view and along the normal, of the rounded ones of a row.
+pub fn view_and_normal(row: &In) -> (DVec3, DVec3) {
+    (-exact(row.incoming).normalize(), exact(row.normal).normalize())
 }
 
 /// A ray that meets a surface from its front, at an angle with its normal.

@@ -1,30 +1,35 @@
 //! Rows that test kernels take and give, where several tests run them.
 
-use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::Material;
 
-/// The input of tests/shaders/scatter.wgsl: a ray that hits a surface.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct SurfaceHit {
-    pub incoming: [f32; 3],
-    pub front: u32,
-    pub normal: [f32; 3],
-    pub padding0: u32,
-    pub colour: [f32; 3],
-    pub padding1: u32,
-    pub u: [f32; 4],
-    pub material: Material,
+/// Rows of a kernel's input or output, as WGSL lays them out: a line has 16 bytes. All fields are public.
+macro_rules! rows {
+    ($($(#[$doc:meta])* $vis:vis struct $name:ident { $($(#[$of_field:meta])* $field:ident: $kind:ty),* $(,)? })*) => { $(
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+        $vis struct $name {
+            $($(#[$of_field])* pub $field: $kind),*
+        }
+    )* };
 }
+pub(crate) use rows;
 
-/// Its output.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Answer {
-    pub direction: [f32; 3],
-    pub event: u32,
-    pub weight: [f32; 3],
-    pub padding: u32,
+rows! {
+    /// The input of tests/shaders/scatter.wgsl: a ray that hits a surface.
+    pub struct SurfaceHit {
+        incoming: [f32; 3], front: u32,
+        normal: [f32; 3], padding0: u32,
+        colour: [f32; 3], padding1: u32,
+        u: [f32; 4],
+        material: Material,
+    }
+
+    /// Its output.
+    pub struct Answer {
+        direction: [f32; 3], event: u32,
+        weight: [f32; 3], padding: u32,
+    }
 }
 
 /// Glass with the host's constants, rounded from f64.
@@ -36,64 +41,40 @@ pub fn glass(ior: f64) -> Material {
     }
 }
 
-/// What tests/shaders/sampling.wgsl gives.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Maps {
-    pub disk: [f32; 2],
-    pub circle: [f32; 2],
-    pub hemisphere: [f32; 3],
-    pub root: f32,
-    pub sphere: [f32; 3],
-    pub padding0: u32,
-    pub ball: [f32; 3],
-    pub padding1: u32,
-}
+rows! {
+    /// What tests/shaders/sampling.wgsl gives.
+    pub struct Maps {
+        disk: [f32; 2], circle: [f32; 2],
+        hemisphere: [f32; 3], root: f32,
+        sphere: [f32; 3], padding0: u32,
+        ball: [f32; 3], padding1: u32,
+    }
 
-/// What tests/shaders/rng.wgsl gives.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Words {
-    pub bits: [u32; 4],
-    pub u: [f32; 4],
-    pub direct: [f32; 4],
-}
+    /// What tests/shaders/rng.wgsl gives.
+    pub struct Words {
+        bits: [u32; 4],
+        u: [f32; 4],
+        direct: [f32; 4],
+    }
 
-/// What tests/shaders/colour.wgsl takes: a ray, and what it meets.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Aimed {
-    pub origin: [f32; 3],
-    pub code: u32,
-    pub direction: [f32; 3],
-    pub padding: u32,
-}
+    /// What tests/shaders/colour.wgsl takes: a ray, and what it meets.
+    pub struct Aimed {
+        origin: [f32; 3], code: u32,
+        direction: [f32; 3], padding: u32,
+    }
 
-/// The input of tests/shaders/camera.wgsl: a pixel, and the points in it and on the lens.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct OnFilm {
-    pub column: u32,
-    pub row: u32,
-    pub padding: [u32; 2],
-    pub u: [f32; 4],
-}
+    /// The input of tests/shaders/camera.wgsl: a pixel, and the points in it and on the lens.
+    pub struct OnFilm {
+        column: u32, row: u32, padding: [u32; 2],
+        u: [f32; 4],
+    }
 
-/// Its output.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct CameraRay {
-    pub origin: [f32; 3],
-    pub padding0: u32,
-    pub direction: [f32; 3],
-    pub padding1: u32,
-}
+    /// Its output.
+    pub struct CameraRay {
+        origin: [f32; 3], padding0: u32,
+        direction: [f32; 3], padding1: u32,
+    }
 
-/// What `test/filter` gives: a point of a pixel, and its weight.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct FilterPoint {
-    pub point: [f32; 2],
-    pub weight: f32,
-    pub padding: u32,
+    /// What `test/filter` gives: a point of a pixel, and its weight.
+    pub struct FilterPoint { point: [f32; 2], weight: f32, padding: u32 }
 }

@@ -1,48 +1,39 @@
 //! Rays against one primitive, on the device: tests/shaders/trace.wgsl.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use glam::DVec3;
+use gpu_rt::data::Node;
+use gpu_rt::flatten::DeviceScene;
 
-use super::kernel::{Kernel, Setup, array};
+use super::kernel::{Kernel, Plant, Setup, array};
+use super::rows::rows;
 use super::stats::Random;
 use super::vectors::rounded;
 
 pub const NO_HIT: f32 = gpu_rt::data::NO_HIT;
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct In {
-    pub origin: [f32; 3],
-    /// Index of the primitive.
-    pub primitive: u32,
-    pub direction: [f32; 3],
-    pub padding0: u32,
-    /// The second ray's direction in a basis around the normal; zero to go on as the first ray does.
-    pub leaving: [f32; 3],
-    pub padding1: u32,
+rows! {
+    /// A ray at a primitive by its index. `leaving` is the second ray's direction in a basis around the normal; zero to go on as the first does.
+    pub struct In {
+        origin: [f32; 3], primitive: u32,
+        direction: [f32; 3], padding0: u32,
+        leaving: [f32; 3], padding1: u32,
+    }
+
+    /// The hit, the second ray, and the distance of its hit on the same primitive.
+    pub struct Out {
+        point: [f32; 3], t: f32,
+        normal: [f32; 3], error: f32,
+        local: [f32; 3], again: f32,
+        start: [f32; 3], u: f32,
+        leaving: [f32; 3], v: f32,
+    }
 }
 
 impl In {
     pub fn new(primitive: usize, origin: DVec3, direction: DVec3) -> In {
         In { origin: rounded(origin), primitive: primitive as u32, direction: rounded(direction), ..In::default() }
     }
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Out {
-    pub point: [f32; 3],
-    pub t: f32,
-    pub normal: [f32; 3],
-    pub error: f32,
-    pub local: [f32; 3],
-    /// Distance of the second ray's hit on the same primitive.
-    pub again: f32,
-    /// The second ray.
-    pub start: [f32; 3],
-    pub u: f32,
-    pub leaving: [f32; 3],
-    pub v: f32,
 }
 
 /// The direction of a second ray at this cosine with the normal, in a basis around it: at any azimuth, on the given side.
@@ -57,8 +48,19 @@ pub fn tracer(primitive: &str, replaced: &[(&str, &str)]) -> Kernel {
     tracer_with_surface(primitive, &format!("{primitive}_surface"), &module, replaced)
 }
 
+/// The kernel with a planted error.
+pub fn planted_tracer(primitive: &str, plant: Plant) -> Kernel {
+    let module = format!("geometry/{primitive}");
+    let setup = Setup { plants: &[plant], ..Setup::default() };
+    kernel(primitive, &format!("{primitive}_surface"), &module, &setup).planted(0)
+}
+
 /// The kernel with another function for the hit record.
 pub fn tracer_with_surface(primitive: &str, surface: &str, surface_module: &str, replaced: &[(&str, &str)]) -> Kernel {
+    kernel(primitive, surface, surface_module, &Setup { replaced, ..Setup::default() })
+}
+
+fn kernel(primitive: &str, surface: &str, surface_module: &str, setup: &Setup<'_>) -> Kernel {
     let kind = match primitive {
         "sphere" => "Sphere",
         "large_sphere" => "LargeSphere",
@@ -66,10 +68,30 @@ pub fn tracer_with_surface(primitive: &str, surface: &str, surface_module: &str,
         _ => "Cuboid",
     };
     let values = [("primitive", primitive), ("type", kind), ("surface", surface), ("surface_module", surface_module)];
-    Kernel::with("test/trace", &Setup { replaced, values: &values, ..Setup::default() })
+    let Setup { replaced, plants, .. } = *setup;
+    Kernel::with("test/trace", &Setup { replaced, plants, values: &values, ..Setup::default() })
 }
 
 /// Traces rays against primitives.
 pub fn trace<P: Pod>(kernel: &Kernel, primitives: &[P], rays: &[In]) -> Vec<Out> {
     kernel.run_with(rays, rays.len(), &[array("primitives", primitives)])
+}
+
+rows! {
+    /// A ray through the hierarchy: tests/shaders/walk.wgsl.
+    pub struct ThroughTree {
+        origin: [f32; 3], root: u32,
+        direction: [f32; 3], padding: u32,
+    }
+}
+
+/// The hits, as code, t as bits, and steps, that the walk finds and that asking every primitive of a scene finds.
+pub fn walk(kernel: &Kernel, scene: &DeviceScene, nodes: &[Node], rays: &[ThroughTree]) -> Vec<[[u32; 4]; 2]> {
+    let tables = [
+        array("nodes", nodes),
+        array("spheres", &scene.shapes.spheres),
+        array("quads", &scene.shapes.quads),
+        array("cuboids", &scene.shapes.cuboids),
+    ];
+    kernel.run_with(rays, rays.len(), &tables)
 }

@@ -3,32 +3,23 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::kernel::{Kernel, Setup, array};
+use super::kernel::{Kernel, array};
+use super::rows::rows;
 use super::stats::Random;
 use super::vectors::{exact, rounded, unit};
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct In {
-    pub origin: [f32; 3],
-    pub first: u32,
-    pub direction: [f32; 3],
-    pub count: u32,
-    pub leaving: [f32; 3],
-    pub padding: u32,
-}
+rows! {
+    pub struct In {
+        origin: [f32; 3], first: u32,
+        direction: [f32; 3], count: u32,
+        leaving: [f32; 3], padding: u32,
+    }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Out {
-    pub back: u32,
-    pub front: u32,
-    pub nearest: u32,
-    pub t: f32,
-    pub barycentric: [f32; 3],
-    pub again: f32,
-    pub error: f32,
-    pub padding: [f32; 3],
+    pub struct Out {
+        back: u32, front: u32, nearest: u32, t: f32,
+        barycentric: [f32; 3], again: f32,
+        error: f32, padding: [f32; 3],
+    }
 }
 
 #[repr(C)]
@@ -49,7 +40,7 @@ impl Corners {
 }
 
 pub fn tracer(replaced: &[(&str, &str)]) -> Kernel {
-    Kernel::with("test/triangle", &Setup { replaced, ..Setup::default() })
+    Kernel::replacing("test/triangle", replaced)
 }
 
 pub fn trace(kernel: &Kernel, triangles: &[Corners], rays: &[In]) -> Vec<Out> {

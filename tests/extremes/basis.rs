@@ -1,22 +1,19 @@
 //! lib/basis: orthonormal around every unit vector, also near the poles.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, exact, rounded, unit};
 use crate::table::{Cell, FRISVAD, Row};
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    tangent: [f32; 3],
-    padding0: u32,
-    bitangent: [f32; 3],
-    padding1: u32,
-    point: [f32; 3],
-    padding2: u32,
+rows! {
+    struct Out {
+        tangent: [f32; 3], padding0: u32,
+        bitangent: [f32; 3], padding1: u32,
+        point: [f32; 3], padding2: u32,
+    }
 }
 
 /// The largest of the deviations from unit length and from right angles, without bound where the basis is left-handed;
@@ -50,7 +47,7 @@ pub fn cells() -> Vec<Cell> {
     let mut random = Random(52);
     let own = Kernel::new("test/basis");
     let replaced = [("lib/basis", "test/control/basis_frisvad")];
-    let frisvad = Kernel::with("test/basis", &Setup { replaced: &replaced, ..Setup::default() });
+    let frisvad = Kernel::replacing("test/basis", &replaced);
     let cell = |range: String, normals: &[DVec3]| {
         Cell::new(Row::Basis, range, FIGURE, 8.0 * U, BECAUSE).achieved(worst(&own, normals).0)
     };

@@ -2,18 +2,16 @@
 
 use std::io::Write;
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
 use gpu_rt::flatten::DeviceScene;
-use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{UniformTables, choices_of};
 
-use crate::common::kernel::{Kernel, Overlay, Setup, array};
+use crate::common::kernel::{Kernel, Overlay, Setup, plan_of};
 use crate::common::render::{Request, diagnostics, render, render_planted, scene_in};
 use crate::common::scenes::flat;
 use crate::common::stats::Random;
+use crate::common::trace::{ThroughTree, walk};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::geometry::{farthest, scene};
 use crate::table::{Cell, Row};
@@ -146,15 +144,6 @@ fn triangles() -> Cell {
     .achieved(farthest(&shot, 1.0))
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Ray {
-    origin: [f32; 3],
-    root: u32,
-    direction: [f32; 3],
-    padding: u32,
-}
-
 /// 2^20 spheres of radii over two decades in a ball around the eye: the walk, against every one of them in f64.
 fn spheres() -> Cell {
     const RAYS: usize = 128;
@@ -175,32 +164,24 @@ fn spheres() -> Cell {
         .collect();
     let codes: Vec<u32> = (0..MILLION as u32).map(|i| PRIMITIVE_BIT | i).collect();
     let tree = bvh::build(&bounds, &codes, Quality::default());
-    let rays: Vec<Ray> = (0..RAYS)
+    let rays: Vec<ThroughTree> = (0..RAYS)
         .map(|_| {
             let origin = rounded(0.9 * random.uniform() * unit(&mut random));
-            Ray { origin, direction: rounded(unit(&mut random)), root: tree.root, padding: 0 }
+            ThroughTree { origin, direction: rounded(unit(&mut random)), root: tree.root, padding: 0 }
         })
         .collect();
     // Linked as for a scene of spheres alone, with a stack for this tree.
     let one = flat(&["Sphere(center: (0, 0, -2), radius: 1, material: \"m\")".to_string()]);
     let mut features = one.features.clone();
     features.quantities.stack_size = tree.stack_size.max(1);
-    let plan = choices_of(&features, &RenderOptions::default(), &UniformTables::default());
+    let plan = plan_of(&features);
     let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
-    let walk = |nodes: &[gpu_rt::data::Node]| -> Vec<[[u32; 4]; 2]> {
-        let none = DeviceScene::default();
-        let tables = [
-            array("nodes", nodes),
-            array("spheres", &spheres),
-            array("quads", &none.shapes.quads),
-            array("cuboids", &none.shapes.cuboids),
-        ];
-        kernel.run_with(&rays, rays.len(), &tables)
-    };
     // Nearest crossing ahead in f64; what is within the error of the edge, or of the distance of another, may be
     // decided either way.
     let truth: Vec<(f64, f64)> = rays.iter().map(|ray| nearest(ray, &spheres)).collect();
+    let mut scene = DeviceScene::default();
+    scene.shapes.spheres = spheres;
     let wrong = |found: &[[[u32; 4]; 2]]| {
         let off = found.iter().zip(&truth).filter(|([walked, _], (surely, maybe))| {
             let t = if walked[0] == u32::MAX { f64::INFINITY } else { f64::from(f32::from_bits(walked[1])) };
@@ -208,7 +189,7 @@ fn spheres() -> Cell {
         });
         off.count() as f64
     };
-    let found = walk(&tree.nodes);
+    let found = walk(&kernel, &scene, &tree.nodes, &rays);
     assert!(found.iter().filter(|[walked, _]| walked[0] != u32::MAX).count() > RAYS / 4);
     let smaller: Vec<_> = tree
         .nodes
@@ -226,11 +207,11 @@ fn spheres() -> Cell {
         "none, because the hierarchy's boxes are widened by the rounding of the walk.",
     )
     .achieved(wrong(&found))
-    .planted("boxes a sixth too small", wrong(&walk(&smaller)))
+    .planted("boxes a sixth too small", wrong(&walk(&kernel, &scene, &smaller, &rays)))
 }
 
 /// The nearest hit in f64 of spheres that are surely met, and of those that may be: lines within 1e-6 of the edge.
-fn nearest(ray: &Ray, spheres: &[Sphere]) -> (f64, f64) {
+fn nearest(ray: &ThroughTree, spheres: &[Sphere]) -> (f64, f64) {
     let (o, d) = (exact(ray.origin), exact(ray.direction));
     let (mut surely, mut maybe) = (f64::INFINITY, f64::INFINITY);
     for sphere in spheres {

@@ -5,7 +5,7 @@ use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::{NO_HIT, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row};
+use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row, decade};
 
 /// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
 /// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.
@@ -69,9 +69,7 @@ pub fn cells() -> Vec<Cell> {
         }
     }
     for exponent in 1..7 {
-        let decade = f64::from(exponent);
-        let cosines = (-decade - 1.0, -decade);
-        let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
+        let (range, cosines) = decade(exponent);
         let figure = "Boxes by the cosine of the leaving ray: of 10 000 rays, those that hit their own box again or had a wrong \
                       chord inside";
         all.push(

@@ -1,6 +1,5 @@
 //! The film after up to a billion samples, against exact sums of the very same samples.
 
-use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
 use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
@@ -8,6 +7,7 @@ use gpu_rt::options::Scatter;
 use crate::common::film::{AddRuns, Run};
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::render::{Request, render_planted, scene};
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::U;
 use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
@@ -17,14 +17,6 @@ const DISTINCT: usize = 1 << 20;
 const MANY: u64 = 1_000_000_000;
 const BEYOND_F32: u64 = (1 << 24) + 1;
 const RUNNING_SUM_OF_A_PART: &str = "running sum in f32, of the first 2^26";
-
-/// The table's cells of the film.
-pub fn cells() -> Vec<Cell> {
-    let mut all = means();
-    all.extend(constants());
-    all.extend(variances());
-    all
-}
 
 /// Radiance as samples may have it: name, and a sample of it.
 type Distribution = (&'static str, fn(&mut Random) -> f64);
@@ -43,7 +35,7 @@ const PLAIN_NAME: &str = "plain sums of runs";
 
 /// Runs of samples as the device sums them, by the function that renders.
 fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<Run> {
-    let kernel = Kernel::with("test/run_sum", &Setup { replaced, ..Setup::default() });
+    let kernel = Kernel::replacing("test/run_sum", replaced);
     let length = RUN_LENGTH as usize;
     let settings = [kernel.settings(&Settings::default())];
     let sums = kernel.run_with::<f32, [f32; 2]>(samples, samples.len().div_ceil(length), &settings);
@@ -57,14 +49,9 @@ fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<Run> {
     samples.chunks(length).zip(sums).enumerate().map(record).collect()
 }
 
-/// What a row of samples comes to in f32 without any care, sums and sums of squares, after a multiple of 2^15 of them.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Running {
-    sum: f32,
-    squares: f32,
-    count: u32,
-    padding: u32,
+rows! {
+    /// What a row of samples comes to in f32 without any care, sums and sums of squares, after a multiple of 2^15 of them.
+    struct Running { sum: f32, squares: f32, count: u32, padding: u32 }
 }
 
 /// Adds up each row in a kernel of its own, again from its start where it ends.
@@ -107,7 +94,7 @@ fn mean_error(samples: &[f32], count: u64, exponent: i32) -> f64 {
     (f64::from(film.develop().rgb[0][0]) / expected - 1.0).abs()
 }
 
-fn means() -> Vec<Cell> {
+pub fn means() -> Vec<Cell> {
     let samples: Vec<Vec<f32>> = DISTRIBUTIONS.iter().map(samples).collect();
     let mut all = Vec::new();
     // To see a sum in f32 stand still, a part of 1e9 is enough.
@@ -151,7 +138,7 @@ fn means() -> Vec<Cell> {
 /// A constant that sums of f32 are worst for: 3, 5, 6 and 7 times it are rounded the same way.
 const WORST: f64 = 0.8000009059906006;
 
-fn constants() -> Vec<Cell> {
+pub fn constants() -> Vec<Cell> {
     let mut random = Random(22);
     let of_runs: Vec<f32> = (0..1_000_000).map(|_| (1.0 + random.uniform()) as f32).collect();
     let samples: Vec<f32> = of_runs.iter().flat_map(|x| [*x; RUN_LENGTH as usize]).collect();
@@ -200,7 +187,7 @@ fn constants() -> Vec<Cell> {
 }
 
 /// How far the variance of the mean is from that of the very samples, and a variance by E[x²] - E[x]² in f32.
-fn variances() -> Vec<Cell> {
+pub fn variances() -> Vec<Cell> {
     let deviations = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|exponent: f64| (exponent, 10f64.powf(-exponent)));
     // Never below zero, as radiance is.
     let samples = deviations.map(|(_, deviation)| -> Vec<f32> {
@@ -222,10 +209,8 @@ fn variances() -> Vec<Cell> {
         let expected = samples.chunks(8).map(squared_deviations).sum::<f64>() / (7.0 * count * samples.len() as f64);
         let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
         let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
-        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as
-        // noise of variance 2^-44 / 3 and less. With r its share of the deviation of a sample, it adds r², and 2 r
-        // times a correlation that is 1 / sqrt(n) of n samples, five times by chance. Then come the roundings of seven
-        // squares and their sum.
+        // The rounding of a mean is noise of variance 2^-44 / 3 and less: it adds r², and 2 r times a correlation of 1 / sqrt(n), five times by
+        // chance. Then come the roundings of seven squares and their sum.
         let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
         let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(

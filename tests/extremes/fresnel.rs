@@ -1,10 +1,10 @@
 //! lib/fresnel: reflectance and refraction as the index nears 1, at total reflection's edge and at grazing angles.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::oracles::{fresnel, fresnel_of};
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row, SCHLICK};
@@ -12,13 +12,11 @@ use crate::table::{Cell, Row, SCHLICK};
 /// Reflectance and refracted ray by the formulas as they stand in books.
 const TEXTBOOK: &str = "textbook's Fresnel";
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    incoming: [f32; 3],
-    eta: f32,
-    normal: [f32; 3],
-    contrast: f32,
+rows! {
+    struct In {
+        incoming: [f32; 3], eta: f32,
+        normal: [f32; 3], contrast: f32,
+    }
 }
 
 impl In {
@@ -29,14 +27,11 @@ impl In {
     }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    refracted: [f32; 3],
-    cos_incident: f32,
-    reflectance: f32,
-    cos_transmitted: f32,
-    padding: [u32; 2],
+rows! {
+    struct Out {
+        refracted: [f32; 3], cos_incident: f32,
+        reflectance: f32, cos_transmitted: f32, padding: [u32; 2],
+    }
 }
 
 /// How far the results may be off: what a change of eta^2 - 1 by 2 u and of the squared cosine by 4 u does to them, and
@@ -179,7 +174,7 @@ fn at_one(kernel: &Kernel) -> f64 {
 /// The table's cells of indices.
 pub fn cells() -> Vec<Cell> {
     let own = Kernel::new("test/fresnel");
-    let control = |replaced| Kernel::with("test/fresnel", &Setup { replaced, ..Setup::default() });
+    let control = |replaced| Kernel::replacing("test/fresnel", replaced);
     let textbook = control(&[
         ("lib/fresnel", "test/control/fresnel_textbook"),
         ("lib/refraction", "test/control/refraction_textbook"),
@@ -220,8 +215,6 @@ pub fn cells() -> Vec<Cell> {
             );
             all.push(by_textbook(cell_of_bound.planted(SCHLICK, of_schlick.reflectance), &|v| v.reflectance));
             if !leaving {
-                // g by 7 u and its sum with c to the fourth: 28 u; the quotient of 5 u squared: 10 u; 1 + q², q off by 20 u
-                // where it cancels: 40 u; contrast, square, sum and product: 4 u.
                 let cell = cell(
                     "Largest relative error of the reflectance, entering",
                     82.0 * U,

@@ -2,15 +2,16 @@
 
 use std::f64::consts::PI;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::SCATTERED;
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
+use crate::common::microfacets;
 use crate::common::oracles::metal_density;
 use crate::common::render::{Request, render, scene};
+use crate::common::rows::rows;
 use crate::common::stats::Random;
-use crate::common::vectors::{U, decades, exact, rounded, unit};
+use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, Row};
 
 const FUZZES: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
@@ -23,38 +24,27 @@ const OF_THE_SPHERE: (&str, &str) = ("material/metal", "test/control/metal_of_th
 const SPHERE: &str = "point of the sphere instead of the ball";
 const CUBES: &str = "density by d₊³ - d₋³, sin² by 1 - cos²";
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    incoming: [f32; 3],
-    fuzz: f32,
-    normal: [f32; 3],
-    padding: u32,
-    u: [f32; 4],
+rows! {
+    struct In {
+        incoming: [f32; 3], fuzz: f32,
+        normal: [f32; 3], padding: u32,
+        u: [f32; 4],
+    }
+
+    struct Out {
+        direction: [f32; 3], event: u32,
+        pdf: f32, value: f32, padding: [u32; 2],
+    }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    direction: [f32; 3],
-    event: u32,
-    pdf: f32,
-    value: f32,
-    padding: [u32; 2],
-}
-
-fn kernel(times: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
-    let values = [("times", &*times), ("keyed", keyed)];
-    Kernel::with("test/fuzz", &Setup { replaced, values: &values, ..Setup::default() })
+fn kernel(replaced: &[(&str, &str)]) -> Kernel {
+    Kernel::replacing("test/fuzz", replaced)
 }
 
 /// A ray that meets a surface at an angle with its normal.
 fn arriving(random: &mut Random, cos: f64, fuzz: f64) -> In {
-    let normal = unit(random);
-    let across = normal.cross(unit(random)).normalize();
-    let incoming = ((1.0 - cos * cos).sqrt() * across - cos * normal).normalize();
-    In { incoming: rounded(incoming), normal: rounded(normal), fuzz: fuzz as f32, ..In::default() }
+    let at = microfacets::arriving(random, cos);
+    In { incoming: at.incoming, normal: at.normal, fuzz: fuzz as f32, ..In::default() }
 }
 
 /// The mirrored ray of the very numbers that the device has.
@@ -84,7 +74,7 @@ fn direction_error_of(fuzz: f64, given: f64, replaced: &[(&str, &str)]) -> f64 {
             In { u: [0, 1, 2, 3].map(u), ..row }
         })
         .collect();
-    let found = kernel(1, replaced).run::<_, Out>(&rows);
+    let found = kernel(replaced).run::<_, Out>(&rows);
     rows.iter().zip(found).fold(0.0f64, |worst, (row, out)| {
         let u = row.u.map(f64::from);
         let (z, phi) = (1.0 - 2.0 * u[0], (2.0 * u[1] - 1.0) * PI);
@@ -158,9 +148,9 @@ fn in_a_furnace(fuzz: f64) -> f64 {
 /// The table's cells of fuzz.
 pub fn cells() -> Vec<Cell> {
     let mut all = Vec::new();
-    let of_sphere = kernel(DRAWS, &[OF_THE_SPHERE]);
-    let of_cubes = kernel(DRAWS, &[("material/metal_eval", "test/control/metal_eval_textbook")]);
-    let own = kernel(DRAWS, &[]);
+    let of_sphere = kernel(&[OF_THE_SPHERE]);
+    let of_cubes = kernel(&[("material/metal_eval", "test/control/metal_eval_textbook")]);
+    let own = kernel(&[]);
     for fuzz in FUZZES {
         let range = format!("fuzz = {fuzz:e}");
         let cell = |figure, limit, because| Cell::new(Row::Fuzz, &range, figure, limit, because);
@@ -207,8 +197,6 @@ pub fn cells() -> Vec<Cell> {
             .achieved(lobe_error(&drawn, &row).abs())
             .planted(SPHERE, lobe_error(&sphere, &row).abs()),
         );
-        // p over its peak is h / fuzz, h² = fuzz² - s²: with s off by 16 u, and s = 0.9 fuzz at most, 2.1 times as much of
-        // the fuzz; and 16 roundings of its own.
         let cell = cell(
             "Largest error of the density over its peak, within 0.9 of the lobe",
             34.0 * U / fuzz + 32.0 * U,

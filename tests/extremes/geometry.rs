@@ -516,13 +516,7 @@ pub fn grazing() -> Vec<Cell> {
         };
         let integral: f64 = (0..=steps)
             .map(|i| {
-                let weight = if i == 0 || i == steps {
-                    1.0
-                } else if i % 2 == 1 {
-                    4.0
-                } else {
-                    2.0
-                };
+                let weight = if i % steps == 0 { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
                 weight * inner(-0.1 + 0.2 * f64::from(i) / f64::from(steps))
             })
             .sum::<f64>()
@@ -542,15 +536,7 @@ pub fn grazing() -> Vec<Cell> {
     all
 }
 
-/// The table's cells of cameras on surfaces and in objects.
-pub fn cameras() -> Vec<Cell> {
-    let mut all = on_surfaces();
-    all.extend(inside_glass());
-    all.extend(inside_media());
-    all
-}
-
-fn on_surfaces() -> Vec<Cell> {
+pub fn on_surfaces() -> Vec<Cell> {
     let mut all = Vec::new();
     let on = |height: f64| {
         let (top, general) = (-height, DIRECTIONS[1].1);
@@ -609,7 +595,7 @@ fn on_surfaces() -> Vec<Cell> {
     all
 }
 
-fn inside_glass() -> Vec<Cell> {
+pub fn inside_glass() -> Vec<Cell> {
     let mut all = Vec::new();
     let mut push = |range: String, objects: String, towards: DVec3| {
         let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Request::spp(64).depth(1000));
@@ -639,7 +625,7 @@ fn inside_glass() -> Vec<Cell> {
     all
 }
 
-fn inside_media() -> Vec<Cell> {
+pub fn inside_media() -> Vec<Cell> {
     let mut all = Vec::new();
     for exponent in [0, 1, 3, 5, 6, 7] {
         let depth = 10f64.powi(-exponent);

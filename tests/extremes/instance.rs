@@ -54,19 +54,10 @@ fn leave(size: f64, distance: f64, replaced: &[(&str, &str)]) -> f64 {
 /// The table's cells of instances.
 pub fn cells() -> Vec<Cell> {
     // Beyond a ratio of 1e4 the inside of the ball is some thousand floats wide, and facets' chords near its edge are lost.
-    let cases = [
-        (1.0, 0.0),
-        (1e-4, 0.0),
-        (1e4, 0.0),
-        (1.0, 1.0),
-        (1e4, 3e3),
-        (1e-4, 1e-2),
-        (1.0, 1e3),
-        (1e-4, 1.0),
-        (1e4, 1e8),
-    ];
+    let sizes = [1.0, 1e-4, 1e4, 1.0, 1e4, 1e-4, 1.0, 1e-4, 1e4];
+    let distances = [0.0, 0.0, 0.0, 1.0, 3e3, 1e-2, 1e3, 1.0, 1e8];
     let mut all = Vec::new();
-    for (size, distance) in cases {
+    for (size, distance) in sizes.into_iter().zip(distances) {
         let cell = Cell::new(
             Row::Leaving,
             format!("scaled by {size:e}, {distance:e} from the eye"),

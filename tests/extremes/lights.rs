@@ -19,16 +19,6 @@ const NOISE: f64 = 4.9;
 /// The cone by 1 - cos.
 const TEXTBOOK: (&str, &str) = ("light/sphere", "test/control/light_sphere_textbook");
 
-/// The table's cells of the sizes of lights, and of radiance.
-pub fn cells() -> Vec<Cell> {
-    let mut all = densities();
-    all.extend(irradiances());
-    all.extend(floors());
-    all.extend(radiances());
-    all.extend(rooms());
-    all
-}
-
 /// How far a density may be off. The sine is off by 4 u; d(height) / height is (1 + cos) / cos of that where the cosine is not
 /// small, and at most the root of twice what 1 - sine is off by. 8 u more for the quotients.
 fn density_bound(height: f64) -> f64 {
@@ -42,7 +32,7 @@ fn range(share: f64) -> String {
     }
 }
 
-fn densities() -> Vec<Cell> {
+pub fn densities() -> Vec<Cell> {
     const SEEDS: u64 = 50;
     let worst = |share: f64, replaced: &[(&str, &str)]| {
         let (mut rows, mut shapes): (Vec<In>, Vec<Sphere>) = Default::default();
@@ -51,7 +41,7 @@ fn densities() -> Vec<Cell> {
             rows.extend(more.iter().map(|row| In { shape: shapes.len() as u32, ..*row }));
             shapes.extend(spheres);
         }
-        let found = kernel(SPHERE, 1, replaced).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &shapes)]);
+        let found = kernel(SPHERE, replaced).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &shapes)]);
         rows.iter().zip(&found).fold(0.0f64, |worst, (row, out)| {
             let (_, sine, height) = cone(row, &shapes[row.shape as usize]);
             let pdf = f64::from(out.pdf);
@@ -79,7 +69,7 @@ fn densities() -> Vec<Cell> {
 }
 
 /// Irradiance on a plane that faces the centre: it sees all of the sphere, pi (r/D)².
-fn irradiances() -> Vec<Cell> {
+pub fn irradiances() -> Vec<Cell> {
     let mut all = Vec::new();
     let (rows, shapes) = spheres(&SHARES, 640);
     let [own, textbook] = [&[][..], &[TEXTBOOK]].map(|replaced| draws(SPHERE, &rows, &shapes, replaced));
@@ -131,7 +121,7 @@ fn mean_and_noise(shot: &Shot) -> (f64, f64) {
 }
 
 /// A floor straight below a sphere: what light sampling makes of it in a render.
-fn floors() -> Vec<Cell> {
+pub fn floors() -> Vec<Cell> {
     let mut all = Vec::new();
     let by_normal = Overlay::new(&[]).rewritten("light/sphere", |own| {
         own.replace("length(ray.origin - sphere.center) > sphere.radius", "dot(ray.direction, normal) < 0.0")
@@ -225,7 +215,7 @@ fn off(shot: &Shot, emit: f64) -> f64 {
 
 const EMISSIONS: [i32; 5] = [-20, -10, 0, 10, 20];
 
-fn radiances() -> Vec<Cell> {
+pub fn radiances() -> Vec<Cell> {
     let mut all = Vec::new();
     for exponent in EMISSIONS {
         let emit = 10f64.powi(exponent);
@@ -259,7 +249,7 @@ fn radiances() -> Vec<Cell> {
 }
 
 /// Two closed rooms in one scene, the other one with a lamp of 1e20: what is left of this one's.
-fn rooms() -> Vec<Cell> {
+pub fn rooms() -> Vec<Cell> {
     const OTHER: &str = "Sphere(center: (5, 0, 0), radius: 1, material: \"wall\"),
         Sphere(center: (5, 0, 0), radius: 0.5, material: \"bright\"),";
     const BRIGHT: &str = "\"bright\": DiffuseLight(emit: Rgb(1e20, 1e20, 1e20)),";

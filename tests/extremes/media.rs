@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::kernel::{Kernel, Overlay};
 use crate::common::render::{Request, diagnostics, render, render_planted, scene};
+use crate::common::rows::rows;
 use crate::common::stats::{Random, mean_and_variance, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
@@ -14,22 +14,9 @@ use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
 
-/// The table's cells of media.
-pub fn cells() -> Vec<Cell> {
-    let mut all = depths_of_words();
-    all.extend(shares());
-    all.extend(free_paths());
-    all.extend(black_slabs());
-    all.extend(bright_slabs());
-    all.extend(cosines());
-    all.extend(directions());
-    all.extend(densities());
-    all
-}
-
 /// Depths from pairs of random words.
 fn depths(replaced: &[(&str, &str)], words: &[[u32; 2]]) -> Vec<f32> {
-    Kernel::with("test/free_flight", &Setup { replaced, ..Setup::default() }).run(words)
+    Kernel::replacing("test/free_flight", replaced).run(words)
 }
 
 /// By the logarithm of 1 - u, of the one word that u has.
@@ -40,7 +27,7 @@ fn words(random: &mut Random, w0: u32, w1: u32) -> [u32; 2] {
     [w0 << 8 | random.bits() as u32 & 255, w1 << 8 | random.bits() as u32 & 255]
 }
 
-fn depths_of_words() -> Vec<Cell> {
+pub fn depths_of_words() -> Vec<Cell> {
     const LAST: u32 = (1 << 24) - 1;
     let mut random = Random(83);
     let ends = [0, 1, 2, 3, 0x7f_ffff, 0x80_0000, LAST - 1, LAST];
@@ -60,8 +47,6 @@ fn depths_of_words() -> Vec<Cell> {
         for (row, tau) in rows.iter().zip(depths(replaced, &rows)) {
             let share = f64::from(row[0] >> 8) / 2f64.powi(24) + f64::from(row[1] >> 8) / 2f64.powi(48);
             let (expected, rest) = (-(-share).ln_1p(), 1.0 - share);
-            // u, the sum and the product round by u each, the nested terms count by less than 0.01; or the rounding of
-            // 1 - U, and the logarithm's promise: 2^-21 for 1 - U in 0.5..2, else 3 ulps of at most 2 u.
             let series = 4.0 * U * expected;
             let log = U + if rest >= 0.5 { 8.0 * U } else { 6.0 * U * expected };
             // By rounding either may be taken within an ulp of 0.01.
@@ -92,7 +77,7 @@ fn depths_of_words() -> Vec<Cell> {
 
 /// The share of depths below each of some limits. To see 1e-8, draws come from a part of all numbers that reaches some way
 /// beyond the limit and is small: the lowest for small limits, the highest for large ones.
-fn shares() -> Vec<Cell> {
+pub fn shares() -> Vec<Cell> {
     const DRAWS: usize = 1 << 16;
     let share = |replaced: &[(&str, &str)], limit: f64| {
         let mut random = Random(84);
@@ -149,7 +134,7 @@ fn shares() -> Vec<Cell> {
     all
 }
 
-fn free_paths() -> Vec<Cell> {
+pub fn free_paths() -> Vec<Cell> {
     const DRAWS: usize = 1 << 20;
     let mut random = Random(85);
     let rows: Vec<[u32; 2]> = (0..DRAWS).map(|_| [random.bits() as u32, random.bits() as u32]).collect();
@@ -188,7 +173,7 @@ fn slab(depth: f64, albedo: f64, distance: f64, thickness: f64) -> String {
 
 /// Slabs that only absorb: what gets through straight. A depth of 1e-8 scatters one path of 1e8: the medium's random
 /// numbers are then the lowest 2^-k of all, of which 2^k as many scatter.
-fn black_slabs() -> Vec<Cell> {
+pub fn black_slabs() -> Vec<Cell> {
     const SAMPLES: f64 = 1024.0 * 64.0;
     [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e2, 1e4, 1e6, 1e8]
         .map(|depth: f64| {
@@ -232,7 +217,7 @@ fn h_of_one(albedo: f64) -> f64 {
 /// Thick slabs that scatter to all sides, under a sky that shines from all: 1 - sqrt(1 - a) H(1) straight out of them (the same
 /// book, section 38, by what is absorbed), however thick. An event's position has the digits of f32 at the farthest distance R of the
 /// slab from the camera: what counts is how many mean free paths the last digit is, s = σ R 2^-24.
-fn bright_slabs() -> Vec<Cell> {
+pub fn bright_slabs() -> Vec<Cell> {
     const ALBEDO: f64 = 0.8;
     let expected = 1.0 - (1.0 - ALBEDO).sqrt() * h_of_one(ALBEDO);
     // Dark paths are ended, or each would go on for a thousand events.
@@ -283,24 +268,17 @@ fn bright_slabs() -> Vec<Cell> {
     all
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Scattering {
-    incoming: [f32; 3],
-    g: f32,
-    u: [f32; 2],
-    one_minus_g: f32,
-    padding: f32,
-}
+rows! {
+    struct Scattering {
+        incoming: [f32; 3], g: f32,
+        u: [f32; 2], one_minus_g: f32, padding: f32,
+    }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Scattered {
-    direction: [f32; 3],
-    padding: f32,
-    /// 1 - cos and 1 + cos.
-    from_one: [f32; 2],
-    padding2: [f32; 2],
+    /// With 1 - cos and 1 + cos.
+    struct Scattered {
+        direction: [f32; 3], padding: f32,
+        from_one: [f32; 2], padding2: [f32; 2],
+    }
 }
 
 impl Scattering {
@@ -310,8 +288,8 @@ impl Scattering {
     }
 }
 
-fn phase(keyed: &str, replaced: &[(&str, &str)]) -> Kernel {
-    Kernel::with("test/phase", &Setup { replaced, values: &[("keyed", keyed)], ..Setup::default() })
+fn phase(replaced: &[(&str, &str)]) -> Kernel {
+    Kernel::replacing("test/phase", replaced)
 }
 
 const ASYMMETRIES: [f64; 7] = [0.0, 1e-8, 1e-3, 0.5, 0.9, 0.999, 1.0 - 1e-6];
@@ -337,7 +315,7 @@ fn from_one(g: f64, u: f64) -> [f64; 2] {
     [back, 2.0 * ((1.0 + g) / d).powi(2) * u * (less + g * u)]
 }
 
-fn cosines() -> Vec<Cell> {
+pub fn cosines() -> Vec<Cell> {
     let last = 1.0 - U as f32;
     let mut random = Random(86);
     let mut all = Vec::new();
@@ -353,7 +331,7 @@ fn cosines() -> Vec<Cell> {
         // The largest relative error of 1 - cos and 1 + cos, and that of the direction's cosine and length over its bound.
         let worst = |replaced: &[(&str, &str)]| {
             let mut worst = [0.0f64; 2];
-            for (row, out) in rows.iter().zip(phase("false", replaced).run::<_, Scattered>(&rows)) {
+            for (row, out) in rows.iter().zip(phase(replaced).run::<_, Scattered>(&rows)) {
                 let mut expected = from_one(g.abs(), f64::from(row.u[0]));
                 if g < 0.0 {
                     expected.reverse();
@@ -397,9 +375,9 @@ fn cosines() -> Vec<Cell> {
     all
 }
 
-fn directions() -> Vec<Cell> {
+pub fn directions() -> Vec<Cell> {
     const DRAWS: usize = 1 << 18;
-    let kernel = phase("true", &[]);
+    let kernel = phase(&[]);
     let mut random = Random(87);
     let tests = 2 * asymmetries().count();
     let mut all = Vec::new();
@@ -457,17 +435,15 @@ fn directions() -> Vec<Cell> {
     all
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Pair {
-    incoming: [f32; 3],
-    g: f32,
-    direction: [f32; 3],
-    one_minus_g: f32,
+rows! {
+    struct Pair {
+        incoming: [f32; 3], g: f32,
+        direction: [f32; 3], one_minus_g: f32,
+    }
 }
 
 /// The density that light sampling weighs with: against f64, and its integral over the sphere.
-fn densities() -> Vec<Cell> {
+pub fn densities() -> Vec<Cell> {
     const STEPS: usize = 4096;
     const PLANTED: (&str, &str) = ("medium/phase_pdf", "test/control/phase_pdf_textbook");
     let mut random = Random(88);
@@ -494,7 +470,7 @@ fn densities() -> Vec<Cell> {
         let given: Vec<Pair> = rows.iter().map(|row| row.0).collect();
         // The largest relative error for the very directions given, and that of the integral.
         let judge = |replaced: &[(&str, &str)]| {
-            let found: Vec<f32> = Kernel::with("test/phase_pdf", &Setup { replaced, ..Setup::default() }).run(&given);
+            let found: Vec<f32> = Kernel::replacing("test/phase_pdf", replaced).run(&given);
             let (mut worst, mut sum) = (0.0f64, 0.0);
             for ((row, exactly), pdf) in rows.iter().zip(&found) {
                 let (a, b) = (exact(row.incoming).normalize(), exact(row.direction).normalize());

@@ -3,10 +3,8 @@
 use glam::DVec3;
 use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
-use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{UniformTables, choices_of};
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Setup, array, plan_of};
 use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
 use crate::common::render::scene;
 use crate::common::rows::Aimed as In;
@@ -17,16 +15,8 @@ use crate::table::{Cell, Row};
 const LINEAR: (&str, &str) = ("lib/perlin", "test/control/perlin_linear");
 const PLANTED: &str = "truncated cells, no fade, a period of 255";
 
-/// The table's cells of noise.
-pub fn cells() -> Vec<Cell> {
-    let mut all = values();
-    all.extend(seams());
-    all.extend(far_objects());
-    all
-}
-
 fn kernels() -> [Kernel; 2] {
-    [&[][..], &[LINEAR]].map(|replaced| Kernel::with("test/perlin", &Setup { replaced, ..Setup::default() }))
+    [&[][..], &[LINEAR]].map(|replaced| Kernel::replacing("test/perlin", replaced))
 }
 
 fn evaluate(kernel: &Kernel, points: &[DVec3]) -> Vec<[f64; 2]> {
@@ -41,7 +31,7 @@ fn points(random: &mut Random, count: usize, reach: f64) -> Vec<DVec3> {
 }
 
 /// Noise and turbulence of the very numbers given, cells counted in integers of 64 bits.
-fn values() -> Vec<Cell> {
+pub fn values() -> Vec<Cell> {
     let [own, linear] = kernels();
     let mut random = Random(81);
     let mut all = Vec::new();
@@ -80,7 +70,7 @@ fn values() -> Vec<Cell> {
 }
 
 /// The planes between cells, across zero and far away: one step of the numbers to each side, against the same step in f64.
-fn seams() -> Vec<Cell> {
+pub fn seams() -> Vec<Cell> {
     let [own, linear] = kernels();
     let mut random = Random(84);
     let mut all = Vec::new();
@@ -117,7 +107,7 @@ fn seams() -> Vec<Cell> {
 
 /// Spheres of radius 1 so far from the origin of their own space, moved back before the camera: the host reduces the position by
 /// the noise's period before it becomes f32.
-fn far_objects() -> Vec<Cell> {
+pub fn far_objects() -> Vec<Cell> {
     const SCALE: f64 = 4.0;
     const SPHERES: usize = 20;
     let mut random = Random(112);
@@ -154,7 +144,7 @@ fn far_objects() -> Vec<Cell> {
                 points.push((*center, n));
             }
         }
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
+        let plan = plan_of(&flat.features);
         let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
         let buffers = [
             array("spheres", &flat.shapes.spheres),

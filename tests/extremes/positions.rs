@@ -5,14 +5,7 @@ use crate::common::render::{Request, Shot, render, worst_difference};
 use crate::common::stats::{normal_two_sided, one_sample_t, student_two_sided};
 use crate::table::{Cell, Row};
 
-/// The table's cells of scales and positions.
-pub fn cells() -> Vec<Cell> {
-    let mut all = powers_of_two();
-    all.extend(scales_and_positions());
-    all
-}
-
-fn powers_of_two() -> Vec<Cell> {
+pub fn powers_of_two() -> Vec<Cell> {
     let files = Everything::new();
     let shot = |world: World| render(&files.scene(world), &Request::spp(16));
     let usual = shot(World::default());
@@ -43,7 +36,7 @@ fn powers_of_two() -> Vec<Cell> {
 /// it. A camera that is moved by a fiftieth of its distance moves light from pixel to pixel: the images as if of two
 /// seeds tell that, of whose tiles the means' difference has a standard error of 0.7 % up to 1.8 %. (What both have
 /// alike makes that test the safer.)
-fn scales_and_positions() -> Vec<Cell> {
+pub fn scales_and_positions() -> Vec<Cell> {
     const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
                           image, in standard deviations";
     const BECAUSE: &str = "noise alone: the largest of 78 normal variates exceeds the limit once in 1e6 (Šidák).";

@@ -9,7 +9,7 @@ use crate::common::scenes::flat;
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, NO_OFFSET, Row};
+use crate::table::{Cell, NO_OFFSET, Row, decade};
 
 /// Where a ray's line meets the plane of corner, u and v in f64, and how far f32 may be off.
 struct Plane {
@@ -105,14 +105,14 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
         .map(|exponent| {
             let mut random = Random(11);
             let quads = assorted(&mut random, 3000, 6.0, (-2.0, 3.0));
-            let decade = f64::from(exponent);
-            let rays = rays_at(&mut random, &quads, 20_000, (-decade - 1.0, -decade), (-1.0, 3.0));
+            let (range, cosines) = decade(exponent);
+            let rays = rays_at(&mut random, &quads, 20_000, cosines, (-1.0, 3.0));
             let found = judge(kernel, &quads, &rays);
             // (1/1.1)^2 = 83 % of the targets lie on their quads; needles lose some to their larger bounds.
             assert!(found.hits > if exponent < 5 { 10_000 } else { 1000 }, "{found:?}");
             let cell = Cell::new(
                 Row::Grazing,
-                format!("1e-{} to 1e-{exponent}", exponent + 1),
+                range,
                 "Quads by the sine of the angle with the plane: largest error of the decision, the distance, the point and its \
                  coordinates over its bound",
                 1.0,
@@ -161,8 +161,8 @@ fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
     let quads = flat(&texts).shapes.quads;
     (0..7)
         .map(|exponent| {
-            let decade = f64::from(exponent);
-            let rays = rays_at(&mut Random(16), &quads, 20_000, (-decade - 1.0, -decade), (-1.0, 0.0));
+            let (range, cosines) = decade(exponent);
+            let rays = rays_at(&mut Random(16), &quads, 20_000, cosines, (-1.0, 0.0));
             let (mut worst, mut hits) = (0.0f64, 0);
             for (ray, out) in rays.iter().zip(&trace(kernel, &quads, &rays)) {
                 let quad = &quads[ray.primitive as usize];
@@ -175,7 +175,7 @@ fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
             assert!(hits > 10_000, "{hits} hits");
             Cell::new(
                 Row::Grazing,
-                format!("1e-{} to 1e-{exponent}", exponent + 1),
+                range,
                 "Floors by the sine of the angle with the plane: largest relative error of the distance",
                 4.0 * U,
                 "a difference, and a quotient of at worst 2.5 ulps.",
@@ -234,9 +234,7 @@ fn leavings(kernel: &Kernel) -> Vec<Cell> {
         }
     }
     for exponent in 1..7 {
-        let decade = f64::from(exponent);
-        let cosines = (-decade - 1.0, -decade);
-        let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
+        let (range, cosines) = decade(exponent);
         let figure = "Quads by the cosine of the leaving ray: of 10 000 rays, those that hit their own quad again";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)

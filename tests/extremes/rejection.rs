@@ -1,14 +1,14 @@
 //! Samples that are not finite: found by their bits, dropped, and counted by reason and pixel.
 
-use bytemuck::{Pod, Zeroable};
 use gpu_rt::film::{Film, Totals};
 use gpu_rt::gpu::probe::numerics;
 use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::{read_exr, write_exr};
 
 use crate::common::device;
-use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::kernel::{Kernel, Overlay};
 use crate::common::render::{Request, render_planted, scene};
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::decades;
 use crate::table::{COMPARED_NAN, Cell, Row};
@@ -53,13 +53,8 @@ fn discoloured(film: &Film) -> f64 {
     film.develop().rgb.iter().filter(|rgb| **rgb != COLOUR).count() as f64
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    x: f32,
-    y: f32,
-    operation: u32,
-    padding: u32,
+rows! {
+    struct In { x: f32, y: f32, operation: u32, padding: u32 }
 }
 
 /// Numbers and others made by division, difference, product, root, logarithm and exponential, that the device takes for
@@ -94,7 +89,7 @@ pub fn cells() -> Vec<Cell> {
     };
     let mut all = Vec::new();
     let compared = [COMPARED];
-    let kernel = |replaced| Kernel::with("test/broken", &Setup { replaced, ..Setup::default() });
+    let kernel = |replaced| Kernel::replacing("test/broken", replaced);
     let (wrong, found) = mistaken(&kernel(&[]));
     assert!(found.iter().all(|&n| n > 50), "NaN and infinities are made at all: {found:?}");
     let cell = Cell::new(

@@ -3,10 +3,10 @@
 use glam::DVec3;
 use gpu_rt::data;
 
-use crate::common::kernel::Overlay;
+use crate::common::kernel::{Overlay, Setup};
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel, pane, uniforms,
-    visible,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel, kernel_with, pane,
+    uniforms, visible,
 };
 use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::stats::Random;
@@ -34,18 +34,21 @@ fn rows(roughness: f64) -> Vec<In> {
 fn density_error(roughness: f64, replaced: &[(&str, &str)]) -> f64 {
     let rows = rows(roughness);
     let alpha = f64::from(roughness as f32).powi(2);
-    rows.iter().zip(kernel("conductor", 1, replaced).run::<_, Out>(&rows)).fold(0.0, |worst, (row, out)| {
-        let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
-        let direction = exact(out.direction);
-        let half_way: DVec3 = view + direction.normalize_or_zero();
-        if out.event == ABSORBED || half_way.length() < 0.1 {
-            return worst;
-        }
-        let facet = half_way.normalize();
-        let pdf = visible(facet, view, normal, alpha) / (4.0 * view.dot(facet));
-        let off = (f64::from(out.pdf) / pdf - 1.0).abs();
-        if off.is_nan() { f64::MAX } else { worst.max(off) }
-    })
+    rows.iter().zip(kernel_with("conductor", &[], &Setup { replaced, ..Setup::default() }).run::<_, Out>(&rows)).fold(
+        0.0,
+        |worst, (row, out)| {
+            let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+            let direction = exact(out.direction);
+            let half_way: DVec3 = view + direction.normalize_or_zero();
+            if out.event == ABSORBED || half_way.length() < 0.1 {
+                return worst;
+            }
+            let facet = half_way.normalize();
+            let pdf = visible(facet, view, normal, alpha) / (4.0 * view.dot(facet));
+            let off = (f64::from(out.pdf) / pdf - 1.0).abs();
+            if off.is_nan() { f64::MAX } else { worst.max(off) }
+        },
+    )
 }
 
 /// Answers at cosines down to 1e-20 that are not finite, on no side where the material answers, or have a weight above `most`.
@@ -58,7 +61,7 @@ fn wrong_at_grazing(material: &str, most: f32, row_of: impl Fn(usize, In) -> In)
             In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
         })
         .collect();
-    let found = kernel(material, 1, &[]).run::<_, Out>(&rows);
+    let found = kernel(material, &[]).run::<_, Out>(&rows);
     let is_wrong = |(row, out): (&In, &Out)| {
         let direction = exact(out.direction);
         let is_good = out.event == ABSORBED

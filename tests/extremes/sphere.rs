@@ -9,7 +9,7 @@ use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
 use crate::common::vectors::{U, decades, exact, quantile, rounded, unit};
-use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE};
+use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE, decade};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
 struct Roots {
@@ -105,23 +105,12 @@ fn compare(kernel: &Kernel, distance: f64, of_l: f64, spheres: &[Sphere], rays: 
     Verdict { wrong: f64::from(wrong) / rays.len() as f64, worst_decision, median, worst_distance, worst_normal }
 }
 
-/// The table's cells of spheres.
-pub fn cells() -> Vec<Cell> {
-    let mut all = distances();
-    all.extend(on_the_axis());
-    all.extend(leavings());
-    all.extend(grazing());
-    all
-}
-
-fn distances() -> Vec<Cell> {
+pub fn distances() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     // The textbook's discriminant has an error of u D^2: 3 % of the decisions are wrong at 1e3 radii, a third beyond.
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
     let mut all = Vec::new();
-    // Measured on both Mesas: 0 wrong of 20 000 up to 1e4 radii, 0.1 % at 1e5, 1 % at 1e6; the median of the distance's
-    // error is 1 u D. At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the
-    // camera's own axes.
+    // At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the camera's own axes.
     for distance in [0.0, 0.5, 0.99, 1.000_01, 1.001, 1.5, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6] {
         let range = format!("D/r = {distance}");
         let found = judge(&own, distance);
@@ -196,7 +185,7 @@ fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
 /// the foot is taken out again.
 const AXIS_ERROR: f64 = 4.0 * 6.0 * U;
 
-fn on_the_axis() -> Vec<Cell> {
+pub fn on_the_axis() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
     let by_distance = tracer_with_surface("sphere", "sphere_surface_by_t", "test/control/sphere_by_t", &[]);
@@ -336,7 +325,7 @@ fn leave(kernel: &Kernel, radius: f64, ratio: f64) -> Leaving {
 }
 
 /// Rays that leave spheres of radii from 1e-6 to 1e6, each with its centre up to 1000 radii away from the origin of space.
-fn leavings() -> Vec<Cell> {
+pub fn leavings() -> Vec<Cell> {
     const FIGURE: &str = "Spheres: of 1000 rays, those that hit their own sphere again or had a wrong chord inside, with cosines \
                           from 0.05 to 1";
     const BECAUSE: &str =
@@ -409,15 +398,14 @@ fn graze(kernel: &Kernel, ratio: f64, cosines: (f64, f64)) -> f64 {
     wrong as f64
 }
 
-fn grazing() -> Vec<Cell> {
+pub fn grazing() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     let without = tracer("sphere", &[("geometry/offset", "test/control/offset_none")]);
     let mut all = Vec::new();
     for ratio in [0.0, 1.0, 100.0] {
         for exponent in 0..7 {
-            let decade = f64::from(exponent);
-            let cosines = (-decade - 1.0, -decade);
-            let range = format!("1e-{} to 1e-{exponent}, {ratio} radii from the origin", exponent + 1);
+            let (range, cosines) = decade(exponent);
+            let range = format!("{range}, {ratio} radii from the origin");
             let figure = "Spheres by the cosine of the leaving ray: of 10 000 rays, those that hit their own sphere again or had a \
                           wrong chord inside";
             let because = "none, because the offset ε exceeds the bound of the error, and the chord from there is at least sqrt(8 ε \

@@ -164,6 +164,12 @@ impl Cell {
     }
 }
 
+/// A decade from 1e-1 down as a range, and its ends as powers of ten.
+pub fn decade(exponent: i32) -> (String, (f64, f64)) {
+    let end = -f64::from(exponent);
+    (format!("1e-{} to 1e-{exponent}", exponent + 1), (end - 1.0, end))
+}
+
 /// The file with all cells, one a line, and the page.
 pub const FILE: &str = "docs/dev/extremes.tsv";
 pub const PAGE: &str = "docs/dev/extremes.md";

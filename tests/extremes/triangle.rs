@@ -5,7 +5,7 @@ use crate::common::stats::Random;
 use crate::common::trace::NO_HIT;
 use crate::common::triangles::{Corners, In, stout, trace, tracer};
 use crate::common::vectors::{decades, rounded, unit};
-use crate::table::{Cell, NO_OFFSET, Row};
+use crate::table::{Cell, NO_OFFSET, Row, decade};
 
 /// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the
 /// origin, and leave them at cosines within these decades: how many met the triangle again.
@@ -62,11 +62,10 @@ pub fn cells() -> Vec<Cell> {
         all.push(cell(Row::Leaving, format!("up to {far} sizes from the origin"), figure, far, (-2.0, 0.0)));
     }
     for exponent in 1..7 {
-        let decade = f64::from(exponent);
+        let (range, cosines) = decade(exponent);
         let figure =
             "Triangles by the cosine of the leaving ray: of 20 000 rays, those that hit their own triangle again";
-        let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        all.push(cell(Row::Grazing, range, figure, 1.0, (-decade - 1.0, -decade)));
+        all.push(cell(Row::Grazing, range, figure, 1.0, cosines));
     }
     all
 }

@@ -1,13 +1,12 @@
 //! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them
 //! leaves its range.
 
-use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
 
-use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::kernel::{Kernel, Overlay};
 use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
 use crate::common::render::{Request, render_linked, scene};
-use crate::common::rows::Words;
+use crate::common::rows::{Words, rows};
 use crate::common::vectors::{U, exact};
 use crate::table::{Cell, Row};
 
@@ -43,7 +42,7 @@ fn words() -> Cell {
     }
     let keys: Vec<[u32; 4]> = words.iter().map(|&word| [word; 4]).collect();
     let out_of_range = |replaced: &[(&str, &str)]| {
-        let found = Kernel::with("test/rng", &Setup { replaced, ..Setup::default() }).run::<_, Words>(&keys);
+        let found = Kernel::replacing("test/rng", replaced).run::<_, Words>(&keys);
         found.iter().flat_map(|out| out.direct).filter(|u| !(0.0..1.0).contains(u)).count() as f64
     };
     cell("words of 32 bits", "Numbers outside [0, 1), from words within 1024 of each power of two")
@@ -186,18 +185,10 @@ fn spheres_as_lights() -> Cell {
     cell("sphere light, r/D from 1e-20 to 1e8", ANSWERS).achieved(wrong as f64)
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Pick {
-    u: f32,
-    count: u32,
-}
+rows! {
+    struct Pick { u: f32, count: u32 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Picked {
-    index: u32,
-    rest: f32,
+    struct Picked { index: u32, rest: f32 }
 }
 
 fn picks() -> Cell {

@@ -17,15 +17,6 @@ const SAMPLES: u32 = 256;
 /// 100 degrees is above 1.8 times its mean once in a million.
 const CHANCE: f64 = 1.35;
 
-/// The table's cells of cameras.
-pub fn cells() -> Vec<Cell> {
-    let mut all = fields_of_view();
-    all.extend(telescopes());
-    all.extend(lenses());
-    all.extend(sizes());
-    all
-}
-
 /// A camera with no axis of its own along one of the world's.
 struct Oblique {
     from: DVec3,
@@ -121,7 +112,7 @@ fn edge_limit() -> f64 {
 }
 
 /// The sphere's image is half as high as the picture, however narrow or wide the view.
-fn fields_of_view() -> Vec<Cell> {
+pub fn fields_of_view() -> Vec<Cell> {
     [1e-3, 1e-2, 0.1, 1.0, 10.0, 90.0, 150.0, 179.0]
         .map(|fov: f64| {
             let radius = (0.5 * (0.5 * fov).to_radians().tan()).atan().sin();
@@ -133,7 +124,7 @@ fn fields_of_view() -> Vec<Cell> {
 }
 
 /// Far spheres through telescopes: their edges, and their normals by how bright a sky makes them.
-fn telescopes() -> Vec<Cell> {
+pub fn telescopes() -> Vec<Cell> {
     const TEXTBOOK: &[(&str, &str)] = &[("geometry/sphere", "test/control/sphere_textbook")];
     let mut all = Vec::new();
     for exponent in 1..=7 {
@@ -195,7 +186,7 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
 /// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x
 /// of it. The picture is as wide as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of
 /// it or more.
-fn lenses() -> Vec<Cell> {
+pub fn lenses() -> Vec<Cell> {
     const FIGURE: &str = "Root mean square error of the pixels in an image of a half plane at distance 5 through a lens, with an \
                           image as wide as the blur";
     const BECAUSE: &str = "1/32, times 1.35 for chance, as for edge pixels.";
@@ -253,7 +244,7 @@ fn lenses() -> Vec<Cell> {
 }
 
 /// A gradient sky: in a picture of many pixels each must show its own direction, in one pixel the mean of all.
-fn sizes() -> Vec<Cell> {
+pub fn sizes() -> Vec<Cell> {
     let render_sky = |width: u32, height: u32, fov: f64, samples: u32| {
         let text = format!(
             "Scene(image: (width: {width}, height: {height}), background: Gradient(bottom: (0, 0, 0), top: (1, 1, 1)),

@@ -4,14 +4,14 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Cuboid;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::scene::Scene;
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Plant, Setup, array};
+use crate::common::rows::rows;
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, exact, rounded, unit};
 
@@ -22,24 +22,17 @@ const CELLS: (usize, usize) = (24, 16);
 const POINTS: usize = 12;
 const AIMS: usize = 16;
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    start: [f32; 3],
-    light: u32,
-    rounded: [f32; 3],
-    what: u32,
-    along: [f32; 3],
-    padding: u32,
-}
+rows! {
+    struct In {
+        start: [f32; 3], light: u32,
+        rounded: [f32; 3], what: u32,
+        along: [f32; 3], padding: u32,
+    }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    drawn: [f32; 3],
-    density: f32,
-    again: f32,
-    padding: [f32; 3],
+    struct Out {
+        drawn: [f32; 3], density: f32,
+        again: f32, padding: [f32; 3],
+    }
 }
 
 const BALL: &str = "Sphere(center: (-0.5, 0.5, -2.5), radius: 0.5, material: \"glass\")";
@@ -96,12 +89,19 @@ fn flattened(objects: &str) -> DeviceScene {
     flat
 }
 
-fn kernel(draws: usize, planted: Option<(&str, &str, &str)>) -> Kernel {
-    let (draws, aims) = (draws.to_string(), AIMS.to_string());
-    Kernel::with(
-        "test/aims",
-        &Setup { values: &[("draws", &draws), ("aims", &aims)], rewritten: planted, ..Setup::default() },
-    )
+const PLANTED: [Plant; 5] = [
+    // The box of the lamp forgotten where a box is chosen, or where its weight is summed up.
+    ("light_path/aims", "if {{is_aimed_at(i, light)}}", "true"),
+    ("light_path/aims", "&& {{is_aimed_at(i, light)}}", "true"),
+    // A start in a box.
+    ("light/cuboid", "{{4.0 * PI}}, is_in_cuboid", "3.96 * PI"),
+    // 1 % of a density.
+    ("light_path/aims", "DirectionSample(direction, {{weight / choice.sum}})", "1.01 * weight / choice.sum"),
+    ("light_path/aims", "{{weight_on_ray(ray, light, 0.0)}} / sum", "1.01 * weight_on_ray(ray, light, 0.0)"),
+];
+
+fn kernel(plants: &[Plant]) -> Kernel {
+    Kernel::with("test/aims", &Setup { values: &[("aims", &AIMS.to_string())], plants, ..Setup::default() })
 }
 
 /// A start, or a direction of a directional light, and the boxes.
@@ -197,11 +197,11 @@ impl Case {
 }
 
 /// The findings of a case; nothing if it has no direction.
-fn judge(case: &Case, draws: &Kernel, densities: &Kernel) -> Option<Judged> {
+fn judge(case: &Case, kernel: &Kernel) -> Option<Judged> {
     let more = [array("aims", &case.aims)];
     let (grid, share) = case.grid();
-    let known: Vec<Out> = densities.run_with(&grid, grid.len(), &more);
-    let drawn: Vec<Out> = draws.run_with(std::slice::from_ref(&case.row), DRAWS, &more);
+    let known: Vec<Out> = kernel.run_with(&grid, grid.len(), &more);
+    let drawn: Vec<Out> = kernel.run_with(std::slice::from_ref(&case.row), DRAWS, &more);
     if drawn.iter().all(|out| out.density == 0.0) {
         return None;
     }
@@ -254,36 +254,21 @@ impl Judged {
 /// as they say.
 #[test]
 fn light_paths_go_where_their_density_says() {
-    let (draws, densities) = (kernel(DRAWS, None), kernel(1, None));
+    let own = kernel(&[]);
     let cases = cases();
     let threshold = sidak(ALPHA, cases.len());
     for (name, case) in &cases {
-        let judged = judge(case, &draws, &densities).unwrap_or_else(|| panic!("{name}: no direction"));
+        let judged = judge(case, &own).unwrap_or_else(|| panic!("{name}: no direction"));
         assert!(judged.is_right(threshold), "{name}: {judged:?}");
     }
     // Each planted error, with the number of cases that find it.
     let mut found = Vec::new();
-    for (module, part, other) in [
-        // The box of the lamp forgotten where a box is chosen, or where its weight is summed up.
-        ("light_path/aims", "if is_aimed_at(i, light)", "if true"),
-        ("light_path/aims", "&& is_aimed_at(i, light)", ""),
-        // A start in a box.
-        ("light/cuboid", "4.0 * PI, is_in_cuboid", "3.96 * PI, is_in_cuboid"),
-        // 1 % of a density.
-        (
-            "light_path/aims",
-            "return DirectionSample(direction, weight / choice.sum)",
-            "return DirectionSample(direction, 1.01 * weight / choice.sum)",
-        ),
-        ("light_path/aims", "weight_on_ray(ray, light, 0.0) / sum", "1.01 * weight_on_ray(ray, light, 0.0) / sum"),
-    ] {
-        let planted = Some((module, part, other));
-        let (draws, densities) = (kernel(DRAWS, planted), kernel(1, planted));
-        let wrong = cases
-            .iter()
-            .step_by(5)
-            .filter(|(_, case)| !judge(case, &draws, &densities).is_some_and(|judged| judged.is_right(threshold)));
-        found.push((part, wrong.count()));
+    let with_plants = kernel(&PLANTED);
+    for (number, plant) in PLANTED.iter().enumerate() {
+        let kernel = with_plants.planted(number);
+        let is_found =
+            |(_, case): &&(String, Case)| !judge(case, &kernel).is_some_and(|judged| judged.is_right(threshold));
+        found.push((plant, cases.iter().step_by(5).filter(is_found).count()));
     }
     assert!(found.iter().all(|(_, cases)| *cases > 0), "{found:?}");
 }

@@ -1,27 +1,19 @@
 //! lib/angle: sines, cosines and angles, against f64.
 
-use bytemuck::{Pod, Zeroable};
 use std::f64::consts::{PI, TAU};
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades};
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    turns: f32,
-    angle: f32,
-    point: [f32; 2],
-}
+rows! {
+    struct In { turns: f32, angle: f32, point: [f32; 2] }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    on_circle: [f32; 2],
-    sine_and_rise: [f32; 2],
-    angle: f32,
-    padding: f32,
+    struct Out {
+        on_circle: [f32; 2], sine_and_rise: [f32; 2],
+        angle: f32, padding: f32,
+    }
 }
 
 /// What is left of the turns is exact; times pi/2 it is off by 2 u, the polynomials by 2 u more.
@@ -52,7 +44,7 @@ fn angles_sines_and_cosines_are_those_of_f64() {
         rows.extend([at, at.next_up(), at.next_down()].map(|turns| In { turns, point: [1.0, 0.0], ..In::default() }));
     }
     let worst = |replaced: &[(&str, &str)]| {
-        let found = Kernel::with("test/angle", &Setup { replaced, ..Setup::default() }).run::<_, Out>(&rows);
+        let found = Kernel::replacing("test/angle", replaced).run::<_, Out>(&rows);
         rows.iter().zip(found).fold([0.0f64; 4], |worst, (row, out)| {
             let turns = f64::from(row.turns);
             let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();

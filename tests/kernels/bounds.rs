@@ -1,12 +1,12 @@
 //! geometry/bounds: a child of a BVH node is never said to be missed where the ray meets what it holds.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{Node, PRIMITIVE_BIT};
 
 use crate::common::cuboids::within;
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Plant, Setup, array};
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
@@ -15,23 +15,18 @@ const CHILD_MISSED: u32 = 0xffff_ffff;
 /// `VERY_FAR` of shaders/lib/float.wgsl, where the walk starts: 2^126.
 const VERY_FAR: f32 = f32::from_bits(0x7e80_0000);
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    nearest: f32,
-    direction: [f32; 3],
-    node: u32,
-    /// The distance from which on hits count.
-    begin: f32,
-    padding: [f32; 3],
-}
+rows! {
+    /// Hits count from the distance `begin` on.
+    struct In {
+        origin: [f32; 3], nearest: f32,
+        direction: [f32; 3], node: u32,
+        begin: f32, padding: [f32; 3],
+    }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    keys: [u32; 4],
-    sorted: [u32; 4],
+    struct Out {
+        keys: [u32; 4],
+        sorted: [u32; 4],
+    }
 }
 
 /// The nodes over some boxes, and for each node its boxes by child.
@@ -183,6 +178,14 @@ fn at_or_about(random: &mut Random, distance: f64) -> f32 {
     }
 }
 
+fn planted(number: usize) -> Kernel {
+    const PLANTED: [Plant; 2] = [
+        ("geometry/bounds", "8.0 * UNIT_ROUNDOFF * farthest", "0.0"),
+        ("geometry/bounds", "farthest < FARTHEST_PLANE", "true"),
+    ];
+    Kernel::with("test/bounds", &Setup { plants: &PLANTED, ..Setup::default() }).planted(number)
+}
+
 #[test]
 fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
     let mut random = Random(31);
@@ -209,8 +212,7 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
         })
         .collect();
     let own = Kernel::new("test/bounds");
-    let rewritten = Some(("geometry/bounds", "8.0 * UNIT_ROUNDOFF * farthest", "0.0"));
-    let narrow = Kernel::with("test/bounds", &Setup { rewritten, ..Setup::default() });
+    let narrow = planted(0);
     // A box that ends within rounding of where a walk begins may be entered: the distance to a plane along a ray that is all but parallel to it has
     // a larger error than `decoded` has. It costs a step.
     for (rays, share) in [(&rays, 0.0), (&later, 0.0), (&behind, 2e-3)] {
@@ -228,8 +230,7 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
 #[test]
 fn boxes_that_are_too_far_for_floats_are_never_missed() {
     let own = Kernel::new("test/bounds");
-    let rewritten = Some(("geometry/bounds", "farthest < FARTHEST_PLANE", "true"));
-    let overflows = Kernel::with("test/bounds", &Setup { rewritten, ..Setup::default() });
+    let overflows = planted(1);
     let mut denied = 0;
     for unit_length in [1e10, 1e18, 1e25, 1e30] {
         let mut random = Random(32);

@@ -1,6 +1,5 @@
 //! light/delta: what lights without size send to points at any distance and angle, against f64.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::DeltaLight;
 use gpu_rt::flatten::flatten;
@@ -8,24 +7,18 @@ use gpu_rt::options::RenderOptions;
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::render::scene;
+use crate::common::rows::rows;
 use crate::common::scenes::triple;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    from: [f32; 3],
-    light: u32,
-}
+rows! {
+    struct In { from: [f32; 3], light: u32 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    direction: [f32; 3],
-    distance2: f32,
-    intensity: [f32; 3],
-    end: f32,
+    struct Out {
+        direction: [f32; 3], distance2: f32,
+        intensity: [f32; 3], end: f32,
+    }
 }
 
 /// A spot light of the scene file, with its axis and angles in degrees.
@@ -97,7 +90,7 @@ fn worst(replaced: &[(&str, &str)]) -> [f64; 3] {
             rows.push(In { from: rounded(at + away * way), light: light as u32 });
         }
     }
-    let kernel = Kernel::with("test/delta_light", &Setup { replaced, ..Setup::default() });
+    let kernel = Kernel::replacing("test/delta_light", replaced);
     let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &lights)]);
     let mut worst = [0.0f64; 3];
     let mut note = |which: usize, off: f64, bound: f64| worst[which] = worst[which].max(off / bound);

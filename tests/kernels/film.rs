@@ -5,23 +5,26 @@ use gpu_rt::film::{Film, Rejected, Totals, UNKNOWN_VARIANCE};
 use gpu_rt::gpu::buffers::BufferSpec;
 
 use crate::common::film::{AddRuns, Run};
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::{Kernel, Plant, Setup};
 use crate::common::stats::Random;
 
 const PIXELS: u32 = 5;
 
-/// Adds runs to an empty film on the device.
-fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
-    linked_with(replaced, false, records)
+/// Words that do not carry, and words that do not borrow.
+const CARRIES_NOT: Plant = ("lib/carry", "select(0u, 1u, before + added < before)", "0u");
+const BORROWS_NOT: Plant = ("lib/carry", "select(0u, 1u, before < taken)", "0u");
+
+/// Adds runs to an empty film on the device, with what is planted.
+fn on_device(plants: &[Plant], records: &[Run]) -> Film {
+    linked_with(plants, false, records)
 }
 
 /// Adds runs whose filter has negative lobes or not.
-fn linked_with(replaced: &[(&str, &str)], has_negative_lobes: bool, records: &[Run]) -> Film {
+fn linked_with(plants: &[Plant], has_negative_lobes: bool, records: &[Run]) -> Film {
     let run_length = gpu_rt::data::RUN_LENGTH.to_string();
     let facts = &[("filter.mitchell", has_negative_lobes), ("filter.box", !has_negative_lobes)];
-    let setup =
-        Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], facts, ..Setup::default() };
-    let kernel = Kernel::with("test/film", &setup);
+    let setup = Setup { plants, values: &[("run_length", &run_length), ("film_sums", "9")], facts, ..Setup::default() };
+    let kernel = Kernel::with("test/film", &setup).planted(0);
     let buffers = [
         BufferSpec::working("film", u64::from(PIXELS) * size_of::<PixelTotals>() as u64, "the test"),
         BufferSpec::working("counters", size_of::<Counters>() as u64, "the test"),
@@ -117,7 +120,7 @@ fn the_device_adds_as_exactly_as_the_host() {
     assert_eq!(device.totals(), host.totals());
     assert!(device.totals().rays > 1 << 32 && device.relative_error().is_some());
     // A film whose words do not carry is found.
-    assert!(on_device(&[("lib/carry", "test/control/carry_none")], &records) != host);
+    assert!(on_device(&[CARRIES_NOT], &records) != host);
 }
 
 /// Sums of either sign that stay in their range; each value saturates by itself where it is too large.
@@ -136,7 +139,7 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
         film.add_signed_runs(records);
         film
     };
-    let on_device = |replaced: &[(&str, &str)], records: &[Run]| linked_with(replaced, true, records);
+    let on_device = |plants: &[Plant], records: &[Run]| linked_with(plants, true, records);
     let host = on_host(&records);
     assert!(on_device(&[], &records) == host);
     assert_eq!(host.totals().rejected.refused, 0);
@@ -158,7 +161,7 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
         assert!(on_device(&[], &records) == on_host(&records), "{value}");
     }
     // A film whose words do not borrow is found.
-    assert!(on_device(&[("lib/carry", "test/control/borrow_none")], &records) != host);
+    assert!(on_device(&[BORROWS_NOT], &records) != host);
 }
 
 /// Each of the nine sums saturates by itself, whether by one value or by the sum of many, and stays so.

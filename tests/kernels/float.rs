@@ -1,25 +1,12 @@
 //! lib/float: what the bits of a float say.
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 
 fn inputs() -> Vec<[u32; 2]> {
     let special = [
-        0,
-        1,
-        0x007f_ffff,
-        0x0080_0000,
-        0x0080_0001,
-        0x3f7f_ffff,
-        0x3f80_0000,
-        0x3fff_ffff,
-        0x7f7f_fffe,
-        0x7f7f_ffff,
-        0x7f80_0000,
-        0x7f80_0001,
-        0x7fbf_ffff,
-        0x7fc0_0000,
-        0x7fff_ffff,
+        0, 1, 0x007fffff, 0x00800000, 0x00800001, 0x3f7fffff, 0x3f800000, 0x3fffffff, 0x7f7ffffe, 0x7f7fffff,
+        0x7f800000, 0x7f800001, 0x7fbfffff, 0x7fc00000, 0x7fffffff,
     ];
     let toward = [0.0f32, -0.0, 1.0, -1.0, 1e-30, -1e30].map(f32::to_bits);
     let mut random = Random(51);
@@ -56,6 +43,6 @@ fn wrong(kernel: &Kernel) -> [usize; 3] {
 fn floats_are_distinguished_and_stepped_by_their_bits() {
     assert_eq!(wrong(&Kernel::new("test/float")), [0; 3]);
     let replaced = [("lib/float", "test/control/float_wrong")];
-    let found = wrong(&Kernel::with("test/float", &Setup { replaced: &replaced, ..Setup::default() }));
+    let found = wrong(&Kernel::replacing("test/float", &replaced));
     assert!(found.iter().all(|&n| n > 0), "{found:?}");
 }

@@ -8,10 +8,9 @@ use glam::{DMat3, DVec3};
 use gpu_rt::data::primitive_code;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
-use gpu_rt::plan::{UniformTables, choices_of};
 use gpu_rt::scene::Scene;
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Setup, array, plan_of};
 use crate::common::oracles::{perlin, turbulence};
 use crate::common::rows::Aimed as In;
 use crate::common::scenes::triple;
@@ -206,7 +205,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
             of.push((object, at));
         }
     }
-    let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
+    let plan = plan_of(&flat.features);
     let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
     let texels: Vec<[f32; 3]> = flat.images.iter().flat_map(|(_, image)| image.texels()).collect();
     let words = flat.texel_words().collect::<Vec<_>>().concat();

@@ -3,18 +3,17 @@
 
 use std::f64::consts::PI;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{
     KIND_DELTA_LIGHT, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light, MAX_PRIMITIVES, PRIMITIVE_KIND_SHIFT,
 };
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{UniformTables, choices_of};
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Setup, array, plan_of};
+use crate::common::rows::rows;
 use crate::common::scenes::triple;
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, exact, rounded, unit};
@@ -24,20 +23,10 @@ const ALPHA: f64 = 1e-6;
 /// Draws for each point. Chi-square of 300 cells over 2^17 of them finds probabilities that are off by 4 % in the root mean square.
 const DRAWS: usize = 1 << 17;
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    from: [f32; 3],
-    padding: u32,
-}
+rows! {
+    struct In { from: [f32; 3], padding: u32 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    index: u32,
-    probability: f32,
-    again: f32,
-    of_row: f32,
+    struct Out { index: u32, probability: f32, again: f32, of_row: f32 }
 }
 
 const SKY: &str = "Image(path: \"sky.hdr\")";
@@ -79,26 +68,44 @@ fn lights(random: &mut Random, sky: bool, without_size: bool) -> DeviceScene {
         format!("\"{i}\": DiffuseLight(emit: Rgb({emit:?}, {emit:?}, {emit:?}), two_sided: {})", i == 3)
     };
     let lamps: Vec<String> = (0..8).map(lamp).collect();
-    let text = format!(
-        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
-        background: {}, materials: {{{}, {GREY}}}, objects: [{}, {RECEIVER}])",
-        if sky { SKY } else { "Solid((0, 0, 0))" },
-        lamps.join(","),
-        objects.join(",")
-    );
-    flattened(&text)
+    let background = if sky { SKY } else { "Solid((0, 0, 0))" };
+    flattened((0, -1), background, &lamps.join(","), &objects.join(","))
 }
 
 /// Lights are sampled where something answers to them.
 const GREY: &str = "\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))";
 const RECEIVER: &str = "Quad(corner: (0, 0, 0.1), u: (0.01, 0, 0), v: (0, 0.01, 0), material: \"grey\")";
 
-fn flattened(text: &str) -> DeviceScene {
+/// A scene seen along z from one place to another.
+fn flattened((from, to): (i32, i32), background: &str, materials: &str, objects: &str) -> DeviceScene {
+    let text = format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, {from}), look_at: (0, 0, {to}), vertical_fov: 40),
+        background: {background}, materials: {{{GREY}, {materials}}}, objects: [{objects}, {RECEIVER}])"
+    );
     let folder = tempfile::tempdir().expect("a temporary folder");
     let image = Rgb32FImage::from_pixel(16, 8, Rgb([1.0, 2.0, 3.0]));
     image::DynamicImage::from(image).save(folder.path().join("sky.hdr")).expect("the sky is written");
-    let scene = Scene::parse(text, &folder.path().join("test.ron")).expect("the test's scene is valid");
+    let scene = Scene::parse(&text, &folder.path().join("test.ron")).expect("the test's scene is valid");
     flatten(&scene, (16, 16), &RenderOptions::default()).expect("the test's scene is small")
+}
+
+/// The kernel of a scene's lights, and answers to a point: `count` draws, which say the probability of as many lights.
+fn kernel(flat: &DeviceScene) -> Kernel {
+    let plan = plan_of(&flat.features);
+    let lights = flat.features.quantities.lights.to_string();
+    assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
+    Kernel::with("test/light_choice", &Setup { plan, values: &[("lights", &*lights)], ..Setup::default() })
+}
+
+fn draws(kernel: &Kernel, flat: &DeviceScene, from: [f32; 3], count: usize) -> Vec<Out> {
+    let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
+    kernel.run_with(&[In { from, padding: 0 }], count, &more)
+}
+
+/// The probabilities of all lights at a point of render space: those with a position first and the sky last.
+fn probabilities(flat: &DeviceScene, from: DVec3) -> Vec<f64> {
+    let found = draws(&kernel(flat), flat, rounded(from), flat.lights.len());
+    found.iter().map(|out| f64::from(out.of_row)).collect()
 }
 
 /// Whether the light's front is turned towards the point by more than rounding.
@@ -125,22 +132,13 @@ fn lights_are_chosen_as_often_as_is_said() {
         let flat = lights(&mut random, sky, without_size);
         let count = flat.lights.len();
         assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
-        let draws = DRAWS.to_string();
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-        let lights = flat.features.quantities.lights.to_string();
-        assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
-        let kernel = Kernel::with(
-            "test/light_choice",
-            &Setup { plan, values: &[("draws", &*draws), ("lights", &*lights)], ..Setup::default() },
-        );
+        let kernel = kernel(&flat);
         // Among the lights, at the middle of one, and from afar.
         let mut points: Vec<[f32; 3]> = (0..6).map(|_| rounded(0.5 * random.uniform() * unit(&mut random))).collect();
         points.push(flat.shapes.spheres[3].center);
         points.extend([1.0, 30.0].map(|distance| rounded(distance * unit(&mut random))));
-        let rows: Vec<In> = points.iter().map(|&from| In { from, padding: 0 }).collect();
-        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
-        for (i, row) in rows.iter().enumerate() {
-            let found: Vec<Out> = kernel.run_with(std::slice::from_ref(row), DRAWS, &more);
+        for (i, from) in points.iter().enumerate() {
+            let found = draws(&kernel, &flat, *from, DRAWS);
             let said: Vec<f64> = found[..count].iter().map(|out| f64::from(out.of_row)).collect();
             let sum: f64 = said.iter().sum();
             // Some twenty roundings of each on the way.
@@ -152,11 +150,11 @@ fn lights_are_chosen_as_often_as_is_said() {
                 chosen[out.index as usize] += 1;
             }
             for (light, said) in flat.lights.iter().zip(&said) {
-                assert!(*said > 0.0 || !reaches(&flat, light, exact(row.from)), "point {i}: {light:?} is never chosen");
+                assert!(*said > 0.0 || !reaches(&flat, light, exact(*from)), "point {i}: {light:?} is never chosen");
             }
             let expected = |of: &dyn Fn(usize) -> f64| (0..count).map(|i| DRAWS as f64 * of(i)).collect::<Vec<f64>>();
             let p = chi_square(&chosen, &expected(&|i| said[i]), 1);
-            assert!(p > sidak(ALPHA, 2 * rows.len()), "point {i}: p = {p:e}");
+            assert!(p > sidak(ALPHA, 2 * points.len()), "point {i}: p = {p:e}");
             // Planted: the neighbour's probability, and a tenth more for every other light.
             let neighbour = chi_square(&chosen, &expected(&|i| said[(i + 1) % count].max(1e-9)), 1);
             let more = |i: usize| said[i] * if i.is_multiple_of(2) { 1.1 } else { 1.0 };
@@ -171,30 +169,23 @@ fn lights_are_chosen_as_often_as_is_said() {
 #[test]
 fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     let flat = lights(&mut Random(78), false, false);
-    let draws = DRAWS.to_string();
-    let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-    let lights = flat.features.quantities.lights.to_string();
-    let kernel = Kernel::with(
-        "test/light_choice",
-        &Setup { plan, values: &[("draws", &*draws), ("lights", &*lights)], ..Setup::default() },
-    );
+    let kernel = kernel(&flat);
     // At a sphere's middle nothing is nearer.
-    let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
-    let rows: Vec<In> = flat.shapes.spheres.iter().map(|sphere| In { from: sphere.center, padding: 0 }).collect();
+    let points: Vec<[f32; 3]> = flat.shapes.spheres.iter().map(|sphere| sphere.center).collect();
     let leaf = |light: u32| {
         let found = flat.light_nodes.iter().find(|node| node.child & !LIGHT_NODE_TWO_SIDED == LIGHT_NODE_LEAF | light);
         f64::from(found.expect("each light is a leaf").intensity)
     };
     let all: f64 = (0..flat.lights.len() as u32).map(leaf).sum();
     let share = |light: u32| leaf(light) / all;
-    let gain = |row: &In, light: u32| {
-        let found: Vec<Out> = kernel.run_with(std::slice::from_ref(row), flat.lights.len(), &more);
+    let gain = |from: [f32; 3], light: u32| {
+        let found = draws(&kernel, &flat, from, flat.lights.len());
         (f64::from(found[light as usize].of_row) / share(light)).ln()
     };
     let mean = |shift: usize| {
-        let gains =
-            rows.iter().enumerate().map(|(i, row)| gain(row, flat.shapes.spheres[(i + shift) % rows.len()].light));
-        (gains.sum::<f64>() / rows.len() as f64).exp()
+        let other = |i: usize| flat.shapes.spheres[(i + shift) % points.len()].light;
+        let gains = points.iter().enumerate().map(|(i, from)| gain(*from, other(i)));
+        (gains.sum::<f64>() / points.len() as f64).exp()
     };
     assert!(mean(0) > 4.0, "{} times as often as by intensity", mean(0));
     assert!(mean(1) < 2.0, "another light {} times as often", mean(1));
@@ -203,26 +194,14 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
 /// Two lights are chosen by the tree as more are, and one with a sky; the sky as often as what it sends to every point says beside
 /// what a lamp does, and between a tenth and nine tenths of all.
 #[test]
-fn two_lights_and_a_lamp_under_a_sky() {
+fn the_tree_chooses_from_two_lights_and_from_a_lamp_and_its_sky() {
     let lamp = "\"lamp\": DiffuseLight(emit: Rgb(1000, 1000, 1000))";
     let sphere = |x: f64| format!("Sphere(center: ({x:?}, 0, 0), radius: 0.01, material: \"lamp\")");
-    let scene = |background: &str, objects: &str| {
-        flattened(&format!(
-            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 2), look_at: (0, 0, 0), vertical_fov: 40),
-            background: {background}, materials: {{{lamp}, {GREY}}}, objects: [{objects}, {RECEIVER}])"
-        ))
-    };
+    let scene = |background: &str, objects: &str| flattened((2, 0), background, lamp, objects);
     let probability = |flat: &DeviceScene, light: usize, from: DVec3| -> f64 {
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-        let lights = flat.features.quantities.lights.to_string();
-        assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
-        let setup = Setup { plan, values: &[("draws", "2"), ("lights", &*lights)], ..Setup::default() };
-        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
         // The scene moved so that the camera is at the origin, and scaled by a power of two.
         let scale = f64::from(flat.shapes.spheres[0].radius) / 0.01;
-        let row = In { from: rounded(scale * (from - DVec3::new(0.0, 0.0, 2.0))), padding: 0 };
-        let found: Vec<Out> = Kernel::with("test/light_choice", &setup).run_with(&[row], 2, &more);
-        f64::from(found[light].of_row)
+        probabilities(flat, scale * (from - DVec3::new(0.0, 0.0, 2.0)))[light]
     };
     // At distances of 1 and 2, but for the balls around them.
     let two = scene("Solid((0, 0, 0))", &format!("{}, {}", sphere(0.0), sphere(3.0)));
@@ -246,25 +225,9 @@ fn two_lights_and_a_lamp_under_a_sky() {
 /// by their irradiance, against a sky and a point light between a tenth and nine tenths.
 #[test]
 fn lights_without_size_are_chosen_by_their_irradiance() {
-    let scene = |background: &str, lights: &str| {
-        flattened(&format!(
-            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
-            background: {background}, materials: {{{GREY}}}, objects: [{lights}, {RECEIVER}])"
-        ))
-    };
-    // The probabilities of all lights, those with a position first and the sky last.
-    let probabilities = |flat: &DeviceScene, from: DVec3| -> Vec<f64> {
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
-        let lights = flat.features.quantities.lights.to_string();
-        assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
-        let setup = Setup { plan, values: &[("draws", &*lights), ("lights", &*lights)], ..Setup::default() };
-        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
-        // Render space is the scene's, but for its scale; the receiver's reach is 0.1.
-        let scale = 8.0;
-        let row = In { from: rounded(scale * from), padding: 0 };
-        let found: Vec<Out> = Kernel::with("test/light_choice", &setup).run_with(&[row], flat.lights.len(), &more);
-        found.iter().map(|out| f64::from(out.of_row)).collect()
-    };
+    let scene = |background: &str, lights: &str| flattened((0, -1), background, "", lights);
+    // Render space is the scene's, but for its scale of 8; the receiver's reach is 0.1.
+    let probabilities = |flat: &DeviceScene, from: DVec3| probabilities(flat, 8.0 * from);
     let close = |found: &[f64], expected: &[f64]| {
         let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(found.len() == expected.len() && off < 1e-4, "{found:?}, expected {expected:?}");

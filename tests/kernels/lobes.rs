@@ -5,14 +5,11 @@ use std::path::Path;
 use gpu_rt::bitmap::Bitmaps;
 use gpu_rt::data;
 use gpu_rt::data::NARROW_LOBE;
-use gpu_rt::lobe;
 use gpu_rt::material::LobeWidth;
-use gpu_rt::material::microfacets::directional_albedos;
 use gpu_rt::scene::{Material, Scene};
 
-use crate::common::kernel::array;
 use crate::common::microfacets::{
-    ABSORBED, In, Lobes, Out, arriving, conductor, frosted, kernel, kernel_of, pane, uniforms,
+    ABSORBED, In, Lobes, Out, answers, arriving, conductor, frosted, kernel, pane, uniforms,
 };
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded};
@@ -125,12 +122,7 @@ fn the_host_knows_the_lobes_that_kernels_draw_from() {
                 In { front, u: uniforms(&mut random, usize::MAX), ..row(arriving(&mut random, cos), roughness) }
             })
             .collect();
-        let table: Vec<[f32; 4]> = directional_albedos()
-            .into_iter()
-            .chain(lobe::LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table()))
-            .collect();
-        let kernel = kernel_of(shader, 1, &[], &ALL);
-        let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[array("directional_albedos", &table)]);
+        let found = answers(&kernel(shader, &ALL), &rows, rows.len());
         for (roughness, answers) in roughnesses.iter().zip(found.chunks(DRAWS)) {
             let material = material(&text(*roughness));
             let known = material.widths(&Bitmaps::default());
@@ -174,7 +166,7 @@ fn the_width_of_a_lobe_is_the_angle_that_half_of_its_directions_keep() {
         ("rough_dielectric", frosted(straight, 1.5, roughness), f64::from(NARROW_LOBE) / 6.0),
     ] {
         let axis = exact(row.incoming).normalize();
-        let found = kernel(shader, DRAWS, &[]).run_with::<_, Out>(&[row], DRAWS, &[]);
+        let found = kernel(shader, &[]).run_with::<_, Out>(&[row], DRAWS, &[]);
         let angle = |out: &Out| axis.cross(exact(out.direction)).length().asin();
         let within = |width: f64| found.iter().filter(|out| angle(out) < width).count() as f64 / DRAWS as f64;
         // 16,384 draws give a share to 0.4 %. The tangent for the angle, and reflected rays at glass, are 2 %.

@@ -12,6 +12,7 @@ mod angle;
 mod anisotropy;
 mod backends;
 mod bounds;
+mod bsdf;
 mod camera;
 mod cuboid;
 mod delta_lights;

@@ -14,21 +14,16 @@ use crate::common::vectors::{U, decades, exact, rounded, unit};
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
 
-/// Answers each row once, for its own uniforms.
-fn once(material: &str, replaced: &[(&str, &str)]) -> Kernel {
-    let values = [("material", material), ("times", "1"), ("keyed", "false")];
-    Kernel::with("test/scatter", &Setup { replaced, values: &values, ..Setup::default() })
+/// Answers each row for its own uniforms, or many times for independent ones.
+fn kernel(material: &str, replaced: &[(&str, &str)]) -> Kernel {
+    Kernel::with("test/scatter", &Setup { replaced, values: &[("material", material)], ..Setup::default() })
 }
 
 /// Draws for each row of input.
 const DRAWS: usize = 1 << 18;
 
-/// Answers one row many times, for independent uniforms.
 fn draws(material: &str, row: &In) -> Vec<Out> {
-    let times = DRAWS.to_string();
-    let values = [("material", material), ("times", &*times), ("keyed", "true")];
-    let kernel = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() });
-    kernel.run_with(&[*row], DRAWS, &[])
+    kernel(material, &[]).run_with(&[*row], DRAWS, &[])
 }
 
 /// A normal, and a direction that comes in at an angle with it.
@@ -231,8 +226,8 @@ fn dielectric_faults(kernel: &Kernel, rows: &[(f64, In)]) -> (usize, usize) {
 #[test]
 fn dielectric_reflects_by_fresnel_and_refracts_by_snell() {
     let mut random = Random(75);
-    let own = once("dielectric", &[]);
-    let schlick = once("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")]);
+    let own = kernel("dielectric", &[]);
+    let schlick = kernel("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")]);
     for ior in [1.5, 1.0 / 1.5, 2.4, 1.1, 1.000_001] {
         let rows = dielectric_rows(&mut random, ior, 20_000, 1.0 - U as f32);
         assert_eq!(dielectric_faults(&own, &rows), (0, 0), "ior {ior}");
@@ -256,8 +251,8 @@ fn a_dielectric_of_index_one_changes_nothing() {
         let found = kernel.run::<_, Out>(&rows);
         rows.iter().zip(found).filter(|(row, out)| row.incoming != out.direction || out.weight != [1.0; 3]).count()
     };
-    assert_eq!(changed(&once("dielectric", &[])), 0);
-    assert!(changed(&once("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")])) > 9000);
+    assert_eq!(changed(&kernel("dielectric", &[])), 0);
+    assert!(changed(&kernel("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")])) > 9000);
 }
 
 #[test]
@@ -270,6 +265,6 @@ fn lights_emit_on_the_sides_they_have() {
         rows.push(In { incoming: [0.0, 0.0, -1.0], normal: [0.0, 0.0, 1.0], front, colour, material, ..In::default() });
         expected.push(if emits { (EMITTED, colour) } else { (ABSORBED, [0.0; 3]) });
     }
-    let found = once("diffuse_light", &[]).run::<_, Out>(&rows);
+    let found = kernel("diffuse_light", &[]).run::<_, Out>(&rows);
     assert_eq!(found.iter().map(|out| (out.event, out.weight)).collect::<Vec<_>>(), expected);
 }

@@ -1,30 +1,23 @@
 //! medium/*: the part of a ray within a medium. How far light flies in it and where it goes from there: tests/extremes/media.rs.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use glam::{DMat3, DVec3};
 use gpu_rt::data::{Cuboid, Sphere};
 
 use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::trace::NO_HIT;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Ray {
-    origin: [f32; 3],
-    primitive: u32,
-    direction: [f32; 3],
-    padding: u32,
-}
+rows! {
+    struct Ray {
+        origin: [f32; 3], primitive: u32,
+        direction: [f32; 3], padding: u32,
+    }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Within {
-    interval: [f32; 2],
-    /// What the shape says as a surface.
-    distance: f32,
-    padding: f32,
+    /// `distance` is what the shape says as a surface.
+    struct Within { interval: [f32; 2], distance: f32, padding: f32 }
 }
 
 /// `NO_INTERVAL` of shaders/medium/interval.wgsl.

@@ -1,28 +1,21 @@
-//! material/pbr: glTF's material against its formula in f64, its directions against its density, and the light that it keeps.
+//! material/pbr: the formula of glTF's material in f64 (bsdf.rs compares it), and what it is where its layer is smooth.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use gpu_rt::data;
 
-use crate::common::kernel::Kernel;
 use crate::common::microfacets::{
-    ABSORBED, In, Out, SCATTERED, SPECULAR, arriving, axes, conductor, density, kernel, kernel_of, masking, schlick,
-    shadowing, uniforms, visible, within,
+    ABSORBED, In, NO_LAYER, Out, SPECULAR, conductor, density, kernel, schlick, shadowing, view_and_normal, visible,
 };
-use crate::common::stats::{Random, chi_square, sidak};
-use crate::common::vectors::{U, decades, exact, rounded, unit};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, exact};
+use crate::rough::rows_from;
 use crate::thin_film::thin_film;
 
-/// False-alarm rate of each test here.
-const ALPHA: f64 = 1e-6;
-const DRAWS: usize = 1 << 18;
 /// Cells of directions, all of the same solid angle.
 pub const RINGS: usize = 23;
 pub const SECTORS: usize = 17;
-
-/// The F90 of a row without a layer of its own.
-pub const NO_LAYER: f32 = -1.0;
 
 pub fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
     let material = data::Material {
@@ -164,158 +157,22 @@ pub fn cell(direction: DVec3) -> usize {
     bin(direction.z, RINGS) * SECTORS + bin((direction.y.atan2(direction.x) + PI) / TAU, SECTORS)
 }
 
-/// Materials whose lobes are wide enough for cells of directions.
-const WIDE: [([f32; 3], f64, f64, f64); 4] = [
-    ([0.8, 0.5, 0.2], 0.0, 0.5, 1.5),
-    ([0.9, 0.6, 0.3], 1.0, 0.7, 1.5),
-    ([0.5; 3], 0.5, 1.0, 1.5),
-    ([0.0; 3], 0.0, 0.6, 1.5),
-];
-
-#[test]
-fn pbr_scatters_by_its_density_and_keeps_the_light_of_its_formula() {
-    let mut random = Random(201);
-    let many = kernel("pbr", DRAWS, &[]);
-    let cosines = [1.0, 0.6, 0.2];
-    let threshold = sidak(ALPHA, WIDE.len() * cosines.len());
-    for (base, metallic, roughness, ior) in WIDE {
-        for cos in cosines {
-            let what = format!("{base:?}, metallic {metallic}, roughness {roughness}, cosine {cos}");
-            let row = pbr(arriving(&mut random, cos), base, metallic, roughness, ior);
-            let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
-            let axes = axes(normal, view);
-            let mut counts = vec![0u64; RINGS * SECTORS + 1];
-            let (mut sum, mut squares) = (0.0, 0.0);
-            for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
-                let weight = f64::from(out.weight[0]);
-                sum += weight;
-                squares += weight * weight;
-                if out.event == ABSORBED {
-                    counts[RINGS * SECTORS] += 1;
-                    continue;
-                }
-                let direction = exact(out.direction);
-                assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
-                counts[cell(within(&axes, direction))] += 1;
-            }
-            let inner = within(&axes, view);
-            let expected = |share: f64| {
-                let (mut shares, mut kept) = (vec![0.0; RINGS * SECTORS + 1], 0.0);
-                hemisphere(|cell, direction, solid_angle| {
-                    let Formula { value, facets, cosine } = formula(&row, inner, DVec3::Z, direction);
-                    shares[cell] += solid_angle * (share * facets + (1.0 - share) * cosine) * DRAWS as f64;
-                    kept += solid_angle * value[0];
-                });
-                shares[RINGS * SECTORS] = (DRAWS as f64 - shares.iter().sum::<f64>()).max(1e-9);
-                (shares, kept)
-            };
-            let share = share_of_facets(&row, view.dot(normal));
-            let (shares, kept) = expected(share);
-            let right = chi_square(&counts, &shares, 1);
-            assert!(right > threshold, "{what}: p = {right:e}");
-            let other = chi_square(&counts, &expected(share - 0.05).0, 1);
-            assert!(other < threshold, "{what}, another share: p = {other:e}");
-            let mean = sum / DRAWS as f64;
-            let error = 4.9 * ((squares / DRAWS as f64 - mean * mean) / DRAWS as f64).sqrt() + 1e-3 * kept;
-            assert!((mean - kept).abs() < error, "{what}: {mean} of {kept}, known to {error}");
-            assert!(error < 0.01 * kept, "{what}: {kept} is known to {error}");
-        }
-    }
-}
-
 /// Rows of random base and angle.
 pub fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    (0..count)
-        .map(|i| {
-            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
-            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
-            let metallic = [0.0, 1.0, 0.3][i % 3];
-            let base = [[0.8, 0.5, 0.2], [1.0, 0.0, 0.5], [0.0; 3]][i / 2 % 3];
-            let row = pbr(arriving(random, cos), base, metallic, roughness, [1.5, 1.0, 2.4][i / 3 % 3]);
-            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
-            In { u: uniforms(random, i), light, ..row }
-        })
-        .collect()
-}
-
-/// Whether a value or a density is off by more than f32 explains.
-fn off(row: &In, out: &Out) -> bool {
-    let own = row.light == [0.0; 3];
-    let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
-    let direction = exact(if own { out.direction } else { row.light }).normalize();
-    let Formula { value, facets, cosine } = formula(row, view, normal, direction);
-    let (cos_view, alpha) = (view.dot(normal), f64::from(row.material.numbers[0].max(1.0 / 1024.0)).powi(2));
-    let share = share_of_facets(row, cos_view);
-    let pdf = share * facets + (1.0 - share) * cosine;
-    // As for conductors (rough.rs).
-    let turned = 4.0 * U / (view + direction).length();
-    let light = direction.dot(normal).abs().max(1e-9);
-    let limit = 96.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
-    let white = facets * shadowing(cos_view, light, alpha) / masking(cos_view, alpha) + cosine;
-    let near = |found: f32, expected: f64, all: f64| {
-        (f64::from(found) - expected).abs() <= limit * expected + 5.0 * turned * all + 1e-30
-    };
-    let on_edge = light < 4.0 * U;
-    let right = near(out.pdf, pdf, pdf) && (0..3).all(|c| near(out.value[c], value[c], white));
-    !(on_edge || right)
-}
-
-/// The rows whose value or density is off, and those whose weight is not their ratio.
-fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize) {
-    let (mut wrong, mut unweighted) = (0, 0);
-    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
-        let own = row.light == [0.0; 3];
-        if own && out.event == ABSORBED {
-            continue;
-        }
-        wrong += usize::from(off(row, &out));
-        // A quotient of 2.5 ULP, as WGSL allows it, and the roundings of what it is made of.
-        let is_ratio = |c: usize| {
-            let ratio = f64::from(out.value[c]) / f64::from(out.pdf);
-            (f64::from(out.weight[c]) - ratio).abs() < 16.0 * U * ratio.max(1.0)
-        };
-        unweighted += usize::from(own && !(0..3).all(is_ratio));
-    }
-    (wrong, unweighted)
-}
-
-#[test]
-fn pbr_responds_by_the_formula_of_gltf() {
-    let mut random = Random(203);
-    let own = kernel("pbr", 1, &[]);
-    let brighter = kernel("pbr", 1, &[("lib/fresnel_conductor", "test/control/fresnel_conductor_brighter")]);
-    for towards_light in [false, true] {
-        let rows = rows(&mut random, 20_000, towards_light);
-        assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
-        assert!(faults(&brighter, &rows).0 > 3000, "1 % more reflection is not found");
-    }
+    rows_from((random, count, towards_light), -2.0, |i, row, roughness| {
+        let base = [[0.8, 0.5, 0.2], [1.0, 0.0, 0.5], [0.0; 3]][i / 2 % 3];
+        pbr(row, base, [0.0, 1.0, 0.3][i % 3], roughness, [1.5, 1.0, 2.4][i / 3 % 3])
+    })
 }
 
 /// Layers of any share and colour, as KHR_materials_specular has them.
-#[test]
-fn pbr_has_the_layer_of_the_extension() {
-    let mut random = Random(207);
-    let own = kernel_of("pbr", 1, &[], &["lobe/specular"]);
-    for towards_light in [false, true] {
-        let layered = |(i, row): (usize, In)| {
-            let f90 = [0.0, 0.5, 1.0, 0.01][i % 4];
-            let color = [[1.0; 3], [0.9, 0.3, 0.0], [0.0; 3]][i / 4 % 3];
-            In { f0: color.map(|c: f32| c * f90 * row.material.numbers[1]), f90, ..row }
-        };
-        let rows: Vec<In> = rows(&mut random, 20_000, towards_light).into_iter().enumerate().map(layered).collect();
-        assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
-        if !towards_light {
-            continue;
-        }
-        // The formula with the layer of appendix B, or with one that is 1 % brighter at grazing angles.
-        let answers = own.run::<_, Out>(&rows);
-        let differ = |f90: fn(f32) -> f32| {
-            let by_other = |(row, out): &(&In, &Out)| off(&In { f90: f90(row.f90), ..**row }, out);
-            rows.iter().zip(&answers).filter(by_other).count()
-        };
-        assert!(differ(|_| NO_LAYER) > 3000, "the layer of appendix B is not told from it");
-        assert!(differ(|f90| 1.01 * f90) > 300, "a layer that is 1 % brighter is not found");
-    }
+pub fn layered_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    let layered = |(i, row): (usize, In)| {
+        let f90 = [0.0, 0.5, 1.0, 0.01][i % 4];
+        let color = [[1.0; 3], [0.9, 0.3, 0.0], [0.0; 3]][i / 4 % 3];
+        In { f0: color.map(|c: f32| c * f90 * row.material.numbers[1]), f90, ..row }
+    };
+    rows(random, count, towards_light).into_iter().enumerate().map(layered).collect()
 }
 
 /// A roughness below the limit makes a mirror over the matt body: the bytes of a smooth conductor where nothing else reflects, and else a lobe
@@ -331,9 +188,9 @@ fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
         ..row
     };
     let rows: Vec<In> = rows(&mut random, 20_000, false).into_iter().enumerate().map(smooth).collect();
-    let found = kernel("pbr", 1, &[]).run::<_, Out>(&rows);
+    let found = kernel("pbr", &[]).run::<_, Out>(&rows);
     let as_conductors: Vec<In> = rows.iter().map(|row| conductor(*row, 0.0, None)).collect();
-    let mirrors = kernel("conductor", 1, &[]).run::<_, Out>(&as_conductors);
+    let mirrors = kernel("conductor", &[]).run::<_, Out>(&as_conductors);
     let (mut metals, mut layers, mut matt, mut planted) = (0, 0, 0, 0);
     for ((row, out), mirror) in rows.iter().zip(&found).zip(&mirrors) {
         if row.material.numbers[2] == 1.0 {
@@ -345,7 +202,7 @@ fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
             metals += 1;
             continue;
         }
-        let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+        let (view, normal) = view_and_normal(row);
         let cos_view = view.dot(normal);
         let share = share_of_facets(row, cos_view);
         let metallic = f64::from(row.material.numbers[2]);
@@ -377,34 +234,4 @@ fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
         }
     }
     assert!(metals > 5000 && layers > 2000 && matt > 2000 && planted > 2000, "{metals} {layers} {matt} {planted}");
-}
-
-/// The BRDF for light and view exchanged.
-#[test]
-fn pbr_reflects_the_same_both_ways() {
-    let mut random = Random(205);
-    let upright = |v: [f32; 3], row: &In| exact(v).dot(exact(row.normal)).abs();
-    let rows: Vec<In> = rows(&mut random, 20_000, true)
-        .into_iter()
-        .filter(|row| exact(row.light).dot(exact(row.normal)) > 0.01 && upright(row.incoming, row) > 0.01)
-        .collect();
-    let turned: Vec<In> = rows
-        .iter()
-        .map(|row| In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), ..*row })
-        .collect();
-    let kernel = kernel("pbr", 1, &[]);
-    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&turned));
-    let wrong = |power: i32| {
-        let pairs = rows.iter().zip(there.iter().zip(&back));
-        let off = pairs.filter(|(row, (there, back))| {
-            let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
-            let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
-            let alpha = f64::from(row.material.numbers[0]).powi(2);
-            (a - b).abs() > (2e-5 + 32.0 * U / alpha) * a + 1e-9
-        });
-        off.count()
-    };
-    assert!(rows.len() > 4000);
-    assert_eq!(wrong(1), 0);
-    assert!(wrong(0) > 2000);
 }

@@ -1,33 +1,26 @@
-//! What glTF's material has around its base: its lobes against their formulas in f64, their directions against their densities, and the light
-//! that they keep.
+//! What glTF's material has around its base: its lobes against their formulas in f64, and the light that they keep (bsdf.rs has the comparison).
 
 use std::f64::consts::{PI, TAU};
-use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use gpu_rt::lobe::LOBES as ALL_LOBES;
-use gpu_rt::material::microfacets::directional_albedos;
-
-use crate::common::kernel::{Kernel, array};
+use crate::bsdf::Wrong::{Expression, Part};
+use crate::bsdf::{Bsdf, Material, Rows, Wrong, material, respond_by_their_formulas};
 use crate::common::microfacets::{
-    ABSORBED, In, Lobes, Out, SCATTERED, SPECULAR, arriving, axes, density, kernel_of, masking, planted_kernel,
-    schlick, shadowing, visible, within,
+    ABSORBED, In, Lobes, SPECULAR, albedo_table, answers, density, kernel, masking, schlick, shadowing,
+    view_and_normal, visible,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::glass;
-use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::stats::Random;
 use crate::common::vectors::{U, exact, rounded, unit};
 use crate::pbr::{
-    Formula, NO_LAYER, RINGS, SECTORS, body, brightness, cell, ends_of_layer, film_share, formula, hemisphere,
-    layer_with_film, metal_with_film, pbr, rows, share_of_facets, share_of_far_side, with_film,
+    Formula, body, brightness, ends_of_layer, film_share, formula, layer_with_film, metal_with_film, rows,
+    share_of_facets, share_of_far_side, with_film,
 };
-use crate::rough::{boundary_response, fresnel_of_a_pane, pane_response};
+use crate::rough::{boundary, exact_pane, fresnel_of_a_pane};
 use crate::thin_film::off as thin_film_off;
 
-/// False-alarm rate of each test here.
-const ALPHA: f64 = 1e-6;
-const DRAWS: usize = 1 << 18;
 /// The modules of all lobes.
 pub const ALL: [&str; 8] = [
     "lobe/specular",
@@ -40,48 +33,12 @@ pub const ALL: [&str; 8] = [
     "lobe/dispersion",
 ];
 
-/// The table of the kernels: that of rough metals, and that of sheen behind it.
-fn table() -> &'static [[f32; 4]] {
-    static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        directional_albedos()
-            .into_iter()
-            .chain(ALL_LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table()))
-            .collect()
-    })
-}
-
-fn run(kernel: &Kernel, rows: &[In]) -> Vec<Out> {
-    draws(kernel, rows, rows.len())
-}
-
-/// So many answers to the rows. The layer of a row without one of its own is that of its index.
-fn draws(kernel: &Kernel, rows: &[In], count: usize) -> Vec<Out> {
-    let with_layer = |row: &In| match row.f90 == NO_LAYER {
-        true => In { f0: [row.material.numbers[1]; 3], f90: 1.0, ..*row },
-        false => *row,
-    };
-    let rows: Vec<In> = rows.iter().map(with_layer).collect();
-    kernel.run_with(&rows, count, &[array("directional_albedos", table())])
-}
-
 /// A row with a share of glass: a solid, or a pane.
-fn glassy(row: In, share: f64, ior: f64, is_solid: bool) -> In {
+pub fn glassy(row: In, share: f64, ior: f64, is_solid: bool) -> In {
     let glass = glass(ior);
     let contrasts = [glass.numbers[1], glass.numbers[2]];
     let ior = if is_solid { ior as f32 } else { 0.0 };
     In { lobes: Lobes { transmission: share as f32, ior, contrasts, ..row.lobes }, ..row }
-}
-
-/// The BSDF times cosine, the density of directions, and how much f32 may be off: of the value by channel, and of the density.
-#[derive(Clone, Copy, Debug, Default)]
-struct Bsdf {
-    value: [f64; 3],
-    pdf: f64,
-    off: [f64; 3],
-    pdf_off: f64,
-    /// f32 has no digits here.
-    is_unknown: bool,
 }
 
 /// `1 - weight` of one, and `weight` of another, drawn with the probability `share`; each of the two with what it is off by.
@@ -98,6 +55,7 @@ fn mixed(inner: Bsdf, outer: Bsdf, (weight, weight_off): (f64, f64), (share, sha
         }),
         pdf_off: by(inner.pdf_off, outer.pdf_off, share) + rounded * pdf + share_off * (inner.pdf + outer.pdf),
         is_unknown: inner.is_unknown || outer.is_unknown,
+        weight_off: None,
     }
 }
 
@@ -138,6 +96,7 @@ fn base(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
         off: value.map(|value| limit * value + (5.0 * turned + of_film) * white),
         pdf_off: limit * pdf + 5.0 * turned * pdf,
         is_unknown: light < 4.0 * U,
+        weight_off: None,
     }
 }
 
@@ -187,21 +146,21 @@ fn with_glass(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
     }
     let mut glass = Bsdf::default();
     if is_rough_glass(row) {
-        let (value, pdf, limit, _) = match row.lobes.ior > 0.0 {
-            true => boundary_response(&of_glass(row), direction),
-            false => pane_response(&of_glass(row), direction, fresnel_of_a_pane),
-        };
+        let of_bsdf = if row.lobes.ior > 0.0 { boundary } else { exact_pane };
+        let own = of_bsdf(&of_glass(row), direction);
+        let limit = own.pdf_off / own.pdf;
         let (split, split_off) = split_of_glass(row, view, normal, direction);
         let tint = tint(row, normal, direction);
-        let value = [0, 1, 2].map(|c| tint[c] * value * split.value[c]);
-        let pdf = pdf * split.pdf;
+        let value = [0, 1, 2].map(|c| tint[c] * own.value[c] * split.value[c]);
+        let pdf = own.pdf * split.pdf;
         glass = Bsdf {
             value,
             pdf,
             off: value.map(|value| (limit + split_off) * value),
             pdf_off: (limit + split_off) * pdf,
             // A response that is 0 here may be one on the edge of what microfacets see there.
-            is_unknown: limit.is_nan() || limit > 0.1 || pdf == 0.0 || direction.dot(normal).abs() < 4.0 * U,
+            is_unknown: own.is_unknown || pdf == 0.0,
+            weight_off: None,
         };
     }
     mixed(under, glass, (weight, 0.0), share_of_glass(row, view.dot(normal)))
@@ -286,7 +245,7 @@ fn share_of_glass(row: &In, cos_view: f64) -> (f64, f64) {
 
 /// The albedo of white sheen by the table of the kernels, and by how much the rounding of the cosine moves it.
 fn sheen_albedo(cosine: f64, roughness: f64) -> (f64, f64) {
-    let all = &table()[256..];
+    let all = &albedo_table()[256..];
     let at = |row: usize, column: usize| f64::from(all[(row * 32 + column) / 4][column % 4]);
     let by = |cosine: f64| {
         let x = cosine.clamp(0.0, 1.0).sqrt().sqrt() * 31.0;
@@ -407,6 +366,7 @@ fn with_sheen(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
         off: [0, 1, 2].map(|c| under.off[c] + factor_off * under.value[c] + colour[c] * sheen_off + all * value[c]),
         pdf_off: under.pdf_off + share_off * (under.pdf + cosine) + all * pdf + 4.0 * U,
         is_unknown: under.is_unknown,
+        weight_off: None,
     }
 }
 
@@ -420,8 +380,15 @@ fn share_of_coat(row: &In, view: DVec3, normal: DVec3) -> f64 {
     coat / (coat + (1.0 - coat) * albedos(row, view.dot(normal)).1)
 }
 
-/// All of the material.
-fn bsdf(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
+/// All of the material. Of more than its base, f32 has no digits of a density that is off by a fifth.
+pub fn bsdf(row: &In, direction: DVec3) -> Bsdf {
+    let (view, normal) = view_and_normal(row);
+    let found = with_coat(row, view, normal, direction);
+    let has_lobes = row.lobes != Lobes::default();
+    Bsdf { is_unknown: found.is_unknown || has_lobes && found.pdf_off > 0.2 * found.pdf, ..found }
+}
+
+fn with_coat(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
     let under = with_sheen(row, view, normal, direction);
     if row.lobes.coat == 0.0 {
         return under;
@@ -461,11 +428,7 @@ fn bsdf(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Bsdf {
     mixed(under, coat, (reflectance, coat_off), (share, share_off))
 }
 
-fn view_and_normal(row: &In) -> (DVec3, DVec3) {
-    (-exact(row.incoming).normalize(), exact(row.normal).normalize())
-}
-
-fn glassy_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+pub fn glassy_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
     let rows = rows(random, count, towards_light);
     let with_glass = |(i, row): (usize, In)| {
         let share = [0.0, 0.3, 1.0, 0.7, 1e-3][i / 5 % 5];
@@ -490,35 +453,22 @@ fn coated(random: &mut Random, i: usize, row: In) -> In {
     In { coat_normal: own, lobes: Lobes { coat, coat_roughness, coat_f0, ..row.lobes }, ..row }
 }
 
-fn sheened_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    let rows = rows(random, count, towards_light).into_iter().enumerate();
-    rows.map(|(i, row)| sheened(i, row)).collect()
-}
-
-fn sheened(i: usize, row: In) -> In {
+pub fn sheened(i: usize, row: In) -> In {
     let sheen = [[0.9, 0.3, 0.0], [1.0; 3], [0.0; 3], [0.01, 0.0, 0.02]][i / 2 % 4];
     let sheen_roughness = [0.5, 0.0, 1.0, 0.1, 0.3][i / 3 % 5];
     In { coat_normal: row.normal, lobes: Lobes { sheen, sheen_roughness, ..row.lobes }, ..row }
 }
 
-fn filmed(i: usize, row: In) -> In {
+pub fn filmed(i: usize, row: In) -> In {
     let film = [1.0, 0.4, 0.0][i % 3];
     let (film_ior, film_thickness) = ([1.3, 2.0, 1.1][i / 3 % 3], [400.0, 0.0, 150.0, 0.012, 1200.0][i / 2 % 5]);
     In { coat_normal: row.normal, lobes: Lobes { film, film_ior, film_thickness, ..row.lobes }, ..row }
 }
 
-fn filmed_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    glassy_rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| filmed(i / 11, row)).collect()
-}
-
-fn translucent(i: usize, row: In) -> In {
+pub fn translucent(i: usize, row: In) -> In {
     let through = [0.5, 1.0, 0.0, 0.01][i % 4];
     let colour_through = [[0.9, 0.3, 0.0], [1.0; 3], [0.0; 3], [0.2, 0.5, 0.1]][i / 3 % 4];
     In { coat_normal: row.normal, lobes: Lobes { through, colour_through, ..row.lobes }, ..row }
-}
-
-fn translucent_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| translucent(i / 11, row)).collect()
 }
 
 /// Of solid glass.
@@ -527,345 +477,131 @@ fn dispersed(i: usize, row: In) -> In {
     In { followed: [-1.0, 1.0, 0.0][i / 3 % 3], lobes: Lobes { dispersion: spread, ..row.lobes }, ..row }
 }
 
-fn dispersed_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    glassy_rows(random, count, towards_light).into_iter().enumerate().map(|(i, row)| dispersed(i / 11, row)).collect()
+/// Rows that are changed by their numbers.
+fn changed(rows: Vec<In>, by: impl Fn(usize, In) -> In) -> Vec<In> {
+    rows.into_iter().enumerate().map(|(i, row)| by(i, row)).collect()
 }
 
 /// With all lobes.
 fn full_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
     let rows = glassy_rows(random, count, towards_light).into_iter().enumerate();
     let around = |(i, row)| coated(random, i / 3, sheened(i / 7, row));
-    let rows: Vec<In> = rows.map(around).collect();
-    let within = |(i, row): (usize, In)| {
+    changed(rows.map(around).collect(), |i, row| {
         let own = dispersed(i / 17, translucent(i / 13, filmed(i / 11, row)));
         In { coat_normal: row.coat_normal, ..own }
-    };
-    rows.into_iter().enumerate().map(within).collect()
+    })
 }
 
-/// Rows whose value or density is off, those whose weight is not the ratio of both, and those compared.
-fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize, usize) {
-    let (mut off, mut unweighted, mut compared) = (0, 0, 0);
-    for (row, out) in rows.iter().zip(run(kernel, rows)) {
-        let own = row.light == [0.0; 3];
-        if own && (out.event == ABSORBED || out.lobe == SPECULAR) {
-            continue;
-        }
-        let (view, normal) = view_and_normal(row);
-        let direction = exact(if own { out.direction } else { row.light }).normalize();
-        let expected = bsdf(row, view, normal, direction);
-        if expected.is_unknown || expected.pdf_off > 0.2 * expected.pdf {
-            continue;
-        }
-        compared += 1;
-        let near = |found: f32, expected: f64, off: f64| (f64::from(found) - expected).abs() <= off + 1e-30;
-        let is_value = |c: usize| near(out.value[c], expected.value[c], expected.off[c]);
-        let is_off = !(near(out.pdf, expected.pdf, expected.pdf_off) && (0..3).all(is_value));
-        off += usize::from(is_off);
-        // A quotient of 2.5 ULP, as WGSL allows it, and the roundings of what it is made of.
-        let is_ratio = |c: usize| {
-            let ratio = f64::from(out.value[c]) / f64::from(out.pdf);
-            (f64::from(out.weight[c]) - ratio).abs() <= 16.0 * U * ratio.max(1.0)
-        };
-        unweighted += usize::from(own && !(0..3).all(is_ratio));
-    }
-    (off, unweighted, compared)
+/// Layers of these rows. Each error is found in at least 100 of them.
+const fn layers(name: &'static str, seed: u64, rows: Rows, planted: &'static [(Wrong, [usize; 3])]) -> Material {
+    Material { with: &ALL, seed, compared: 5000, planted, ..material(name, "pbr", rows, bsdf) }
 }
 
-/// A module, a part of its text, and the error planted in its place.
-type Planted = (&'static str, &'static str, &'static str);
-
-/// Compares rows of both kinds, and finds each planted error in at least 100 of them.
-fn compare(rows: fn(&mut Random, usize, bool) -> Vec<In>, seed: u64, planted: &[Planted]) {
-    let mut random = Random(seed);
-    let own = kernel_of("pbr", 1, &[], &ALL);
-    let mut all = Vec::new();
-    for towards_light in [false, true] {
-        let rows = rows(&mut random, 20_000, towards_light);
-        let (off, unweighted, compared) = faults(&own, &rows);
-        assert_eq!((off, unweighted), (0, 0), "of {compared}, towards lights: {towards_light}");
-        assert!(compared > 5000, "{compared}");
-        all.extend(rows);
-    }
-    for error in planted {
-        let (off, unweighted, _) = faults(&planted_kernel("pbr", 1, &ALL, *error), &all);
-        assert!(off + unweighted > 100, "{error:?} is found in {off} and {unweighted} rows");
-    }
+const fn plant(module: &'static str, right: &'static str, wrong: &'static str) -> (Wrong, [usize; 3]) {
+    (Expression((module, right, wrong)), [0; 3])
 }
 
-#[test]
-fn a_share_of_glass_is_mixed_with_the_base() {
-    compare(
-        glassy_rows,
+const LAYERS: [Material; 7] = [
+    layers(
+        "a share of glass is mixed with the base",
         601,
+        glassy_rows,
         &[
-            ("data/material", "(1.0 - weight) * inner.value", "(1.0 - 0.97 * weight) * inner.value"),
-            ("data/material", "share * outer.pdf", "1.02 * share * outer.pdf"),
-            ("lobe/transmission", "select(vec3<f32>(1.0), hit.colour,", "select(hit.colour, hit.colour,"),
-            ("lobe/transmission", "lobes.ior, lobes.contrasts", "1.01 * lobes.ior, lobes.contrasts"),
-        ],
-    );
-}
-
-#[test]
-fn a_coat_reflects_what_lies_below_does_not_get() {
-    compare(
-        coated_rows,
-        611,
-        &[
-            ("lobe/coat", "cos_view, vec3<f32>(hit.lobes.coat_f0)", "1.0, vec3<f32>(hit.lobes.coat_f0)"),
-            (
-                "lobe/coat",
-                "microfacet_density(half_way, hit.coat_normal, alpha)",
-                "microfacet_density(half_way, hit.normal, alpha)",
+            plant("data/material", "(1.0 - weight) * inner.value", "(1.0 - 0.97 * weight) * inner.value"),
+            plant("data/material", "share * outer.pdf", "1.02 * share * outer.pdf"),
+            plant(
+                "lobe/transmission",
+                "select(vec3<f32>(1.0), hit.colour, dot(direction, hit.normal) < 0.0)",
+                "hit.colour",
             ),
-            (
+            plant("lobe/transmission", "(material), {{lobes.ior}}, lobes.contrasts", "1.01 * lobes.ior"),
+        ],
+    ),
+    layers(
+        "a coat reflects what lies below does not get",
+        611,
+        coated_rows,
+        &[
+            plant("lobe/coat", "schlick({{cos_view}}, vec3<f32>(hit.lobes.coat_f0))", "1.0"),
+            plant("lobe/coat", "microfacet_density(half_way, {{hit.coat_normal}}, alpha)", "hit.normal"),
+            plant(
                 "lobe/coat",
                 "dot(direction, hit.coat_normal) > 0.0 && dot(direction, hit.normal) > 0.0",
                 "dot(direction, hit.coat_normal) > 0.0",
             ),
         ],
-    );
-}
-
-#[test]
-fn a_sheen_takes_from_what_lies_below_what_it_reflects() {
-    compare(
-        sheened_rows,
+    ),
+    layers(
+        "a sheen takes from what lies below what it reflects",
         613,
+        |random, count, lights| changed(rows(random, count, lights), sheened),
         &[
-            ("lobe/sheen", "max(albedos.x, albedos.y), 1.0);\n}", "albedos.x, 1.0);\n}"),
-            ("lib/charlie", "2.0 * charlie_fit(0.5, alpha) - fit", "1.99 * charlie_fit(0.5, alpha) - fit"),
-            ("lib/charlie", "0.5 / alpha", "0.51 / alpha"),
-            ("lobe/sheen_albedo", "sqrt(sqrt(cosine))", "sqrt(cosine)"),
+            plant("lobe/sheen", "min({{max(albedos.x, albedos.y)}}, 1.0)", "albedos.x"),
+            plant("lib/charlie", "{{2.0 * charlie_fit(0.5, alpha)}} - fit", "1.99 * charlie_fit(0.5, alpha)"),
+            plant("lib/charlie", "{{0.5 / alpha}})", "0.51 / alpha"),
+            plant("lobe/sheen_albedo", "sqrt(sqrt(cosine))", "sqrt(cosine)"),
         ],
-    );
-}
-
-#[test]
-fn a_film_reflects_in_place_of_the_base_and_its_glass() {
-    compare(
-        filmed_rows,
+    ),
+    layers(
+        "a film reflects in place of the base and its glass",
         631,
+        |random, count, lights| changed(glassy_rows(random, count, lights), |i, row| filmed(i / 11, row)),
         &[
-            ("lobe/iridescence", "share * film;", "0.97 * share * film;"),
-            (
-                "lobe/iridescence",
-                "return hit.lobes.film * smoothstep(0.0, 0.03, hit.lobes.film_thickness);",
-                "return hit.lobes.film;",
-            ),
-            ("lobe/iridescence", "max(max(film.x, film.y), film.z)", "film.x"),
-            ("lobe/iridescence", "colour / chance, chance", "under.colour, chance"),
-            (
+            plant("lobe/iridescence", "+ {{share * film}};", "0.97 * share * film"),
+            plant("lobe/iridescence", "{{smoothstep(0.0, 0.03, hit.lobes.film_thickness)}}", "1.0"),
+            plant("lobe/iridescence", "max(max(film.x, film.y), film.z)", "film.x"),
+            plant("lobe/iridescence", "colour / chance", "under.colour"),
+            plant(
                 "material/pbr_base",
-                "with_film(schlick(cos_facet, hit.colour)",
-                "with_film(0.9 * schlick(cos_facet, hit.colour)",
+                "with_film({{schlick(cos_facet, hit.colour)}}",
+                "0.9 * schlick(cos_facet, hit.colour)",
             ),
-            (
+            plant(
                 "material/glass",
                 "select(refraction.cos_transmitted, min(cos_facet, 1.0), hit.front)",
                 "min(cos_facet, 1.0)",
             ),
         ],
-    );
-}
-
-#[test]
-fn light_passes_a_translucent_body() {
-    compare(
-        translucent_rows,
+    ),
+    layers(
+        "light passes a translucent body",
         633,
+        |random, count, lights| changed(rows(random, count, lights), |i, row| translucent(i / 11, row)),
         &[
-            (
+            plant(
                 "lobe/diffuse_transmission",
-                "return hit.lobes.through * hit.lobes.colour_through;",
-                "return hit.lobes.through * hit.colour;",
+                "return hit.lobes.through * {{hit.lobes.colour_through}};",
+                "hit.colour",
             ),
-            ("lobe/diffuse_transmission", "select(far, 1.0 - far,", "select(0.98 * far, 1.0 - far,"),
-            ("lobe/diffuse_transmission", "direction - 2.0 *", "direction - 1.9 *"),
-            ("lobe/diffuse_transmission", "return (1.0 - hit.lobes.through) * hit.colour;", "return hit.colour;"),
+            plant("lobe/diffuse_transmission", "select({{far}}, 1.0 - far,", "0.98 * far"),
+            plant("lobe/diffuse_transmission", "direction - {{2.0}} *", "1.9"),
+            plant("lobe/diffuse_transmission", "return {{(1.0 - hit.lobes.through)}} * hit.colour;", "1.0"),
         ],
-    );
-}
-
-#[test]
-fn glass_with_dispersion_has_an_index_for_each_channel() {
-    compare(
-        dispersed_rows,
+    ),
+    layers(
+        "glass with dispersion has an index for each channel",
         635,
+        |random, count, lights| changed(glassy_rows(random, count, lights), |i, row| dispersed(i / 11, row)),
         &[
-            ("lobe/dispersion", "let own = glass.ior + shift;", "let own = glass.ior - shift;"),
-            ("lobe/dispersion", "shift * (2.0 * glass.ior + shift)", "shift * 2.0 * glass.ior"),
-            ("lobe/dispersion", "all / reflectance, reflectance", "vec3<f32>(1.0), reflectance"),
+            plant("lobe/dispersion", "let own = {{glass.ior + shift}};", "glass.ior - shift"),
+            plant("lobe/dispersion", "shift * ({{2.0 * glass.ior + shift}})", "2.0 * glass.ior"),
+            plant("lobe/dispersion", "{{all / reflectance}}, reflectance", "vec3<f32>(1.0)"),
         ],
-    );
-}
+    ),
+    layers(
+        "all lobes lie in their order",
+        615,
+        full_rows,
+        &[
+            (Part(("lobe/layers", "//@ each inner_layer\n    response", "//@ each layer\n    response")), [0; 3]),
+            plant("lobe/layers", "under_${name} = {{under}};", "base"),
+        ],
+    ),
+];
 
 #[test]
-fn all_lobes_together_lie_in_their_order() {
-    let layers_exchanged = ("lobe/layers", "//@ each inner_layer\n    response", "//@ each layer\n    response");
-    let albedo_of_base = ("lobe/layers", "under_${name} = under;", "under_${name} = base;");
-    compare(full_rows, 615, &[layers_exchanged, albedo_of_base]);
-}
-
-/// The same for light and view exchanged, of panes: solids change by the index squared, which rough.rs looks at.
-#[test]
-fn a_base_with_panes_sheen_film_and_translucence_scatters_the_same_both_ways() {
-    let mut random = Random(603);
-    let upright = |v: [f32; 3], row: &In| exact(v).dot(exact(row.normal)).abs();
-    let rows: Vec<In> = glassy_rows(&mut random, 40_000, true)
-        .into_iter()
-        .enumerate()
-        .map(|(i, row)| translucent(i / 13, filmed(i / 11, sheened(i / 7, row))))
-        .filter(|row| row.lobes.ior == 0.0 && upright(row.light, row) > 0.01 && upright(row.incoming, row) > 0.01)
-        .collect();
-    let turned: Vec<In> = rows
-        .iter()
-        .map(|row| {
-            let through = exact(row.light).dot(exact(row.normal)) < 0.0;
-            let normal = if through { row.normal.map(|c| -c) } else { row.normal };
-            In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), normal, ..*row }
-        })
-        .collect();
-    let kernel = kernel_of("pbr", 1, &[], &ALL);
-    let (there, back) = (run(&kernel, &rows), run(&kernel, &turned));
-    let wrong = |power: i32| {
-        let pairs = rows.iter().zip(there.iter().zip(&back));
-        let off = pairs.filter(|(row, (there, back))| {
-            let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
-            let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
-            let alpha = f64::from(row.material.numbers[0]).powi(2);
-            (a - b).abs() > (1e-3 + 64.0 * U / alpha) * a + 1e-9
-        });
-        off.count()
-    };
-    assert!(rows.len() > 8000, "{}", rows.len());
-    assert_eq!(wrong(1), 0);
-    assert!(wrong(0) > 2000);
-}
-
-/// Counts directions of many draws in cells over the sphere, and compares them and the mean weight with the integral of the density and of the
-/// value. `same` are the rows of the base without the lobes: white light from all sides gives no more than that, or than 1.
-fn chi_square_of(what: &str, row: &In, many: &Kernel, threshold: f64) {
-    let cells = RINGS * SECTORS;
-    let (view, normal) = view_and_normal(row);
-    let axes = axes(normal, view);
-    let mut counts = vec![0u64; 2 * cells + 1];
-    let (mut sum, mut squares) = (0.0, 0.0);
-    let side = |z: f64| if z < 0.0 { cells } else { 0 };
-    let upper = |v: DVec3| DVec3::new(v.x, v.y, v.z.abs());
-    for out in draws(many, &[*row], DRAWS) {
-        let weight = f64::from(out.weight[0]);
-        sum += weight;
-        squares += weight * weight;
-        if out.event == ABSORBED {
-            counts[2 * cells] += 1;
-            continue;
-        }
-        let direction = exact(out.direction);
-        assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
-        let own = within(&axes, direction);
-        counts[side(own.z) + cell(upper(own))] += 1;
-    }
-    // In the space of the axes, the normal is z.
-    let turned = |v: [f32; 3]| rounded(within(&axes, exact(v)));
-    let own =
-        In { incoming: turned(row.incoming), normal: [0.0, 0.0, 1.0], coat_normal: turned(row.coat_normal), ..*row };
-    let inner = within(&axes, view);
-    let (mut shares, mut wrong, mut kept) = (vec![0.0; 2 * cells + 1], vec![0.0; 2 * cells + 1], 0.0);
-    for sign in [1.0, -1.0] {
-        hemisphere(|cell, direction, solid_angle| {
-            let direction = DVec3::new(direction.x, direction.y, sign * direction.z);
-            let found = bsdf(&own, inner, DVec3::Z, direction);
-            let at = side(direction.z) + cell;
-            shares[at] += solid_angle * found.pdf * DRAWS as f64;
-            // The planted error: 8 % more on one side of a plane, and less on the other.
-            wrong[at] += solid_angle * found.pdf * if direction.y > 0.0 { 1.08 } else { 0.92 } * DRAWS as f64;
-            kept += solid_angle * found.value[0];
-        });
-    }
-    let all: f64 = shares.iter().sum();
-    assert!(all < 1.001 * DRAWS as f64, "{what}: the density's integral is {}", all / DRAWS as f64);
-    let planted: f64 = wrong.iter().sum();
-    wrong.iter_mut().for_each(|share| *share *= all / planted);
-    for shares in [&mut shares, &mut wrong] {
-        // A cell that no midpoint is in may have a corner that is.
-        shares.iter_mut().for_each(|share| *share = share.max(1e-9));
-        shares[2 * cells] = (DRAWS as f64 - all).max(1e-9);
-    }
-    let right = chi_square(&counts, &shares, 1);
-    if right < threshold {
-        let mut worst: Vec<_> = counts.iter().zip(&shares).enumerate().collect();
-        worst.sort_by(|(_, (a, b)), (_, (c, d))| {
-            let off = |n: &u64, e: &f64| (*n as f64 - e).powi(2) / e;
-            off(c, d).total_cmp(&off(a, b))
-        });
-        eprintln!("{what}: {:?}", &worst[..8]);
-    }
-    assert!(right > threshold, "{what}: p = {right:e}");
-    let other = chi_square(&counts, &wrong, 1);
-    assert!(other < threshold, "{what}, another density: p = {other:e}");
-    let mean = sum / DRAWS as f64;
-    let error = 4.9 * ((squares / DRAWS as f64 - mean * mean) / DRAWS as f64).sqrt() + 1e-3 * kept;
-    assert!((mean - kept).abs() < error, "{what}: {mean} of {kept}, known to {error}");
-    assert!(error < 0.01 * kept, "{what}: {kept} is known to {error}");
-}
-
-#[test]
-fn a_share_of_glass_scatters_by_its_density() {
-    let mut random = Random(605);
-    let many = kernel_of("pbr", DRAWS, &[], &ALL);
-    let cosines = [1.0, 0.6, 0.2];
-    let cases = [
-        ([0.8, 0.5, 0.2], 0.0, 0.5, 0.3, 1.5, false, 1),
-        // Lobes of refraction are narrower.
-        ([0.8, 0.5, 0.2], 0.0, 0.9, 0.7, 1.5, true, 1),
-        ([0.9, 0.6, 0.3], 0.3, 0.9, 0.5, 1.33, true, 0),
-        ([0.3; 3], 0.0, 0.9, 1.0, 1.5, true, 1),
-    ];
-    let threshold = sidak(ALPHA, cases.len() * cosines.len());
-    for (base, metallic, roughness, share, ior, is_solid, front) in cases {
-        for cos in cosines {
-            let what = format!("{base:?}, metallic {metallic}, roughness {roughness}, {share} of glass, cosine {cos}");
-            let row = glassy(pbr(arriving(&mut random, cos), base, metallic, roughness, ior), share, ior, is_solid);
-            chi_square_of(&what, &In { front, ..row }, &many, threshold);
-        }
-    }
-}
-
-#[test]
-fn lobes_scatter_by_their_densities() {
-    let mut random = Random(617);
-    let many = kernel_of("pbr", DRAWS, &[], &ALL);
-    let coat = |roughness: f32| Lobes { coat: 1.0, coat_roughness: roughness, coat_f0: 0.2, ..Lobes::default() };
-    let sheen = |roughness: f32| Lobes { sheen: [0.9, 0.5, 0.2], sheen_roughness: roughness, ..Lobes::default() };
-    let through = Lobes { through: 0.6, colour_through: [0.3, 0.9, 0.2], ..Lobes::default() };
-    let film = Lobes { film: 1.0, film_ior: 1.8, film_thickness: 300.0, ..Lobes::default() };
-    let all = Lobes { sheen: [0.5, 0.8, 0.1], sheen_roughness: 0.4, dispersion: 0.05, ..coat(0.5) };
-    let all = Lobes { film: 0.5, film_ior: 1.4, film_thickness: 450.0, ..all };
-    let cases = [
-        (coat(0.5), 0.0, 0.3),
-        (coat(0.7), 0.0, 0.0),
-        (sheen(0.3), 0.0, 0.0),
-        (sheen(1.0), 1.0, 0.0),
-        (through, 0.0, 0.0),
-        (film, 1.0, 0.0),
-        (all, 0.3, 0.2),
-    ];
-    let cosines = [1.0, 0.6, 0.2];
-    let threshold = sidak(ALPHA, cases.len() * cosines.len());
-    for (lobes, metallic, tilt) in cases {
-        for cos in cosines {
-            let what = format!("{lobes:?}, metallic {metallic}, cosine {cos}");
-            let roughness = if metallic == 0.3 { 0.9 } else { 0.6 };
-            let row = pbr(arriving(&mut random, cos), [0.8, 0.5, 0.2], metallic, roughness, 1.5);
-            let (_, normal) = view_and_normal(&row);
-            let own = (normal + tilt * normal.any_orthonormal_vector()).normalize();
-            let row = In { lobes, coat_normal: rounded(own), ..row };
-            let row = if metallic == 0.3 { glassy(row, 0.4, 1.5, true) } else { row };
-            chi_square_of(&what, &row, &many, threshold);
-        }
-    }
+fn layers_respond_by_their_formulas() {
+    respond_by_their_formulas(&LAYERS);
 }
 
 /// The table is nowhere less than the light that sheen returns, so that no light is added, and at most 3 % of all light more.
@@ -912,7 +648,7 @@ fn smooth_glass_over_a_base_is_drawn_by_its_share() {
         .filter(|row| row.lobes.transmission > 0.0)
         .collect();
     let (mut reflected, mut passed, mut others, mut planted) = (0, 0, 0, 0);
-    for (row, out) in rows.iter().zip(run(&kernel_of("pbr", 1, &[], &ALL), &rows)) {
+    for (row, out) in rows.iter().zip(answers(&kernel("pbr", &ALL), &rows, rows.len())) {
         let (view, normal) = view_and_normal(row);
         let cos_view = view.dot(normal);
         let ((share, off), weight) = (share_of_glass(row, cos_view), f64::from(row.lobes.transmission));
@@ -949,14 +685,6 @@ fn smooth_glass_over_a_base_is_drawn_by_its_share() {
     );
 }
 
-/// Directions over a sphere stand for all of its solid angle.
-#[test]
-fn the_cells_cover_the_hemisphere() {
-    let mut sum = 0.0;
-    hemisphere(|_, _, solid_angle| sum += solid_angle);
-    assert!((sum - TAU).abs() < 1e-9);
-}
-
 /// A smooth coat is a lobe of one direction, drawn by its share, and what lies below has the rest of the weight: of a smooth base, that
 /// of its mirror under coat and sheen.
 #[test]
@@ -973,7 +701,7 @@ fn a_smooth_coat_leaves_the_rest_to_what_lies_below() {
         .filter(|row| row.lobes.coat > 0.0)
         .collect();
     let (mut coats, mut bases, mut planted) = (0, 0, 0);
-    for (row, out) in rows.iter().zip(run(&kernel_of("pbr", 1, &[], &ALL), &rows)) {
+    for (row, out) in rows.iter().zip(answers(&kernel("pbr", &ALL), &rows, rows.len())) {
         let (view, normal) = view_and_normal(row);
         let (cos_view, u) = (view.dot(normal), f64::from(row.u[0]));
         let (coat, share) = (coat_reflectance(row, view), share_of_coat(row, view, normal));

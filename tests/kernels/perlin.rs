@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::oracles::NOISE_ERROR;
 use crate::common::stats::{Random, one_sample_t};
 use crate::common::vectors::rounded;
@@ -17,10 +17,7 @@ fn noise(kernel: &Kernel, points: &[DVec3]) -> Vec<f64> {
 }
 
 fn linear() -> Kernel {
-    Kernel::with(
-        "test/perlin",
-        &Setup { replaced: &[("lib/perlin", "test/control/perlin_linear")], ..Setup::default() },
-    )
+    Kernel::replacing("test/perlin", &[("lib/perlin", "test/control/perlin_linear")])
 }
 
 /// Points that f32 holds exactly, multiples of 2^-10 within so many units: so that their sums with whole numbers are exact.

@@ -7,7 +7,7 @@ use crate::common::kernel::Kernel;
 use crate::common::quads::{assorted, quad_text, rays_at};
 use crate::common::scenes::flat;
 use crate::common::stats::Random;
-use crate::common::trace::{In, NO_HIT, trace, tracer};
+use crate::common::trace::{In, NO_HIT, planted_tracer, trace, tracer};
 use crate::common::vectors::{decades, exact, unit};
 
 #[test]
@@ -105,7 +105,7 @@ fn no_ray_passes_between_quads_that_share_an_edge() {
         let missed = gaps(&tracer("quad", &[]), &quads, &rays);
         assert_eq!(missed, 0, "of {}", rays.len() / 2);
         // Edges tested as they are, without an allowance for rounding.
-        let sharp = tracer("quad", &[("geometry/quad", "test/control/quad_sharp")]);
-        assert!(gaps(&sharp, &quads, &rays) > 1000);
+        let sharp = ("geometry/quad", "quad_slack(ray, t, quad)", "vec2<f32>(0.0)");
+        assert!(gaps(&planted_tracer("quad", sharp), &quads, &rays) > 1000);
     }
 }

@@ -1,6 +1,6 @@
 //! lib/rng and sampler/independent: the hash against an independent one, the unit interval, and the statistics of what comes out.
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::oracles::pcg4d;
 use crate::common::rows::Words as Out;
 use crate::common::stats::{Random, normal_two_sided, sidak, uniform_in_cells};
@@ -9,7 +9,7 @@ use crate::common::stats::{Random, normal_two_sided, sidak, uniform_in_cells};
 const ALPHA: f64 = 1e-6;
 
 fn weak() -> Kernel {
-    Kernel::with("test/rng", &Setup { replaced: &[("lib/rng", "test/control/rng_weak")], ..Setup::default() })
+    Kernel::replacing("test/rng", &[("lib/rng", "test/control/rng_weak")])
 }
 
 #[test]
@@ -73,27 +73,30 @@ pub fn joint(pairs: impl Iterator<Item = (f32, f32)>) -> [f64; 2] {
     [p, normal_two_sided(sum / (count / 144.0).sqrt())]
 }
 
-/// The least p-value of all tests of a generator, with its name, and how many tests there were.
-fn least(kernel: &Kernel) -> (f64, String, usize) {
+/// The least p-value of all tests of numbers, with its name, and how many tests there were: of each number and each two of a key, of keys by their
+/// names, and of such pairs of a key's number and one of its neighbour's.
+pub fn least(
+    uniforms: impl Fn(&[[u32; 4]]) -> Vec<[f32; 4]>,
+    bases: &[(String, Vec<[u32; 4]>)],
+    neighbours: &[(&str, [u32; 4])],
+    pairs: &[(usize, usize)],
+) -> (f64, String, usize) {
     let mut found: Vec<(f64, String)> = Vec::new();
-    for by_sample in [false, true] {
-        let base = keys(by_sample);
-        let numbers = uniforms(kernel, &base);
-        let of = if by_sample { "samples" } else { "pixels" };
+    for (of, base) in bases {
+        let numbers = uniforms(base);
         for a in 0..4 {
-            let p = histogram(numbers.iter().map(|u| u[a]));
-            found.push((p, format!("{of}: number {a}")));
+            found.push((histogram(numbers.iter().map(|u| u[a])), format!("{of}: number {a}")));
             for b in 0..a {
                 let p = joint(numbers.iter().map(|u| (u[a], u[b])));
                 found.extend(p.map(|p| (p, format!("{of}: numbers {a} and {b}"))));
             }
         }
-        for (name, step) in NEIGHBOURS {
+        for (name, step) in neighbours {
             let next: Vec<[u32; 4]> = base.iter().map(|key| [0, 1, 2, 3].map(|i| key[i] + step[i])).collect();
-            let next = uniforms(kernel, &next);
-            for a in 0..4 {
-                let p = joint(numbers.iter().zip(&next).map(|(u, v)| (u[a], v[a])));
-                found.extend(p.map(|p| (p, format!("{of}: number {a} and {name}"))));
+            let next = uniforms(&next);
+            for (a, b) in pairs {
+                let p = joint(numbers.iter().zip(&next).map(|(u, v)| (u[*a], v[*b])));
+                found.extend(p.map(|p| (p, format!("{of}: number {a}, and {b} of {name}"))));
             }
         }
     }
@@ -106,6 +109,9 @@ fn least(kernel: &Kernel) -> (f64, String, usize) {
 /// correlation one of 0.02, with a probability of 99.9 %.
 #[test]
 fn uniforms_are_uniform_and_neighbours_independent() {
+    let bases = [("pixels".to_string(), keys(false)), ("samples".to_string(), keys(true))];
+    let least =
+        |kernel: &Kernel| least(|keys| uniforms(kernel, keys), &bases, &NEIGHBOURS, &[(0, 0), (1, 1), (2, 2), (3, 3)]);
     let (p, name, tests) = least(&Kernel::new("test/rng"));
     assert!(p > sidak(ALPHA, tests), "{name}: p = {p:e} in {tests} tests");
     let (p, _, tests) = least(&weak());

@@ -1,249 +1,269 @@
-//! material/conductor, material/rough_dielectric, material/thin_dielectric: what becomes of a ray, one by one against f64 and many times against the density of
-//! visible microfacets.
+//! material/conductor, material/rough_dielectric, material/thin_dielectric: their formulas in f64 (bsdf.rs compares them), and what becomes of a ray where
+//! they are smooth.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::DVec3;
 use gpu_rt::material::microfacets::directional_albedos;
 use gpu_rt::scene::Scene;
 
+use crate::bsdf::Bsdf;
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, directional_albedo, frosted, kernel,
-    kernel_of, masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel, metal_reflectance,
+    pane, schlick, uniforms, view_and_normal, within,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::{Answer, SurfaceHit, glass};
-use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
-/// False-alarm rate of each test here.
-const ALPHA: f64 = 1e-6;
-const DRAWS: usize = 1 << 18;
-
-/// The numbers that a row has after it was rounded.
-struct Exact {
+/// Microfacets in a space whose z is the normal and whose x is the tangent: the view, and the alphas along x and y.
+pub struct Space {
+    axes: [DVec3; 3],
     view: DVec3,
-    normal: DVec3,
-    cos_view: f64,
-    alpha: f64,
+    pub alphas: [f64; 2],
+    is_isotropic: bool,
 }
 
-fn exactly(row: &In, roughness: f32) -> Exact {
-    let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
-    Exact { view, normal, cos_view: view.dot(normal), alpha: f64::from(roughness).powi(2) }
-}
+impl Space {
+    pub fn of(row: &In) -> Space {
+        let (view, normal) = view_and_normal(row);
+        let tangent = exact(row.tangent);
+        let tangent =
+            (tangent - tangent.dot(normal) * normal).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+        let axes = [tangent, normal.cross(tangent), normal];
+        let alpha = f64::from(row.material.numbers[0]).powi(2);
+        let anisotropy = f64::from(row.lobes.anisotropy);
+        let alphas = [alpha + anisotropy * (1.0 - alpha), alpha];
+        Space { axes, view: within(&axes, view), alphas, is_isotropic: anisotropy == 0.0 }
+    }
 
-/// Shares of the cells of microfacets that reflect upwards, and last what is lost.
-fn reflected_shares(facets: &Facets, alpha: f64, seen: impl Fn(DVec3, f64) -> f64) -> Vec<f64> {
-    let mut shares = vec![0.0; Facets::COUNT + 1];
-    let view = facets.view();
-    facets.integrate(alpha, |cell, facet, share| {
-        let up = 2.0 * view.dot(facet) * facet.z - view.z > 0.0;
-        shares[if up { cell } else { Facets::COUNT }] += seen(facet, share);
-    });
-    let sum: f64 = shares.iter().sum();
-    shares.iter().map(|share| share / sum).collect()
-}
-
-/// Chi-square of 31 x 17 cells over 2^18 draws finds a density that is off by 3.3 % in the root mean square with a probability of
-/// 99.9 %.
-#[test]
-fn conductors_reflect_by_the_visible_microfacets() {
-    let mut random = Random(171);
-    let roughnesses = [0.04, 0.2, 0.5, 1.0];
-    let cosines = [1.0, std::f64::consts::FRAC_1_SQRT_2, 0.1];
-    let threshold = sidak(ALPHA, roughnesses.len() * cosines.len());
-    let many = kernel("conductor", DRAWS, &[]);
-    for roughness in roughnesses {
-        for cos in cosines {
-            let row = conductor(arriving(&mut random, cos), roughness, None);
-            let Exact { view, normal, cos_view, alpha } = exactly(&row, roughness as f32);
-            let axes = axes(normal, view);
-            let facets = Facets { alpha, cos_view };
-            let mut counts = vec![0u64; Facets::COUNT + 1];
-            for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
-                if out.event == ABSORBED {
-                    assert_eq!(out.weight, [0.0; 3]);
-                    counts[Facets::COUNT] += 1;
-                    continue;
-                }
-                let direction = exact(out.direction);
-                assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
-                assert!(out.weight.iter().all(|w| (0.0..=1.0 + 8.0 * U as f32).contains(w)), "{out:?}");
-                counts[facets.cell(within(&axes, (direction + view).normalize()))] += 1;
-            }
-            let p = |shares: Vec<f64>| {
-                let expected: Vec<f64> = shares.iter().map(|share| share * DRAWS as f64).collect();
-                chi_square(&counts, &expected, 1)
-            };
-            let right = p(reflected_shares(&facets, alpha, |_, share| share));
-            assert!(right > threshold, "roughness {roughness}, cosine {cos}: p = {right:e}");
-            // A lobe 3 % wider, and microfacets by their area, hidden or not.
-            let wider = p(reflected_shares(&facets, 1.03 * alpha, |_, share| share));
-            assert!(wider < threshold, "roughness {roughness}, cosine {cos}, wider: p = {wider:e}");
-            let by_area = |facet: DVec3, share: f64| share * facet.z / facet.dot(facets.view()).max(1e-9);
-            let area = p(reflected_shares(&facets, alpha, by_area));
-            // Where the lobe is narrow and the view steep, all are seen alike.
-            let alike = alpha * (1.0 - cos * cos).sqrt() / cos < 0.1;
-            assert!(alike || area < threshold, "roughness {roughness}, cosine {cos}, by area: p = {area:e}");
+    /// Heitz, JCGT 3(2), 2014, equations 85 and 86.
+    fn density(&self, facet: DVec3) -> f64 {
+        let [a, b] = self.alphas;
+        if facet.z <= 0.0 {
+            return 0.0;
         }
+        let spread = (facet.x / a).powi(2) + (facet.y / b).powi(2) + facet.z * facet.z;
+        1.0 / (PI * a * b * spread * spread)
+    }
+
+    fn lambda(&self, v: DVec3) -> f64 {
+        let [a, b] = self.alphas;
+        let across = ((a * v.x).powi(2) + (b * v.y).powi(2)) / (v.z * v.z);
+        0.5 * ((1.0 + across).sqrt() - 1.0)
+    }
+
+    /// The density of the microfacet normals that the view sees.
+    fn visible(&self, facet: DVec3) -> f64 {
+        self.density(facet) * self.view.dot(facet).max(0.0) / ((1.0 + self.lambda(self.view)) * self.view.z)
+    }
+
+    /// The density of directions, in the space of the row, to which these are mirrors.
+    pub fn density_of_reflection(&self, direction: DVec3) -> f64 {
+        let light = within(&self.axes, direction);
+        let facet = (self.view + light).normalize();
+        if light.z > 0.0 { self.visible(facet) / (4.0 * self.view.dot(facet)) } else { 0.0 }
+    }
+
+    /// G2 / G1.
+    fn shadowed(&self, light: DVec3) -> f64 {
+        let view = self.lambda(self.view);
+        (1.0 + view) / (1.0 + view + self.lambda(light))
+    }
+
+    /// By how much f32 turns a sum of two directions of this length, each of so many u: anisotropic ones are turned into the axes besides.
+    fn turned(&self, roundings: f64, length: f64) -> f64 {
+        roundings * if self.is_isotropic { U } else { 2.0 * U } / length
+    }
+
+    /// The relative error that f32 explains, for a half vector that is turned by so much: it moves the density by at most 2 of that per alpha.
+    /// A cosine is off by 4 u, which counts where the light grazes.
+    fn limit(&self, roundings: f64, turned: f64, cos_light: f64) -> f64 {
+        let [_, alpha] = self.alphas;
+        roundings * U + 4.0 * turned / alpha + 4.0 * U / cos_light + 4.0 * U / (self.view.z + alpha) + 16.0 * turned
     }
 }
 
-/// Rows of random roughness and angle, towards a random light or the answer.
-fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    (0..count)
-        .map(|i| {
-            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
-            let roughness = [decades(random, -3.0, 0.0), 1.0, 0.1, 0.5][i % 4];
-            let k = (i % 3 == 0).then_some([3.9, 2.4, 1e-2]);
-            let row = conductor(arriving(random, cos), roughness, k);
-            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
-            // Of an index its excess over 1.
-            let colour = if k.is_some() { [-0.8, -0.1, 0.5] } else { [0.9, 0.5, 0.0] };
-            In { u: uniforms(random, i), light, colour, ..row }
-        })
-        .collect()
-}
-
-/// Value per channel, and density, in f64.
-fn response(row: &In, direction: DVec3) -> ([f64; 3], f64) {
-    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.numbers[0]);
-    let facet = (view + direction).normalize();
-    let (cos_light, cos_facet) = (direction.dot(normal), view.dot(facet));
-    if cos_light <= 0.0 {
-        return ([0.0; 3], 0.0);
-    }
-    let share = |channel: usize| {
-        let colour = f64::from(row.colour[channel]);
-        match row.second.numbers[0] != 0.0 {
-            true => metal_reflectance(cos_facet, 1.0 + colour, f64::from(row.second.colour[channel])),
-            false => schlick(cos_facet, colour),
-        }
+/// Rows at all angles, of roughnesses from this power of ten on, towards a random light or the answer.
+pub fn rows_from(
+    (random, count, towards_light): (&mut Random, usize, bool),
+    least: f64,
+    make: impl Fn(usize, In, f64) -> In,
+) -> Vec<In> {
+    let mut row = |i: usize| {
+        let cos = if i.is_multiple_of(2) { random.uniform() } else { decades(random, -4.0, 0.0) };
+        let roughness = [decades(random, least, 0.0), 1.0, 0.1, 0.5][i % 4];
+        let row = make(i, arriving(random, cos), roughness);
+        let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
+        In { u: uniforms(random, i), light, ..row }
     };
-    let spread = density(facet.cross(normal).length(), facet.dot(normal), alpha) / (4.0 * cos_view);
-    let value = [0, 1, 2].map(|channel| share(channel) * spread * shadowing(cos_view, cos_light, alpha));
-    (value, visible(facet, view, normal, alpha) / (4.0 * cos_facet))
+    (0..count).map(&mut row).collect()
 }
 
-/// The share of the visible microfacets that the light reaches too.
-fn shadowed(row: &In, direction: DVec3) -> f64 {
-    let Exact { normal, cos_view, alpha, .. } = exactly(row, row.material.numbers[0]);
-    shadowing(cos_view, direction.dot(normal).abs().max(1e-12), alpha) / masking(cos_view, alpha)
+/// Metals of an albedo and of an index.
+pub fn metal_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    rows_from((random, count, towards_light), -3.0, |i, row, roughness| {
+        let k = i.is_multiple_of(3).then_some([3.9, 2.4, 1e-2]);
+        // Of an index its excess over 1.
+        let colour = if k.is_some() { [-0.8, -0.1, 0.5] } else { [0.9, 0.5, 0.0] };
+        In { colour, ..conductor(row, roughness, k) }
+    })
 }
 
-/// The relative error that f32 explains: the sum of two directions is off by 4 u, which turns the half vector by that over its
-/// length, and moves the density by at most 2 of it per alpha. A cosine is off by 4 u, which counts where the light grazes.
-fn explained(row: &In, direction: DVec3) -> f64 {
-    let Exact { view, normal, alpha, cos_view } = exactly(row, row.material.numbers[0]);
-    let turned = 4.0 * U / (view + direction).length();
-    let light = direction.dot(normal).abs().max(1e-9);
-    64.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned
-}
-
-/// The rows whose value or density is off by more, and those whose weight is not their ratio.
-fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize) {
-    let (mut off, mut unweighted) = (0, 0);
-    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
-        let own = row.light == [0.0; 3];
-        let direction = exact(if own { out.direction } else { row.light }).normalize();
-        if own && out.event == ABSORBED {
-            continue;
-        }
-        let (value, pdf) = response(row, direction);
-        let limit = explained(row, direction);
-        // A reflectance is off by 5 times the cosine's rounding.
-        let cosine = 20.0 * U / (direction - exact(row.incoming)).length().min(1.0);
-        let white = pdf * shadowed(row, direction);
-        let near = |found: f32, expected: f64| {
-            (f64::from(found) - expected).abs() <= limit * expected + cosine * white + 1e-30
-        };
+/// A metal's BSDF.
+pub fn metal(row: &In, direction: DVec3) -> Bsdf {
+    let space = Space::of(row);
+    let light = within(&space.axes, direction);
+    let weight_off = Some([0.0; 3]);
+    if light.z < 4.0 * U {
         // A light within the rounding of the horizon may lie on either side of it.
-        let on_edge = direction.dot(exact(row.normal)).abs() < 4.0 * U;
-        off += usize::from(!(on_edge || near(out.pdf, pdf) && (0..3).all(|c| near(out.value[c], value[c]))));
-        if own {
-            let is_ratio = |c: usize| {
-                let ratio = value[c] / pdf;
-                (f64::from(out.weight[c]) - ratio).abs() <= limit * ratio + cosine
-            };
-            unweighted += usize::from(!(0..3).all(is_ratio));
-        }
+        return Bsdf { is_unknown: light.z > -4.0 * U, weight_off, ..Bsdf::default() };
     }
-    (off, unweighted)
-}
-
-#[test]
-fn conductors_respond_by_the_microfacet_formula() {
-    let mut random = Random(173);
-    let own = kernel("conductor", 1, &[]);
-    let textbook = kernel("conductor", 1, &[("lib/microfacet", "test/control/microfacet_textbook")]);
-    for towards_light in [false, true] {
-        let rows = rows(&mut random, 20_000, towards_light);
-        assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
-        let (off, unweighted) = faults(&textbook, &rows);
-        assert!(off > 100 || towards_light, "1 - cos²: {off}");
-        let brighter = kernel("conductor", 1, &[("lib/fresnel_conductor", "test/control/fresnel_conductor_brighter")]);
-        let (off, unweighted_brighter) = faults(&brighter, &rows);
-        assert!(
-            off > 4000 && (towards_light || unweighted_brighter > 4000),
-            "1 % brighter: {off}, {unweighted_brighter}"
-        );
-        assert!(towards_light || unweighted > 0, "{unweighted}");
-    }
-}
-
-/// The BRDF for light and view exchanged, over its value: off by the roundings of either.
-#[test]
-fn conductors_reflect_the_same_both_ways() {
-    let mut random = Random(175);
-    let rows: Vec<In> = rows(&mut random, 20_000, true)
-        .into_iter()
-        .filter(|row| {
-            exact(row.light).dot(exact(row.normal)) > 1e-3 && -exact(row.incoming).dot(exact(row.normal)) > 1e-3
-        })
-        .collect();
-    assert!(rows.len() > 4000);
-    let back: Vec<In> = rows
-        .iter()
-        .map(|row| In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), ..*row })
-        .collect();
-    let kernel = kernel("conductor", 1, &[]);
-    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&back));
-    // `power` is 1 for the BRDF, and 0 for the values with their cosines, which are not the same both ways.
-    let wrong = |power: i32| {
-        let pairs = rows.iter().zip(there.iter().zip(&back));
-        let off = pairs.filter(|(row, (there, back))| {
-            let normal = exact(row.normal);
-            let (cos_there, cos_back) = (exact(row.light).dot(normal), -exact(row.incoming).dot(normal));
-            let (a, b) =
-                (f64::from(there.value[1]) / cos_there.powi(power), f64::from(back.value[1]) / cos_back.powi(power));
-            (a - b).abs() > 2.0 * (explained(row, exact(row.light)) + 8.0 * U / cos_back) * a
-        });
-        off.count()
+    let (length, cos_facet) = ((space.view + light).length(), space.view.dot((space.view + light).normalize()));
+    let share = |c: usize| match row.second.numbers[0] != 0.0 {
+        true => metal_reflectance(cos_facet, 1.0 + f64::from(row.colour[c]), f64::from(row.second.colour[c])),
+        false => schlick(cos_facet, f64::from(row.colour[c])),
     };
-    assert_eq!(wrong(1), 0);
-    assert!(wrong(0) > 4000);
+    let pdf = space.density_of_reflection(direction);
+    let white = pdf * space.shadowed(light);
+    let value = [0, 1, 2].map(|c| share(c) * white);
+    let limit = space.limit(if space.is_isotropic { 64.0 } else { 96.0 }, space.turned(4.0, length), light.z);
+    // A reflectance is off by 5 times the cosine's rounding.
+    let cosine = 20.0 * U / length.min(1.0);
+    Bsdf {
+        value,
+        pdf,
+        off: value.map(|value| limit * value + cosine * white),
+        pdf_off: limit * pdf,
+        weight_off: Some(value.map(|value| limit * value / pdf + cosine)),
+        is_unknown: !space.is_isotropic && limit > 0.1,
+    }
 }
 
-#[test]
-fn white_conductors_keep_what_single_scattering_keeps() {
-    let mut random = Random(177);
-    let many = kernel("conductor", DRAWS, &[]);
-    for (roughness, cos) in [(0.1, 0.9), (0.5, 1.0), (0.5, 0.2), (1.0, 1.0), (1.0, 0.5), (1.0, 0.05)] {
-        let row = conductor(arriving(&mut random, cos), roughness, None);
-        let Exact { cos_view, alpha, .. } = exactly(&row, roughness as f32);
-        let found = many.run_with::<_, Out>(&[row], DRAWS, &[]);
-        let mean = found.iter().map(|out| f64::from(out.weight[0])).sum::<f64>() / DRAWS as f64;
-        let expected = directional_albedo(&Facets { alpha, cos_view });
-        println!("roughness {roughness}, cosine {cos}: {mean:.4} of {expected:.4}");
-        // Weights are from 0 to 1: 4.9 standard errors, and 2e-4 of the integral. It would find 0.5 % of the light.
-        let limit = 4.9 * 0.5 * (4.0 * expected * (1.0 - expected)).sqrt() / (DRAWS as f64).sqrt() + 2e-4;
-        assert!(
-            (mean - expected).abs() < limit && limit < 0.0051,
-            "roughness {roughness}, cosine {cos}: {mean} of {expected}"
-        );
+/// The relative error of an isotropic metal's value that f32 explains.
+pub fn explained(row: &In, direction: DVec3) -> f64 {
+    let space = Space::of(row);
+    let light = within(&space.axes, direction);
+    space.limit(64.0, space.turned(4.0, (space.view + light).length()), light.z.abs().max(1e-9))
+}
+
+/// The index of the far side relative to the near one.
+pub fn eta_of(row: &In) -> f64 {
+    let ior = f64::from(row.second.numbers[0]);
+    if row.front == 1 { ior } else { 1.0 / ior }
+}
+
+/// The ray that a microfacet refracts, if it does.
+pub fn refracted(view: DVec3, facet: DVec3, eta: f64) -> Option<DVec3> {
+    let cos = view.dot(facet);
+    let transmitted = fresnel(cos, eta).1;
+    (transmitted > 0.0).then(|| -view / eta + (cos / eta - transmitted) * facet)
+}
+
+/// The microfacet normal between the view and a direction on the far side: Walter et al., equation 16.
+pub fn facet_between(view: DVec3, direction: DVec3, normal: DVec3, eta: f64) -> DVec3 {
+    let facet = (view + eta * direction).normalize();
+    if facet.dot(normal) < 0.0 { -facet } else { facet }
+}
+
+/// Rough boundaries of all indices, seen from both sides.
+pub fn glass_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    rows_from((random, count, towards_light), -2.0, |i, row, roughness| In {
+        front: i as u32 / 7 % 2,
+        ..frosted(row, [1.5, 1.01, 2.4, 0.6, 1.33][i % 5], roughness)
+    })
+}
+
+/// What an oracle says of a white boundary: the density, the share of it that the light reaches too, and the relative error that f32 explains.
+fn white(pdf: f64, share: f64, limit: f64, is_unknown: bool) -> Bsdf {
+    let value = [pdf * share; 3];
+    let is_unknown = is_unknown || pdf == 0.0 || limit.is_nan() || limit > 0.1;
+    let (off, weight_off) = (value.map(|value| limit * value), Some([limit * share; 3]));
+    Bsdf { value, pdf, off, pdf_off: limit * pdf, weight_off, is_unknown }
+}
+
+/// A rough boundary's BSDF.
+pub fn boundary(row: &In, direction: DVec3) -> Bsdf {
+    let (space, eta) = (Space::of(row), eta_of(row));
+    let light = within(&space.axes, direction);
+    let reflects = light.z > 0.0;
+    let sum = space.view + if reflects { 1.0 } else { eta } * light;
+    let facet = sum.normalize() * if sum.z < 0.0 { -1.0 } else { 1.0 };
+    let (cos_facet, cos_out) = (space.view.dot(facet), light.dot(facet));
+    if cos_facet <= 0.0 || (cos_out > 0.0) != reflects {
+        // This may be on the edge of what microfacets see there.
+        return Bsdf { is_unknown: true, ..Bsdf::default() };
     }
+    let reflectance = fresnel(cos_facet, eta).0;
+    let seen = space.visible(facet);
+    let pdf = match reflects {
+        true => reflectance * seen / (4.0 * cos_facet),
+        false => (1.0 - reflectance) * seen * eta * eta * cos_out.abs() / (cos_facet + eta * cos_out).powi(2),
+    };
+    // Fresnel's reflectance is off by the cosine's rounding, most of all next to total reflection.
+    let turned = space.turned(4.0 * (1.0 + eta), sum.length());
+    let near = [-2.0, 2.0].map(|by| fresnel((cos_facet + by * turned).clamp(0.0, 1.0), eta).0);
+    let blur = (near[0] - near[1]).abs() + 64.0 * U * reflectance;
+    let of_share = if reflects { blur / reflectance } else { blur / (1.0 - reflectance) };
+    // Microfacets that stand upright are seen or not by their last digits.
+    let upright = facet.z.abs() < 16.0 * U / sum.length();
+    let limit =
+        space.limit(96.0, turned, light.z.abs()) + 4.0 * turned / cos_facet + 4.0 * turned / cos_out.abs() + of_share;
+    white(pdf, space.shadowed(light), limit, upright || light.z.abs() < 4.0 * U)
+}
+
+/// The index of a pane as the device has it.
+pub fn index_of(row: &In) -> f64 {
+    (1.0 + f64::from(row.material.numbers[1])).sqrt()
+}
+
+/// What a pane passes counts by its mirror image, on the side of the view.
+pub fn before_the_pane(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - 2.0 * direction.dot(normal).min(0.0) * normal
+}
+
+/// Panes of all indices.
+pub fn pane_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    rows_from((random, count, towards_light), -2.0, |i, row, roughness| {
+        pane(row, [1.5, 1.0001, 2.4, 1e3, 1.0][i % 5], roughness)
+    })
+}
+
+pub fn fresnel_of_a_pane(cos: f64, eta: f64) -> f64 {
+    if eta == 1.0 { 0.0 } else { fresnel(cos, eta).0 }
+}
+
+pub fn exact_pane(row: &In, direction: DVec3) -> Bsdf {
+    pane_bsdf(row, direction, fresnel_of_a_pane)
+}
+
+pub fn schlick_pane(row: &In, direction: DVec3) -> Bsdf {
+    pane_bsdf(row, direction, |cos, eta| schlick(cos, ((eta - 1.0) / (eta + 1.0)).powi(2)))
+}
+
+/// A rough pane's BSDF, by the share that a smooth boundary reflects at a cosine, for an index.
+fn pane_bsdf(row: &In, direction: DVec3, reflectance: fn(f64, f64) -> f64) -> Bsdf {
+    let (space, eta) = (Space::of(row), index_of(row));
+    let light = within(&space.axes, direction);
+    let mirrored = before_the_pane(light, DVec3::Z);
+    let sum = space.view + mirrored;
+    let facet = sum.normalize();
+    let cos_facet = space.view.dot(facet);
+    let reflected = reflectance(cos_facet.min(1.0), eta);
+    let part = if light.z > 0.0 { reflected } else { 1.0 - reflected };
+    let pdf = part * space.visible(facet) / (4.0 * cos_facet);
+    // A direction is rounded once more than a conductor's; and the reflectance by the cosine's rounding.
+    let turned = space.turned(8.0, sum.length());
+    let near = [-2.0, 2.0].map(|by| reflectance((cos_facet + by * turned).clamp(0.0, 1.0), eta));
+    let blur = (near[0] - near[1]).abs() + 64.0 * U * reflected;
+    let explained = space.limit(64.0, space.turned(4.0, sum.length()), mirrored.z.abs().max(1e-9));
+    let limit = 2.0 * explained + if part > 0.0 { blur / part } else { 0.0 };
+    let found = white(pdf, space.shadowed(mirrored), limit, false);
+    // At an index of 1 nothing is reflected.
+    Bsdf { is_unknown: limit > 0.1 || light.z.abs() < 4.0 * U, ..found }
 }
 
 /// The table of it, whose error is that of interpolation.
@@ -304,7 +324,7 @@ fn multiple_scattering_is_a_factor() {
         ("pbr", rows(&pbr(0.0)), Box::new(|_| 0.3)),
     ];
     for (material, rows, f0) in cases {
-        let (single, full) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
+        let (single, full) = (kernel(material, &[]), kernel(material, &["scene/multiscatter"]));
         let pairs = single.run::<_, Out>(&rows).into_iter().zip(full.run::<_, Out>(&rows));
         let mut compared = 0;
         for (single, full) in pairs {
@@ -322,6 +342,13 @@ fn multiple_scattering_is_a_factor() {
     }
 }
 
+/// The answers of a material without microfacets to the same rays.
+fn smooth_answers(material: &str, rows: &[In], hit: impl Fn(&In) -> SurfaceHit) -> Vec<Answer> {
+    let with_ray = |row: &In| SurfaceHit { incoming: row.incoming, normal: row.normal, front: row.front, ..hit(row) };
+    let rows: Vec<SurfaceHit> = rows.iter().map(with_ray).collect();
+    Kernel::with("test/scatter", &Setup { values: &[("material", material)], ..Setup::default() }).run(&rows)
+}
+
 /// The reflectance of gold, silver and an index like glass, over all angles, by a mirror.
 #[test]
 fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
@@ -335,19 +362,8 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
             In { colour: excess, ..conductor(arriving(&mut random, cos), roughness, Some(k)) }
         })
         .collect();
-    let found = kernel("conductor", 1, &[]).run::<_, Out>(&rows);
-    let mirror: Vec<SurfaceHit> = rows
-        .iter()
-        .map(|row| SurfaceHit {
-            incoming: row.incoming,
-            normal: row.normal,
-            front: 1,
-            colour: [1.0; 3],
-            ..SurfaceHit::default()
-        })
-        .collect();
-    let values = [("material", "metal"), ("times", "1"), ("keyed", "false")];
-    let mirror = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&mirror);
+    let found = kernel("conductor", &[]).run::<_, Out>(&rows);
+    let mirror = smooth_answers("metal", &rows, |_| SurfaceHit { colour: [1.0; 3], ..SurfaceHit::default() });
     let (mut schlick_is_off, mut absorbed) = (0, 0);
     for ((row, out), mirrored) in rows.iter().zip(&found).zip(&mirror) {
         // The bytes of a metal without fuzz.
@@ -367,7 +383,7 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
     assert!(schlick_is_off > 10_000 && absorbed < 100, "{schlick_is_off}, {absorbed}");
     // From the limit on it is rough.
     let at = |roughness: f64| conductor(arriving(&mut Random(1), 0.5), roughness, None);
-    let found = kernel("conductor", 1, &[]).run::<_, Out>(&[at(1.0 / 1024.0), at(1.0 / 1024.1)]);
+    let found = kernel("conductor", &[]).run::<_, Out>(&[at(1.0 / 1024.0), at(1.0 / 1024.1)]);
     assert_eq!([found[0].non_specular, found[1].non_specular], [1, 0]);
 }
 
@@ -442,7 +458,7 @@ fn metals_reflect_by_their_index_however_near_to_1() {
         let (own, book) = (reflectance_by_excess(cos, eta - 1.0, k), metal_reflectance(cos, eta, k));
         assert!((own - book).abs() < 1e-9 * book, "{own}, {book}");
     }
-    let shader = kernel("conductor", 1, &[]);
+    let shader = kernel("conductor", &[]);
     let mut random = Random(199);
     for power in -7..=2 {
         let of_power = |sign: f64| [1.0, 2.0, 5.0, 9.0].map(|digit| sign * digit * 10f64.powi(power));
@@ -463,219 +479,6 @@ fn metals_reflect_by_their_index_however_near_to_1() {
     assert!(off[0] < 1e-5 && off[1] > 1e-4, "{off:?}");
 }
 
-/// The index of the far side relative to the near one.
-fn eta_of(row: &In) -> f64 {
-    let ior = f64::from(row.second.numbers[0]);
-    if row.front == 1 { ior } else { 1.0 / ior }
-}
-
-/// The ray that a microfacet refracts, if it does.
-fn refracted(view: DVec3, facet: DVec3, eta: f64) -> Option<DVec3> {
-    let cos = view.dot(facet);
-    let transmitted = fresnel(cos, eta).1;
-    (transmitted > 0.0).then(|| -view / eta + (cos / eta - transmitted) * facet)
-}
-
-/// The microfacet normal between the view and a direction on the far side: Walter et al., equation 16.
-fn facet_between(view: DVec3, direction: DVec3, normal: DVec3, eta: f64) -> DVec3 {
-    let facet = (view + eta * direction).normalize();
-    if facet.dot(normal) < 0.0 { -facet } else { facet }
-}
-
-/// Shares of the cells of microfacets that reflect upwards, of those that refract downwards, and last what is lost.
-fn boundary_shares(facets: &Facets, eta: f64, alpha: f64, reflectance: impl Fn(f64) -> f64) -> Vec<f64> {
-    let mut shares = vec![0.0; 2 * Facets::COUNT + 1];
-    let view = facets.view();
-    facets.integrate(alpha, |cell, facet, share| {
-        let cos = view.dot(facet);
-        if cos <= 0.0 {
-            return;
-        }
-        let reflected = reflectance(cos);
-        let up = 2.0 * cos * facet.z - view.z > 0.0;
-        shares[if up { cell } else { 2 * Facets::COUNT }] += share * reflected;
-        let down = refracted(view, facet, eta).is_some_and(|direction| direction.z < 0.0);
-        shares[if down { Facets::COUNT + cell } else { 2 * Facets::COUNT }] += share * (1.0 - reflected);
-    });
-    let sum: f64 = shares.iter().sum();
-    // A cell that no midpoint is in may have a corner that is.
-    shares.iter().map(|share| (share / sum).max(1e-9)).collect()
-}
-
-/// Of 2 x 31 x 17 cells; see above.
-#[test]
-fn rough_dielectrics_reflect_and_refract_by_the_visible_microfacets() {
-    let mut random = Random(181);
-    let many = kernel("rough_dielectric", DRAWS, &[]);
-    let cases: Vec<(f64, f64, f64, u32)> = [(0.2, 1.5), (0.5, 1.5), (1.0, 1.5), (0.4, 1.1), (0.6, 2.4), (0.3, 0.6)]
-        .into_iter()
-        .flat_map(|(roughness, ior)| [1.0, 0.6, 0.15].map(|cos| (roughness, ior, cos, u32::from(cos != 0.6))))
-        .collect();
-    let threshold = sidak(ALPHA, cases.len());
-    for (roughness, ior, cos, front) in cases {
-        let what = format!("roughness {roughness}, ior {ior}, cosine {cos}, front {front}");
-        let row = In { front, ..frosted(arriving(&mut random, cos), ior, roughness) };
-        let Exact { view, normal, cos_view, alpha } = exactly(&row, roughness as f32);
-        let (axes, eta) = (axes(normal, view), eta_of(&row));
-        let facets = Facets { alpha, cos_view };
-        let mut counts = vec![0u64; 2 * Facets::COUNT + 1];
-        for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
-            if out.event == ABSORBED {
-                counts[2 * Facets::COUNT] += 1;
-                continue;
-            }
-            let direction = exact(out.direction);
-            assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
-            assert!((0.0..=1.0 + 8.0 * U as f32).contains(&out.weight[0]), "{out:?}");
-            let (first, facet) = match direction.dot(normal) > 0.0 {
-                true => (0, (direction + view).normalize()),
-                false => (Facets::COUNT, facet_between(view, direction, normal, eta)),
-            };
-            counts[first + facets.cell(within(&axes, facet))] += 1;
-        }
-        let p = |shares: Vec<f64>| {
-            let expected: Vec<f64> = shares.iter().map(|share| share * DRAWS as f64).collect();
-            chi_square(&counts, &expected, 1)
-        };
-        let exactly = |cos: f64| fresnel(cos, eta).0;
-        let right = p(boundary_shares(&facets, eta, alpha, exactly));
-        assert!(right > threshold, "{what}: p = {right:e}");
-        let wider = p(boundary_shares(&facets, eta, 1.04 * alpha, exactly));
-        assert!(wider < threshold, "{what}, wider: p = {wider:e}");
-        // Reflection by the surface's normal instead of the microfacet's.
-        let flat = p(boundary_shares(&facets, eta, alpha, |_| fresnel(cos_view, eta).0));
-        assert!(cos == 1.0 || flat < threshold, "{what}, by the surface: p = {flat:e}");
-    }
-}
-
-/// Rows of random index, roughness, side and angle, towards a random light or the answer.
-fn boundary_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    (0..count)
-        .map(|i| {
-            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
-            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
-            let ior = [1.5, 1.01, 2.4, 0.6, 1.33][i % 5];
-            let row = frosted(arriving(random, cos), ior, roughness);
-            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
-            In { u: uniforms(random, i), light, front: i as u32 / 7 % 2, ..row }
-        })
-        .collect()
-}
-
-/// The value and the density in f64, how much of either f32 may be off, and the share that the light reaches too.
-pub fn boundary_response(row: &In, direction: DVec3) -> (f64, f64, f64, f64) {
-    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.numbers[0]);
-    let eta = eta_of(row);
-    let cos_light = direction.dot(normal);
-    let reflects = cos_light > 0.0;
-    let sum = if reflects { view + direction } else { view + eta * direction };
-    let facet = if reflects { sum.normalize() } else { facet_between(view, direction, normal, eta) };
-    let (cos_facet, cos_out) = (view.dot(facet), direction.dot(facet));
-    if cos_facet <= 0.0 || (cos_out > 0.0) != reflects {
-        return (0.0, 0.0, 0.0, 0.0);
-    }
-    let reflectance = fresnel(cos_facet, eta).0;
-    let seen = visible(facet, view, normal, alpha);
-    let pdf = match reflects {
-        true => reflectance * seen / (4.0 * cos_facet),
-        false => (1.0 - reflectance) * seen * eta * eta * cos_out.abs() / (cos_facet + eta * cos_out).powi(2),
-    };
-    let share = shadowing(cos_view, cos_light.abs(), alpha) / masking(cos_view, alpha);
-    // As for conductors; and Fresnel's reflectance by the cosine's rounding, most of all next to total reflection.
-    let turned = 4.0 * (1.0 + eta) * U / sum.length();
-    let near = [-2.0, 2.0].map(|by| fresnel((cos_facet + by * turned).clamp(0.0, 1.0), eta).0);
-    let blur = (near[0] - near[1]).abs() + 64.0 * U * reflectance;
-    let of_share = if reflects { blur / reflectance } else { blur / (1.0 - reflectance) };
-    let grazing = 4.0 * U / cos_light.abs()
-        + 4.0 * U / (cos_view + alpha)
-        + 4.0 * turned / cos_facet
-        + 4.0 * turned / cos_out.abs();
-    // Microfacets that stand upright are seen or not by their last digits.
-    let upright = if facet.dot(normal).abs() < 16.0 * U / sum.length() { f64::NAN } else { 0.0 };
-    let limit = upright + 96.0 * U + 4.0 * turned / alpha + grazing + 16.0 * turned + of_share;
-    (pdf * share, pdf, limit, share)
-}
-
-fn boundary_faults(kernel: &Kernel, rows: &[In]) -> (usize, usize, usize) {
-    let (mut off, mut unweighted, mut compared) = (0, 0, 0);
-    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
-        let own = row.light == [0.0; 3];
-        if own && out.event == ABSORBED || out.non_specular == 0 {
-            continue;
-        }
-        let direction = exact(if own { out.direction } else { row.light }).normalize();
-        let (value, pdf, limit, share) = boundary_response(row, direction);
-        // Where f32 has no digit left, at the ends of the sides of microfacets, there is nothing to compare.
-        if limit.is_nan() || limit > 0.1 || direction.dot(exact(row.normal)).abs() < 4.0 * U {
-            continue;
-        }
-        compared += 1;
-        let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= limit * expected + 1e-30;
-        // A response that is 0 here may be one on the edge of what microfacets see there.
-        off += usize::from(pdf > 0.0 && !(near(out.pdf, pdf) && near(out.value[0], value)));
-        unweighted += usize::from(own && pdf > 0.0 && (f64::from(out.weight[0]) - share).abs() > limit * share);
-    }
-    (off, unweighted, compared)
-}
-
-#[test]
-fn rough_dielectrics_respond_by_the_microfacet_formula() {
-    let mut random = Random(183);
-    let own = kernel("rough_dielectric", 1, &[]);
-    let textbook = kernel("rough_dielectric", 1, &[("lib/microfacet", "test/control/microfacet_textbook")]);
-    let schlick = kernel("rough_dielectric", 1, &[("lib/fresnel", "test/control/fresnel_schlick")]);
-    for towards_light in [false, true] {
-        let rows = boundary_rows(&mut random, 20_000, towards_light);
-        let (off, unweighted, compared) = boundary_faults(&own, &rows);
-        assert_eq!((off, unweighted), (0, 0), "of {compared}, towards lights: {towards_light}");
-        assert!(compared > 8000, "{compared}");
-        let (off, unweighted, _) = boundary_faults(&textbook, &rows);
-        assert!(off > 100 && (towards_light || unweighted > 100), "textbook: {off}, {unweighted}");
-        let (off, ..) = boundary_faults(&schlick, &rows);
-        assert!(off > 1000, "Schlick: {off}");
-    }
-}
-
-/// The BSDF for light and view exchanged: over the index squared of the side of the light it is the same. The value is the BSDF
-/// times the cosine of the light.
-#[test]
-fn rough_dielectrics_scatter_the_same_both_ways_but_for_the_index_squared() {
-    let mut random = Random(185);
-    let rows: Vec<In> = boundary_rows(&mut random, 40_000, true)
-        .into_iter()
-        .filter(|row| [row.light, row.incoming].iter().all(|v| exact(*v).dot(exact(row.normal)).abs() > 1e-2))
-        .filter(|row| boundary_response(row, exact(row.light).normalize()).2 < 0.01)
-        .collect();
-    let turned: Vec<In> = rows
-        .iter()
-        .map(|row| {
-            let through = exact(row.light).dot(exact(row.normal)) < 0.0;
-            let normal = if through { row.normal.map(|c| -c) } else { row.normal };
-            let front = if through { 1 - row.front } else { row.front };
-            In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), normal, front, ..*row }
-        })
-        .collect();
-    let kernel = kernel("rough_dielectric", 1, &[]);
-    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&turned));
-    let limit = |row: &In| boundary_response(row, exact(row.light).normalize()).2;
-    let (mut wrong, mut unscaled, mut refracted, mut reflected) = (0, 0, 0, 0);
-    for ((row, turned), (there, back)) in rows.iter().zip(&turned).zip(there.iter().zip(&back)) {
-        let normal = exact(row.normal);
-        let (cos_there, cos_back) = (exact(row.light).dot(normal), -exact(row.incoming).dot(normal));
-        let (a, b) = (f64::from(there.value[0]) / cos_there.abs(), f64::from(back.value[0]) / cos_back);
-        let scale = if cos_there < 0.0 { eta_of(row).powi(2) } else { 1.0 };
-        let off = |scale: f64| {
-            let limit = 2.0 * (limit(row) + limit(turned)) + 1e-5;
-            usize::from(limit < 0.05 && (a - b * scale).abs() > limit * a)
-        };
-        wrong += off(scale);
-        unscaled += off(1.0);
-        *(if cos_there < 0.0 { &mut refracted } else { &mut reflected }) += usize::from(a > 0.0);
-    }
-    assert_eq!(wrong, 0);
-    assert!(unscaled > 1000 && refracted > 2000 && reflected > 4000, "{unscaled}, {refracted}, {reflected}");
-}
-
 /// A roughness of 0 makes the glass, bit by bit; and so does a roughness that f32 directions cannot distinguish from it.
 #[test]
 fn smooth_rough_dielectrics_are_glass() {
@@ -688,21 +491,9 @@ fn smooth_rough_dielectrics_are_glass() {
                 In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
             })
             .collect();
-        let smooth: Vec<SurfaceHit> = rows
-            .iter()
-            .map(|row| SurfaceHit {
-                incoming: row.incoming,
-                normal: row.normal,
-                front: row.front,
-                u: row.u,
-                material: glass(ior),
-                ..SurfaceHit::default()
-            })
-            .collect();
-        let values = [("material", "dielectric"), ("times", "1"), ("keyed", "false")];
-        let smooth =
-            Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&smooth);
-        for (out, smooth) in kernel("rough_dielectric", 1, &[]).run::<_, Out>(&rows).iter().zip(&smooth) {
+        let of_glass = |row: &In| SurfaceHit { u: row.u, material: glass(ior), ..SurfaceHit::default() };
+        let smooth = smooth_answers("dielectric", &rows, of_glass);
+        for (out, smooth) in kernel("rough_dielectric", &[]).run::<_, Out>(&rows).iter().zip(&smooth) {
             assert_eq!(
                 (out.event, out.direction, out.weight, out.non_specular),
                 (smooth.event, smooth.direction, smooth.weight, 0)
@@ -710,204 +501,7 @@ fn smooth_rough_dielectrics_are_glass() {
         }
     }
     let rough = frosted(arriving(&mut random, 0.5), 1.5, 1.0 / 1023.0);
-    assert_eq!(kernel("rough_dielectric", 1, &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
-}
-
-/// The index of a pane as the device has it.
-fn index_of(row: &In) -> f64 {
-    (1.0 + f64::from(row.material.numbers[1])).sqrt()
-}
-
-/// What a pane passes counts by its mirror image, on the side of the view.
-fn before_the_pane(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - 2.0 * direction.dot(normal).min(0.0) * normal
-}
-
-/// Shares of the cells of microfacets that reflect, of those that pass light, and last what is lost.
-fn pane_shares(facets: &Facets, alpha: f64, reflectance: impl Fn(f64) -> f64) -> Vec<f64> {
-    let mut shares = vec![0.0; 2 * Facets::COUNT + 1];
-    let view = facets.view();
-    facets.integrate(alpha, |cell, facet, share| {
-        let cos = view.dot(facet);
-        let up = 2.0 * cos * facet.z - view.z > 0.0;
-        let reflected = reflectance(cos.clamp(0.0, 1.0));
-        shares[if up { cell } else { 2 * Facets::COUNT }] += share * reflected;
-        shares[if up { Facets::COUNT + cell } else { 2 * Facets::COUNT }] += share * (1.0 - reflected);
-    });
-    let sum: f64 = shares.iter().sum();
-    shares.iter().map(|share| (share / sum).max(1e-9)).collect()
-}
-
-/// Of 2 x 31 x 17 cells; see above. The mean weight is what single scattering keeps, whatever the index: 4.9 standard errors of it are
-/// at most 0.5 % of the light.
-#[test]
-fn panes_reflect_and_pass_by_the_visible_microfacets() {
-    let mut random = Random(201);
-    let many = kernel("thin_dielectric", DRAWS, &[]);
-    let cases: Vec<(f64, f64, f64)> = [(0.2, 1.5), (0.5, 1.5), (1.0, 1.3), (0.6, 2.4)]
-        .into_iter()
-        .flat_map(|(roughness, ior)| [1.0, 0.4, 0.1].map(|cos| (roughness, ior, cos)))
-        .collect();
-    let threshold = sidak(ALPHA, cases.len());
-    for (roughness, ior, cos) in cases {
-        let what = format!("roughness {roughness}, ior {ior}, cosine {cos}");
-        let row = pane(arriving(&mut random, cos), ior, roughness);
-        let Exact { view, normal, cos_view, alpha } = exactly(&row, roughness as f32);
-        let (axes, eta) = (axes(normal, view), index_of(&row));
-        let facets = Facets { alpha, cos_view };
-        let mut counts = vec![0u64; 2 * Facets::COUNT + 1];
-        let mut sum = 0.0;
-        for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
-            sum += f64::from(out.weight[0]);
-            if out.event == ABSORBED {
-                counts[2 * Facets::COUNT] += 1;
-                continue;
-            }
-            let direction = exact(out.direction);
-            assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
-            assert!((0.0..=1.0 + 8.0 * U as f32).contains(&out.weight[0]), "{out:?}");
-            let first = if direction.dot(normal) > 0.0 { 0 } else { Facets::COUNT };
-            let facet = (before_the_pane(direction, normal) + view).normalize();
-            counts[first + facets.cell(within(&axes, facet))] += 1;
-        }
-        let p = |shares: Vec<f64>| {
-            let expected: Vec<f64> = shares.iter().map(|share| share * DRAWS as f64).collect();
-            chi_square(&counts, &expected, 1)
-        };
-        let exactly = |cos: f64| fresnel(cos, eta).0;
-        let right = p(pane_shares(&facets, alpha, exactly));
-        assert!(right > threshold, "{what}: p = {right:e}");
-        let wider = p(pane_shares(&facets, 1.04 * alpha, exactly));
-        assert!(wider < threshold, "{what}, wider: p = {wider:e}");
-        // Reflection by the surface's normal instead of the microfacet's. Within a narrow lobe it hardly changes.
-        let flat = p(pane_shares(&facets, alpha, |_| exactly(cos_view)));
-        assert!(cos == 1.0 || roughness < 0.5 || flat < threshold, "{what}, by the surface: p = {flat:e}");
-        let (mean, expected) = (sum / DRAWS as f64, directional_albedo(&facets));
-        let limit = 4.9 * (expected * (1.0 - expected)).sqrt() / (DRAWS as f64).sqrt() + 2e-4;
-        assert!((mean - expected).abs() < limit && limit < 0.0051, "{what}: {mean} of {expected}");
-    }
-}
-
-/// Rows of random index, roughness and angle, towards a random light or the answer.
-fn pane_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    (0..count)
-        .map(|i| {
-            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
-            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
-            let ior = [1.5, 1.0001, 2.4, 1e3, 1.0][i % 5];
-            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
-            In { u: uniforms(random, i), light, ..pane(arriving(random, cos), ior, roughness) }
-        })
-        .collect()
-}
-
-/// The share that a smooth boundary reflects at a cosine, for an index.
-pub type Reflectance = fn(f64, f64) -> f64;
-
-pub fn fresnel_of_a_pane(cos: f64, eta: f64) -> f64 {
-    if eta == 1.0 { 0.0 } else { fresnel(cos, eta).0 }
-}
-
-fn schlick_of_a_pane(cos: f64, eta: f64) -> f64 {
-    schlick(cos, ((eta - 1.0) / (eta + 1.0)).powi(2))
-}
-
-/// As of a rough boundary.
-pub fn pane_response(row: &In, direction: DVec3, reflectance: Reflectance) -> (f64, f64, f64, f64) {
-    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.numbers[0]);
-    let eta = index_of(row);
-    let (height, mirrored) = (direction.dot(normal), before_the_pane(direction, normal));
-    let facet = (view + mirrored).normalize();
-    let cos_facet = view.dot(facet);
-    let reflected = reflectance(cos_facet.min(1.0), eta);
-    let part = if height > 0.0 { reflected } else { 1.0 - reflected };
-    let pdf = part * visible(facet, view, normal, alpha) / (4.0 * cos_facet);
-    let share = shadowing(cos_view, height.abs(), alpha) / masking(cos_view, alpha);
-    // As for conductors, with a direction that is rounded once more; and the reflectance by the cosine's rounding.
-    let turned = 8.0 * U / (view + mirrored).length();
-    let near = [-2.0, 2.0].map(|by| reflectance((cos_facet + by * turned).clamp(0.0, 1.0), eta));
-    let blur = (near[0] - near[1]).abs() + 64.0 * U * reflected;
-    let limit = 2.0 * explained(row, mirrored) + if part > 0.0 { blur / part } else { 0.0 };
-    (pdf * share, pdf, limit, share)
-}
-
-fn pane_faults(kernel: &Kernel, rows: &[In], reflectance: Reflectance) -> (usize, usize, usize) {
-    let (mut off, mut unweighted, mut compared) = (0, 0, 0);
-    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
-        let own = row.light == [0.0; 3];
-        if own && out.event == ABSORBED {
-            continue;
-        }
-        let direction = exact(if own { out.direction } else { row.light }).normalize();
-        let (value, pdf, limit, share) = pane_response(row, direction, reflectance);
-        if limit > 0.1 || direction.dot(exact(row.normal)).abs() < 4.0 * U {
-            continue;
-        }
-        compared += 1;
-        let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= limit * expected + 1e-30;
-        off += usize::from(!(near(out.pdf, pdf) && out.value.iter().all(|found| near(*found, value))));
-        unweighted += usize::from(own && (f64::from(out.weight[0]) - share).abs() > limit * share);
-    }
-    (off, unweighted, compared)
-}
-
-#[test]
-fn panes_respond_by_the_microfacet_formula() {
-    let mut random = Random(203);
-    let own = kernel("thin_dielectric", 1, &[]);
-    let textbook = kernel("thin_dielectric", 1, &[("lib/microfacet", "test/control/microfacet_textbook")]);
-    let approximate = kernel("thin_dielectric", 1, &[("lib/fresnel", "lib/fresnel_schlick")]);
-    for towards_light in [false, true] {
-        let rows = pane_rows(&mut random, 20_000, towards_light);
-        let (off, unweighted, compared) = pane_faults(&own, &rows, fresnel_of_a_pane);
-        assert_eq!((off, unweighted), (0, 0), "of {compared}, towards lights: {towards_light}");
-        assert!(compared > 12_000, "{compared}");
-        let (off, unweighted, _) = pane_faults(&textbook, &rows, fresnel_of_a_pane);
-        assert!(off > 100 && (towards_light || unweighted > 100), "textbook: {off}, {unweighted}");
-        // Each reflectance, where the other is expected, and where it is.
-        let (off, ..) = pane_faults(&approximate, &rows, fresnel_of_a_pane);
-        assert!(off > 1000, "Schlick: {off}");
-        let (off, unweighted, _) = pane_faults(&approximate, &rows, schlick_of_a_pane);
-        assert_eq!((off, unweighted), (0, 0), "Schlick, towards lights: {towards_light}");
-    }
-}
-
-/// The BSDF for light and view exchanged, on either side: what passes a thin pane ends in the solid in which it began. Planted is the
-/// index squared.
-#[test]
-fn panes_scatter_the_same_both_ways() {
-    let mut random = Random(205);
-    let rows: Vec<In> = pane_rows(&mut random, 40_000, true)
-        .into_iter()
-        .filter(|row| [row.light, row.incoming].iter().all(|v| exact(*v).dot(exact(row.normal)).abs() > 1e-2))
-        .collect();
-    let turned: Vec<In> = rows
-        .iter()
-        .map(|row| {
-            let through = exact(row.light).dot(exact(row.normal)) < 0.0;
-            let normal = if through { row.normal.map(|c| -c) } else { row.normal };
-            let front = u32::from(!through);
-            In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), normal, front, ..*row }
-        })
-        .collect();
-    let kernel = kernel("thin_dielectric", 1, &[]);
-    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&turned));
-    let limit = |row: &In| pane_response(row, exact(row.light).normalize(), fresnel_of_a_pane).2;
-    let (mut wrong, mut scaled, mut passed, mut reflected) = (0, 0, 0, 0);
-    for ((row, turned), (there, back)) in rows.iter().zip(&turned).zip(there.iter().zip(&back)) {
-        let normal = exact(row.normal);
-        let (cos_there, cos_back) = (exact(row.light).dot(normal), -exact(row.incoming).dot(normal));
-        let (a, b) = (f64::from(there.value[0]) / cos_there.abs(), f64::from(back.value[0]) / cos_back);
-        let off = |scale: f64| {
-            let limit = limit(row) + limit(turned);
-            usize::from(limit < 0.05 && (a - b * scale).abs() > limit * a)
-        };
-        wrong += off(1.0);
-        scaled += if cos_there < 0.0 { off(index_of(row).powi(2)) } else { 0 };
-        *(if cos_there < 0.0 { &mut passed } else { &mut reflected }) += usize::from(a > 0.0);
-    }
-    assert_eq!(wrong, 0);
-    assert!(scaled > 1000 && passed > 4000 && reflected > 4000, "{scaled}, {passed}, {reflected}");
+    assert_eq!(kernel("rough_dielectric", &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
 }
 
 /// A smooth pane scatters only what it reflects, as a mirror does: rays pass it before (tests/images/panes.rs).
@@ -921,12 +515,12 @@ fn smooth_panes_scatter_as_mirrors() {
             In { u: uniforms(&mut random, i), ..pane(arriving(&mut random, cos), ior, roughness) }
         })
         .collect();
-    for (row, out) in rows.iter().zip(kernel("thin_dielectric", 1, &[]).run::<_, Out>(&rows)) {
+    for (row, out) in rows.iter().zip(kernel("thin_dielectric", &[]).run::<_, Out>(&rows)) {
         assert_eq!((out.event, out.weight, out.non_specular), (SCATTERED, [1.0; 3], 0), "{row:?}");
         let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
         let off = (exact(out.direction) - (2.0 * view.dot(normal) * normal - view)).length();
         assert!(off < 8.0 * U, "{row:?}: {out:?}");
     }
     let rough = pane(arriving(&mut random, 0.5), 1.5, 1.0 / 1024.0);
-    assert_eq!(kernel("thin_dielectric", 1, &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
+    assert_eq!(kernel("thin_dielectric", &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
 }

@@ -2,15 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::rows::Maps as Out;
 use crate::common::stats::{Random, bin, chi_square, sidak};
 use crate::common::vectors::{U, exact};
-
-fn kernel(keyed: bool) -> Kernel {
-    let keyed = if keyed { "true" } else { "false" };
-    Kernel::with("test/sampling", &Setup { values: &[("keyed", keyed)], ..Setup::default() })
-}
 
 /// Cells, odd in number so that no symmetry of the map hides in their edges.
 const RINGS: usize = 31;
@@ -42,7 +37,7 @@ fn azimuth(v: &[f32]) -> f64 {
 
 #[test]
 fn every_map_has_its_density() {
-    let draws = kernel(true).run_with::<[f32; 4], Out>(&[[0.0; 4]], DRAWS, &[]);
+    let draws = Kernel::new("test/sampling").run_with::<[f32; 4], Out>(&[[0.0; 4]], DRAWS, &[]);
     let draws = draws.iter();
     // Distribution functions: of the disk's radius r^2, of the hemisphere's height cos^2, of the sphere's (1 + z)/2, of the
     // ball's radius r^3.
@@ -100,7 +95,7 @@ fn the_ends_of_the_unit_interval_give_what_is_promised() {
     rows.extend((0..10_000).map(|_| [0; 4].map(|_| (random.bits() >> 40) as f32 * U as f32)));
     // A root, a point on the circle (4 u) and a product, squared.
     let near = 16.0 * U;
-    for (u, out) in rows.iter().zip(kernel(false).run::<_, Out>(&rows)) {
+    for (u, out) in rows.iter().zip(Kernel::new("test/sampling").run::<_, Out>(&rows)) {
         let all = [&out.disk[..], &out.circle, &out.hemisphere, &out.sphere, &out.ball, &[out.root]].concat();
         assert!(all.iter().all(|x| x.is_finite()), "{u:?}: {out:?}");
         assert!((length2(&out.circle) - 1.0).abs() < near, "{u:?}: {out:?}");
@@ -116,6 +111,6 @@ fn the_ends_of_the_unit_interval_give_what_is_promised() {
         assert!(exact(out.ball).length() <= 1.0 + near, "{u:?}: {out:?}");
     }
     // Uniforms that reach 1 would lay it in the surface.
-    let flat = kernel(false).run::<_, Out>(&[[1.0f32; 4]])[0].hemisphere[2];
+    let flat = Kernel::new("test/sampling").run::<_, Out>(&[[1.0f32; 4]])[0].hemisphere[2];
     assert!(flat < 2f32.powi(-13), "{flat:e}");
 }

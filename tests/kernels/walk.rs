@@ -1,28 +1,13 @@
 //! scene/traverse: the walk through the BVH finds what asking every primitive finds, to the bit.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Node;
-use gpu_rt::flatten::DeviceScene;
-use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{UniformTables, choices_of};
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Kernel, Setup, plan_of};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
+use crate::common::trace::{ThroughTree, walk};
 use crate::common::vectors::{decades, rounded, unit};
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    root: u32,
-    direction: [f32; 3],
-    padding: u32,
-}
-
-/// Code, t as bits, steps.
-type Hit = [u32; 4];
 
 /// Spheres, quads and boxes of sizes over three decades within a few units, every tenth twice, and a floor below them.
 fn clutter(random: &mut Random) -> Vec<String> {
@@ -54,26 +39,16 @@ fn clutter(random: &mut Random) -> Vec<String> {
     objects
 }
 
-fn walk(kernel: &Kernel, scene: &DeviceScene, nodes: &[Node], rays: &[In]) -> Vec<[Hit; 2]> {
-    let tables = [
-        array("nodes", nodes),
-        array("spheres", &scene.shapes.spheres),
-        array("quads", &scene.shapes.quads),
-        array("cuboids", &scene.shapes.cuboids),
-    ];
-    kernel.run_with(rays, rays.len(), &tables)
-}
-
 #[test]
 fn the_walk_finds_what_asking_every_primitive_finds() {
     let mut random = Random(41);
     let scene = flat(&clutter(&mut random));
     let counts =
         [scene.shapes.spheres.len(), scene.shapes.quads.len(), scene.shapes.cuboids.len()].map(|n| n.to_string());
-    let plan = choices_of(&scene.features, &RenderOptions::default(), &UniformTables::default());
+    let plan = plan_of(&scene.features);
     let values = [("spheres", &*counts[0]), ("quads", &*counts[1]), ("cuboids", &*counts[2])];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
-    let rays: Vec<In> = (0..20_000)
+    let rays: Vec<ThroughTree> = (0..20_000)
         .map(|i| {
             // From the eye, from among the objects, and from afar, at something among them.
             let origin = [0.0, 0.2, 3.0][i % 3] * unit(&mut random);
@@ -84,11 +59,11 @@ fn the_walk_finds_what_asking_every_primitive_finds() {
                 direction[random.below(3)] = [0.0, -0.0, 1e-20, 1e-40][random.below(4)];
             }
             let towards = rounded(direction.normalize_or(DVec3::X));
-            In { origin: rounded(origin), direction: towards, root: scene.settings.root, padding: 0 }
+            ThroughTree { origin: rounded(origin), direction: towards, root: scene.settings.root, padding: 0 }
         })
         .collect();
     let wrong =
-        |found: &[[Hit; 2]]| found.iter().filter(|[walked, brute_force]| walked[..2] != brute_force[..2]).count();
+        |found: &[[[u32; 4]; 2]]| found.iter().filter(|[walked, brute_force]| walked[..2] != brute_force[..2]).count();
     let found = walk(&kernel, &scene, &scene.nodes, &rays);
     let hits = found.iter().filter(|[walked, _]| walked[0] != u32::MAX).count();
     assert!(hits * 2 > rays.len(), "{hits} hits of {}", rays.len());

@@ -24,11 +24,8 @@ struct Out {
     padding2: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
-    let given = input[row / ${draws}u];
+    let given = input[row / job.times];
     let u = random4(row, 0u, 0u, 1u);
     var out: Out;
     switch given.what {

@@ -10,9 +10,6 @@ struct Out {
     rest: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let pick = alias_pick(input[row].u, input[row].count);
     output[row] = Out(pick.index, pick.rest);

@@ -12,9 +12,6 @@ struct Out {
     padding: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let given = input[row];
     output[row] = Out(circle_point(given.turns), sine_and_rise(given.angle), angle_of(given.point.y, given.point.x), 0.0);

@@ -9,9 +9,6 @@ struct Out {
     padding: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     output[row] = Out(${kind}_background(input[row].direction), 0u);
 }

@@ -14,9 +14,6 @@ struct Out {
     padding2: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let basis = basis_around(input[row].normal);
     let point = from_basis(basis, vec3<f32>(1.0, 2.0, 3.0));

@@ -16,8 +16,6 @@ struct Out {
     sorted: vec4<u32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 @group(0) @binding(23) var<storage, read> nodes: array<Node>;
 
 fn run(row: u32) {

@@ -13,9 +13,6 @@ struct Out {
     padding: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn made_of(x: f32, y: f32, operation: u32) -> f32 {
     switch operation {
         case 0u: {

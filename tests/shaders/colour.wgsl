@@ -15,9 +15,6 @@ struct Out {
     t: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let given = input[row];
     let ray = Ray(given.origin, given.direction);

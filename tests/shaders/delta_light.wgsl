@@ -12,8 +12,6 @@ struct Out {
     end: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 @group(0) @binding(23) var<storage, read> shapes: array<DeltaLight>;
 
 fn run(row: u32) {

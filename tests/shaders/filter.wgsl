@@ -5,8 +5,7 @@ struct Out {
     padding: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<vec2<f32>>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = vec2<f32>;
 
 fn run(row: u32) {
     let u = input[row];

@@ -11,9 +11,6 @@ struct Out {
     padding: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let x = bitcast<f32>(input[row].x);
     let next = next_float(x, bitcast<f32>(input[row].toward));

@@ -17,9 +17,6 @@ struct Out {
     padding1: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let given = input[row];
     let cos_incident = clamp(-dot(given.incoming, given.normal), 0.0, 1.0);

@@ -1,4 +1,5 @@
-//@ use test/light_${shape}
+//@ use light/${light}
+//@ use geometry/${shape}
 //@ use sampler/independent
 // Directions towards a light and their densities; for the uniforms given, or for many of the row's own.
 struct In {
@@ -18,19 +19,16 @@ struct Out {
     padding: vec2<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 @group(0) @binding(23) var<storage, read> shapes: array<${type}>;
 
 fn run(row: u32) {
-    let given = input[row / ${draws}u];
-    var u = given.u;
-    if ${draws}u > 1u {
-        u = random4(row, 0u, 0u, 1u).xy;
-    }
+    let given = input[row / job.times];
+    let u = select(given.u, random4(row, 0u, 0u, 1u).xy, job.times > 1u);
     let shape = shapes[given.shape];
-    let sampled = shape_sample(given.from_point, shape, u);
-    let again = shape_pdf(given.from_point, sampled.direction, shape);
-    let distance = shape_distance(Ray(given.from_point, sampled.direction), shape);
+    let from_point = given.from_point;
+    let sampled = ${sample};
+    let ray = Ray(from_point, sampled.direction);
+    let again = ${pdf};
+    let distance = ${distance};
     output[row] = Out(sampled.direction, sampled.pdf, again, distance, vec2<f32>(0.0));
 }

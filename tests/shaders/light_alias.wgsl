@@ -1,6 +1,6 @@
 //@ use light/alias
 // What eight uniforms one after the other draw of a table: those from 8 row / 2^24 on.
-struct Entry {
+struct In {
     threshold: f32,
     alias_index: u32,
 }
@@ -9,9 +9,6 @@ struct Out {
     first: vec4<u32>,
     last: vec4<u32>,
 }
-
-@group(0) @binding(21) var<storage, read> input: array<Entry>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 fn drawn(k: u32) -> u32 {
     let pick = alias_pick(f32(k) * 0x1p-24f, ${count}u);

@@ -15,12 +15,9 @@ struct Out {
     of_row: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
-    let from_point = input[row / ${draws}u].from_point;
+    let from_point = input[row / job.times].from_point;
     let choice = choose_light(from_point, random4(row, 0u, 0u, 1u).xw);
-    let of_row = light_probability((row % ${draws}u) % ${lights}u, from_point);
+    let of_row = light_probability((row % job.times) % ${lights}u, from_point);
     output[row] = Out(choice.index, choice.probability, light_probability(choice.index, from_point), of_row);
 }

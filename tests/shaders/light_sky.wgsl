@@ -16,9 +16,6 @@ struct Out {
     padding: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(index: u32) {
     let given = input[${row}];
     let point = ${point};

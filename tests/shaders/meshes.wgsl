@@ -28,9 +28,6 @@ struct Out {
 const INSTANCES: u32 = ${instances}u;
 const FACES: u32 = ${faces}u;
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn brute_force_hit(ray: Ray) -> Hit {
     var brute_force = hit_at(HIT_NOTHING, VERY_FAR);
     for (var i = 0u; i < INSTANCES; i++) {

@@ -16,16 +16,9 @@ struct Out {
     padding2: vec2<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
-    var given = input[0];
-    if ${keyed} {
-        given.u = random4(row, 0u, 0u, 1u).xy;
-    } else {
-        given = input[row];
-    }
+    var given = input[row / job.times];
+    given.u = select(given.u, random4(row, 0u, 0u, 1u).xy, job.times > 1u);
     let direction = sample_phase(given.incoming, given.g, given.one_minus_g, given.u);
     let from_one = henyey_greenstein(given.g, given.one_minus_g, given.u.x);
     output[row] = Out(direction, 0.0, from_one, vec2<f32>(0.0));

@@ -7,8 +7,7 @@ struct In {
     one_minus_g: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<f32>;
+alias Out = f32;
 
 fn run(row: u32) {
     let given = input[row];

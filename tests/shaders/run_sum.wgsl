@@ -2,8 +2,8 @@
 // The sum of a run's samples, and how they are spread, as step/refill takes them in.
 const RUN_LENGTH: u32 = 8u;
 
-@group(0) @binding(21) var<storage, read> input: array<f32>;
-@group(0) @binding(22) var<storage, read_write> output: array<vec2<f32>>;
+alias In = f32;
+alias Out = vec2<f32>;
 
 fn run(row: u32) {
     var sum = Compensated();

@@ -11,8 +11,7 @@ const SAMPLES: u32 = ${samples}u;
 // Of a dispatch: half of the loops that every driver allows.
 const STEPS: u32 = 32768u;
 
-@group(0) @binding(21) var<storage, read> input: array<f32>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = f32;
 
 fn run(row: u32) {
     var state = output[row];

@@ -5,8 +5,7 @@ struct Out {
     u: vec4<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<vec4<u32>>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = vec4<u32>;
 
 fn run(row: u32) {
     let key = input[row];

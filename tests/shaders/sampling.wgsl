@@ -11,16 +11,10 @@ struct Out {
     padding1: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<vec4<f32>>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = vec4<f32>;
 
 fn run(row: u32) {
-    var u = input[0];
-    if ${keyed} {
-        u = random4(row, 0u, 0u, 1u);
-    } else {
-        u = input[row];
-    }
+    let u = select(input[row / job.times], random4(row, 0u, 0u, 1u), job.times > 1u);
     var out: Out;
     out.disk = sample_disk(u.xy);
     out.circle = sample_circle(u.x);

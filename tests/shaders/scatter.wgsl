@@ -19,16 +19,9 @@ struct Out {
     padding: u32,
 }
 
-// How often each row of input is answered, and whether with its own uniforms.
-const TIMES: u32 = ${times}u;
-const KEYED: bool = ${keyed};
-
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
-    let given = input[row / TIMES];
-    let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
+    let given = input[row / job.times];
+    let u = select(given.u, random4(row, 0u, 0u, 2u), job.times > 1u);
     var hit: Interaction;
     hit.incoming = given.incoming;
     hit.normal = given.normal;

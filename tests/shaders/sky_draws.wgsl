@@ -5,8 +5,7 @@ struct Out {
     rest: array<vec4<f32>, 2>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<u32>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = u32;
 
 fn run(row: u32) {
     var out = Out();

@@ -8,9 +8,6 @@ struct Out {
     sky: vec2<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     output[row] = Out(sphere_uv_at(input[row].direction), sky_uv(input[row].direction));
 }

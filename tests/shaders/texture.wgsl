@@ -13,9 +13,6 @@ struct Out {
     padding: u32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn run(row: u32) {
     let given = input[row];
     let at = TexturePoint(given.point, given.along_z, given.phase, given.uv, given.wraps != 0u);

@@ -7,8 +7,7 @@ struct In {
     padding: vec2<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<vec4<f32>>;
+alias Out = vec4<f32>;
 
 fn run(row: u32) {
     let given = input[row];

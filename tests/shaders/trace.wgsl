@@ -26,8 +26,6 @@ struct Out {
     v: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 @group(0) @binding(23) var<storage, read> primitives: array<${type}>;
 
 fn run(row: u32) {

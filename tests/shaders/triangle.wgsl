@@ -34,8 +34,6 @@ struct Corners {
     c: vec3<f32>,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
 @group(0) @binding(23) var<storage, read> triangles: array<Corners>;
 
 fn run(row: u32) {

@@ -5,8 +5,7 @@ struct Out {
     sine: f32,
 }
 
-@group(0) @binding(21) var<storage, read> input: array<f32>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+alias In = f32;
 
 fn run(row: u32) {
     let angle = within_one_turn(input[row]);

@@ -18,9 +18,6 @@ struct Out {
 // How many there are of each kind.
 const COUNTS = array<u32, 3>(${spheres}u, ${quads}u, ${cuboids}u);
 
-@group(0) @binding(21) var<storage, read> input: array<In>;
-@group(0) @binding(22) var<storage, read_write> output: array<Out>;
-
 fn words_of(hit: Hit) -> vec3<u32> {
     return vec3<u32>(hit.code, bitcast<u32>(hit.t), hit.steps);
 }
