@@ -4,7 +4,14 @@ use std::f64::consts::FRAC_PI_4;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
+use gpu_rt::scene::Material;
 use serde_json::{Value, json};
+
+/// A material as a scene file writes it.
+pub fn written(material: &str) -> Material {
+    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    options.from_str(material).unwrap_or_else(|error| panic!("{material}: {error}"))
+}
 
 /// A PNG of 2 by 2 pixels.
 pub fn png() -> Vec<u8> {
@@ -22,30 +29,25 @@ pub fn webp(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) -> Vec
     bytes
 }
 
+/// The corners of a square from (-1, -1, 0) to (1, 1, 0), and its two faces.
+const SQUARE: [f32; 12] = [-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.];
+const FACES: [u16; 6] = [0, 1, 2, 0, 2, 3];
+
 /// A square from (-1, -1, 0) to (1, 1, 0), four times: with an image, mirrored, as a lamp above, and turned and scaled. Two cameras.
 /// The binary chunk holds positions, normals, two sets of texture coordinates, indices and the image.
 pub fn room() -> (Value, Vec<u8>) {
-    let floats = |numbers: &[f32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-    let parts = [
-        floats(&[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.]),
-        floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1., 0., 0., 1.]),
-        floats(&[0., 1., 1., 1., 1., 0., 0., 0.]),
-        floats(&[0., 0.5, 0.5, 0.5, 0.5, 0., 0., 0.]),
-        [0u16, 1, 2, 0, 2, 3].iter().flat_map(|x| x.to_le_bytes()).collect(),
-        png(),
-    ];
-    let (mut binary, mut views) = (Vec::new(), Vec::new());
-    for part in parts {
-        views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": part.len()}));
-        binary.extend(part);
-        binary.resize(binary.len().next_multiple_of(4), 0);
-    }
+    let mut parts = Parts::default();
+    parts.floats(3, &SQUARE);
+    parts.floats(3, &[0., 0., 1.].repeat(4));
+    parts.floats(2, &[0., 1., 1., 1., 1., 0., 0., 0.]);
+    parts.floats(2, &[0., 0.5, 0.5, 0.5, 0.5, 0., 0., 0.]);
+    parts.shorts(&FACES);
+    let image = parts.view(&png());
     let square = |material: usize| {
         json!({"primitives": [{
             "attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2, "TEXCOORD_1": 3}, "indices": 4, "material": material}]})
     };
-    let accessor = |view: usize, kind: &str, count: usize, of: usize| json!({"bufferView": view, "componentType": of, "count": count, "type": kind});
-    let json = json!({
+    let mut json = json!({
         "asset": {"version": "2.0", "generator": "a test"},
         "scene": 0,
         "scenes": [{"nodes": [0, 1, 2, 3, 4, 5]}],
@@ -71,13 +73,26 @@ pub fn room() -> (Value, Vec<u8>) {
             {"name": "Steel", "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.7, 0.6, 1.0], "roughnessFactor": 0.0}}
         ],
         "textures": [{"source": 0}],
-        "images": [{"bufferView": 5, "mimeType": "image/png"}],
-        "accessors": [accessor(0, "VEC3", 4, 5126), accessor(1, "VEC3", 4, 5126), accessor(2, "VEC2", 4, 5126),
-            accessor(3, "VEC2", 4, 5126), accessor(4, "SCALAR", 6, 5123)],
-        "bufferViews": views,
-        "buffers": [{"byteLength": binary.len()}]
+        "images": [{"bufferView": image, "mimeType": "image/png"}]
     });
-    (json, binary)
+    parts.complete(&mut json);
+    (json, parts.binary)
+}
+
+/// JSON with another value at a pointer.
+pub fn changed(mut json: Value, pointer: &str, value: Value) -> Value {
+    let (parent, last) = pointer.rsplit_once('/').unwrap();
+    match json.pointer_mut(parent).unwrap_or_else(|| panic!("there is no {parent}")) {
+        Value::Array(list) => list[last.parse::<usize>().unwrap()] = value,
+        parent => parent[last] = value,
+    }
+    json
+}
+
+/// The place of a pointer as errors write it: `/nodes/0/mesh` is nodes[0].mesh.
+pub fn place(pointer: &str) -> String {
+    let part = |part: &str| if part.parse::<u32>().is_ok() { format!("[{part}]") } else { format!(".{part}") };
+    pointer.split('/').skip(1).map(part).collect::<String>().trim_start_matches('.').to_owned()
 }
 
 /// The file as GLB.
@@ -105,29 +120,22 @@ pub fn gltf(json: &Value, binary: &[u8]) -> String {
 /// A square from (-1, -1, 0) to (1, 1, 0) with these attributes of its four corners, of so many floats each, and one material. Its images are
 /// files beside it.
 pub fn square(attributes: &[(&str, usize, &[f32])], material: &Value, images: &[&str]) -> (Value, Vec<u8>) {
-    let corners: &[f32] = &[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.];
-    let (mut binary, mut views, mut accessors, mut names) = (Vec::new(), Vec::new(), Vec::new(), json!({}));
-    for &(name, width, numbers) in [("POSITION", 3, corners)].iter().chain(attributes) {
-        names[name] = accessors.len().into();
-        views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": 4 * numbers.len()}));
-        let view = views.len() - 1;
-        accessors.push(json!({"bufferView": view, "componentType": 5126, "count": numbers.len() / width, "type": format!("VEC{width}")}));
-        binary.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    let mut parts = Parts::default();
+    let mut names = json!({});
+    for &(name, width, numbers) in [("POSITION", 3, &SQUARE[..])].iter().chain(attributes) {
+        names[name] = parts.floats(width, numbers).into();
     }
-    let indices = [0u16, 1, 2, 0, 2, 3];
-    views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": 12}));
-    accessors.push(json!({"bufferView": views.len() - 1, "componentType": 5123, "count": 6, "type": "SCALAR"}));
-    binary.extend(indices.iter().flat_map(|x| x.to_le_bytes()));
+    let indices = parts.shorts(&FACES);
     let sources: Vec<Value> = (0..images.len()).map(|image| json!({"source": image})).collect();
     let uris: Vec<Value> = images.iter().map(|name| json!({"uri": name})).collect();
-    let json = json!({
+    let mut json = json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"mesh": 0}, {"mesh": 0, "scale": [-1, 1, 1], "translation": [0, 0, -9]}],
-        "meshes": [{"primitives": [{"attributes": names, "indices": accessors.len() - 1, "material": 0}]}],
-        "materials": [material], "textures": sources, "images": uris,
-        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": binary.len()}]
+        "meshes": [{"primitives": [{"attributes": names, "indices": indices, "material": 0}]}],
+        "materials": [material], "textures": sources, "images": uris
     });
-    (json, binary)
+    parts.complete(&mut json);
+    (json, parts.binary)
 }
 
 /// A glTF file that is put together accessor by accessor.
@@ -150,17 +158,32 @@ impl Parts {
         self.accessor(numbers.to_vec(), 5121, (width, numbers.len() / width))
     }
 
+    /// An accessor of numbers of 16 bits.
+    pub fn shorts(&mut self, numbers: &[u16]) -> usize {
+        self.accessor(numbers.iter().flat_map(|x| x.to_le_bytes()).collect(), 5123, (1, numbers.len()))
+    }
+
+    /// An accessor of numbers of 32 bits.
+    pub fn words(&mut self, numbers: &[u32]) -> usize {
+        self.accessor(numbers.iter().flat_map(|x| x.to_le_bytes()).collect(), 5125, (1, numbers.len()))
+    }
+
+    /// A part of the buffer; the result is its number.
+    pub fn view(&mut self, bytes: &[u8]) -> usize {
+        self.views.push(json!({"buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len()}));
+        self.binary.extend(bytes);
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        self.views.len() - 1
+    }
+
     fn accessor(&mut self, bytes: Vec<u8>, component: usize, (width, count): (usize, usize)) -> usize {
         let kind = match width {
             1 => "SCALAR".to_owned(),
             16 => "MAT4".to_owned(),
             width => format!("VEC{width}"),
         };
-        self.views.push(json!({"buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len()}));
-        let view = self.views.len() - 1;
+        let view = self.view(&bytes);
         self.accessors.push(json!({"bufferView": view, "componentType": component, "count": count, "type": kind}));
-        self.binary.extend(bytes);
-        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         self.accessors.len() - 1
     }
 
@@ -186,7 +209,7 @@ pub fn moving() -> (Value, Vec<u8>) {
     let strip_faces = parts.bytes(1, &[0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4]);
     let matrix = |y: f32| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., y, 0., 1.];
     let inverse = parts.floats(16, &[matrix(0.), matrix(-1.)].concat());
-    let square = parts.floats(3, &[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.]);
+    let square = parts.floats(3, &SQUARE);
     let normals = parts.floats(3, &[0., 0., 1.].repeat(4));
     let faces = parts.bytes(1, &[0, 1, 2, 0, 2, 3]);
     let lifts = parts.floats(3, &[0., 0., 1.].repeat(4));

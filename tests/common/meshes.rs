@@ -4,6 +4,8 @@ use base64::Engine;
 use glam::{DVec3, Vec2};
 use gpu_rt::scene::Mesh;
 
+use super::gltf::glb;
+
 /// A cube from -1 to 1 whose six quads have vertices of their own, with normals and texture coordinates.
 #[derive(Clone, Default)]
 pub struct Quads {
@@ -167,19 +169,7 @@ impl Quads {
     }
 
     pub fn glb(&self) -> Vec<u8> {
-        let mut json = self.gltf("", "").into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let mut buffer = self.buffer();
-        buffer.resize(buffer.len().next_multiple_of(4), 0);
-        let mut bytes = b"glTF".to_vec();
-        let words = |numbers: &[usize]| numbers.iter().flat_map(|&n| (n as u32).to_le_bytes()).collect::<Vec<_>>();
-        bytes.extend(words(&[2, 28 + json.len() + buffer.len(), json.len()]));
-        bytes.extend(b"JSON");
-        bytes.extend(&json);
-        bytes.extend(words(&[buffer.len()]));
-        bytes.extend(b"BIN\0");
-        bytes.extend(&buffer);
-        bytes
+        glb(&serde_json::from_str(&self.gltf("", "")).expect("it is JSON"), &self.buffer())
     }
 }
 

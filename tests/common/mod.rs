@@ -17,6 +17,7 @@ pub mod expect;
 pub mod exr_header;
 #[cfg(target_os = "linux")]
 pub mod fault;
+pub mod faults;
 pub mod film;
 pub mod gltf;
 pub mod held;

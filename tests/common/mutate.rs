@@ -2,88 +2,19 @@
 
 use super::stats::Random;
 
-/// Pieces of the formats, and numbers at the ends of their ranges as text.
-const PIECES: &[&[u8]] = &[
-    b"(",
-    b")",
-    b"[",
-    b"]",
-    b"{",
-    b"}",
-    b",",
-    b":",
-    b"\"",
-    b"\\",
-    b"/*",
-    b"*/",
-    b"//",
-    b"\n",
-    b" ",
-    b"/",
-    b"-",
-    b"0",
-    b"-1",
-    b"0.5",
-    b"1e100",
-    b"1e-100",
-    b"1e999",
-    b"-1e308",
-    b"5e-324",
-    b"NaN",
-    b"inf",
-    b"65536",
-    b"16384",
-    b"2147483648",
-    b"4294967295",
-    b"18446744073709551615",
-    b"Some(",
-    b"None",
-    b"r#\"",
-    b"b'",
-    b"Sphere",
-    b"Group([",
-    b"Transformed(by: [",
-    b"Scale(0)",
-    b"\xc3\xa9",
-    b"\xff\xff\xff\xff",
-    b"\0",
-    b"\xff\xd9",
-    b"\xff\xda",
-    b"IDAT",
-    b"iCCP",
-    b"list",
-    b"element",
-    b"end_header",
-    b"f 1 2 3\n",
-    b"f -1 -2 -3\n",
-    b"\"byteStride\": 1,",
-    b"\"sparse\": {",
-    b"\"count\": 4294967295",
-    b"ALPH",
-    b"VP8 ",
-];
+/// Pieces of the formats, and numbers at the ends of their ranges as text, with a tab between them.
+const PIECES: &[u8] =
+    b"(\t)\t[\t]\t{\t}\t,\t:\t\"\t\\\t/*\t*/\t//\t\n\t \t/\t-\t0\t-1\t0.5\t1e100\t1e-100\t1e999\t-1e308\t5e-324\t\
+    NaN\tinf\t65536\t16384\t2147483648\t4294967295\t18446744073709551615\tSome(\tNone\tr#\"\tb'\tSphere\t\
+    Group([\tTransformed(by: [\tScale(0)\t\xc3\xa9\t\xff\xff\xff\xff\t\0\t\xff\xd9\t\xff\xda\tIDAT\tiCCP\tlist\t\
+    element\tend_header\tf 1 2 3\n\tf -1 -2 -3\n\t\"byteStride\": 1,\t\"sparse\": {\t\"count\": 4294967295\t\
+    ALPH\tVP8 ";
 
 /// Numbers of 16 and 32 bits that lengths, offsets and counts may be off by.
+#[rustfmt::skip]
 const NUMBERS: &[u32] = &[
-    0,
-    1,
-    2,
-    7,
-    0x7f,
-    0x80,
-    0xff,
-    0x100,
-    0x3fff,
-    0x4000,
-    0x7fff,
-    0x8000,
-    0xffff,
-    0x1_0000,
-    0x10_0000,
-    0x7fff_ffff,
-    0x8000_0000,
-    0xffff_fff0,
-    0xffff_ffff,
+    0, 1, 2, 7, 0x7f, 0x80, 0xff, 0x100, 0x3fff, 0x4000, 0x7fff, 0x8000, 0xffff, 0x1_0000, 0x10_0000, 0x7fff_ffff,
+    0x8000_0000, 0xffff_fff0, 0xffff_ffff,
 ];
 
 /// The file with one to six edits, and half of the time with one or two, at or behind `start`. Splices take the end of `other`.
@@ -123,7 +54,10 @@ pub fn mutated(good: &[u8], other: &[u8], start: usize, random: &mut Random) -> 
                 bytes[at..end].copy_from_slice(&word[..end - at]);
             }
             10 => replace_number(&mut bytes, at, random),
-            _ => drop(bytes.splice(at..at, PIECES[random.below(PIECES.len())].iter().copied())),
+            _ => {
+                let pieces: Vec<&[u8]> = PIECES.split(|byte| *byte == b'\t').collect();
+                drop(bytes.splice(at..at, pieces[random.below(pieces.len())].iter().copied()));
+            }
         }
     }
     bytes

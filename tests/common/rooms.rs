@@ -6,7 +6,11 @@ use super::render::scene;
 
 /// A room of coloured walls, its ceiling a lamp, with `things` in it: much light, so that means are known well.
 pub fn room(things: &str) -> Scene {
-    scene(&format!(
+    scene(&room_text(things))
+}
+
+pub fn room_text(things: &str) -> String {
+    format!(
         "Scene(
     image: (width: 16, height: 16),
     camera: (look_from: (0, 0, 3.4), look_at: (0, 0, 0), vertical_fov: 40, aperture: 0.1, focus_distance: 3),
@@ -29,7 +33,36 @@ pub fn room(things: &str) -> Scene {
     ],
     render: (samples: 16, max_depth: 10),
 )"
-    ))
+    )
+}
+
+/// A room that is open to the front and the right, with a lamp under its ceiling. Its floor, its back and its left wall are of these materials, if they
+/// are there.
+pub fn open_room(walls: [&str; 3], lamp: f64, materials: &str, objects: &str, max_depth: u32) -> String {
+    let [floor, back, left] = walls;
+    let side = 2.0 * lamp;
+    let wall = |material: &str, quad: &str| match material {
+        "" => String::new(),
+        material => format!("Quad({quad}, material: {material:?}),"),
+    };
+    format!(
+        "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+    background: Solid((0.1, 0.1, 0.1)),
+    materials: {{
+        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)), \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false), {materials}
+    }},
+    objects: [
+        {} {} {}
+        Quad(corner: (-{lamp}, 1.99, -{lamp}), u: ({side}, 0, 0), v: (0, 0, {side}), material: \"lamp\"), {objects}
+    ],
+    render: (samples: 512, max_depth: {max_depth}),
+)",
+        wall(floor, "corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0)"),
+        wall(back, "corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0)"),
+        wall(left, "corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0)"),
+    )
 }
 
 /// What stands in them.

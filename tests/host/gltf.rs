@@ -12,7 +12,7 @@ use gpu_rt::scene::{
 };
 use serde_json::{Value, json};
 
-use crate::common::gltf::{glb, gltf, png, room, square};
+use crate::common::gltf::{self, glb, png, room, square, written};
 use crate::common::stats::Random;
 
 /// The scene of a file with this JSON, and the buffer of the room.
@@ -28,14 +28,7 @@ fn load_as(json: &Value, options: &GltfOptions) -> Result<Scene, Error> {
 }
 
 fn changed(pointer: &str, value: Value) -> Value {
-    let mut json = room().0;
-    let (parent, last) = pointer.rsplit_once('/').unwrap();
-    let parent = json.pointer_mut(parent).unwrap_or_else(|| panic!("there is no {parent}"));
-    match parent {
-        Value::Array(list) => list[last.parse::<usize>().unwrap()] = value,
-        parent => parent[last] = value,
-    }
-    json
+    gltf::changed(room().0, pointer, value)
 }
 
 /// The warnings, without the name of the file.
@@ -51,12 +44,6 @@ fn notes_as(json: &Value, options: &GltfOptions) -> Vec<String> {
 
 fn camera(look_from: DVec3, vertical_fov: f64) -> impl Fn(&Camera) -> bool {
     move |camera| camera.look_from == look_from && (camera.vertical_fov - vertical_fov).abs() < 1e-5
-}
-
-/// A material as a scene file writes it.
-fn written(material: &str) -> Material {
-    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    options.from_str(material).unwrap_or_else(|error| panic!("{material}: {error}"))
 }
 
 /// The material of the third square.
@@ -551,38 +538,29 @@ fn properties_that_the_standard_leaves_open_are_no_errors() {
 
 #[test]
 fn broken_gltf_is_refused_with_its_path_in_the_json() {
+    // Where the place is not that of the change, it is given.
     for (pointer, value, at, reason) in [
-        ("/asset", json!({}), "asset", "missing field `version`"),
-        ("/nodes/0/mesh", json!("x"), "nodes[0].mesh", "invalid type: string \"x\""),
-        ("/nodes/0/mesh", json!(7), "nodes[0].mesh", "there is no mesh 7"),
-        ("/nodes/0/camera", json!(7), "nodes[0].camera", "there is no camera 7"),
+        ("/asset", json!({}), "", "missing field `version`"),
+        ("/nodes/0/mesh", json!("x"), "", "invalid type: string \"x\""),
+        ("/nodes/0/mesh", json!(7), "", "there is no mesh 7"),
+        ("/nodes/0/camera", json!(7), "", "there is no camera 7"),
         ("/nodes/3/rotation", json!([0, 0, 0, 0]), "nodes[3]", "a rotation that is not 0"),
         ("/nodes/0/children", json!([1]), "nodes[1]", "it occurs twice"),
-        ("/nodes/0/children", json!([77]), "nodes[0].children", "there is no node 77"),
-        ("/scene", json!(3), "scene", "expected a scene 3"),
-        ("/cameras/0/perspective/yfov", json!(0), "cameras[0].perspective.yfov", "between 0 and pi, found 0"),
-        ("/cameras/0/type", json!("round"), "cameras[0].type", "perspective or orthographic"),
-        ("/meshes/0/primitives/0/material", json!(7), "meshes[0].primitives[0].material", "there is no material 7"),
-        (
-            "/materials/0/pbrMetallicRoughness/baseColorTexture/index",
-            json!(7),
-            "materials[0].pbrMetallicRoughness.baseColorTexture.index",
-            "there is no texture 7",
-        ),
-        ("/textures/0/source", json!(7), "textures[0].source", "there is no image 7"),
+        ("/nodes/0/children", json!([77]), "", "there is no node 77"),
+        ("/scene", json!(3), "", "expected a scene 3"),
+        ("/cameras/0/perspective/yfov", json!(0), "", "between 0 and pi, found 0"),
+        ("/cameras/0/type", json!("round"), "", "perspective or orthographic"),
+        ("/meshes/0/primitives/0/material", json!(7), "", "there is no material 7"),
+        ("/materials/0/pbrMetallicRoughness/baseColorTexture/index", json!(7), "", "there is no texture 7"),
+        ("/textures/0/source", json!(7), "", "there is no image 7"),
         ("/images/0", json!({"uri": "http://a/b.png"}), "images[0].uri", "the path of a file"),
-        ("/images/0", json!({"bufferView": 77}), "images[0]", "there is no bufferView 77"),
-        ("/images/0", json!({"bufferView": 0}), "images[0]", "cannot decode the image"),
-        ("/images/0", json!({}), "images[0]", "expected a uri or a bufferView"),
+        ("/images/0", json!({"bufferView": 77}), "", "there is no bufferView 77"),
+        ("/images/0", json!({"bufferView": 0}), "", "cannot decode the image"),
+        ("/images/0", json!({}), "", "expected a uri or a bufferView"),
         ("/bufferViews/5/byteLength", json!(u64::MAX), "images[0]", "bufferView 5 reaches past the end"),
         ("/accessors/0/count", json!(5), "meshes[0].primitives[0].attributes.POSITION", "reaches past the end"),
         ("/accessors/4/componentType", json!(5122), "meshes[0].primitives[0].indices", "5121, 5123 or 5125"),
-        (
-            "/meshes/0/primitives/0/attributes",
-            json!({}),
-            "meshes[0].primitives[0].attributes",
-            "expected an attribute POSITION",
-        ),
+        ("/meshes/0/primitives/0/attributes", json!({}), "", "expected an attribute POSITION"),
         ("/buffers/0/byteLength", json!(1 << 20), "buffers[0]", "it is not complete"),
         ("/extensionsRequired", json!(["ACME_gizmo"]), "extensionsRequired[0]", "which is not supported"),
     ] {
@@ -590,7 +568,8 @@ fn broken_gltf_is_refused_with_its_path_in_the_json() {
         assert_eq!(error.exit_status(), 2);
         // Where several parts share what is broken, each is listed.
         let Error::Scene { location, field, message } = &error.each()[0] else { panic!("{error}") };
-        assert_eq!((location.line, field.as_str()), (0, at), "{error}");
+        let at = if at.is_empty() { gltf::place(pointer) } else { at.to_owned() };
+        assert_eq!((location.line, field), (0, &at), "{error}");
         assert!(message.contains(reason), "{error}");
         assert!(error.to_string().contains(&format!("room.glb: {at}: ")), "{error}");
     }
@@ -989,7 +968,7 @@ fn a_gltf_file_is_an_object_with_materials_of_its_own() {
     fs::create_dir(folder.path().join("models")).unwrap();
     let (mut json, binary) = room();
     json["images"][0] = json!({"uri": "wood%20a.png"});
-    fs::write(folder.path().join("models/room.gltf"), gltf(&json, &binary)).unwrap();
+    fs::write(folder.path().join("models/room.gltf"), gltf::gltf(&json, &binary)).unwrap();
     fs::write(folder.path().join("models/wood a.png"), png()).unwrap();
     let room = r#"Gltf(path: "models/room.gltf")"#;
     let objects = format!(
@@ -1007,7 +986,7 @@ fn a_gltf_file_is_an_object_with_materials_of_its_own() {
     assert_eq!(files, ["scene.ron", "models/room.gltf", "models/wood a.png"].map(std::path::PathBuf::from));
 
     json["nodes"][0]["mesh"] = json!(9);
-    fs::write(folder.path().join("models/room.gltf"), gltf(&json, &binary)).unwrap();
+    fs::write(folder.path().join("models/room.gltf"), gltf::gltf(&json, &binary)).unwrap();
     let error = scene_with(folder.path(), room).unwrap_err().to_string();
     let location = error.split_once("scene.ron:").unwrap().1;
     assert!(location.starts_with("2:56: objects[0].Gltf.path: "), "{error}");
@@ -1027,7 +1006,7 @@ fn a_gltf_file_is_an_object_with_materials_of_its_own() {
         let error = scene_with(folder.path(), &object).unwrap_err().to_string();
         assert!(error.contains("there is no material"), "{error}");
         let object = object.replace("material: \"x\"", "material: \"models/room.gltf#Steel\"");
-        fs::write(folder.path().join("models/good.gltf"), gltf(&crate::common::gltf::room().0, &binary)).unwrap();
+        fs::write(folder.path().join("models/good.gltf"), gltf::gltf(&crate::common::gltf::room().0, &binary)).unwrap();
         let all = format!("{object}, Gltf(path: \"models/good.gltf\")").replace("room.gltf", "good.gltf");
         let error = scene_with(folder.path(), &all).unwrap_err().to_string();
         assert!(error.contains(reason), "{error}");
@@ -1050,28 +1029,13 @@ fn gltf_options_are_refused_for_scene_files() {
 fn no_mutated_scene_panics() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random(0x1234_5678_9abc_def1);
-    let pieces: [&[u8]; 14] = [
-        b"-1",
-        b"4000000000",
-        b"NaN",
-        b"null",
-        b"[]",
-        b"{}",
-        b"1e38",
-        b"1e999",
-        b"true",
-        b"\"\"",
-        b",",
-        b"0",
-        b"7",
-        b"0.5",
-    ];
+    let pieces: Vec<&str> = "-1 4000000000 NaN null [] {} 1e38 1e999 true \"\" , 0 7 0.5".split(' ').collect();
     let (mut json, binary) = room();
     json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0, "SCALE": 1}}});
     json["materials"][0]["extensions"] = json!({"KHR_materials_unlit": {}});
     json["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": 0}});
     let (mut accepted, mut refused) = (0, 0);
-    for (name, good) in [("bad.glb", glb(&json, &binary)), ("bad.gltf", gltf(&json, &binary).into_bytes())] {
+    for (name, good) in [("bad.glb", glb(&json, &binary)), ("bad.gltf", gltf::gltf(&json, &binary).into_bytes())] {
         let path = folder.path().join(name);
         // Most of the damage is in the JSON.
         let numbers: Vec<usize> = (0..good.len()).filter(|&at| good[at].is_ascii_digit()).collect();
@@ -1088,7 +1052,7 @@ fn no_mutated_scene_panics() {
                     // Another number, or a byte of the binary chunk.
                     2..=7 if bytes.get(at).is_some_and(u8::is_ascii_digit) => bytes[at] = b'0' + random.below(10) as u8,
                     2..=4 => drop(bytes.splice(at..end.min(at + 1), [random.below(256) as u8])),
-                    _ => drop(bytes.splice(at..end.min(at + 1), pieces[random.below(pieces.len())].iter().copied())),
+                    _ => drop(bytes.splice(at..end.min(at + 1), pieces[random.below(pieces.len())].bytes())),
                 }
             }
             fs::write(&path, &bytes).unwrap();

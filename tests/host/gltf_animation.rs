@@ -9,16 +9,20 @@ use gpu_rt::error::Error;
 use gpu_rt::scene::{AnimationFrame, Assets, GltfOptions, Mesh, Object, Scene, Transform};
 use serde_json::{Value, json};
 
-use crate::common::gltf::{glb, moving, posed};
+use crate::common::gltf::{changed, glb, moving, place, posed};
 use crate::common::stats::Random;
+
+/// A frame, of which a second has 24.
+fn at_frame(number: f64) -> GltfOptions {
+    GltfOptions { frame: Some(AnimationFrame { number, fps: 24.0 }), ..GltfOptions::default() }
+}
 
 /// The scene of a file at a frame, of which a second has 24, or in its rest pose.
 fn load(json: &Value, frame: Option<f64>) -> Result<Scene, Error> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     fs::write(&path, glb(json, &moving().1)).unwrap();
-    let options =
-        GltfOptions { frame: frame.map(|number| AnimationFrame { number, fps: 24.0 }), ..GltfOptions::default() };
+    let options = frame.map_or(GltfOptions::default(), at_frame);
     Scene::load_as(&path, &options, &mut |_, _, _| {}, &mut Assets::default())
 }
 
@@ -208,8 +212,7 @@ fn frames_of_a_file_by_blender_have_the_vertices_of_blender() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/blender");
     let positions: Value = serde_json::from_slice(&fs::read(folder.join("moving.json")).unwrap()).unwrap();
     let at = |number: f64| {
-        let options = GltfOptions { frame: Some(AnimationFrame { number, fps: 24.0 }), ..GltfOptions::default() };
-        Scene::load_as(&folder.join("moving.glb"), &options, &mut |_, _, _| {}, &mut Assets::default())
+        Scene::load_as(&folder.join("moving.glb"), &at_frame(number), &mut |_, _, _| {}, &mut Assets::default())
             .unwrap_or_else(|error| panic!("{error}"))
     };
     for (frame, objects) in positions.as_object().unwrap() {
@@ -242,8 +245,8 @@ fn what_stands_still_stays_in_memory() {
     let mut assets = Assets::of_frames();
     let mut reads = |number: f64| {
         let before = assets.read;
-        let options = GltfOptions { frame: Some(AnimationFrame { number, fps: 24.0 }), ..GltfOptions::default() };
-        Scene::load_as(&path, &options, &mut |_, _, _| {}, &mut assets).unwrap_or_else(|error| panic!("{error}"));
+        Scene::load_as(&path, &at_frame(number), &mut |_, _, _| {}, &mut assets)
+            .unwrap_or_else(|error| panic!("{error}"));
         assets.read - before
     };
     // The strip, the square and the morphed square; then only those whose vertices move.
@@ -286,111 +289,46 @@ fn broken_animations_are_refused_with_their_path_in_the_json() {
     let [joints, weights] = ["JOINTS_0", "WEIGHTS_0"].map(|name| attribute(0, name));
     let input = good["animations"][0]["samplers"][0]["input"].as_u64().unwrap();
     let output = good["animations"][0]["samplers"][0]["output"].as_u64().unwrap();
-    let of_accessor = |accessor: u64, field: &str| format!("/accessors/{accessor}/{field}");
+    let [of_input, of_joints, of_weights] =
+        [input, joints, weights].map(|accessor| format!("/accessors/{accessor}/count"));
+    let matrix = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    let [of_attributes, sampler] = ["meshes[0].primitives[0].attributes", "animations[0].samplers"];
+    // Where the place is not that of the change, it is given.
     for (pointer, value, at, reason) in [
+        ("/animations/0/channels/0/sampler", json!(70), "", "there is no sampler 70"),
+        ("/animations/0/channels/1/target/node", json!(70), "", "there is no node 70"),
+        ("/animations/0/samplers/1/input", json!(u64::MAX), "", "there is no accessor"),
+        ("/animations/0/samplers/1/output", json!(70), "", "there is no accessor 70"),
+        ("/animations/0/samplers/1/input", json!(output), "", "expected an accessor of type SCALAR"),
         (
-            "/animations/0/channels/0/sampler".to_owned(),
-            json!(70),
-            "animations[0].channels[0].sampler",
-            "there is no sampler 70",
-        ),
-        (
-            "/animations/0/channels/1/target/node".to_owned(),
-            json!(70),
-            "animations[0].channels[1].target.node",
-            "there is no node 70",
-        ),
-        (
-            "/animations/0/samplers/1/input".to_owned(),
-            json!(u64::MAX),
-            "animations[0].samplers[1].input",
-            "there is no accessor",
-        ),
-        (
-            "/animations/0/samplers/1/output".to_owned(),
-            json!(70),
-            "animations[0].samplers[1].output",
-            "there is no accessor 70",
-        ),
-        (
-            "/animations/0/samplers/1/input".to_owned(),
-            json!(output),
-            "animations[0].samplers[1].input",
-            "expected an accessor of type SCALAR",
-        ),
-        (
-            "/animations/0/samplers/1/interpolation".to_owned(),
+            "/animations/0/samplers/1/interpolation",
             json!("CUBICSPLINE"),
-            "animations[0].samplers[1].output",
+            &format!("{sampler}[1].output"),
             "expected 6 elements for 2 keys, found 2",
         ),
-        (
-            "/animations/0/samplers/1/interpolation".to_owned(),
-            json!("ROUND"),
-            "animations[0].samplers[1].interpolation",
-            "unknown variant `ROUND`",
-        ),
-        (
-            of_accessor(input, "count"),
-            json!(1u64 << 40),
-            "animations[0].samplers[0].input",
-            "past the end of its buffer",
-        ),
+        ("/animations/0/samplers/1/interpolation", json!("ROUND"), "", "unknown variant `ROUND`"),
+        (&of_input, json!(1u64 << 40), &format!("{sampler}[0].input"), "past the end of its buffer"),
         // The view of the rotations begins with 0, 0, 0, 1, 0.
-        (of_accessor(input, "count"), json!(0), "animations[0].samplers[0].input", "no elements"),
+        (&of_input, json!(0), &format!("{sampler}[0].input"), "no elements"),
+        ("/skins/0/joints/1", json!(70), "", "expected a node of the default scene, found 70"),
+        ("/nodes/0/skin", json!(7), "", "there is no skin 7"),
         (
-            "/skins/0/joints/1".to_owned(),
-            json!(70),
-            "skins[0].joints[1]",
-            "expected a node of the default scene, found 70",
-        ),
-        ("/nodes/0/skin".to_owned(), json!(7), "nodes[0].skin", "there is no skin 7"),
-        (
-            "/skins/0/joints".to_owned(),
+            "/skins/0/joints",
             json!([1, 2, 1]),
             "skins[0].inverseBindMatrices",
             "expected a matrix for each of 3 joints, found 2",
         ),
-        (
-            "/skins/0/joints".to_owned(),
-            json!([1]),
-            "meshes[0].primitives[0].attributes.JOINTS_0",
-            "there is no joint 1; skins[0] has 1",
-        ),
-        (
-            of_accessor(joints, "count"),
-            json!(5),
-            "meshes[0].primitives[0].attributes.JOINTS_0",
-            "each of 6 vertices, found 5",
-        ),
-        (
-            of_accessor(weights, "count"),
-            json!(5),
-            "meshes[0].primitives[0].attributes.WEIGHTS_0",
-            "each of 6 vertices, found 5",
-        ),
-        (
-            "/meshes/2/primitives/0/targets/0/POSITION".to_owned(),
-            json!(0),
-            "meshes[2].primitives[0].targets[0].POSITION",
-            "each of 4 vertices, found 6",
-        ),
-        (
-            "/nodes/3/matrix".to_owned(),
-            json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
-            "nodes[3].matrix",
-            "an animation moves it",
-        ),
+        ("/skins/0/joints", json!([1]), &format!("{of_attributes}.JOINTS_0"), "there is no joint 1; skins[0] has 1"),
+        (&of_joints, json!(5), &format!("{of_attributes}.JOINTS_0"), "each of 6 vertices, found 5"),
+        (&of_weights, json!(5), &format!("{of_attributes}.WEIGHTS_0"), "each of 6 vertices, found 5"),
+        ("/meshes/2/primitives/0/targets/0/POSITION", json!(0), "", "each of 4 vertices, found 6"),
+        ("/nodes/3/matrix", matrix, "", "an animation moves it"),
     ] {
-        let mut json = good.clone();
-        let (parent, last) = pointer.rsplit_once('/').unwrap();
-        match json.pointer_mut(parent).unwrap() {
-            Value::Array(list) => list[last.parse::<usize>().unwrap()] = value,
-            parent => parent[last] = value,
-        }
+        let json = changed(good.clone(), pointer, value);
         let error = load(&json, Some(12.0)).err().unwrap_or_else(|| panic!("{pointer} was accepted"));
         let Error::Scene { field, message, .. } = &error.each()[0] else { panic!("{error}") };
-        assert!(field == at && message.contains(reason), "{pointer}: {error}");
+        let at = if at.is_empty() { place(pointer) } else { at.to_owned() };
+        assert!(*field == at && message.contains(reason), "{pointer}: {error}");
     }
 }
 
@@ -413,7 +351,7 @@ fn no_mutated_animation_panics() {
             }
         }
         fs::write(&path, &bytes).unwrap();
-        let options = GltfOptions { frame: Some(AnimationFrame { number: 12.0, fps: 24.0 }), ..GltfOptions::default() };
+        let options = at_frame(12.0);
         match Scene::load_as(&path, &options, &mut |_, _, _| {}, &mut Assets::default()) {
             Ok(scene) => {
                 let _ = scene.warnings();
@@ -440,7 +378,7 @@ fn scene_files_have_frames_too() {
         Scene::parse(&text, &folder.path().join("scene.ron"))
     };
     let scene = parse(r#"Gltf(path: "a.glb", frame: 15, fps: 30)"#).unwrap_or_else(|error| panic!("{error}"));
-    let options = GltfOptions { frame: Some(AnimationFrame { number: 12.0, fps: 24.0 }), ..GltfOptions::default() };
+    let options = at_frame(12.0);
     let expected =
         Scene::load_as(&folder.path().join("a.glb"), &options, &mut |_, _, _| {}, &mut Assets::default()).unwrap();
     assert_eq!(scene.meshes, expected.meshes);

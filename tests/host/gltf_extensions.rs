@@ -6,10 +6,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use glam::{DQuat, DVec3};
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, GltfOptions, Material, Object, Scene, Transform};
+use gpu_rt::scene::{Assets, Background, GltfOptions, Object, Scene, Transform};
 use serde_json::{Value, json};
 
-use crate::common::gltf::{Parts, glb, png, room, square, webp};
+use crate::common::gltf::{Parts, glb, png, room, square, webp, written};
 
 fn load(json: &Value, binary: &[u8]) -> Result<Scene, Error> {
     let folder = tempfile::tempdir().unwrap();
@@ -28,11 +28,6 @@ fn refused(json: &Value, binary: &[u8], at: &str, reason: &str) {
     assert_eq!(error.exit_status(), 2);
     let Error::Scene { field, message, .. } = &error.each()[0] else { panic!("{error}") };
     assert!(field == at && message.contains(reason), "expected {at}: {reason}, found {error}");
-}
-
-fn written(material: &str) -> Material {
-    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    options.from_str(material).unwrap_or_else(|error| panic!("{material}: {error}"))
 }
 
 /// The material of a square with these properties beside KHR_materials_unlit, and the notes on it. `colours` are those of its corners.

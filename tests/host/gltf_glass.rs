@@ -6,7 +6,7 @@ use std::path::Path;
 use gpu_rt::scene::{Assets, Dielectric, GltfOptions, Material, Object, Pbr, Scene, Texture, Thin, ThinDielectric};
 use serde_json::{Value, json};
 
-use crate::common::gltf::glb;
+use crate::common::gltf::{Parts, glb};
 
 const BLENDER: &str = "Khronos glTF Blender I/O v5.0.21";
 /// What a note says of glass that is solid by its shape, and of a pane.
@@ -19,6 +19,7 @@ fn corners() -> Vec<[f32; 3]> {
 }
 
 /// Its twelve faces, counter-clockwise seen from outside.
+#[rustfmt::skip]
 const FACES: [[u32; 3]; 12] = [
     [0, 2, 1],
     [1, 2, 3],
@@ -85,24 +86,15 @@ fn merge(into: &mut Value, more: Value) {
 
 /// A file by Blender with a node for each of these meshes, each of several primitives.
 fn file(meshes: &[&[Part]], materials: &[Value]) -> (Value, Vec<u8>) {
-    let (mut binary, mut views, mut accessors, mut all) = (Vec::<u8>::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut add = |bytes: Vec<u8>, count: usize, kind: &str, component: u32| {
-        views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len()}));
-        accessors
-            .push(json!({"bufferView": views.len() - 1, "componentType": component, "count": count, "type": kind}));
-        binary.extend(bytes);
-        accessors.len() - 1
-    };
+    let (mut buffers, mut all) = (Parts::default(), Vec::new());
     for mesh in meshes {
         let mut primitives = Vec::new();
         for part in *mesh {
-            let bytes = part.positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
-            let positions = add(bytes, part.positions.len(), "VEC3", 5126);
+            let positions = buffers.floats(3, part.positions.as_flattened());
             let mut primitive =
                 json!({"attributes": {"POSITION": positions}, "mode": part.mode, "material": part.material});
             if let Some(indices) = &part.indices {
-                let bytes = indices.iter().flat_map(|x| x.to_le_bytes()).collect();
-                primitive["indices"] = add(bytes, indices.len(), "SCALAR", 5125).into();
+                primitive["indices"] = buffers.words(indices).into();
             }
             primitives.push(primitive);
         }
@@ -110,11 +102,12 @@ fn file(meshes: &[&[Part]], materials: &[Value]) -> (Value, Vec<u8>) {
     }
     let nodes: Vec<Value> = (0..all.len()).map(|mesh| json!({"mesh": mesh})).collect();
     let scene: Vec<usize> = (0..all.len()).collect();
-    let json = json!({
+    let mut json = json!({
         "asset": {"version": "2.0", "generator": BLENDER}, "scenes": [{"nodes": scene}], "nodes": nodes, "meshes": all,
-        "materials": materials, "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": binary.len()}]
+        "materials": materials
     });
-    (json, binary)
+    buffers.complete(&mut json);
+    (json, buffers.binary)
 }
 
 fn load_as((json, binary): &(Value, Vec<u8>), thin: Thin) -> Scene {

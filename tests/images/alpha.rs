@@ -10,12 +10,12 @@ use gpu_rt::options::{Integrator, RenderOptions, Scatter};
 use gpu_rt::scene::Scene;
 use image::{Rgba, RgbaImage};
 
+use crate::common::everything::same;
+use crate::common::faults::{ALPHA, agree, are_found};
 use crate::common::kernel::Overlay;
-use crate::common::render::{
-    Mean, Request, render, render_planted, same_expectation, scene, scene_in, worst_difference,
-};
+use crate::common::render::{Mean, Request, render, render_planted, same_expectation, scene, scene_in};
+use crate::light_sampling::{ALPHA_OF_LAMPS, PANES};
 
-const ALPHA: f64 = 1e-6;
 /// Of a mean, as a share of it.
 const MOST_NOISE: f64 = 0.01;
 
@@ -151,16 +151,13 @@ fn a_box_with_an_alpha_is_its_six_faces() {
     for request in
         [Request::default().seed(2), request(3).sobol(), request(4).scatter(Scatter::Queues), request(5).light_paths(4)]
     {
-        same_expectation(&expected, &render(&cuboid, &request), 1e-4, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+        agree("a box", &expected, &render(&cuboid, &request), 1e-4);
     }
-    for (module, line, by) in [
-        ("scene/body_stops", "side < 2u", "side < 1u"),
-        ("scene/body_stops", "select(COVERAGE, COVERAGE_OF_FAR_SIDE, is_far)", "COVERAGE"),
-    ] {
-        let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));
-        let found = render_planted(&cuboid, &request(6), &planted);
-        assert!(same_expectation(&expected, &found, 1e-4, ALPHA).is_err(), "{by} is not found");
-    }
+    let faults = [
+        ("scene/body_stops", "side < 2u", "side < select(2u, 1u, FAULT)"),
+        ("scene/body_stops", "COVERAGE_OF_FAR_SIDE, is_far)", "COVERAGE_OF_FAR_SIDE, is_far && !FAULT)"),
+    ];
+    are_found("a box", &cuboid, &expected, &request(6), &faults, 1e-4);
 }
 
 /// A floor under bodies of these materials that emit on both sides and let light pass, beside a lamp.
@@ -172,6 +169,8 @@ fn bodies(folder: &Path, alpha: &str, objects: &str) -> Scene {
             background: Solid((0, 0, 0)),
             materials: {{\"it\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: Rgb(3, 2, 1), alpha: {alpha}),
                 \"matt\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5), emission: Rgb(1, 2, 3), alpha: {alpha}),
+                \"cut it\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: Rgb(3, 2, 1), alpha: {alpha}, alpha_cutoff: 0.5),
+                \"cut matt\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5), emission: Rgb(1, 2, 3), alpha: {alpha}, alpha_cutoff: 0.5),
                 \"leaf\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: Rgb(1, 1, 1), alpha: {alpha}, diffuse_transmission: 0.8),
                 \"floor\": Lambertian(albedo: Rgb(0.6, 0.6, 0.6)), \"lamp\": DiffuseLight(emit: Rgb(5, 5, 5)), \"glass\": ThinDielectric()}},
             objects: [Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"floor\"), {objects}
@@ -191,10 +190,13 @@ fn bodies_with_an_alpha_are_sampled_on_both_sides() {
     let cuboid = "Transformed(by: [RotateY(30), Translate((-0.9, 0.5, 0.3))],
         object: Box(min: (-0.4, -0.4, -0.4), max: (0.4, 0.4, 0.4), material: \"matt\")),";
     let image = "Image(path: \"holes.png\", channel: A)";
+    // Bodies with an image and with a cutoff stand side by side in one room.
+    let cut_out = |text: &str| text.replace("\"it\"", "\"cut it\"").replace("\"matt\"", "\"cut matt\"");
+    let moved = |text: &str, x: f64| format!("Transformed(by: [Translate(({x}, 0, 0))], object: Group([{text}])),");
+    let pair = format!("{ball}{cuboid}");
     for (name, alpha, objects) in [
-        ("numbers", "0.5", format!("{ball}{cuboid}")),
-        ("an image", image, format!("{ball}{cuboid}")),
-        ("a cutoff", "Image(path: \"holes.png\", channel: A), alpha_cutoff: 0.5", format!("{ball}{cuboid}")),
+        ("numbers", "0.5", pair.clone()),
+        ("an image and a cutoff", image, moved(&pair, -0.6) + &moved(&cut_out(&pair), 0.9)),
         (
             "from inside",
             "0.6",
@@ -219,8 +221,7 @@ fn bodies_with_an_alpha_are_sampled_on_both_sides() {
             mis.clone().seed(3).sobol().scatter(Scatter::Linked),
             mis.clone().sobol().light_paths(4).seed(4),
         ] {
-            same_expectation(&bsdf, &render(&room, &request), 1e-4, ALPHA)
-                .unwrap_or_else(|error| panic!("{name}: {error}"));
+            agree(name, &bsdf, &render(&room, &request), 1e-4);
         }
         if name != "numbers" {
             continue;
@@ -228,20 +229,19 @@ fn bodies_with_an_alpha_are_sampled_on_both_sides() {
         // Of one event, without the lamp.
         let mut alone = room.clone();
         alone.objects.pop();
-        let bsdf = render(&alone, &Request::default().seed(5).depth(1).sobol());
-        let mis = Request::default().mis().seed(6).depth(1).sobol();
-        same_expectation(&bsdf, &render(&alone, &mis), 1e-4, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
-        for (module, line, by) in [
-            ("scene/light_crossings", "!= 0u), 0.5)", "!= 0u), 0.46)"),
-            ("scene/light_crossings", "if instance == FAR_SIDE {", "if instance == 0u {"),
-            ("scene/lights", " * share_of_crossing(index, Ray(from_point, direction))", ""),
-        ] {
-            let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));
-            let found = render_planted(&alone, &mis, &planted);
-            let worst = worst_difference(&bsdf, &found, 1e-4);
-            println!("{by}: {:.1} standard errors", worst.z);
-            assert!(same_expectation(&bsdf, &found, 1e-4, ALPHA).is_err(), "{by} is not found");
-        }
+        let bsdf = render(&alone, &Request::spp(4096).seed(5).depth(1).sobol());
+        let mis = Request::spp(4096).mis().seed(6).depth(1).sobol();
+        agree(name, &bsdf, &render(&alone, &mis), 1e-4);
+        let faults = [
+            ("scene/light_crossings", "!= 0u), 0.5)", "!= 0u), select(0.5, 0.46, FAULT))"),
+            ("scene/light_crossings", "if instance == FAR_SIDE {", "if instance == select(FAR_SIDE, 0u, FAULT) {"),
+            (
+                "scene/lights",
+                "share_of_crossing(index, Ray(from_point, direction))",
+                "select(share_of_crossing(index, Ray(from_point, direction)), 1.0, FAULT)",
+            ),
+        ];
+        are_found(name, &alone, &bsdf, &mis, &faults, 1e-4);
     }
 }
 
@@ -309,60 +309,15 @@ fn shadow_rays_pass_as_other_rays_do() {
     }
 }
 
-/// A room whose lamps, walls and mesh have an alpha, with fog and a mirror.
-fn room() -> String {
-    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-        background: Solid((0.1, 0.1, 0.1)),
-        materials: {
-            \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)), \"mirror\": Metal(albedo: Rgb(0.8, 0.8, 0.8)),
-            \"glow\": Lambertian(albedo: Rgb(0.6, 0.4, 0.2), emission: Rgb(1, 2, 3), alpha: 0.4),
-            \"gauze\": Pbr(base_color: Rgb(0.6, 0.7, 0.8), metallic: 0, roughness: 0.5, alpha: 0.6),
-            \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-        },
-        objects: [
-            Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-            Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"mirror\"),
-            Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"gauze\"),
-            Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
-            Quad(corner: (-0.7, 1.2, -0.5), u: (0.6, 0, 0.1), v: (0, 0.1, 0.7), material: \"glow\"),
-            Quad(corner: (0.2, 1.3, -0.5), u: (0.6, 0, 0.1), v: (0, 0.1, 0.7), material: \"gauze\"),
-            Transformed(by: [Scale(0.4), Translate((0.3, 0.5, 0))], object: Mesh(path: \"smooth_octahedron.obj\", material: \"glow\")),
-            Transformed(by: [Scale(0.3), Translate((-0.4, 0.4, 0.3))], object: Mesh(path: \"smooth_octahedron.obj\", material: \"gauze\")),
-            Medium(boundary: Box(min: (-0.9, 0.1, -0.9), max: (0.9, 0.7, 0.9)), density: 0.3, albedo: Rgb(0.8, 0.8, 0.8)),
-        ], render: (samples: 512, max_depth: 5))"
-        .to_owned()
-}
-
-#[test]
-fn light_sampling_changes_no_expectation_where_lamps_have_an_alpha() {
-    let room = scene(&room());
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
-    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
-    assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
-    // A lamp is found by the share of its coverage, by either technique.
-    for (module, line) in [
-        ("scene/light_coverage", " * coverage_at(hit, light_surface_at(hit, ray))"),
-        ("step/trace", "begin_walk(path, DIMENSION_SCATTER);"),
-    ] {
-        let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, ""));
-        let planted = render_planted(&room, &mis, &planted);
-        assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "without {line} all is the same");
-    }
-}
-
-/// A walk draws numbers at the surfaces that it passes, in whatever order it meets them.
+/// A walk draws numbers at the surfaces and panes that it passes, in whatever order it meets them.
 #[test]
 fn the_bytes_do_not_depend_on_the_hierarchy() {
-    let room = scene(&room());
-    let bits = |quality: Quality| {
-        let request = Request::spp(16).seed(7).mis().sobol().with(|options| options.build = quality);
-        render(&room, &request).picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
-    };
-    assert!(bits(Quality::Medium) == bits(Quality::Best));
+    for room in [ALPHA_OF_LAMPS.scene(), PANES.scene()] {
+        let of = |quality: Quality| {
+            render(&room, &Request::spp(16).seed(7).mis().sobol().with(|options| options.build = quality))
+        };
+        assert!(same(&of(Quality::Medium), &of(Quality::Best)));
+    }
 }
 
 /// What is passed shows in no channel, and changes no byte: a sheet of alpha 0 before a wall is as no sheet.

@@ -1,9 +1,6 @@
 //! Coloured glass: what surfaces let pass, what the inside absorbs, and thin panes.
 
-use crate::common::kernel::Overlay;
-use crate::common::render::{Request, render, render_planted, same_expectation, scene, scene_in};
-
-const ALPHA: f64 = 1e-6;
+use crate::common::render::{Request, render, scene};
 
 /// Light of 1 through what stands before the camera: a view so narrow that all rays go straight ahead.
 fn through(materials: &str, objects: &str) -> [f64; 3] {
@@ -82,43 +79,4 @@ fn a_pane_reflects_as_one_surface_and_passes_the_rest_straight() {
         let off = (mean.value[channel] - expected).abs();
         assert!(noise < 0.03 && off <= noise + 1e-6, "{channel}: {:?}, expected {expected} +- {noise}", mean.value);
     }
-}
-
-/// A room with coloured glass: a frosted ball and box, a frosted pane before a lamp, a clear one.
-const ROOM: &str = "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: Solid((0.1, 0.1, 0.1)),
-    materials: {
-        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
-        \"ball\": RoughDielectric(ior: 1.5, roughness: 0.5, transmittance: Rgb(0.9, 0.6, 0.3), absorption: (0.1, 0.5, 2)),
-        \"box\": RoughDielectric(ior: 1.3, roughness: 0.7, transmittance: Checker(scale: 0.2, even: (1, 0.5, 0.2), odd: (0.2, 1, 0.5))),
-        \"frosted\": ThinDielectric(roughness: 0.6, transmittance: Rgb(0.4, 0.9, 0.5)),
-        \"clear\": ThinDielectric(ior: 1.8, transmittance: Rgb(0.9, 0.3, 0.3)),
-        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-    },
-    objects: [
-        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
-        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
-        Quad(corner: (-0.7, 1.2, 0.4), u: (0.9, 0, 0), v: (0, 0.3, -0.8), material: \"frosted\"),
-        Quad(corner: (0.3, 0.6, 0.6), u: (0.6, 0, 0.2), v: (0, 0.8, 0), material: \"clear\"),
-        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: \"box\"),
-        Transformed(by: [Scale(0.4), Translate((-0.4, 0.45, 0))], object: Mesh(path: \"ball.obj\", material: \"ball\")),
-    ], render: (samples: 512, max_depth: 6))";
-
-#[test]
-fn light_sampling_changes_no_expectation_behind_coloured_glass() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let ball = crate::common::instances::smooth_ball_file(1);
-    std::fs::write(folder.path().join("ball.obj"), ball).expect("it is written");
-    let room = scene_in(folder.path(), ROOM);
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    same_expectation(&bsdf, &render(&room, &mis.clone().seed(3).sobol()), 1e-5, ALPHA)
-        .unwrap_or_else(|error| panic!("{error}"));
-    let plain = Overlay::new(&[]).rewritten("step/surface_light", |own| {
-        own.replace("tint_through(sampled.response.value, evaluated, leaving, frame.shading)", "sampled.response.value")
-    });
-    let plain = render_planted(&room, &mis, &plain);
-    assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "light that keeps its colour is not found");
 }

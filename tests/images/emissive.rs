@@ -1,12 +1,8 @@
-//! Surfaces that emit and scatter: closed forms, and one expectation with and without light sampling.
+//! Surfaces that emit and scatter: closed forms, and textures of their own.
 
-use gpu_rt::aov::Aov;
 use gpu_rt::options::Scatter;
 
-use crate::common::kernel::Overlay;
-use crate::common::render::{Request, render, render_planted, same_expectation, scene, scene_in};
-
-const ALPHA: f64 = 1e-6;
+use crate::common::render::{Request, render, scene, scene_in};
 
 /// The inside of a ball that emits e and reflects a: from anywhere it shows e (1 + a + .. + a^n) after n events.
 fn ball(max_depth: u32) -> String {
@@ -42,42 +38,6 @@ fn inside_a_ball_the_light_is_a_geometric_series() {
             }
         }
     }
-}
-
-/// A room with a glowing box and ball, beside a lamp, in fog, with a mirror.
-fn room() -> String {
-    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-        background: Solid((0.1, 0.1, 0.1)),
-        materials: {
-            \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)), \"mirror\": Metal(albedo: Rgb(0.8, 0.8, 0.8)),
-            \"glow\": Lambertian(albedo: Rgb(0.6, 0.4, 0.2), emission: Rgb(1, 2, 3)),
-            \"enamel\": Pbr(base_color: Rgb(0.9, 0.3, 0.2), metallic: 0, roughness: 0.3,
-                emission: Checker(scale: 0.3, even: (1, 2, 3), odd: (0.1, 0, 0))),
-            \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-        },
-        objects: [
-            Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-            Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"mirror\"),
-            Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"glow\"),
-            Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
-            Box(min: (0.3, 0, -0.4), max: (0.8, 0.5, 0.2), material: \"glow\"),
-            Sphere(center: (-0.3, 0.4, 0), radius: 0.4, material: \"enamel\"),
-            Medium(boundary: Box(min: (-0.9, 0.1, -0.9), max: (0.9, 0.7, 0.9)), density: 0.3, albedo: Rgb(0.8, 0.8, 0.8)),
-        ], render: (samples: 512, max_depth: 5))"
-        .to_owned()
-}
-
-#[test]
-fn light_sampling_changes_no_expectation_where_surfaces_emit_and_scatter() {
-    let room = scene(&room());
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let twice = Overlay::new(&[]).rewritten("step/found_light", |own| {
-        own.replace("let weight = mis_weight(path, hit, surface.local);", "let weight = 1.0;")
-    });
-    let twice = render_planted(&room, &mis, &twice);
-    assert!(same_expectation(&bsdf, &twice, 1e-5, ALPHA).is_err(), "light that is counted twice is not found");
 }
 
 /// Shapes of one material, all turned.
@@ -123,23 +83,4 @@ fn an_emission_has_its_own_texture() {
     assert!(
         of(&format!("DiffuseLight(emit: {})", emissions[1])) != of(&format!("DiffuseLight(emit: {})", emissions[2]))
     );
-}
-
-/// The emission of a surface that scatters too is direct light, also where the stage that adds it is a kernel of its own, which once lost it.
-#[test]
-fn emission_is_direct_light_however_stages_are_linked() {
-    let room = scene(&room());
-    let direct = |scatter: Scatter| -> Vec<u32> {
-        let request = Request::spp(16).mis().scatter(scatter).with(|options| options.aov.set(vec![Aov::Direct]));
-        let film = render(&room, &request).film;
-        let channels = film.aovs().channels();
-        let pixels = 0..(film.width() * film.height()) as usize;
-        pixels
-            .flat_map(|index| channels.iter().map(move |channel| (index, channel)))
-            .map(|(index, channel)| film.channel(index, channel).to_bits())
-            .collect()
-    };
-    let fused = direct(Scatter::Fused);
-    assert!(fused.iter().any(|bits| f32::from_bits(*bits) > 0.0));
-    assert!(fused == direct(Scatter::Linked) && fused == direct(Scatter::Queues));
 }

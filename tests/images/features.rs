@@ -2,13 +2,14 @@
 //! linked modules there is no kernel, and nothing that is linked is out of an entry point's reach.
 
 use std::collections::{BTreeSet, HashSet};
+use std::sync::LazyLock;
 
 use crate::common::constants::tables_read_at_constants;
 use crate::common::everything::same;
 use crate::common::lattice::Lattice;
 use crate::common::render::{Request, render};
 use gpu_rt::aov::Aovs;
-use gpu_rt::flatten::{DeviceScene, flatten};
+use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::Linked;
 use gpu_rt::job::{Goal, Job};
@@ -24,13 +25,21 @@ fn usual(scatter: Scatter) -> Request {
     Request::spp(16).sobol().mis().roulette().scatter(scatter)
 }
 
-fn flat(scene: &Scene) -> DeviceScene {
-    flatten(scene, (12, 9), &RenderOptions::default()).expect("the scene flattens")
-}
-
-fn plan(scene: &Scene, scatter: Scatter) -> Kernels {
-    Kernels::link(&flat(scene).features, &RenderOptions::default(), scatter, &UniformTables::default())
-        .expect("the kernels link")
+/// The kernels of all scenes of the lattice, linked in every way.
+fn plans() -> &'static [(&'static str, Scatter, Kernels)] {
+    static PLANS: LazyLock<Vec<(&str, Scatter, Kernels)>> = LazyLock::new(|| {
+        let lattice = Lattice::new();
+        let plan = |(name, scene): (&'static str, Scene)| {
+            let flat = flatten(&scene, (12, 9), &RenderOptions::default()).expect("the scene flattens");
+            SCATTERS.map(|scatter| {
+                let linked =
+                    Kernels::link(&flat.features, &RenderOptions::default(), scatter, &UniformTables::default());
+                (name, scatter, linked.expect("the kernels link"))
+            })
+        };
+        lattice.scenes().into_iter().flat_map(plan).collect()
+    });
+    &PLANS
 }
 
 /// Kernels with everything on take ten seconds to compile, each scene its own: here are the least. The scene with everything in it has them with
@@ -119,34 +128,14 @@ fn features_all_links_every_module_that_a_scene_can_need() {
                 .expect("the kernels link"),
         );
         // What stands for the absence of another thing, or is chosen by the numbers of primitives and lights.
-        let instead = [
-            "camera/pinhole",
-            "camera/resting",
-            "slots/own_slot",
-            "scene/plain_material",
-            "scene/emitted",
-            "lobe/plain_layer",
-            "lobe/isotropic_facets",
-            "lobe/plain_boundary",
-            "lobe/opaque_body",
-            "scene/flat_stops",
-            "scene/tint",
-            "step/specular_event",
-            "scene/plain_colour",
-            "scene/plain_light",
-            "scene/plain_medium",
-            "scene/flat_shading",
-            "scene/world_axes",
-            "scene/nothing",
-            "scene/brute_force",
-            "step/no_panes",
-            "scene/plain_pane",
-            "scene/light_tree",
-            "bind/light_nodes",
-        ];
-        for (name, scene) in &scenes {
-            for module in modules(&plan(scene, scatter)) {
-                let known = all.contains(&module) || instead.contains(&module.as_str());
+        let instead = "camera/pinhole camera/resting slots/own_slot scene/plain_material scene/emitted \
+                       lobe/plain_layer lobe/isotropic_facets lobe/plain_boundary lobe/opaque_body scene/flat_stops \
+                       scene/tint step/specular_event scene/plain_colour scene/plain_light scene/plain_medium \
+                       scene/flat_shading scene/world_axes scene/nothing scene/brute_force step/no_panes \
+                       scene/plain_pane scene/light_tree bind/light_nodes";
+        for (name, _, plan) in plans().iter().filter(|(_, own, _)| *own == scatter) {
+            for module in modules(plan) {
+                let known = all.contains(&module) || instead.split(' ').any(|known| known == module);
                 assert!(known, "{name}, {scatter:?}: {module} is not on");
             }
         }
@@ -154,7 +143,7 @@ fn features_all_links_every_module_that_a_scene_can_need() {
 }
 
 /// Fields of the paths' state that some kernel may store and none loads.
-fn never_loaded(plan: &Kernels) -> Vec<String> {
+fn never_loaded(plan: &Kernels, fields: &[PathField]) -> Vec<String> {
     let kernels = plan.all();
     // The functions that load, each up to the line that closes it.
     let loads: Vec<&str> = kernels
@@ -169,25 +158,24 @@ fn never_loaded(plan: &Kernels) -> Vec<String> {
             loads.iter().any(|load| load.contains(&plane) && (behind.is_none() || load.contains(".w")))
         }
     };
-    plan.path_fields.iter().filter(|field| !is_loaded(field)).map(|field| field.name.clone()).collect()
+    fields.iter().filter(|field| !is_loaded(field)).map(|field| field.name.clone()).collect()
 }
 
 #[test]
 fn every_field_of_the_paths_is_loaded_by_some_kernel() {
-    let lattice = Lattice::new();
     let mut tried = 0;
-    for (name, scene) in lattice.scenes() {
-        for scatter in SCATTERS {
-            let mut plan = plan(&scene, scatter);
-            assert_eq!(never_loaded(&plan), [""; 0], "{name}, {scatter:?}");
-            tried += plan.path_fields.len();
-            // One too many is found: a word, a vector, and a word that shares the vec4 of a vector.
-            for (field, words, w_of) in [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))] {
-                let spare = PathField { name: field.to_string(), words, w_of, ..plan.path_fields[0].clone() };
-                plan.path_fields.push(spare);
-            }
-            assert_eq!(never_loaded(&plan), ["spare", "SPARE", "spare_too"], "{name}, {scatter:?}");
-        }
+    for (name, scatter, plan) in plans() {
+        assert_eq!(never_loaded(plan, &plan.path_fields), [""; 0], "{name}, {scatter:?}");
+        tried += plan.path_fields.len();
+        // One too many is found: a word, a vector, and a word that shares the vec4 of a vector.
+        let of = |(field, words, w_of): (&str, u32, Option<&'static str>)| PathField {
+            name: field.to_string(),
+            words,
+            w_of,
+            ..plan.path_fields[0].clone()
+        };
+        let more = [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))].map(of);
+        assert_eq!(never_loaded(plan, &more), ["spare", "SPARE", "spare_too"], "{name}, {scatter:?}");
     }
     assert!(tried > 500, "{tried}");
 }
@@ -229,28 +217,22 @@ struct Found {
 }
 
 /// All that differ.
-fn kernels(lattice: &Lattice) -> Vec<Found> {
+fn kernels() -> Vec<Found> {
     let mut seen = HashSet::new();
-    let mut found = Vec::new();
-    for (name, scene) in lattice.scenes() {
-        for scatter in SCATTERS {
-            for kernel in plan(&scene, scatter).all() {
-                if seen.insert(kernel.linked.text.clone()) {
-                    found.push(Found {
-                        name: format!("{name}, {scatter:?}, {}", kernel.name),
-                        linked: kernel.linked.clone(),
-                    });
-                }
-            }
-        }
-    }
-    found
+    let all = plans()
+        .iter()
+        .flat_map(|(name, scatter, plan)| plan.all().into_iter().map(move |kernel| (name, scatter, kernel)));
+    all.filter(|(_, _, kernel)| seen.insert(&kernel.linked.text))
+        .map(|(name, scatter, kernel)| Found {
+            name: format!("{name}, {scatter:?}, {}", kernel.name),
+            linked: kernel.linked.clone(),
+        })
+        .collect()
 }
 
 #[test]
 fn nothing_that_is_linked_is_out_of_reach() {
-    let lattice = Lattice::new();
-    let kernels = kernels(&lattice);
+    let kernels = kernels();
     assert!(kernels.len() > 100, "{} kernels", kernels.len());
     let mut wrong = Vec::new();
     for Found { name, linked } in &kernels {
@@ -267,31 +249,18 @@ fn nothing_that_is_linked_is_out_of_reach() {
 }
 
 /// The tables that may be uniforms, without the first, for which there is room in any case (shaders/scene/at_run_time.wgsl).
-const TABLES: [&str; 11] = [
-    "spheres",
-    "quads",
-    "cuboids",
-    "materials",
-    "textures",
-    "frames",
-    "instances",
-    "media",
-    "lights",
-    "delta_lights",
-    "light_nodes",
-];
+const TABLES: &str = "spheres quads cuboids materials textures frames instances media lights delta_lights light_nodes";
 
 /// Codes of primitives: those that are constant say that there is none, and that is tested before a table is read.
 const EXEMPT: [(&str, &str); 2] = [("Hit", "code"), ("Path", "light")];
 
 #[test]
 fn no_table_is_read_at_an_index_that_a_compiler_knows() {
-    let lattice = Lattice::new();
     let mut bitten = BTreeSet::new();
-    for Found { name, mut linked } in kernels(&lattice) {
+    for Found { name, mut linked } in kernels() {
         let read = |linked: &Linked| {
             let (module, info) = linked.validate().expect("it is valid");
-            tables_read_at_constants(&module, &info, &TABLES, &EXEMPT)
+            tables_read_at_constants(&module, &info, &TABLES.split(' ').collect::<Vec<_>>(), &EXEMPT)
         };
         assert!(read(&linked).is_empty(), "{name}: {:?}", read(&linked));
         // Without what hides them they are found.

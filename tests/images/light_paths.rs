@@ -9,12 +9,10 @@ use gpu_rt::options::{Filter, Scatter};
 use gpu_rt::render::empty_film;
 
 use crate::common::everything::same;
+use crate::common::faults::{agree, changed, differ};
 use crate::common::instances::smooth_ball_file;
-use crate::common::kernel::Overlay;
 use crate::common::oracles::fresnel;
-use crate::common::render::{Request, render, render_onto, render_planted, same_expectation, scene, scene_in};
-
-const ALPHA: f64 = 1e-6;
+use crate::common::render::{Request, render, render_onto, render_planted, scene, scene_in};
 
 /// A camera that looks down on a floor, with these materials and objects, and a lamp that BSDF sampling finds.
 fn lit(camera: &str, materials: &str, objects: &str) -> String {
@@ -170,7 +168,7 @@ fn light_paths_change_no_expectation() {
         for (count, seed) in [(8, 2), (1, 3)].into_iter().take(if room.objects.len() == 3 { 2 } else { 1 }) {
             let both = render(&room, &traced(count).seed(seed));
             assert!(both.film.totals().light_paths[0] > 0, "{name}: no light path was traced");
-            same_expectation(&alone, &both, rounding, ALPHA).unwrap_or_else(|error| panic!("{name}, {count}: {error}"));
+            agree(&format!("{name}, {count}"), &alone, &both, rounding);
         }
     }
 }
@@ -182,14 +180,14 @@ fn light_paths_have_the_events_of_max_depth() {
     for depth in [1, 2, 5] {
         let alone = render(&room, &off().depth(depth).seed(1));
         let both = render(&room, &traced(8).depth(depth).seed(2));
-        same_expectation(&alone, &both, 1e-4, ALPHA).unwrap_or_else(|error| panic!("{depth} events: {error}"));
+        agree(&format!("{depth} events"), &alone, &both, 1e-4);
     }
     let room = scene(&scene_named("a ball of glass"));
     for filter in [Filter::Tent, Filter::Gauss, Filter::Mitchell] {
         let by = |request: Request| request.with(|options| options.filter = filter);
         let alone = render(&room, &by(off()).seed(1));
         let both = render(&room, &by(traced(8)).sobol().seed(2));
-        same_expectation(&alone, &both, 1e-4, ALPHA).unwrap_or_else(|error| panic!("{filter}: {error}"));
+        agree(&filter.to_string(), &alone, &both, 1e-4);
     }
 }
 
@@ -197,27 +195,20 @@ fn light_paths_have_the_events_of_max_depth() {
 #[test]
 fn planted_errors_of_light_paths_are_found() {
     let long = |request: Request| Request { samples: Some(0..1024), ..request };
-    let plant = |name: &str, plants: &[(&str, &str, &str)]| {
+    for (name, fault) in [
+        (
+            "a lamp and a matt ball in glass that absorbs and is tinted",
+            ("light_path/scatter", "drawn.weight / ratio", "drawn.weight"),
+        ),
+        (
+            "near mirrors",
+            ("light_path/scatter", "(!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW))", "!is_first"),
+        ),
+    ] {
         let room = scene(&scene_named(name));
         let alone = render(&room, &long(off()).seed(1));
-        for &(module, line, by) in plants {
-            let planted = Overlay::new(&[]).rewritten(module, |own| {
-                assert!(own.contains(line), "{module} has no {line}");
-                own.replace(line, by)
-            });
-            let both = render_planted(&room, &long(traced(8)).seed(2), &planted);
-            let found = same_expectation(&alone, &both, 1e-4, ALPHA);
-            assert!(found.is_err(), "{name}: {by} instead of {line} is not found");
-        }
-    };
-    plant(
-        "a lamp and a matt ball in glass that absorbs and is tinted",
-        &[("light_path/scatter", "drawn.weight / ratio", "drawn.weight")],
-    );
-    plant(
-        "near mirrors",
-        &[("light_path/scatter", "(!is_first || (NARROW_LOBES && drawn.lobe == LOBE_NARROW))", "!is_first")],
-    );
+        differ(name, &alone, &render_planted(&room, &long(traced(8)).seed(2), &changed(&[fault])), 1e-4);
+    }
 }
 
 /// A floor of hardly any albedo under a slab of glass, lit by a light without size. Seen from below the slab.
@@ -294,36 +285,29 @@ fn a_point_light_shines_through_a_slab() {
     let room = scene(&under_glass(light, 60.0));
     let found = render(&room, &traced(8)).mean_of_all();
     found.is_near(expected, 0.03).unwrap_or_else(|error| panic!("{error}"));
-    let planted =
-        Overlay::new(&[]).rewritten("light_path/lens_connection", |own| own.replace("* pixels)", "* pixels * 1.04)"));
+    let planted = changed(&[("light_path/lens_connection", "* pixels)", "* pixels * 1.04)")]);
     let planted = render_planted(&room, &traced(8), &planted).mean_of_all();
     assert!(planted.is_near(expected, 0.03).is_err(), "4 % less light is not found");
 }
 
-/// The bytes are the same however the work is split: slots, bounces, stages, tiles, and parts that are joined.
+/// The bytes are the same however the work is split: slots, bounces, stages, tiles, and parts that are joined. Light that is sampled in narrow lobes
+/// has a weight beside light paths, which stages pass on.
 #[test]
 fn the_bytes_are_the_same_however_the_work_is_done() {
     let request = Request { samples: Some(0..24), ..traced(8).sobol() };
-    let ways = [
+    let room = scene(&scene_named("near mirrors"));
+    let whole = render(&room, &request.clone().scatter(Scatter::Fused));
+    for changed in [
         request.clone().scatter(Scatter::Linked),
         request.clone().scatter(Scatter::Queues),
         request.clone().with(|options| (options.slots, options.bounces) = (Some(77), Some(1))),
         request.clone().with(|options| (options.slots, options.workgroup) = (Some(1000), Some(32))),
-    ];
-    // Light that is sampled in narrow lobes has a weight beside light paths, which stages pass on.
-    let narrow = scene(&scene_named("near mirrors"));
-    let whole = render(&narrow, &request.clone().scatter(Scatter::Fused));
-    for changed in &ways[..2] {
-        assert!(same(&whole, &render(&narrow, changed)), "{:?} changes the image", changed.options);
-    }
-    let room = scene(&scene_named("panes, a bubble and a thin lens"));
-    let whole = render(&room, &request.clone().scatter(Scatter::Fused));
-    for changed in ways {
+    ] {
         assert!(same(&whole, &render(&room, &changed)), "{:?} changes the image", changed.options);
     }
-    let part = |samples| render(&room, &Request { samples: Some(samples), ..request.clone() }).film;
-    let mut joined = part(8..24);
-    joined.merge(&part(0..8)).expect("both are of one image");
+    let [later, mut joined] =
+        [8..24, 0..8].map(|samples| render(&room, &Request { samples: Some(samples), ..request.clone() }).film);
+    joined.merge(&later).expect("both are of one image");
     assert_eq!(joined.develop(), whole.picture, "parts that are joined differ");
     // Three tiles, the last of which is smaller.
     let job = Job { size: (16, 16), max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(24) };

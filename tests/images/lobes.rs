@@ -1,10 +1,9 @@
-//! What glTF's material has around its base, and brushed metal: the light that comes back, both integrators and samplers, and where the
-//! directions of an anisotropy lie.
+//! What glTF's material has around its base, and brushed metal: the light that comes back, and where the directions of an anisotropy lie.
 
-use crate::common::kernel::Overlay;
-use crate::common::render::{Request, Shot, in_a_furnace, render, render_planted, same_expectation, scene};
+use crate::common::faults::{ALPHA, agree, differ};
+use crate::common::render::{Request, Shot, in_a_furnace, render, same_expectation, scene};
+use crate::common::rooms::open_room;
 
-const ALPHA: f64 = 1e-6;
 /// The most that a white dielectric returns by glTF's formula.
 const MOST_OF_GLTF: f64 = 1.716;
 
@@ -138,57 +137,21 @@ fn emission_has_the_coat_around_it() {
     }
 }
 
-/// A room with each of the lobes, under a lamp, a lamp with a coat, and a sky.
-const ROOM: &str =
-    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: Solid((0.1, 0.1, 0.1)),
-    materials: {
-        \"varnish\": Pbr(base_color: Rgb(0.7, 0.6, 0.5), metallic: 0, roughness: 0.7, coat: 1, coat_roughness: 0.4, coat_ior: 3),
-        \"velvet\": Pbr(base_color: Rgb(0.3, 0.2, 0.6), metallic: 0.2, roughness: 0.6, sheen: Rgb(0.9, 0.6, 0.3), sheen_roughness: 1),
-        \"brushed\": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.4, anisotropy: 0.8, anisotropy_rotation: 30),
-        \"half\": Pbr(base_color: Rgb(0.5, 0.8, 0.9), metallic: 0, roughness: 0.5, transmission: 0.6, solid: true, absorption: (0.1, 0.2, 0.3)),
-        \"pane\": Pbr(base_color: Rgb(0.9, 0.8, 0.5), metallic: 0, roughness: 0.6, transmission: 0.5, anisotropy: 0.5),
-        \"glow\": Pbr(base_color: Rgb(0.2, 0.2, 0.2), metallic: 0, roughness: 0.5, coat: 1, coat_roughness: 0.3, coat_ior: 9, emission: Rgb(9, 6, 3)),
-        \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.4, anisotropy: 0.7, dispersion: 4),
-        \"leaf\": Pbr(base_color: Rgb(0.3, 0.6, 0.2), metallic: 0, roughness: 0.5, diffuse_transmission: 0.7, diffuse_transmission_color: Rgb(0.6, 0.9, 0.3)),
-        \"oil\": Pbr(base_color: Rgb(0.4, 0.4, 0.5), metallic: 0.5, roughness: 0.5, iridescence: 0.9, iridescence_ior: 1.6),
-        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-    },
-    objects: [
-        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"varnish\"),
-        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"velvet\"),
-        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
-        Quad(corner: (0.9, 0.5, -0.5), u: (0, 0, 0.5), v: (0, 0.5, 0), material: \"glow\"),
-        Quad(corner: (-0.9, 0.1, 0.5), u: (0.8, 0, 0.2), v: (0, 0.7, 0), material: \"pane\"),
-        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: \"brushed\"),
-        Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: \"half\"),
-        Sphere(center: (0.45, 0.8, 0.1), radius: 0.25, material: \"frosted\"),
-        Quad(corner: (-0.9, 1.1, 0.4), u: (1.1, 0.1, 0), v: (0, 0.7, -0.4), material: \"leaf\"),
-        Sphere(center: (-0.6, 1.3, -0.4), radius: 0.25, material: \"oil\"),
-    ], render: (samples: 512, max_depth: 6))";
-
-fn planted(room: &gpu_rt::scene::Scene, request: &Request, (module, part, other): (&str, &str, &str)) -> Shot {
-    render_planted(room, request, &Overlay::new(&[]).rewritten(module, |own| own.replace(part, other)))
-}
-
+/// A layer that reflects nothing leaves the matt body.
 #[test]
-fn light_sampling_changes_no_expectation_beside_lobes() {
-    let room = scene(ROOM);
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
-    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let errors = [
-        ("lobe/coat", "let value = vec3<f32>(pdf * smith", "let value = vec3<f32>(0.0 * pdf * smith"),
-        ("scene/light_coat", "return emission_under_coat(radiance, seen);", "return radiance;"),
-        ("lobe/sheen", "let of_sheen = share *", "let of_sheen = 0.0 * share *"),
-        ("lobe/transmission", "glass.value *= tint_of_glass(hit, direction);", ""),
-        ("lobe/diffuse_transmission", "return hit.lobes.through * hit.lobes.colour_through;", "return vec3<f32>(0.0);"),
-    ];
-    let is_found = |error| same_expectation(&bsdf, &planted(&room, &mis, error), 1e-5, ALPHA).is_err();
-    let lost: Vec<_> = errors.into_iter().filter(|error| !is_found(*error)).collect();
-    assert!(lost.is_empty(), "{lost:?} is not found");
+fn without_its_layer_a_material_is_matt() {
+    let of = |material: &str, seed: u32| {
+        let ball = "Sphere(center: (0, 0.6, 0), radius: 0.5, material: \"body\"),";
+        let room = open_room(["body", "body", ""], 0.5, &format!("\"body\": {material},"), ball, 6);
+        render(&scene(&room), &Request::default().seed(seed).mis())
+    };
+    let layer = |specular: f64| {
+        let numbers = "base_color: Rgb(0.2, 0.15, 0.1), metallic: 0, roughness: 0.5, ior: 2.5";
+        of(&format!("Pbr({numbers}, specular: {specular})"), 2)
+    };
+    let matt = of("Lambertian(albedo: Rgb(0.2, 0.15, 0.1))", 1);
+    agree("without its layer", &matt, &layer(0.0), 1e-5);
+    differ("a fifth of the layer", &matt, &layer(0.2), 1e-5);
 }
 
 /// A quarter turn of the direction is a quarter turn of the surface.

@@ -4,13 +4,13 @@
 //! media, textures and the camera, with the same random numbers. Images that are known in closed form are scenes/test/motion_*.ron.
 
 use glam::DVec3;
-use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
 use gpu_rt::scene::{CameraKey, Object, Scene, Transform};
 
 use crate::common::everything::{Everything, World, same};
+use crate::common::faults::{agree, changed, differ};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Request, Shot, render, render_each, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{Request, Shot, render, render_each, render_planted, scene, scene_in};
 
 fn translate(x: f64, y: f64, z: f64) -> Transform {
     Transform::Translate(DVec3::new(x, y, z))
@@ -104,7 +104,8 @@ fn poses_are_those_of_stills() {
         let found = differing(&still, &posed);
         assert!(found < OTHER_WAYS, "{scatter:?} at {share}: {found} of the pixels differ");
         // A hundredth of the time makes another image.
-        let later = render_planted(&moving(SHUTTER), &request, &at_time(share + 0.01));
+        let opened_later = (SHUTTER.0 + 0.01, SHUTTER.1 + 0.01);
+        let later = render_planted(&moving(opened_later), &request, &at_time(share));
         let found = differing(&still, &later);
         assert!(found > 0.5, "{scatter:?}: a hundredth of the time changes {found} of the pixels");
     }
@@ -167,7 +168,8 @@ fn lights_are_where_those_of_stills_are() {
         let still = render(&still, &request);
         let found = differing(&still, &render_planted(&moving, &request, &at_time(share)));
         assert!(found < OTHER_WAYS, "{light}: {found} of the pixels differ");
-        let later = differing(&still, &render_planted(&moving, &request, &at_time(share + 0.02)));
+        let opened_later = under(light, (SHUTTER.0 + 0.02, SHUTTER.1 + 0.02));
+        let later = differing(&still, &render_planted(&opened_later, &request, &at_time(share)));
         assert!(later > 0.3, "{light}: a fiftieth of the time changes {later} of the pixels");
         if light_paths > 0 {
             let library = at_time(share)
@@ -213,26 +215,17 @@ fn what_rests_changes_no_byte() {
     assert!(same(&usual, &render(&resting, &request())));
 }
 
-/// The room, whose kernels compile sooner than those of the scene with everything in it.
+/// The room, whose kernels compile sooner than those of the scene with everything in it. (Cuts of moving scenes are in tests/unchanged.rs.)
 #[test]
-fn cuts_and_parts_of_moving_scenes_do_not_show() {
-    let scene = scene(&room());
-    let cut = |scatter, slots, bounces| {
-        let request = request().scatter(scatter).with(|options| {
-            (options.slots, options.bounces) = (Some(slots), Some(bounces));
-        });
-        render(&scene, &request)
-    };
-    let usual = cut(Scatter::Linked, 4096, 20);
-    assert!(same(&usual, &cut(Scatter::Fused, 97, 3)), "fused");
-    assert!(same(&usual, &cut(Scatter::Queues, 1000, 1)), "queues");
-    let parts = render_each(&scene, &request(), &[8..16, 0..8]);
-    let mut joined: Film = parts[0].film.clone();
-    joined.merge(&parts[1].film).expect("parts of one image");
-    assert!(joined == usual.film, "parts");
-    let mut still = scene.clone();
-    still.camera.shutter = (0.5, 0.5);
-    assert!(!same(&usual, &render(&still, &request())), "nothing moves");
+fn parts_of_moving_scenes_join_to_the_whole() {
+    let mut scene = scene(&room());
+    let mut parts = render_each(&scene, &request(), &[0..16, 8..16, 0..8]);
+    let whole = parts.remove(0);
+    let first = parts.remove(1);
+    parts[0].film.merge(&first.film).expect("parts of one image");
+    assert!(parts[0].film == whole.film);
+    scene.camera.shutter = (0.5, 0.5);
+    assert!(!same(&whole, &render(&scene, &request())), "nothing moves");
 }
 
 /// A room in which all lamps move: a sphere, a quad that turns, a disk, a box and a mesh. So do what blocks their light, and fog.
@@ -288,47 +281,42 @@ const PASSING: &str = "Scene(
     render: (samples: 2048, max_depth: 3),
 )";
 
-const ALPHA: f64 = 1e-6;
-
 #[test]
 fn ways_to_find_moving_lamps_have_one_expectation() {
     // Of one kernel: the errors below are planted in its stages.
     let by_lights = Request::default().mis().sobol().roulette().seed(1).scatter(Scatter::Fused);
     let same = |scene: &Scene| {
         let by_rays = render(scene, &Request::default());
-        same_expectation(&by_rays, &render(scene, &by_lights), 1e-5, ALPHA).unwrap_or_else(|tile| panic!("{tile}"));
+        agree("light sampling", &by_rays, &render(scene, &by_lights), 1e-5);
         by_rays
     };
     same(&scene(&room()));
     // Errors are planted where nothing hides them: a large lamp and a wall that pass each other.
     let passing = scene(PASSING);
     let by_rays = same(&passing);
-    let overlay = || Overlay::new(&[]);
-    let planted = [
+    let later = "fn later_hit(path: ptr<function, Path>, limit: Hit) -> Hit {\n now = fract(now + 0.4);\n \
+                 return shadow_hit(path, limit);\n}\n\n//@ without";
+    for changes in [
         // The density of a lamp where it was when the shutter opened.
-        overlay().rewritten("scene/lights", |text| {
-            text.replace(
-                "direction, moved_${name}(${name}_at(of_kind, instance), pose)",
-                "direction, ${name}_at(of_kind, instance)",
-            )
-        }),
+        [(
+            "scene/lights",
+            "direction, moved_${name}(${name}_at(of_kind, instance), pose)",
+            "direction, ${name}_at(of_kind, instance)",
+        )]
+        .as_slice(),
         // A direction to it there.
-        overlay().rewritten("scene/lights", |text| {
-            text.replace(
-                "_light_sample(from_point, moved_${name}(${name}_at(index, light.instance), pose)",
-                "_light_sample(from_point, ${name}_at(index, light.instance)",
-            )
-        }),
+        &[(
+            "scene/lights",
+            "from_point, moved_${name}(${name}_at(index, light.instance), pose)",
+            "from_point, ${name}_at(index, light.instance)",
+        )],
         // A shadow ray at another time.
-        overlay().rewritten("step/light", |text| {
-            let later = "fn later_hit(path: ptr<function, Path>, limit: Hit) -> Hit {\n now = fract(now + 0.4);\n \
-                         return shadow_hit(path, limit);\n}\n\n//@ without";
-            text.replacen("shadow_hit(path, limit);", "later_hit(path, limit);", 1).replace("//@ without", later)
-        }),
-    ];
-    for (number, library) in planted.iter().enumerate() {
-        let found = render_planted(&passing, &by_lights, library);
-        assert!(same_expectation(&by_rays, &found, 1e-5, ALPHA).is_err(), "planted error {number} is not found");
+        &[
+            ("step/light", "let hit = shadow_hit(path, limit);", "let hit = later_hit(path, limit);"),
+            ("step/light", "//@ without", later),
+        ],
+    ] {
+        differ(changes[0].2, &by_rays, &render_planted(&passing, &by_lights, &changed(changes)), 1e-5);
     }
 }
 
@@ -357,7 +345,7 @@ fn light_paths_change_no_expectation_of_what_moves() {
     let scene = scene(text);
     let camera_paths = render(&scene, &Request::default().mis().seed(2));
     let both = Request::default().mis().light_paths(8);
-    same_expectation(&camera_paths, &render(&scene, &both), 1e-5, ALPHA).unwrap_or_else(|tile| panic!("{tile}"));
+    agree("light paths", &camera_paths, &render(&scene, &both), 1e-5);
 }
 
 /// A scene at the origin, and the same far away. Positions there are known to 1e8 × 2^-53 = 1.1e-8 of its extent of some units, which is less than

@@ -1,10 +1,8 @@
-//! Metals that make up for light that microfacets scatter more than once: the light that they return, and both integrators.
+//! Metals that make up for light that microfacets scatter more than once: the light that they return.
 
-use crate::common::kernel::Overlay;
 use crate::common::microfacets::{Facets, directional_albedo, masking, schlick, shadowing};
-use crate::common::render::{Request, in_a_furnace, render, render_planted, same_expectation, scene};
+use crate::common::render::in_a_furnace;
 
-const ALPHA: f64 = 1e-6;
 /// The most by which the table is off (tests/kernels/rough.rs).
 const TABLE: f64 = 0.008;
 
@@ -49,35 +47,4 @@ fn metals_return_the_light_that_single_scattering_loses() {
             }
         }
     }
-}
-
-/// A room with metals, one of which loses light.
-const ROOM: &str =
-    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: Solid((0.1, 0.1, 0.1)),
-    materials: {
-        \"wall\": Pbr(base_color: Rgb(0.7, 0.6, 0.5), metallic: 0.5, roughness: 0.7, multiscatter: true),
-        \"metal\": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.8, multiscatter: true),
-        \"lossy\": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.8),
-        \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.38, 1.6), roughness: 0.5, multiscatter: true),
-        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-    },
-    objects: [
-        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"metal\"),
-        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
-        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
-        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: \"lossy\"),
-        Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: \"gold\"),
-    ], render: (samples: 512, max_depth: 6))";
-
-#[test]
-fn light_sampling_changes_no_expectation_beside_metals_that_lose_nothing() {
-    let room = scene(ROOM);
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let lossy = Overlay::new(&[])
-        .rewritten("material/conductor_eval", |own| own.replace("compensated(single, f0, hit)", "single"));
-    let lossy = render_planted(&room, &mis, &lossy);
-    assert!(same_expectation(&bsdf, &lossy, 1e-5, ALPHA).is_err(), "light that is lost in one of the two is not found");
 }

@@ -1,5 +1,4 @@
-//! Numbers of materials that vary over a surface: where a texture is constant, the image of the plain number, to the bit; one expectation
-//! with and without light sampling, and by both samplers.
+//! Numbers of materials that vary over a surface: where a texture is constant, the image of the plain number, to the bit.
 
 use std::path::Path;
 
@@ -8,10 +7,7 @@ use gpu_rt::options::Scatter;
 use gpu_rt::scene::{Assets, GltfOptions, Scene};
 
 use crate::common::gltf::{glb, room};
-use crate::common::kernel::Overlay;
-use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene_in};
-
-const ALPHA: f64 = 1e-6;
+use crate::common::render::{Request, Shot, render, scene_in};
 
 fn bits(shot: &Shot, columns: std::ops::Range<usize>) -> Vec<[u32; 3]> {
     let rows = shot.picture.rgb.chunks(shot.picture.width as usize);
@@ -95,48 +91,9 @@ fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
     assert!(half == of(&(0.5 * number(200)).to_string()));
 }
 
-/// A room with a lamp, whose floor is a mirror in places, with frosted glass that is clear in places.
-const ROOM: &str =
-    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: Solid((0.1, 0.1, 0.1)),
-    materials: {
-        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
-        \"floor\": Conductor(albedo: Rgb(0.9, 0.7, 0.5), roughness: Image(path: \"marks.png\", channel: G)),
-        \"back\": Pbr(base_color: Rgb(0.8, 0.5, 0.3), metallic: Image(path: \"marks.png\", channel: B),
-            roughness: Image(path: \"marks.png\", channel: R)),
-        \"glass\": RoughDielectric(ior: 1.5, roughness: Checker(scale: 0.2, even: (0, 0, 0), odd: (0.4, 0, 0))),
-        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-    },
-    objects: [
-        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"floor\"),
-        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"back\"),
-        Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"),
-        Quad(corner: (-0.8, 1.99, -0.8), u: (1.6, 0, 0), v: (0, 0, 1.6), material: \"lamp\"),
-        Sphere(center: (-0.2, 0.5, 0.1), radius: 0.4, material: \"glass\"),
-    ], render: (samples: 512, max_depth: 5))";
-
-fn marks(folder: &Path) {
+/// An image whose channels are the numbers of several materials.
+pub fn marks(folder: &Path) {
     write_image(folder, "marks.png", [[40, 0, 0, 0], [60, 0, 255, 0], [255, 128, 128, 0], [128, 250, 0, 0]]);
-}
-
-#[test]
-fn light_sampling_changes_no_expectation_where_numbers_vary() {
-    let folder = tempfile::tempdir().expect("a folder");
-    marks(folder.path());
-    let room = scene_in(folder.path(), ROOM);
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let sobol = render(&room, &Request::default().seed(3).mis().sobol());
-    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
-    assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
-    // The plain numbers in the response to lights.
-    let plain = Overlay::new(&[]).rewritten("step/surface_light", |own| {
-        own.replace("response_of_material(evaluated.material,", "response_of_material(materials[surface.material],")
-    });
-    let plain = render_planted(&room, &mis, &plain);
-    assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "a response of another roughness is not found");
 }
 
 /// A glTF file's texture of metallic and roughness has the image of the scene that is written by hand.

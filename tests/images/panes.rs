@@ -1,20 +1,16 @@
-//! Smooth panes, which light passes straight on: closed forms, one expectation with and without light sampling, what lies behind, and the
-//! same bytes however the work is done.
+//! Smooth panes, which light passes straight on: closed forms, and what lies behind.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DVec3};
 use gpu_rt::aov::Aovs;
-use gpu_rt::bvh::Quality;
 use gpu_rt::options::Scatter;
 
 use crate::common::everything::same;
-use crate::common::instances::smooth_ball_file;
 use crate::common::kernel::Overlay;
 use crate::common::oracles::fresnel;
-use crate::common::render::{Request, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{Request, render, render_planted, scene, scene_in};
 
-const ALPHA: f64 = 1e-6;
 /// Of a coloured pane, beside those that let all colours pass.
 const COLOUR: [f64; 3] = [0.5, 0.9, 1.0];
 
@@ -66,7 +62,6 @@ fn suns_and_lamps_shine_through_panes_by_their_transmittance() {
             ] {
                 let expected = passed(count, cosine).map(|share| brightness * share);
                 let text = floor(light, &turned(count, degrees), "Solid((0, 0, 0))");
-                // The bytes are the same by every way of linking: `light_sampling_changes_no_expectation_behind_panes`.
                 let scatters =
                     if degrees == 60.0 { [Scatter::Fused, Scatter::Queues].as_slice() } else { &[Scatter::Fused] };
                 for &scatter in scatters {
@@ -310,54 +305,6 @@ fn channels_show_what_is_behind_a_pane() {
         }
         assert!(with.film.develop().rgb == without.film.develop().rgb);
     }
-}
-
-/// A room with panes of all shapes: coloured, partly frosted, bumpy, on a smooth mesh, around fog, and before a mirror.
-const ROOM: &str = "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: Solid((0.1, 0.1, 0.1)),
-    materials: {
-        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
-        \"mirror\": Metal(albedo: Rgb(0.8, 0.8, 0.8)),
-        \"clear\": ThinDielectric(ior: 1.8, transmittance: Rgb(0.9, 0.3, 0.3)),
-        \"frosted\": ThinDielectric(roughness: Checker(scale: 0.2, even: (0, 0, 0), odd: (0.6, 0.6, 0.6)), transmittance: Rgb(0.4, 0.9, 0.5)),
-        \"checked\": ThinDielectric(transmittance: Checker(scale: 0.1, even: (1, 0.5, 0.2), odd: (0.2, 1, 0.5))),
-        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-    },
-    objects: [
-        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"mirror\"),
-        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
-        Quad(corner: (-0.9, 1.5, 0.7), u: (1.8, 0, 0), v: (0, 0, -1.4), material: \"clear\"),
-        Disk(center: (-0.4, 1.1, 0.2), normal: (0.3, 1, 0.2), radius: 0.4, material: \"frosted\"),
-        Sphere(center: (0.5, 0.5, 0), radius: 0.4, material: \"checked\"),
-        Box(min: (-0.8, 0.05, -0.4), max: (-0.3, 0.5, 0.1), material: \"clear\"),
-        Transformed(by: [Scale(0.3), Translate((0, 0.35, 0.4))], object: Mesh(path: \"ball.obj\", material: \"checked\")),
-        Medium(boundary: Sphere(center: (0.5, 0.5, 0), radius: 0.4), density: 1, albedo: Rgb(0.8, 0.8, 0.8)),
-    ], render: (samples: 512, max_depth: 6))";
-
-#[test]
-fn light_sampling_changes_no_expectation_behind_panes() {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("ball.obj"), smooth_ball_file(1)).expect("it is written");
-    let room = scene_in(folder.path(), ROOM);
-    let bsdf = render(&room, &Request::default().seed(1));
-    let mis = Request::default().seed(2).mis();
-    for request in [mis.clone(), mis.clone().seed(3).sobol()] {
-        same_expectation(&bsdf, &render(&room, &request), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    }
-    let line = "(1.0 - pane.reflectance) * pane.colour";
-    let planted =
-        Overlay::new(&[]).rewritten("step/panes", |own| own.replace(line, "vec3<f32>(1.0 - pane.reflectance)"));
-    let planted = render_planted(&room, &mis, &planted);
-    assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "shadows without colours are not found");
-    // However stages are linked, and whatever the hierarchy, the bytes are the same.
-    let few = Request::spp(16).mis().sobol();
-    let fused = render(&room, &few.clone().scatter(Scatter::Fused));
-    for scatter in [Scatter::Linked, Scatter::Queues] {
-        assert!(same(&fused, &render(&room, &few.clone().scatter(scatter))), "{scatter:?}");
-    }
-    let best = few.clone().scatter(Scatter::Fused).with(|options| options.build = Quality::Best);
-    assert!(same(&fused, &render(&room, &best)), "the hierarchy changes the image");
 }
 
 /// Hundreds of panes on a ray end no walk.

@@ -9,11 +9,10 @@ use gpu_rt::scene::Scene;
 use image::{DynamicImage, Rgb, Rgb32FImage, RgbImage, Rgba, RgbaImage};
 use serde_json::json;
 
+use crate::common::faults::{agree, changed, differ};
 use crate::common::gltf::{glb, square};
-use crate::common::kernel::Overlay;
-use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene_in, worst_difference};
+use crate::common::render::{Request, Shot, render, render_planted, scene_in};
 
-const ALPHA: f64 = 1e-6;
 const ROUNDING: f64 = 1e-5;
 
 /// A folder with images of 8 x 8 texels, half of them black or dim; a sheet whose texture coordinates go beyond the image; and a glTF file with a
@@ -45,13 +44,28 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// A room of grey walls, open to the front, with these lamps.
-fn room(folder: &Path, camera: &str, lamps: &str) -> Scene {
+/// Grey rooms, open to the front, with these lamps: two beside each other, and two on top of these, each of 16 x 16 pixels.
+fn rooms(folder: &Path, camera: &str, lamps: &[&str], more: &str) -> Scene {
+    let of = |(number, lamps): (usize, &&str)| {
+        let (x, y) = (2.1 * (number % 2) as f64, 2.1 * (number / 2) as f64);
+        format!(
+            "Transformed(by: [Translate(({x}, {y}, 0))], object: Group([
+                Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+                Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
+                Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"), {lamps} {more}])),"
+        )
+    };
+    let all: String = lamps.iter().enumerate().map(of).collect();
+    let (size, from, at) = if lamps.len() > 1 {
+        (32, "(1.05, 2.05, 6.2)", "(1.05, 2.05, 0)")
+    } else {
+        (16, "(0, 1, 3.6)", "(0, 0.95, 0)")
+    };
     let image = "Image(path: \"blobs.hdr\")";
     scene_in(
         folder,
         &format!(
-            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38{camera}),
+            "Scene(image: (width: {size}, height: {size}), camera: (look_from: {from}, look_at: {at}, vertical_fov: 38{camera}),
             background: Solid((0, 0, 0)),
             materials: {{
                 \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
@@ -64,97 +78,67 @@ fn room(folder: &Path, camera: &str, lamps: &str) -> Scene {
                 \"veil\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: {image}, alpha: Image(path: \"holes.png\", channel: A)),
                 \"glass\": Dielectric(ior: 1.5), \"mirror\": Metal(albedo: Rgb(0.9, 0.8, 0.7), fuzz: 0),
             }},
-            objects: [
-                Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-                Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
-                Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"), {lamps}
-            ], render: (samples: 512, max_depth: 4))"
+            objects: [{all}], render: (samples: 512, max_depth: 4))"
         ),
     )
 }
 
-/// Lamps that are cut into parts, by name, with the camera's shutter.
-const LAMPS: [(&str, &str, &str); 5] = [
-    (
-        "quads",
-        "",
-        "Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"lamp\"),
+/// Lamps that are cut into parts: quads, faces, those of solid textures, and disks.
+const LAMPS: [&str; 4] = [
+    "Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"lamp\"),
          Quad(corner: (-0.9, 0.3, -0.8), u: (0.7, 0, 0), v: (0.1, 0.6, 0.2), material: \"pbr\"),
          Transformed(by: [Scale(0.5), RotateY(40), Translate((0.6, 0.8, 0))],
              object: Quad(corner: (-1, 0, 0), u: (1.5, 0, 0), v: (0, 0.8, 0), material: \"both\")),
          Quad(corner: (0.3, 0.1, 0.3), u: (0.4, 0, 0), v: (0, 0.3, 0.1), material: \"matt\"),",
-    ),
-    (
-        "disks",
-        "",
-        "Disk(center: (0, 1.9, 0), normal: (0.1, -1, 0.2), radius: 0.7, material: \"lamp\"),
+    "Transformed(by: [Scale(0.6), RotateX(10), Translate((0, 1.8, 0))], object: Mesh(path: \"sheet.obj\", material: \"lamp\")),
+         Transformed(by: [Scale(0.3), RotateZ(60), Translate((-0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"both\")),
+         Transformed(by: [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"pbr\")),
+         Transformed(by: [Scale(0.3), RotateX(-30), Translate((0, 0.4, 0.2))], object: Gltf(path: \"square.glb\")),",
+    "Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"checker\"),
+         Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"marble\"),
+         Transformed(by: [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"checker\")),
+         Quad(corner: (0.3, 0.1, 0.3), u: (0.4, 0, 0), v: (0, 0.3, 0.1), material: \"noise\"),",
+    "Disk(center: (0, 1.9, 0), normal: (0.1, -1, 0.2), radius: 0.7, material: \"lamp\"),
          Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"both\"),
          Transformed(by: [Scale(0.4), RotateX(30), Translate((0.6, 0.5, 0))],
              object: Disk(center: (0, 0, 0), normal: (-1, 0, 1), radius: 1, material: \"pbr\")),
          Disk(center: (0.2, 0.9, -0.7), normal: (0, 0, 1), radius: 0.2, material: \"veil\"),",
-    ),
-    (
-        "faces",
-        "",
-        "Transformed(by: [Scale(0.6), RotateX(10), Translate((0, 1.8, 0))], object: Mesh(path: \"sheet.obj\", material: \"lamp\")),
-         Transformed(by: [Scale(0.3), RotateZ(60), Translate((-0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"both\")),
-         Transformed(by: [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"pbr\")),
-         Transformed(by: [Scale(0.3), RotateX(-30), Translate((0, 0.4, 0.2))], object: Gltf(path: \"square.glb\")),",
-    ),
-    (
-        "solid textures",
-        "",
-        "Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"checker\"),
-         Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"marble\"),
-         Transformed(by: [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))], object: Mesh(path: \"sheet.obj\", material: \"checker\")),
-         Quad(corner: (0.3, 0.1, 0.3), u: (0.4, 0, 0), v: (0, 0.3, 0.1), material: \"noise\"),",
-    ),
-    (
-        "lamps that move",
-        ", shutter: (0, 1)",
-        "Moving(keys: [(0, [RotateX(0), Translate((0, 0, 0))]), (1, [RotateX(20), Translate((0.2, -0.2, 0))])],
+];
+
+const MOVING: &str = "Moving(keys: [(0, [RotateX(0), Translate((0, 0, 0))]), (1, [RotateX(20), Translate((0.2, -0.2, 0))])],
              object: Quad(corner: (-0.6, 1.9, -0.6), u: (1.2, 0, 0.2), v: (0.3, 0, 1.2), material: \"lamp\")),
          Moving(keys: [(0, [Scale(1), Translate((0, 0, 0))]), (1, [Scale(0.6), Translate((0.4, 0.2, 0))])],
              object: Disk(center: (-0.6, 0.6, -0.2), normal: (1, 0.4, 0.3), radius: 0.35, material: \"both\")),
          Moving(keys: [(0, [Scale(0.3), RotateZ(-50), Translate((0.6, 0.5, 0))]), (1, [Scale(0.3), RotateZ(80), Translate((0.5, 0.7, 0.1))])],
-             object: Mesh(path: \"sheet.obj\", material: \"pbr\")),",
-    ),
-];
+             object: Mesh(path: \"sheet.obj\", material: \"pbr\")),";
 
 fn flat(scene: &Scene) -> DeviceScene {
     flatten(scene, (16, 16), &RenderOptions::default()).expect("it flattens")
 }
 
-fn same(name: &str, a: &Shot, b: &Shot) {
-    same_expectation(a, b, ROUNDING, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
-}
-
-/// Renders with another text of a module, and asserts that the expectation is another one.
-fn find(name: &str, scene: &Scene, expected: &Shot, request: &Request, (module, line, by): (&str, &str, &str)) {
-    let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, by));
-    let found = render_planted(scene, request, &planted);
-    let worst = worst_difference(expected, &found, ROUNDING);
-    println!("{name}: {by}: {:.1} standard errors, {}", worst.z, worst.tile);
-    assert!(same_expectation(expected, &found, ROUNDING, ALPHA).is_err(), "{name}: {by} is not found");
+/// The still lamps, without disks in one picture, and those that move.
+fn pictures(folder: &Path, more: &str) -> [(&'static str, usize, Scene); 3] {
+    let (flat, disks) = LAMPS.split_at(3);
+    [
+        ("lamps", 3, rooms(folder, "", flat, more)),
+        ("disks", 1, rooms(folder, "", disks, more)),
+        ("lamps that move", 1, rooms(folder, ", shutter: (0, 1)", &[MOVING], more)),
+    ]
 }
 
 /// Planted: what the ray hit is the part beside it; light that is sampled where a lamp was when the shutter opened; and 3 % more light.
 #[test]
 fn parts_of_lights_change_no_expectation() {
     let folder = folder();
-    for (name, camera, lamps) in LAMPS {
-        let scene = room(folder.path(), camera, lamps);
+    for (name, rooms, scene) in pictures(folder.path(), "") {
         let lights = flat(&scene).features.quantities.lights;
-        assert!(lights > 60, "{name}: {lights} lights");
+        assert!(lights > 60 * rooms as u32, "{name}: {lights} lights");
         let bsdf = render(&scene, &Request::spp(8192).seed(1).sobol());
         let mis = Request::spp(2048).seed(2).mis();
-        let shot = render(&scene, &mis);
-        same(name, &bsdf, &shot);
+        agree(name, &bsdf, &render(&scene, &mis), ROUNDING);
         let sobol = render(&scene, &mis.clone().seed(3).sobol().scatter(Scatter::Linked));
-        same(name, &bsdf, &sobol);
-        let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.03 * v));
-        assert!(same_expectation(&bsdf, &brighter, ROUNDING, ALPHA).is_err(), "{name}: 3 % more light is not found");
-        let planted = match name {
+        agree(name, &bsdf, &sobol, ROUNDING);
+        let fault = match name {
             "lamps that move" => (
                 "scene/lights",
                 "moved_${name}(${name}_at(index, light.instance), pose), light.part",
@@ -166,7 +150,16 @@ fn parts_of_lights_change_no_expectation() {
                 "    return select(part + 1u, lights[index].trail, part == last);\n",
             ),
         };
-        find(name, &scene, &bsdf, &mis, planted);
+        let planted = render_planted(&scene, &mis, &changed(&[fault]));
+        // In each of the rooms, the first of which are below.
+        for (column, row) in [(0, 1), (1, 1), (0, 0)].into_iter().take(rooms) {
+            let row = if rooms == 1 { 0 } else { row };
+            let only = |shot: &Shot, factor: f32| {
+                shot.changed(|x, y, rgb| rgb.map(|v| if (x / 16, y / 16) == (column, row) { factor * v } else { 0.0 }))
+            };
+            differ("3 % more light", &only(&bsdf, 1.0), &only(&sobol, 1.03), ROUNDING);
+            differ(fault.2, &only(&bsdf, 1.0), &only(&planted, 1.0), ROUNDING);
+        }
     }
 }
 
@@ -176,13 +169,11 @@ fn light_paths_from_parts_change_no_expectation() {
     let folder = folder();
     let glass = "Sphere(center: (-0.1, 0.9, 0.2), radius: 0.3, material: \"glass\"),
         Quad(corner: (0.95, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"mirror\"),";
-    for (name, camera, lamps) in LAMPS {
-        let scene = room(folder.path(), camera, &format!("{lamps}{glass}"));
+    for (name, _, scene) in pictures(folder.path(), glass) {
         let alone = render(&scene, &Request::spp(1024).seed(1).mis());
-        let both = Request::spp(512).seed(2).mis().light_paths(8);
-        let shot = render(&scene, &both);
+        let shot = render(&scene, &Request::spp(512).seed(2).mis().light_paths(8));
         assert!(shot.film.totals().light_paths[0] > 0, "{name}: no light path was traced");
-        same(name, &alone, &shot);
+        agree(name, &alone, &shot, ROUNDING);
     }
 }
 
@@ -201,7 +192,7 @@ fn a_hot_texel_is_sampled() {
             "Transformed(by: [Scale(0.6), RotateX(10), Translate((0, 2.2, 0))], object: Mesh(path: \"sheet.obj\", material: \"lamp\")),",
         ),
     ] {
-        let scene = room(folder.path(), "", lamp);
+        let scene = rooms(folder.path(), "", &[lamp], "");
         assert!(flat(&scene).features.quantities.lights > 16, "{name} is not cut");
         let request = Request::spp(1024).seed(1).mis().depth(1);
         let parts = render(&scene, &request).mean_of_all();

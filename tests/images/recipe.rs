@@ -4,13 +4,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::common::render::{Change, Request, Shot, render, render_changed, scene};
+use crate::common::render::{Change, Request, Shot, plain, render, render_changed, scene};
 use gpu_rt::aov::Aov;
 use gpu_rt::data::{KIND_DELTA_LIGHT, MAX_PRIMITIVES, primitive_code};
-use gpu_rt::flatten::{DeviceScene, Features, MATERIALS, PRIMITIVES};
+use gpu_rt::flatten::{DeviceScene, Features, MATERIALS, PRIMITIVES, flatten};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, link};
 use gpu_rt::options::{FeatureSet, Integrator, LightPaths, RenderOptions, Scatter};
-use gpu_rt::plan::{Kernel, Kernels, UniformTables};
+use gpu_rt::plan::{Kernel, Kernels, UniformTables, choices_of};
 
 /// Step 1: the shader file. The first of two materials answers to no light but what goes back the way it came: a retroreflector sends all light back to where it came from.
 const RETROREFLECTOR: &str = "// A retroreflector: light goes back the way it came, less what its colour takes.
@@ -371,15 +371,14 @@ fn faults_with_every_feature(options: RenderOptions, library: &With, list: &dyn 
     large.filter_map(fault).collect()
 }
 
-/// The ring has all functions that any kernel calls. Without one of them, the error names it with its file.
-#[test]
-fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
+/// Asserts that these files have all functions that any kernel calls, and that the error names each that is missing with its file.
+fn have_all_functions(options: &RenderOptions, files: &[(&str, &str)], list: &dyn Fn(&mut Choices)) {
     let faults = |missing: &str| {
-        let files = RING_FILES.map(|(name, text)| (name.to_string(), text.replace(missing, "fn other(")));
-        faults_with_every_feature(RenderOptions::default(), &With(files.into()), &renumber_disks)
+        let changed = |(name, text): &(&str, &str)| (name.to_string(), text.replace(missing, "fn other("));
+        faults_with_every_feature(options.clone(), &With(files.iter().map(changed).collect()), list)
     };
     assert_eq!(faults("no function"), Vec::<String>::new());
-    for (file, text) in RING_FILES {
+    for (file, text) in files {
         let linked = text.split("//@ without").next().unwrap_or_default();
         let names = linked.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0));
         // The parts of disks call `disk_coordinates`, which is no function of every shape.
@@ -389,6 +388,11 @@ fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
             assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
         }
     }
+}
+
+#[test]
+fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
+    have_all_functions(&RenderOptions::default(), &RING_FILES, &renumber_disks);
 }
 
 /// A layer of glTF's material that takes a tenth of all light on its way out.
@@ -422,28 +426,11 @@ fn dusted(choices: &mut Choices) {
     choices.lists.get_mut("inner_layer").expect("the plan has the list").push(entry());
 }
 
-/// Asserts that these files have all functions that any kernel calls, and that the error names each that is missing with its file.
-fn have_all_functions(files: &[(&str, &str)], list: &dyn Fn(&mut Choices)) {
-    let faults = |missing: &str| {
-        let changed = |(name, text): &(&str, &str)| (name.to_string(), text.replace(missing, "fn other("));
-        let library = With(files.iter().map(changed).collect());
-        faults_with_every_feature(RenderOptions::default(), &library, list)
-    };
-    assert_eq!(faults("no function"), Vec::<String>::new());
-    for (file, text) in files {
-        for name in text.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0)) {
-            let words = format!("shaders/{file}.wgsl must have the function {name}: ");
-            let found = faults(&format!("fn {name}("));
-            assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
-        }
-    }
-}
-
 #[test]
 fn a_material_and_a_lobe_of_the_recipe_link_with_light_paths_motion_and_every_feature() {
     let velvet = [("material/velvet", VELVET), ("material/velvet_eval", VELVET_EVAL)];
-    have_all_functions(&velvet, &|choices| listed(choices, "velvet"));
-    have_all_functions(&[("lobe/dust", DUST)], &dusted);
+    have_all_functions(&RenderOptions::default(), &velvet, &|choices| listed(choices, "velvet"));
+    have_all_functions(&RenderOptions::default(), &[("lobe/dust", DUST)], &dusted);
 }
 
 /// What a ball of glTF's material within a lamp of radiance 1 shows with the dust of this text, over what it shows without.
@@ -529,30 +516,17 @@ fn a_channel_is_added_by_the_recipe() {
 fn a_channel_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
     let mut options = RenderOptions::default();
     options.aov.set(vec![Aov::Depth]);
-    let faults = |shader: &str| {
-        let library = With(BTreeMap::from([("aov/distance_of_hit".to_string(), shader.to_string())]));
-        faults_with_every_feature(options.clone(), &library, &list_distance)
-    };
-    assert_eq!(faults(DISTANCE), Vec::<String>::new());
-    let words = "shaders/aov/distance_of_hit.wgsl must have the function distance_of_hit: ";
-    let found = faults(&DISTANCE.replace("fn distance_of_hit", "fn other"));
-    assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(words)), "{found:?}");
+    have_all_functions(&options, &[("aov/distance_of_hit", DISTANCE)], &list_distance);
 }
 
 /// An error in the new file names it, with its line.
 #[test]
 fn errors_name_the_new_file() {
     let library = With(BTreeMap::from([(format!("material/{NAME}"), RETROREFLECTOR.replace("hit.colour", "hit.hue"))]));
-    let flat =
-        gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain())
-            .expect("the scene flattens");
-    let mut choices = gpu_rt::plan::choices_of(
-        &flat.features,
-        &crate::common::render::plain(),
-        &gpu_rt::plan::UniformTables::default(),
-    );
+    let flat = flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &plain()).expect("the scene flattens");
+    let mut choices = choices_of(&flat.features, &plain(), &UniformTables::default());
     listed(&mut choices, NAME);
-    let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
+    let linked = link(&library, "stage/bounce", &choices).expect("it links");
     let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();
     assert!(error.starts_with("shaders/material/retroreflector.wgsl:3:"), "{error}");
 }
@@ -565,18 +539,14 @@ fn a_missing_function_is_named_with_its_file() {
         "// A retro",
         "fn retroreflector_index(material: Material, hit: Interaction) -> f32 {\n    return 1.5;\n}\n// A retro",
     );
-    let flat =
-        gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain());
+    let flat = flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &plain());
     let mut features = flat.expect("the scene flattens").features;
     for fact in ["specular_lobe.dielectric", "area_light.sphere", "light_paths"] {
         features.require(fact, || "a test".to_string());
     }
     (features.quantities.lights, features.quantities.aims) = (1, 1);
-    let options = gpu_rt::options::RenderOptions {
-        light_paths: gpu_rt::options::LightPaths::Count(1),
-        ..crate::common::render::plain()
-    };
-    let mut choices = gpu_rt::plan::choices_of(&features, &options, &gpu_rt::plan::UniformTables::default());
+    let options = RenderOptions { light_paths: LightPaths::Count(1), ..plain() };
+    let mut choices = choices_of(&features, &options, &UniformTables::default());
     listed(&mut choices, NAME);
     let transmissive =
         Entry { name: NAME.to_string(), number: MATERIALS.len() as u32, ..choices.lists["material"][0].clone() };
@@ -585,7 +555,7 @@ fn a_missing_function_is_named_with_its_file() {
     let error = |text: &str, evaluation: &str| {
         let modules = [(format!("material/{NAME}"), text), (format!("material/{NAME}_eval"), evaluation)];
         let library = With(modules.map(|(name, text)| (name, text.to_string())).into());
-        let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
+        let linked = link(&library, "stage/bounce", &choices).expect("it links");
         linked.validate().err().map_or(String::new(), |error| error.to_string())
     };
     assert_eq!(error(&glass, &evaluation), "");

@@ -42,16 +42,19 @@ fn two_renders_in_a_row_are_the_same() {
     assert!(same(&usual, &again[0]) && same(&usual, &again[2]), "by one renderer");
 }
 
-/// How the work is cut: the way of linking, slots, the size of a workgroup, and bounces of a dispatch.
+/// How the work is cut: the way of linking, slots, the size of a workgroup, and bounces of a dispatch. Where these are 0, a bounce of all slots takes
+/// too long, so that a submission has some of the slots: 5000 of them take five submissions.
 type Cut = (Scatter, u32, u32, u32);
 
 /// Each cut has the bytes of the usual one, which is linked and has workgroups of 64.
 fn cuts_do_not_show(scene: &Scene, usual: &Request, cuts: &[Cut]) {
     let expected = render(scene, &usual.clone().scatter(Scatter::Linked));
     for &(scatter, slots, workgroup, bounces) in cuts {
-        let request = usual.clone().scatter(scatter).with(|options| {
-            (options.slots, options.workgroup, options.bounces) = (Some(slots), Some(workgroup), Some(bounces));
+        let mut request = usual.clone().scatter(scatter).with(|options| {
+            (options.slots, options.workgroup) = (Some(slots), Some(workgroup));
+            options.bounces = (bounces > 0).then_some(bounces);
         });
+        request.submission = (bounces == 0).then_some(Duration::ZERO);
         assert!(same(&expected, &render(scene, &request)), "{request:?}");
     }
 }
@@ -61,30 +64,22 @@ fn by_rays() -> Request {
 }
 
 fn by_defaults() -> Request {
-    Request { samples: Some(3..21), ..Request::default().mis().sobol().roulette() }
+    Request { samples: Some(3..21), ..Request::default().mis().sobol().roulette().light_paths(1) }
 }
 
-/// Whole runs by scattered rays alone, and runs cut at both ends by the defaults. One path at a time, fewer than a row of pixels has, more than the
+/// Whole runs by scattered rays alone, and runs cut at both ends by the defaults and light paths. One path at a time, fewer than a row of pixels has, more than the
 /// image has runs. Each size of a workgroup is another kernel to compile, which is what this costs: all ways of linking with all cuts are
 /// `no_mix_of_slots_workgroups_and_submissions_shows`, and tests/unchanged.rs cuts all scenes.
 #[test]
 fn slots_workgroups_and_submissions_do_not_show() {
     use Scatter::{Fused, Linked, Queues};
     let (_files, scene) = everything();
-    cuts_do_not_show(&scene, &by_rays(), &[(Linked, 1, 64, 50), (Queues, 97, 1, 1)]);
-    cuts_do_not_show(&scene, &by_defaults(), &[(Linked, 100_000, 256, 7), (Fused, 97, 64, 1)]);
-}
-
-/// Where a bounce of all slots takes too long, a submission has some of the slots. Here any bounce does: 5000 slots take five submissions.
-#[test]
-fn submissions_of_some_of_the_slots_do_not_show() {
-    use Scatter::{Fused, Linked, Queues};
-    let (_files, scene) = everything();
-    for (scatter, usual) in [(Fused, by_defaults().light_paths(1)), (Linked, by_rays()), (Queues, by_rays())] {
-        let usual = usual.scatter(scatter).with(|options| options.slots = Some(5000));
-        let slow = Request { submission: Some(Duration::ZERO), ..usual.clone() };
-        assert!(same(&render(&scene, &usual), &render(&scene, &slow)), "{scatter:?}");
-    }
+    cuts_do_not_show(
+        &scene,
+        &by_rays(),
+        &[(Linked, 1, 64, 50), (Queues, 97, 1, 1), (Linked, 5000, 64, 0), (Queues, 5000, 1, 0)],
+    );
+    cuts_do_not_show(&scene, &by_defaults(), &[(Linked, 100_000, 256, 7), (Fused, 97, 64, 1), (Fused, 5000, 64, 0)]);
 }
 
 #[test]

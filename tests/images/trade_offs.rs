@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use crate::common::everything::{Everything, World};
+use crate::common::rooms::{THINGS, room_text};
 use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::commands::Cli;
@@ -22,36 +23,16 @@ const ALPHA: f64 = 1e-6;
 
 /// Options of `render` that leave every byte of the image as it is, with a value for those that take one. The device and its driver are
 /// what bytes are promised for.
-const SAME_IMAGE: &[(&str, Option<&str>)] = &[
-    ("scene", None),
-    ("output", None),
-    ("png", Some("picture.png")),
-    ("device", None),
-    ("exposure", Some("2")),
-    ("tonemap", Some("filmic")),
-    ("preview", None),
-    ("display-server", Some("127.0.0.1:9")),
-    ("checkpoint", Some("1s")),
-    ("aov", Some("albedo,normal,depth,position,object,material,direct,indirect")),
-    ("aov-surface", Some("first")),
-    ("aov-names", Some("blender")),
-    ("watch", None),
-    ("denoise", None),
-    ("oidn", None),
-    ("mixed-drivers", None),
-    ("no-state", None),
-    ("force", None),
-    ("strict", None),
-    ("quiet", None),
-    ("verbose", None),
-    ("json", None),
-    ("slots", Some("33")),
-    ("workgroup", Some("8")),
-    ("bounces", Some("3")),
-    ("scatter", Some("queues")),
-    ("features", Some("all")),
-    ("profile", None),
-];
+const SAME_IMAGE: &str = "scene; output; png picture.png; device; exposure 2; tonemap filmic; preview; display-server 127.0.0.1:9; \
+    checkpoint 1s; aov albedo,normal,depth,position,object,material,direct,indirect; aov-surface first; \
+    aov-names blender; watch; denoise; oidn; mixed-drivers; no-state; force; strict; quiet; verbose; json; \
+    slots 33; workgroup 8; bounces 3; scatter queues; features all; profile";
+
+fn same_image() -> impl Iterator<Item = (&'static str, Option<&'static str>)> {
+    SAME_IMAGE
+        .split("; ")
+        .map(|option| option.split_once(' ').map_or((option, None), |(name, value)| (name, Some(value))))
+}
 
 /// The options that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one) or a library
 /// ([`denoise`](../program/denoise.rs)), or do not end ([`watch`](../program/watch.rs) compares their images).
@@ -69,7 +50,7 @@ const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "thin", "watts", "frame",
 fn unknown(command: &clap::Command) -> Vec<String> {
     let known = |name: &str| {
         TRADE_OFFS.iter().any(|spec| spec.name == name)
-            || SAME_IMAGE.iter().any(|(known, _)| *known == name)
+            || same_image().any(|(known, _)| known == name)
             || WHICH_SAMPLES.contains(&name)
             || WHICH_SCENE.contains(&name)
     };
@@ -90,7 +71,7 @@ fn every_option_of_render_that_changes_the_image_is_declared() {
     let there = |name: &str| {
         command.get_arguments().any(|argument| argument.get_long().unwrap_or(argument.get_id().as_str()) == name)
     };
-    for name in SAME_IMAGE.iter().map(|(name, _)| *name).chain([WHICH_SAMPLES, WHICH_SCENE].concat()) {
+    for name in same_image().map(|(name, _)| name).chain([WHICH_SAMPLES, WHICH_SCENE].concat()) {
         assert!(there(name), "{name} is no option of render");
     }
     // An option that is not in the table is found.
@@ -283,6 +264,11 @@ fn dim_everything() -> (Everything, PathBuf) {
     (files, path)
 }
 
+/// Matt walls, glass, metal and smoke: all that these settings are about, whose kernels compile sooner.
+fn smoky_room() -> String {
+    room_text(&format!("{} {}", THINGS[1].1, THINGS[2].1))
+}
+
 #[test]
 fn exact_values_and_undeclared_options_change_no_byte() {
     let sandbox = Sandbox::new();
@@ -296,12 +282,14 @@ fn exact_values_and_undeclared_options_change_no_byte() {
         );
     }
     // All at once, since most of such a render is its start; but for one of two that exclude each other.
-    let named = SAME_IMAGE.iter().filter(|(name, _)| !ELSEWHERE.contains(name) && *name != "quiet");
+    let named = same_image().filter(|(name, _)| !ELSEWHERE.contains(name) && *name != "quiet");
     let options = named.flat_map(|(name, value)| std::iter::once(format!("--{name}")).chain(value.map(String::from)));
     let options: Vec<String> = options.collect();
     let options: Vec<&str> = options.iter().map(String::as_str).collect();
     for options in [options.as_slice(), &["--quiet"]] {
-        assert!(bits(&sandbox.render(&scene, options).image) == usual, "{options:?}");
+        let ran = sandbox.render(&scene, options);
+        assert!(bits(&ran.image) == usual, "{options:?}");
+        assert_eq!(ran.json["features"], if options.len() > 1 { "all" } else { "scene" });
     }
     assert!(bits(&sandbox.render(&scene, &["--seed", "1"]).image) != usual, "another seed");
 }
@@ -316,7 +304,7 @@ const FOUND: f64 = 0.026;
 #[test]
 fn values_of_noise_change_no_expectation() {
     let sandbox = Sandbox::new();
-    let (_files, scene) = dim_everything();
+    let scene = sandbox.scene(&smoky_room());
     let base = ["--spp", "96", "--size", "32x32"];
     let with = |changed: &[&str], seed: &str| {
         // What is changed replaces what the base says.
@@ -604,7 +592,7 @@ fn the_textbooks_spheres_fail_far_away() {
 #[test]
 fn approximations_give_the_same_bytes_however_they_are_linked() {
     let sandbox = Sandbox::new();
-    let (_files, scene) = dim_everything();
+    let scene = sandbox.scene(&smoky_room());
     let all = ["--fresnel", "schlick", "--clamp", "0.3", "--precision", "fast", "--spp", "16"];
     let shot = |more: &[&str]| bits(&sandbox.render(&scene, &[all.as_slice(), more].concat()).image);
     let usual = shot(&["--scatter", "fused"]);

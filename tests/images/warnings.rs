@@ -50,13 +50,13 @@ fn warnings(text: &str) -> Vec<String> {
 }
 
 /// There is one warning about a marked text, there, about this field, in these words.
-fn assert_warns(text: &str, field: &str, words: &[&str]) {
+fn warns(text: &str, field: &str, words: &[&str]) {
     let found = warnings(text);
     let [warning] = &found[..] else { panic!("expected one warning: {found:#?}\n{text}") };
     fault(warning, &root().join("x.ron"), text, field, words).unwrap_or_else(|fault| panic!("{fault}"));
 }
 
-fn assert_silent(text: &str) {
+fn silent(text: &str) {
     assert_eq!(warnings(text), Vec::<String>::new(), "{text}");
 }
 
@@ -64,38 +64,38 @@ fn assert_silent(text: &str) {
 fn features_below_the_rounding_of_their_position() {
     // Each along its own direction, in which the camera is near or far.
     let cuboid = |max: &str| scene(BEFORE, &format!("§Box(min: (0, 0, 0), max: {max}, material: \"grey\"),"));
-    assert_warns(
+    warns(
         &cuboid("(1, 1, 2.3e-6)"),
         "objects[0].Box",
         &["a side of 2.3e-6 at a distance of 5", "no size below 2.384e-6", "bring it nearer"],
     );
-    assert_silent(&cuboid("(1, 1, 2.4e-6)"));
-    assert_silent(&cuboid("(2.3e-6, 1, 1)"));
+    silent(&cuboid("(1, 1, 2.4e-6)"));
+    silent(&cuboid("(2.3e-6, 1, 1)"));
     let quad = |u: &str| {
         scene(BEFORE, &format!("Quad(corner: (1, 0, 0), u: (0, 1, 0), v: §({u}, 0, 0), material: \"grey\"),"))
     };
-    assert_warns(&quad("4.7e-7"), "objects[0].Quad.v", &["an edge of 4.7e-7", "no size below 4.768e-7"]);
-    assert_silent(&quad("4.8e-7"));
+    warns(&quad("4.7e-7"), "objects[0].Quad.v", &["an edge of 4.7e-7", "no size below 4.768e-7"]);
+    silent(&quad("4.8e-7"));
     let mesh = |scale: &str| {
         let mesh = "§Mesh(path: \"scenes/meshes/star.ply\", material: \"grey\")";
         scene(BEFORE, &format!("Transformed(by: [Scale({scale})], object: {mesh}),"))
     };
-    assert_warns(&mesh("1e-7"), "objects[0].Transformed.object.Mesh", &["a size of", "at a distance of 5"]);
-    assert_silent(&mesh("1e-5"));
+    warns(&mesh("1e-7"), "objects[0].Transformed.object.Mesh", &["a size of", "at a distance of 5"]);
+    silent(&mesh("1e-5"));
 }
 
 #[test]
 fn spheres_whose_outline_is_rounded() {
     let sphere = |r: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"grey\"),");
     let words = ["a radius of 4.9e-5 at a distance of 5", "no size below 5e-5"];
-    assert_warns(&scene(BEFORE, &sphere("4.9e-5")), "objects[0].Sphere.radius", &words);
-    assert_silent(&scene(BEFORE, &sphere("5.1e-5")));
+    warns(&scene(BEFORE, &sphere("4.9e-5")), "objects[0].Sphere.radius", &words);
+    silent(&scene(BEFORE, &sphere("5.1e-5")));
     // By the distance, whatever the direction, and on the axis of a narrow view by nothing.
     let aside = "(look_from: (30, 40, 120), look_at: (0, 0, 0), vertical_fov: 40)";
     let words = ["at a distance of 130", "no size below 0.0013"];
-    assert_warns(&scene(aside, &sphere("0.00128")), "objects[0].Sphere.radius", &words);
-    assert_silent(&scene(aside, &sphere("0.00132")));
-    assert_silent(&scene(&aside.replace("40)", "1e-4)"), &sphere("0.00128")));
+    warns(&scene(aside, &sphere("0.00128")), "objects[0].Sphere.radius", &words);
+    silent(&scene(aside, &sphere("0.00132")));
+    silent(&scene(&aside.replace("40)", "1e-4)"), &sphere("0.00128")));
 }
 
 #[test]
@@ -106,12 +106,12 @@ fn spheres_with_the_camera_near_their_surface() {
     };
     for r in ["1e3", "42000", "4.2e6", "1e12"] {
         let above = ground(r);
-        assert_silent(&above);
+        silent(&above);
         // From within one that shines: another one would be a dark room.
         let inside = above.replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)");
-        assert_silent(&inside.replace("material: \"grey\"", "material: \"lamp\""));
+        silent(&inside.replace("material: \"grey\"", "material: \"lamp\""));
     }
-    assert_silent(&ground("1").replace("(0, 1, 0)", "(0, 0, 0)"));
+    silent(&ground("1").replace("(0, 1, 0)", "(0, 0, 0)"));
 }
 
 #[test]
@@ -121,36 +121,36 @@ fn huge_objects_do_not_hide_warnings_about_near_ones() {
     // Neither the ground nor its fog set the scene's extent: 2^-40 of 1e9 is 1e-3.
     let fog = "Medium(boundary: Sphere(center: (0, 1e9, 0), radius: 1e9), density: 0.1, albedo: Rgb(0.5, 0.5, 0.5)),";
     let small = "Sphere(center: (0, 1e-4, 0), radius: 1e-4, material: \"grey\"),";
-    assert_silent(&scene(above, &format!("{ground}{fog}{small}")));
+    silent(&scene(above, &format!("{ground}{fog}{small}")));
     // Two grounds with the same numbers coincide, and a millimetre apart they do not.
     let other = "§Sphere(center: (0, -1e9, 0), radius: 1e9, material: \"spot\"),";
-    assert_warns(
+    warns(
         &scene(above, &format!("{ground}{other}")),
         "objects[1].Sphere",
         &["it touches the sphere at", "coincides with it"],
     );
-    assert_silent(&scene(above, &format!("{ground}{}", other.replace("radius: 1e9", "radius: 1000000000.001"))));
+    silent(&scene(above, &format!("{ground}{}", other.replace("radius: 1e9", "radius: 1000000000.001"))));
     let clear = other.replace("spot", "clear");
-    assert_warns(
+    warns(
         &scene(above, &format!("{ground}{clear}")),
         "objects[1].Sphere",
         &["rays that leave one of the two start behind the other"],
     );
     // A lamp in the ground that faces up has something before it.
     let lamp = "Quad(corner: (-1, -0.5, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"lamp\"),";
-    assert_silent(&scene(above, &format!("{}{lamp}", ground.replace("grey", "clear"))));
+    silent(&scene(above, &format!("{}{lamp}", ground.replace("grey", "clear"))));
 }
 
 #[test]
 fn a_telescope_keeps_what_lies_across_the_view() {
     let sphere = |material: &str| format!("Sphere(center: (0, 0, 0), radius: §1, material: \"{material}\"),");
     let words = ["a radius of 1 at a distance of 1e7", "no size below 100"];
-    assert_warns(&scene(FAR, &sphere("grey")), "objects[0].Sphere.radius", &words);
-    assert_silent(&scene(TELESCOPE, &sphere("grey")));
+    warns(&scene(FAR, &sphere("grey")), "objects[0].Sphere.radius", &words);
+    silent(&scene(TELESCOPE, &sphere("grey")));
     // Rays through it cross it in depth.
-    assert_warns(&scene(TELESCOPE, &sphere("glass")), "objects[0].Sphere.radius", &words);
+    warns(&scene(TELESCOPE, &sphere("glass")), "objects[0].Sphere.radius", &words);
     let aside = "Sphere(center: (3e6, 0, 0), radius: §1, material: \"grey\"),";
-    assert_warns(&scene(TELESCOPE, aside), "objects[0].Sphere.radius", &["no size below 30"]);
+    warns(&scene(TELESCOPE, aside), "objects[0].Sphere.radius", &["no size below 30"]);
 }
 
 #[test]
@@ -161,9 +161,9 @@ fn warnings_stand_at_the_innermost_object() {
     let nothing = fog.replace("density: 1", "density: 0");
     let group = format!("{ball}, {fog}, {nothing},\n Transformed(by: [Scale(2)], object: Group([{ball}, {inner}])),");
     let field = "objects[3].Transformed.object.Group[1].Sphere.radius";
-    assert_warns(&scene(BEFORE, &group), field, &["a radius of 2e-6"]);
+    warns(&scene(BEFORE, &group), field, &["a radius of 2e-6"]);
     let boundary = fog.replace("Sphere(center: (0, 0, 0), radius: 1)", "§Sphere(center: (0, 0, 0), radius: 1e-6)");
-    assert_warns(&scene(BEFORE, &format!("{ball}, {nothing}, {boundary}")), "objects[2].Medium.boundary", &["of 1e-6"]);
+    warns(&scene(BEFORE, &format!("{ball}, {nothing}, {boundary}")), "objects[2].Medium.boundary", &["of 1e-6"]);
 }
 
 #[test]
@@ -171,9 +171,9 @@ fn of_a_kind_the_worst_is_reported_and_the_others_are_counted() {
     let sphere = |x: usize, r: &str| format!("Sphere(center: ({x}, 0, 0), radius: {r}, material: \"grey\"),\n");
     let many: String = (0..42).map(|x| sphere(x, if x == 20 { "§1e-8" } else { "1e-7" })).collect();
     let words = ["a radius of 1e-8 ", "(and 41 more like it)"];
-    assert_warns(&scene(BEFORE, &many), "objects[20].Sphere.radius", &words);
+    warns(&scene(BEFORE, &many), "objects[20].Sphere.radius", &words);
     let two: String = (0..2).map(|x| sphere(x, if x == 1 { "§1e-8" } else { "1e-7" })).collect();
-    assert_warns(&scene(BEFORE, &two), "objects[1].Sphere.radius", &["(and 1 more like it)"]);
+    warns(&scene(BEFORE, &two), "objects[1].Sphere.radius", &["(and 1 more like it)"]);
 }
 
 #[test]
@@ -183,8 +183,8 @@ fn ranges_of_more_than_2_to_the_40() {
         scene(BEFORE, &format!("{ball} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
     };
     let words = ["a radius of 5.4e-12 at a distance of 1e-7", "no size below 5.457e-12", "leave it out"];
-    assert_warns(&grain("5.4e-12"), "objects[1].Sphere.radius", &words);
-    assert_silent(&grain("5.5e-12"));
+    warns(&grain("5.4e-12"), "objects[1].Sphere.radius", &words);
+    silent(&grain("5.5e-12"));
 }
 
 /// A lamp that lights a floor a long way off: at twice the warning's distance nothing arrives, and before it what should.
@@ -217,9 +217,9 @@ fn lights_too_small_for_where_they_shine() {
         [(ball, "objects[1].Sphere", 0.5), (square, "objects[1].Quad", 2.0 / std::f64::consts::PI)]
     {
         let words = ["this light has a size of", "get none of its light"];
-        assert_warns(&lit(1e10, lamp), field, &words);
+        warns(&lit(1e10, lamp), field, &words);
         // The largest that is silent: the light goes √3 and 1 times as far as the floor at the most.
-        assert_silent(&lit(3e8, lamp));
+        silent(&lit(3e8, lamp));
         let found = seen(&lit(3e8, lamp));
         assert!((found / expected - 1.0).abs() < 0.02, "{field}: {found}");
         assert!(seen(&lit(1e10, lamp)) < 0.01 * expected, "{field}");
@@ -238,8 +238,8 @@ fn media_whose_free_path_is_shorter_than_rounding() {
         "no length below 2.861e-6",
         "a density below 349500",
     ];
-    assert_warns(&fog("350000"), "objects[0].Medium.density", &words);
-    assert_silent(&fog("349000"));
+    warns(&fog("350000"), "objects[0].Medium.density", &words);
+    silent(&fog("349000"));
 }
 
 #[test]
@@ -249,21 +249,21 @@ fn spheres_that_coincide() {
         scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{material}\"),"))
     };
     let field = "objects[1].Sphere";
-    assert_warns(
+    warns(
         &pair("1", "steel"),
         field,
         &["it touches the sphere at", "x.ron:12:9, which coincides with it: rounding", "remove one"],
     );
     // 6 u (5 + 1) and 4 u of the radius.
-    assert_warns(&pair("1.0000023", "steel"), field, &["is 2.3e-6 away, less than f32 resolves there (2.384e-6): "]);
-    assert_silent(&pair("1.0000025", "steel"));
-    assert_silent(&pair("1", "grey"));
+    warns(&pair("1.0000023", "steel"), field, &["is 2.3e-6 away, less than f32 resolves there (2.384e-6): "]);
+    silent(&pair("1.0000025", "steel"));
+    silent(&pair("1", "grey"));
     // What fills glass is no surface.
     let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
     let filled = format!(
         "Sphere(center: (0, 0, 0), radius: 1, material: \"glass\"), Medium({boundary}, density: 1, albedo: Rgb(1, 1, 1)),"
     );
-    assert_silent(&scene(BEFORE, &filled));
+    silent(&scene(BEFORE, &filled));
 }
 
 /// Wherever they are, and where the grid that finds them has its edges.
@@ -286,8 +286,8 @@ fn spheres_whose_centres_differ_by_less_than_rounding() {
             let other = ball(share * 0.5 * bound / 3.0_f64.sqrt(), r + share * 0.1 * bound, "steel");
             scene(camera, &format!("{}\n§{other}", ball(0.0, r, "grey")))
         };
-        assert_warns(&with(1.0), "objects[1].Sphere", &["away, less than"]);
-        assert_silent(&with(2.0));
+        warns(&with(1.0), "objects[1].Sphere", &["away, less than"]);
+        silent(&with(2.0));
     }
 }
 
@@ -302,12 +302,12 @@ fn clear_spheres_that_coincide() {
     };
     // Rays start 6 u (5 + 1) off, and 4 u of the radius is the next distance's.
     let words = ["this glass touches the sphere at", "coincides with it: rays that leave one", "more than 2.384e-6"];
-    assert_warns(&pair("1", "glass", "glass"), "objects[1].Sphere", &words);
-    assert_warns(&pair("1", "glass", "water"), "objects[1].Sphere", &words[..1]);
+    warns(&pair("1", "glass", "glass"), "objects[1].Sphere", &words);
+    warns(&pair("1", "glass", "water"), "objects[1].Sphere", &words[..1]);
     let words = ["this glass touches the sphere", "is 2.3e-6 away, less than f32 resolves there (2.384e-6): "];
     for (one, other, field) in [("grey", "glass", "objects[1].Sphere"), ("glass", "grey", "objects[0].Sphere")] {
-        assert_warns(&pair("0.9999977", one, other), field, &words);
-        assert_silent(&pair("0.9999975", one, other));
+        warns(&pair("0.9999977", one, other), field, &words);
+        silent(&pair("0.9999975", one, other));
     }
 }
 
@@ -321,14 +321,14 @@ fn meshes_that_coincide() {
     };
     let field = "objects[1].Transformed.object.Mesh";
     let words = ["it touches the mesh at", "coincides with it"];
-    assert_warns(&pair("RotateY(20)", "steel"), field, &words);
-    assert_warns(&pair("RotateY(20), Translate((0, 1e-7, 0))", "steel"), field, &["is 1e-7 away"]);
-    assert_warns(&pair("RotateY(20)", "glass"), field, &["this glass touches the mesh at"]);
-    assert_silent(&pair("RotateY(20)", "grey"));
-    assert_silent(&pair("RotateY(20), Translate((0, 1e-5, 0))", "steel"));
-    assert_silent(&pair("RotateY(21)", "steel"));
+    warns(&pair("RotateY(20)", "steel"), field, &words);
+    warns(&pair("RotateY(20), Translate((0, 1e-7, 0))", "steel"), field, &["is 1e-7 away"]);
+    warns(&pair("RotateY(20)", "glass"), field, &["this glass touches the mesh at"]);
+    silent(&pair("RotateY(20)", "grey"));
+    silent(&pair("RotateY(20), Translate((0, 1e-5, 0))", "steel"));
+    silent(&pair("RotateY(21)", "steel"));
     let clear = scene(BEFORE, &[unmarked(&placed("Scale(1)", "glass")), placed("Scale(1)", "glass")].concat());
-    assert_warns(&clear, field, &["this glass touches"]);
+    warns(&clear, field, &["this glass touches"]);
 }
 
 /// A quad of two by two over the height y, from (x, z) on.
@@ -342,22 +342,22 @@ fn quads_that_overlap_in_a_plane() {
     let with = |other: &str| scene(ABOVE, &format!("{floor}\n{other}"));
     let rug = |x: f64, y: f64, material: &str| with(&format!("§{}", tile(x, y, 0.5, material)));
     let words = ["it touches the quad at", "x.ron:12:9", "coincides", "their order in the file", "remove one"];
-    assert_warns(&rug(0.0, 0.0, "steel"), "objects[1].Quad", &words);
-    assert_warns(&rug(0.0, 2.3e-7, "steel"), "objects[1].Quad", &["is 2.3e-7 away, less than", "2.384e-7"]);
-    assert_silent(&rug(0.0, 2.5e-7, "steel"));
+    warns(&rug(0.0, 0.0, "steel"), "objects[1].Quad", &words);
+    warns(&rug(0.0, 2.3e-7, "steel"), "objects[1].Quad", &["is 2.3e-7 away, less than", "2.384e-7"]);
+    silent(&rug(0.0, 2.5e-7, "steel"));
     // Where rays start: 4 u of the height, and the rounding of both.
     let words = ["this glass touches the quad at", "is 4.7e-7 away, less than f32 resolves there (4.768e-7): "];
-    assert_warns(&rug(0.0, 4.7e-7, "glass"), "objects[1].Quad", &words);
-    assert_silent(&rug(0.0, 4.8e-7, "glass"));
-    assert_silent(&rug(0.0, 0.0, "grey"));
+    warns(&rug(0.0, 4.7e-7, "glass"), "objects[1].Quad", &words);
+    silent(&rug(0.0, 4.8e-7, "glass"));
+    silent(&rug(0.0, 0.0, "grey"));
     // Side by side, and turned about so that only the boxes around them overlap.
-    assert_silent(&rug(1.0, 0.0, "steel"));
+    silent(&rug(1.0, 0.0, "steel"));
     let turned = |x: f64| {
         let quad = format!("§Quad(corner: ({x:?}, 0, 0.1), u: (1, 0, 1), v: (1, 0, -1), material: \"steel\")");
         with(&format!("{quad},"))
     };
-    assert_silent(&turned(0.9 + 0.15));
-    assert_warns(&turned(0.8), "objects[1].Quad", &["touches"]);
+    silent(&turned(0.9 + 0.15));
+    warns(&turned(0.8), "objects[1].Quad", &["touches"]);
     // Far away and turned, where f64 rounds too.
     let moved = |y: f64| {
         let [one, other] = [&floor, &tile(0.0, y, 0.5, "steel")].map(|quad| quad.trim_end_matches(',').to_string());
@@ -365,8 +365,8 @@ fn quads_that_overlap_in_a_plane() {
         let camera = "(look_from: (1e6, 2e6, 3000005), look_at: (1e6, 2e6, 3e6), vertical_fov: 40)";
         scene(camera, &format!("Transformed({by}, object: {one}),\nTransformed({by}, object: §{other}),"))
     };
-    assert_warns(&moved(0.0), "objects[1].Transformed.object.Quad", &["coincides"]);
-    assert_silent(&moved(1e-5));
+    warns(&moved(0.0), "objects[1].Transformed.object.Quad", &["coincides"]);
+    silent(&moved(1e-5));
 }
 
 /// A disk counts by the square within it: two whose squares around them overlap may not touch.
@@ -376,15 +376,11 @@ fn disks_that_overlap_in_a_plane() {
         format!("§Disk(center: ({x:?}, 0, {y:?}), normal: (0, 1, 0), radius: 1, material: \"{material}\"),")
     };
     let field = "objects[1].Disk";
-    assert_warns(
-        &scene(ABOVE, &(tile(-1.0, 0.0, -1.0, "steel") + &disk(0.0, 0.0, "grey"))),
-        field,
-        &["touches the quad"],
-    );
+    warns(&scene(ABOVE, &(tile(-1.0, 0.0, -1.0, "steel") + &disk(0.0, 0.0, "grey"))), field, &["touches the quad"]);
     let pair = |x: f64, y: f64| scene(ABOVE, &(unmarked(&disk(0.0, 0.0, "steel")) + &disk(x, y, "grey")));
-    assert_warns(&pair(1.0, 0.5), field, &["touches the disk"]);
-    assert_silent(&pair(1.5, 1.5));
-    assert_silent(&pair(2.0, 0.0));
+    warns(&pair(1.0, 0.5), field, &["touches the disk"]);
+    silent(&pair(1.5, 1.5));
+    silent(&pair(2.0, 0.0));
 }
 
 #[test]
@@ -394,21 +390,21 @@ fn boxes_that_share_a_plane() {
     let floor = tile(-1.0, 0.0, -1.0, "grey");
     let block = cuboid("(-0.5, 0, -0.5)", "(0.5, 1, 0.5)", "steel");
     // It may rest on a floor, and against another; what hides the floor from below is seen there.
-    assert_silent(&scene(ABOVE, &format!("{floor}\n{block}")));
-    assert_silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 0.9, 0.5)", "grey"))));
-    assert_silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 1, 0.5)", "grey"))));
+    silent(&scene(ABOVE, &format!("{floor}\n{block}")));
+    silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 0.9, 0.5)", "grey"))));
+    silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 1, 0.5)", "grey"))));
     let below = "(look_from: (0, -1, 5), look_at: (0, 0, 0), vertical_fov: 40)";
-    assert_warns(&scene(below, &format!("{floor}\n§{block}")), "objects[1].Box", &["the quad at", "coincides"]);
+    warns(&scene(below, &format!("{floor}\n§{block}")), "objects[1].Box", &["the quad at", "coincides"]);
     let lid = tile(-1.0, 1.0, -1.0, "grey");
     let up = ABOVE.replace("(0, 1, 5)", "(0, 3, 5)");
-    assert_warns(&scene(&up, &format!("{block}\n§{lid}")), "objects[1].Quad", &["the box at"]);
-    assert_warns(&scene(&up, &format!("{block}\n§{}", block.replace("steel", "grey"))), "objects[1].Box", &["box at"]);
+    warns(&scene(&up, &format!("{block}\n§{lid}")), "objects[1].Quad", &["the box at"]);
+    warns(&scene(&up, &format!("{block}\n§{}", block.replace("steel", "grey"))), "objects[1].Box", &["box at"]);
     // In a room, flush with its wall: a picture is seen or not, a cupboard hides the wall.
     let room = cuboid("(-6, -6, -6)", "(6, 6, 6)", "grey");
     let bulb = "Sphere(center: (3, 3, 3), radius: 0.5, material: \"lamp\"),";
     let picture = "Quad(corner: (-1, -1, -6), u: (2, 0, 0), v: (0, 2, 0), material: \"steel\"),";
-    assert_warns(&scene(BEFORE, &format!("{room}\n§{picture}\n{bulb}")), "objects[1].Quad", &["the box at"]);
-    assert_silent(&scene(BEFORE, &format!("{room}\n{}\n{bulb}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
+    warns(&scene(BEFORE, &format!("{room}\n§{picture}\n{bulb}")), "objects[1].Quad", &["the box at"]);
+    silent(&scene(BEFORE, &format!("{room}\n{}\n{bulb}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
     // Glass that stands on something, whichever is first in the file.
     let glass = block.replace("steel", "glass");
     let words = [
@@ -416,19 +412,19 @@ fn boxes_that_share_a_plane() {
         "x.ron:13:1, which coincides with it",
         "let an opaque one reach into the glass",
     ];
-    assert_warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
-    assert_warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9, which"]);
-    assert_warns(&scene(below, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at"]);
-    assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, -0.01, "))));
-    assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, 0.01, "))));
+    warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
+    warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9, which"]);
+    warns(&scene(below, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at"]);
+    silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, -0.01, "))));
+    silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, 0.01, "))));
     // The bottom of what stands on it is seen through it.
     let upon = cuboid("(-0.2, 1, -0.2)", "(0.2, 1.2, 0.2)", "grey");
-    assert_warns(&scene(&up, &format!("{upon}\n§{glass}")), "objects[1].Box", &["this glass touches the box at"]);
+    warns(&scene(&up, &format!("{upon}\n§{glass}")), "objects[1].Box", &["this glass touches the box at"]);
     // Opaque ones beside it may still rest on a floor.
     let apart = glass.replace("(-0.5, 0, -0.5)", "(2, 1, 0)").replace("(0.5, 1, 0.5)", "(3, 2, 1)");
-    assert_silent(&scene(ABOVE, &format!("{floor}\n{block}\n{apart}")));
+    silent(&scene(ABOVE, &format!("{floor}\n{block}\n{apart}")));
     let fog = "Medium(boundary: Box(min: (-0.5, 0, -0.5), max: (0.5, 1, 0.5)), density: 1, albedo: Rgb(1, 1, 1)),";
-    assert_silent(&scene(ABOVE, &format!("{glass}\n{fog}\n{}", tile(-1.0, -0.1, -1.0, "grey"))));
+    silent(&scene(ABOVE, &format!("{glass}\n{fog}\n{}", tile(-1.0, -0.1, -1.0, "grey"))));
 }
 
 #[test]
@@ -439,23 +435,19 @@ fn clear_solids_that_touch() {
     let words = ["this glass touches the box at", "x.ron:12:9, which coincides with it"];
     for (one, other) in [("glass", "water"), ("water", "glass"), ("glass", "glass")] {
         let stacked = |low: &str| format!("{}\n§{}", cuboid("-1", "0", one), cuboid(low, "1", other));
-        assert_warns(&scene(ABOVE, &stacked("0")), "objects[1].Box", &words);
-        assert_warns(&scene(ABOVE, &stacked("1e-7")), "objects[1].Box", &["is 1e-7 away"]);
-        assert_silent(&scene(ABOVE, &stacked("1e-5")));
+        warns(&scene(ABOVE, &stacked("0")), "objects[1].Box", &words);
+        warns(&scene(ABOVE, &stacked("1e-7")), "objects[1].Box", &["is 1e-7 away"]);
+        silent(&scene(ABOVE, &stacked("1e-5")));
     }
     // Side by side and not in touch, one within the other, and filled by a medium.
     let beside = cuboid("-1", "0", "glass").replace("(-1, ", "(1.1, ").replace("(1, ", "(2, ");
-    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + &beside)));
+    silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + &beside)));
     let medium = "Medium(boundary: Box(min: (-1, -1, -1), max: (1, 0, 1)), density: 1, albedo: Rgb(0.5, 0.5, 0.5)),";
-    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + medium)));
+    silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + medium)));
     let inner = "Box(min: (-0.9, -0.9, -0.9), max: (0.9, -0.1, 0.9), material: \"water\"),";
-    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + inner)));
+    silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + inner)));
     let flush = inner.replace("-0.1,", "0,");
-    assert_warns(
-        &scene(ABOVE, &format!("{}§{flush}", cuboid("-1", "0", "glass"))),
-        "objects[1].Box",
-        &["this glass touches"],
-    );
+    warns(&scene(ABOVE, &format!("{}§{flush}", cuboid("-1", "0", "glass"))), "objects[1].Box", &["this glass touches"]);
 }
 
 /// The objects of a scene with a gap of this width.
@@ -524,7 +516,7 @@ fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
         let [warning] = &found[..] else { panic!("{what}: {found:#?}") };
         let limit = limit(warning);
         assert_eq!(warnings(&text(0.99 * limit)).len(), 1, "{what}");
-        assert_silent(&text(1.01 * limit));
+        silent(&text(1.01 * limit));
         assert!(wrong(0.5 * limit) > 0.8, "{what}: {} wrong at half of {limit}", wrong(0.5 * limit));
         assert_eq!(wrong(1.01 * limit), 0.0, "{what}: above {limit}");
         assert_eq!(wrong(1.5 * limit), 0.0, "{what}: half above {limit}");
@@ -542,8 +534,8 @@ fn many_tiles_in_a_plane() {
         };
         (0..900).map(tile).collect()
     };
-    assert_silent(&scene(ABOVE, &tiles(None)));
-    assert_warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["touches the quad at"]);
+    silent(&scene(ABOVE, &tiles(None)));
+    warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["touches the quad at"]);
     // One under all of them.
     for material in ["lamp", "glass"] {
         let quad = "Quad(corner: (-40, 0, -60), u: (100, 0, 0), v: (0, 0, 70), material: ";
@@ -565,20 +557,20 @@ fn lights_that_no_path_reaches() {
     for (light, kind) in [(lamp, "Sphere"), (quad, "Quad")] {
         for (around, name) in [(ball, "sphere"), (cuboid, "box")] {
             let words = [&*format!("the opaque {name} at"), "x.ron:13:", "encloses it, and the camera is outside"];
-            assert_warns(&with(light, around, "steel"), &format!("objects[0].{kind}"), &words);
-            assert_silent(&with(light, around, "glass"));
+            warns(&with(light, around, "steel"), &format!("objects[0].{kind}"), &words);
+            silent(&with(light, around, "glass"));
         }
     }
     // One that sticks out is reached.
-    assert_silent(&with(lamp, &ball.replace("0.61", "0.59"), "grey"));
-    assert_silent(&with(lamp, &cuboid.replace("-0.51", "-0.49"), "grey"));
-    assert_silent(&with(quad, &ball.replace("0.61", "0.49"), "grey"));
+    silent(&with(lamp, &ball.replace("0.61", "0.59"), "grey"));
+    silent(&with(lamp, &cuboid.replace("-0.51", "-0.49"), "grey"));
+    silent(&with(quad, &ball.replace("0.61", "0.49"), "grey"));
     // The camera within.
     let room = "Box(min: (-6, -6, -6), max: (6, 6, 6), ..),";
     let beyond = "Sphere(center: (0, 0, -8), radius: 1, material: \"lamp\"),";
-    assert_silent(&with(lamp, room, "grey"));
-    assert_warns(&with(beyond, room, "grey"), "objects[0].Sphere", &["encloses the camera, and the light is outside"]);
-    assert_silent(&with(&beyond.replace("-8", "-6.5"), room, "grey"));
+    silent(&with(lamp, room, "grey"));
+    warns(&with(beyond, room, "grey"), "objects[0].Sphere", &["encloses the camera, and the light is outside"]);
+    silent(&with(&beyond.replace("-8", "-6.5"), room, "grey"));
 }
 
 /// Each straight way from the lamp to the rest goes through the floor, and not if either of both reaches beyond it, or the floor lets light pass.
@@ -598,7 +590,7 @@ fn lights_behind_a_floor() {
     for (lamp, kind) in lamps {
         for (floor, name) in [(floor, "quad"), (disk, "disk"), (slab, "box")] {
             let words = [&*format!("behind the opaque {name} at"), "x.ron:13:", "move the light to the front"];
-            assert_warns(&with(lamp, floor, ball), &format!("objects[0].{kind}"), &words);
+            warns(&with(lamp, floor, ball), &format!("objects[0].{kind}"), &words);
         }
         for (floor, more) in [
             (floor.to_string(), ball.replace("0.5, 1, 0", "0.5, 0.9, 0")),
@@ -612,29 +604,21 @@ fn lights_behind_a_floor() {
                 ),
             ),
         ] {
-            assert_silent(&with(lamp, &floor, &more));
+            silent(&with(lamp, &floor, &more));
         }
         // Beside glass, lights without size have another warning.
         if !kind.ends_with("Light") {
-            assert_silent(&with(lamp, &floor.replace("grey", "clear"), ball));
+            silent(&with(lamp, &floor.replace("grey", "clear"), ball));
         }
         let cut_out = "\"grey\": Lambertian(alpha: 0.9, ";
-        assert_silent(&with(lamp, floor, ball).replace("\"grey\": Lambertian(", cut_out));
+        silent(&with(lamp, floor, ball).replace("\"grey\": Lambertian(", cut_out));
     }
     // What stands beside the lamp does not matter, if it is hidden too; one above the floor is lit.
     let beside = "Sphere(center: (2, -2, 0), radius: 1, material: \"grey\"),";
-    assert_warns(
-        &with(lamps[0].0, floor, &format!("{ball}{beside}")),
-        "objects[0].Sphere",
-        &["behind the opaque quad"],
-    );
-    assert_silent(&with(&lamps[0].0.replace("-1.5", "1.5"), floor, ""));
+    warns(&with(lamps[0].0, floor, &format!("{ball}{beside}")), "objects[0].Sphere", &["behind the opaque quad"]);
+    silent(&with(&lamps[0].0.replace("-1.5", "1.5"), floor, ""));
     // Light reaches the far side of a wall past its edge.
-    assert_silent(&with(
-        "PointLight(at: (0, -90, 0), intensity: (5, 5, 5)),",
-        floor,
-        &ball.replace("0.5, 1, 0", "12, 9, 0"),
-    ));
+    silent(&with("PointLight(at: (0, -90, 0), intensity: (5, 5, 5)),", floor, &ball.replace("0.5, 1, 0", "12, 9, 0")));
 }
 
 #[test]
@@ -647,22 +631,22 @@ fn spot_lights_that_aim_at_nothing() {
     let words = ["no object is in the cone", "aim it with towards"];
     for (towards, outer) in [("(0, 9, 0)", 45.0), ("(9, 9, 0)", 40.0), ("(-9, 3, 0)", 1.0), ("(0, 9, 0)", 89.0)] {
         let of = |objects: &str| scene(ABOVE, &format!("{}{objects}", spot(towards, outer)));
-        assert_warns(&of(&format!("{floor}{ball}")), "objects[0].SpotLight", &words);
+        warns(&of(&format!("{floor}{ball}")), "objects[0].SpotLight", &words);
         let fog = "Medium(boundary: Sphere(center: (0, 3, 0), radius: 9), density: 0.1, albedo: Rgb(1, 1, 1)),";
-        assert_silent(&of(&format!("{floor}{fog}")));
+        silent(&of(&format!("{floor}{fog}")));
     }
     for (towards, outer) in [("(0, 0, 0)", 1.0), ("(3, 2.1, 0)", 1.0), ("(9, 3, 0)", 25.0), ("(0, 9, 0)", 120.0)] {
-        assert_silent(&scene(ABOVE, &format!("{}{floor}{ball}", spot(towards, outer))));
+        silent(&scene(ABOVE, &format!("{}{floor}{ball}", spot(towards, outer))));
     }
     // The limits of the angle: a ball seen at 33.7 degrees below the horizon, of a radius of 16.1.
     let [near, far] = [17.3, 17.9].map(|outer| scene(ABOVE, &format!("{}{ball}", spot("(9, 3, 0)", outer))));
-    assert_warns(&near, "objects[0].SpotLight", &words);
-    assert_silent(&far);
+    warns(&near, "objects[0].SpotLight", &words);
+    silent(&far);
     let moving = ball
         .replace("Sphere", "Moving(keys: [(0, [Translate((0, 0, 0))]), (1, [Translate((0, 9, 0))])], object: Sphere");
     let moving = moving.replace("\"grey\")", "\"grey\"))");
     let open = ABOVE.replace("40)", "40, shutter: (0, 1))");
-    assert_silent(&scene(&open, &format!("{}{moving}", spot("(9, 9, 0)", 5.0))));
+    silent(&scene(&open, &format!("{}{moving}", spot("(9, 9, 0)", 5.0))));
 }
 
 /// Warnings of single values, and no others.
@@ -683,14 +667,14 @@ fn emission_motion_and_focus_that_do_not_show() {
         "emission: §Rgb(5, 5, 5), alpha: 0.3, alpha_cutoff: 0.5",
         "emission: §Rgb(5, 5, 5), alpha: Checker(scale: 1, even: (0.3, 0.3, 0.3), odd: (0, 0, 0)), alpha_cutoff: 0.31",
     ] {
-        assert_warns(&with(fields), "materials[\"grey\"].Lambertian.emission", &["shows nowhere", "raise the alpha"]);
+        warns(&with(fields), "materials[\"grey\"].Lambertian.emission", &["shows nowhere", "raise the alpha"]);
     }
     for fields in [
         "emission: Rgb(5, 5, 5), alpha: 0.001",
         "emission: Rgb(5, 5, 5), alpha: Checker(scale: 1, even: (0.3, 0.3, 0.3), odd: (0, 0, 0)), alpha_cutoff: 0.3",
         "alpha: 0",
     ] {
-        assert_silent(&with(fields));
+        silent(&with(fields));
     }
     // Motion while the shutter is shut. A camera and objects that only seem to move have no warning.
     let assert_said = |text: &str, field: &str, words: &[&str]| {
@@ -730,7 +714,7 @@ fn emission_motion_and_focus_that_do_not_show() {
         format!("SpotLight(at: (0, 3, 0), towards: (0, 0, 0), intensity: (5, 5, 5), outer: §{outer}), {ball}")
     };
     assert_said(&scene(BEFORE, &spot("0")), "objects[0].SpotLight.outer", &["no cone", "above 0"]);
-    assert_silent(&scene(BEFORE, &spot("0")).replace('§', ""));
+    silent(&scene(BEFORE, &spot("0")).replace('§', ""));
     assert!(said(&scene(BEFORE, &spot("1e-3"))).is_empty());
 }
 
@@ -756,29 +740,29 @@ fn lights_behind_meshes() {
     let lamp = |x: f64, y: f64| format!("Sphere(center: ({x:?}, {y:?}, 0), radius: 0.1, material: \"lamp\"),");
     let with = |mesh: String, lamp: String| scene(BEFORE, &format!("§{lamp}\n{mesh}"));
     let words = ["the opaque mesh at", "x.ron:13:", "encloses it, and the camera is outside"];
-    assert_warns(&with(mesh(&closed, "grey"), lamp(0.1, 0.2)), "objects[0].Sphere", &words);
-    assert_warns(&with(mesh(&turned, "grey"), lamp(0.1, 0.2)), "objects[0].Sphere", &words);
-    assert_silent(&with(mesh(&closed, "glass"), lamp(0.1, 0.2)));
-    assert_silent(&with(mesh(&open, "grey"), lamp(0.1, 0.2)));
+    warns(&with(mesh(&closed, "grey"), lamp(0.1, 0.2)), "objects[0].Sphere", &words);
+    warns(&with(mesh(&turned, "grey"), lamp(0.1, 0.2)), "objects[0].Sphere", &words);
+    silent(&with(mesh(&closed, "glass"), lamp(0.1, 0.2)));
+    silent(&with(mesh(&open, "grey"), lamp(0.1, 0.2)));
     // Through its wall, and in a corner of the box around it.
-    assert_silent(&with(mesh(&closed, "grey"), lamp(0.75, 0.2)));
-    assert_silent(&with(mesh(&closed, "grey"), lamp(0.8, 0.9)));
+    silent(&with(mesh(&closed, "grey"), lamp(0.75, 0.2)));
+    silent(&with(mesh(&closed, "grey"), lamp(0.8, 0.9)));
     // The camera within, and the light beyond.
     let room = |path: &Path| mesh(path, "grey").replace("0.5", "20");
     let beyond = lamp(0.0, 0.0).replace("(0.0, 0.0, 0)", "(0, 0, -60)");
     let words = ["the opaque mesh at", "encloses the camera, and the light is outside"];
-    assert_warns(&with(room(&closed), beyond.clone()), "objects[0].Sphere", &words);
-    assert_silent(&with(room(&open), beyond));
-    assert_silent(&with(room(&closed), lamp(0.1, 0.2)));
+    warns(&with(room(&closed), beyond.clone()), "objects[0].Sphere", &words);
+    silent(&with(room(&open), beyond));
+    silent(&with(room(&closed), lamp(0.1, 0.2)));
     // A light itself, around the camera.
     let shell = |path: &Path, material: &str| {
         let text = mesh(path, material).replace("0.5", "20").replace("object: Mesh", "object: §Mesh");
         scene(BEFORE, &text)
     };
     let field = "objects[0].Transformed.object.Mesh";
-    assert_warns(&shell(&closed, "spot"), field, &["the camera is inside this mesh, which emits outwards only"]);
-    assert_silent(&shell(&turned, "spot"));
-    assert_silent(&shell(&closed, "lamp"));
+    warns(&shell(&closed, "spot"), field, &["the camera is inside this mesh, which emits outwards only"]);
+    silent(&shell(&turned, "spot"));
+    silent(&shell(&closed, "lamp"));
 }
 
 /// A line of an OBJ file, of faces with their corners the other way round.
@@ -799,9 +783,9 @@ fn closed_lights_around_the_camera() {
     let cuboid = "Box(min: (-20, -20, -20), max: (20, 20, 20)";
     for (shape, name, field) in [(sphere, "sphere", "objects[1].Sphere"), (cuboid, "box", "objects[1].Box")] {
         let words = [&*format!("the camera is inside this {name}"), "its inside is black", "Make it two_sided"];
-        assert_warns(&around(shape, "spot"), field, &words);
-        assert_silent(&around(shape, "lamp"));
-        assert_silent(&around(&shape.replace("20", "4"), "spot"));
+        warns(&around(shape, "spot"), field, &words);
+        silent(&around(shape, "lamp"));
+        silent(&around(&shape.replace("20", "4"), "spot"));
     }
 }
 
@@ -809,17 +793,17 @@ fn closed_lights_around_the_camera() {
 fn closed_rooms_around_the_camera() {
     let room = |material: &str| format!("§Box(min: (-9, -9, -9), max: (9, 9, 9), material: \"{material}\"),");
     let words = ["the camera is inside this opaque box, and no light is: the image is black", "put a light inside"];
-    assert_warns(&scene(BEFORE, &room("grey")), "objects[0].Box", &words);
+    warns(&scene(BEFORE, &room("grey")), "objects[0].Box", &words);
     let ball = "§Sphere(center: (0, 0, 0), radius: 9, material: \"steel\"),";
-    assert_warns(&scene(BEFORE, ball), "objects[0].Sphere", &["inside this opaque sphere"]);
+    warns(&scene(BEFORE, ball), "objects[0].Sphere", &["inside this opaque sphere"]);
     // One that light passes or comes from, one with a light inside, one beside the camera, and one with an open side.
-    assert_silent(&scene(BEFORE, &room("glass")));
-    assert_silent(&scene(BEFORE, &room("lamp")));
+    silent(&scene(BEFORE, &room("glass")));
+    silent(&scene(BEFORE, &room("lamp")));
     let lamp = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
-    assert_silent(&scene(BEFORE, &(room("grey") + lamp)));
-    assert_silent(&scene(BEFORE, &room("grey").replace("9)", "4)")));
+    silent(&scene(BEFORE, &(room("grey") + lamp)));
+    silent(&scene(BEFORE, &room("grey").replace("9)", "4)")));
     let wall = "Quad(corner: (-9, -9, -9), u: (18, 0, 0), v: (0, 18, 0), material: \"grey\"),";
-    assert_silent(&scene(BEFORE, wall));
+    silent(&scene(BEFORE, wall));
     // With nothing that emits light, that is what is said.
     let dark = scene(BEFORE, &room("grey")).replace("Solid((1, 1, 1))", "Solid((0, 0, 0))");
     assert!(warnings(&dark).iter().all(|warning| !warning.contains("inside this opaque")), "{dark}");
@@ -832,19 +816,19 @@ fn lights_that_face_away_from_everything() {
         scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
     };
     let (x, z) = ("(2, 0, 0)", "(0, 0, 2)");
-    assert_warns(
+    warns(
         &spot(z, x, "spot"),
         "objects[1].Quad",
         &["the whole scene is on its other side", "exchange a quad's u and v"],
     );
-    assert_silent(&spot(x, z, "spot"));
-    assert_silent(&spot(z, x, "lamp"));
+    silent(&spot(x, z, "spot"));
+    silent(&spot(z, x, "lamp"));
     let disk = |normal: &str| {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{ball} §Disk(center: (0, 3, 0), normal: {normal}, radius: 1, material: \"spot\"),"))
     };
-    assert_warns(&disk("(0, 2, 0)"), "objects[1].Disk", &["reverse a disk's normal"]);
-    assert_silent(&disk("(0, -2, 0)"));
+    warns(&disk("(0, 2, 0)"), "objects[1].Disk", &["reverse a disk's normal"]);
+    silent(&disk("(0, -2, 0)"));
 }
 
 #[test]
@@ -856,12 +840,8 @@ fn nothing_that_emits_light() {
     };
     let of_lamp = |text: String, material: &str| text.replace("material: \"lamp\"", &format!("material: {material:?}"));
     // What no object is made of does not count.
-    assert_warns(
-        &of_lamp(dark("1, 1, 1"), "grey"),
-        "background",
-        &["nothing in this scene emits light", "DiffuseLight"],
-    );
-    assert_silent(&of_lamp(dark("0, 0, 1e-20"), "other"));
+    warns(&of_lamp(dark("1, 1, 1"), "grey"), "background", &["nothing in this scene emits light", "DiffuseLight"]);
+    silent(&of_lamp(dark("0, 0, 1e-20"), "other"));
 }
 
 /// What no object is made of neither decides the film's unit nor is warned of.
@@ -882,7 +862,7 @@ fn lights_that_are_not_used_do_not_count() {
         flatten(&scene, (40, 30), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).radiance_exponent
     };
     let unused = with("1e30", "");
-    assert_silent(&unused);
+    silent(&unused);
     assert_eq!(exponent(&unused), exponent(&with("1e-3", "")));
     let used = with("1e30", "Sphere(center: (3, 0, 0), radius: 1, material: \"sun\"),");
     assert_eq!(exponent(&used), 100);

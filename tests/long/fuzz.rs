@@ -86,7 +86,10 @@ fn scene_with(path: &Path, background: &str, object: &str) -> Result<Scene, Erro
         "(image: (width: 4, height: 3), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40), \
          background: {background}, materials: {{\"m\": Metal(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [{object}])"
     );
-    Scene::parse(&text, &path.with_file_name("scene.ron"))
+    let scene = Scene::parse(&text, &path.with_file_name("scene.ron"));
+    let names_it = |error: &Error| ["transforms", name(path)].iter().any(|words| error.to_string().contains(words));
+    assert!(scene.as_ref().err().is_none_or(names_it), "{:?}", scene.err());
+    scene
 }
 
 fn name(path: &Path) -> &str {

@@ -328,17 +328,8 @@ fn the_error_and_the_picture_are_those_of_the_joined_parts() {
         sandbox.says(&format!("merge --allow-gaps --json {} -o joined.exr", parts.join(" "))).exits(0).json()
     };
     let same = |report: &Value, joined: &Value| {
-        for key in [
-            "relative_error",
-            "relative_error_bound",
-            "relative_error_confidence",
-            "relative_error_excludes",
-            "reliable",
-            "samples",
-            "complete",
-            "paths",
-            "rays",
-        ] {
+        let keys = "relative_error relative_error_bound relative_error_confidence relative_error_excludes reliable samples complete paths rays";
+        for key in keys.split(' ') {
             assert!(report.get(key).is_some(), "{key}: {report}");
             assert_eq!(report[key], joined[key], "{key}");
         }

@@ -74,14 +74,8 @@ impl Cluster {
         let path = std::env::var_os("PATH").unwrap_or_default();
         let folders = std::iter::once(self.path("bin")).chain(std::env::split_paths(&path));
         command.env("PATH", std::env::join_paths(folders).expect("no folder has a colon"));
-        for name in [
-            "SLURM_JOB_ID",
-            "SLURM_ARRAY_JOB_ID",
-            "SLURM_ARRAY_TASK_ID",
-            "SLURM_JOB_GPUS",
-            "CUDA_VISIBLE_DEVICES",
-            "GPU_RT",
-        ] {
+        let set = "SLURM_JOB_ID SLURM_ARRAY_JOB_ID SLURM_ARRAY_TASK_ID SLURM_JOB_GPUS CUDA_VISIBLE_DEVICES GPU_RT";
+        for name in set.split(' ') {
             command.env_remove(name);
         }
     }
@@ -403,17 +397,8 @@ fn a_refused_submission_leaves_nothing_behind() {
     let only_here = |more: &[&str]| {
         let scene = cluster.scene();
         let job = cluster.job("");
-        let fixed = [
-            "submit",
-            "slurm",
-            scene.to_str().expect("UTF-8"),
-            "--spp",
-            "64",
-            "--parts",
-            "2",
-            "-o",
-            job.to_str().expect("UTF-8"),
-        ];
+        let (scene, job) = (scene.to_str().expect("UTF-8"), job.to_str().expect("UTF-8"));
+        let fixed = ["submit", "slurm", scene, "--spp", "64", "--parts", "2", "-o", job];
         let mut command = command(cluster.folder.path(), &[&fixed, more].concat());
         command.env("PATH", cluster.path("bin"));
         finish(command.spawn().expect("the program starts"))
