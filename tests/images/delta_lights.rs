@@ -225,7 +225,7 @@ fn a_light_without_size_is_clamped_as_others() {
 
 /// Far and near, bright and faint, in large and small scenes; on the floor, behind it, and at the point that is seen.
 #[test]
-fn lights_at_the_ends_of_their_ranges() {
+fn lights_at_the_ends_of_their_ranges_light_as_defined() {
     let mut cases = Vec::new();
     for (distance, scale) in [(1e6, 1.0), (1e12, 1.0), (1e30, 1.0), (1e-6, 1.0), (1e-3, 1.0), (1e6, 1e6), (1e-6, 1e-6)]
     {

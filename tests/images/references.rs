@@ -133,7 +133,7 @@ struct BySeeds {
 /// Power: the mean of an image is known to 0.02 to 0.07 % from 4 x 16 samples, so that half a percent is found in any of them; a block of
 /// 20 x 20 to 0.4 % or better, so that 3 % are found in the one where they are planted, 0.05 % of the light or less.
 #[test]
-fn every_reference_by_the_default_settings() {
+fn the_default_settings_agree_with_every_reference() {
     const SIDE: u32 = 20;
     for (name, block) in [
         ("cornell", (100, 100)),

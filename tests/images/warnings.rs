@@ -61,7 +61,7 @@ fn silent(text: &str) {
 }
 
 #[test]
-fn features_below_the_rounding_of_their_position() {
+fn features_below_the_rounding_of_their_position_are_warned_of() {
     // Each along its own direction, in which the camera is near or far.
     let cuboid = |max: &str| scene(BEFORE, &format!("§Box(min: (0, 0, 0), max: {max}, material: \"grey\"),"));
     warns(
@@ -85,7 +85,7 @@ fn features_below_the_rounding_of_their_position() {
 }
 
 #[test]
-fn spheres_whose_outline_is_rounded() {
+fn spheres_whose_outline_is_rounded_are_warned_of() {
     let sphere = |r: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"grey\"),");
     let words = ["a radius of 4.9e-5 at a distance of 5", "no size below 5e-5"];
     warns(&scene(BEFORE, &sphere("4.9e-5")), "objects[0].Sphere.radius", &words);
@@ -99,7 +99,7 @@ fn spheres_whose_outline_is_rounded() {
 }
 
 #[test]
-fn spheres_with_the_camera_near_their_surface() {
+fn no_sphere_with_the_camera_near_its_surface_is_warned_of() {
     let ground = |r: &str| {
         let sphere = format!("Sphere(center: (0, -{r}, 0), radius: §{r}, material: \"grey\"),");
         scene("(look_from: (0, 1, 0), look_at: (0, 2, 1), vertical_fov: 40)", &sphere)
@@ -177,7 +177,7 @@ fn of_a_kind_the_worst_is_reported_and_the_others_are_counted() {
 }
 
 #[test]
-fn ranges_of_more_than_2_to_the_40() {
+fn sizes_below_a_share_of_the_extent_are_warned_of() {
     let grain = |r: &str| {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{ball} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
@@ -189,7 +189,7 @@ fn ranges_of_more_than_2_to_the_40() {
 
 /// A lamp that lights a floor a long way off: at twice the warning's distance nothing arrives, and before it what should.
 #[test]
-fn lights_too_small_for_where_they_shine() {
+fn lights_too_small_for_where_they_shine_are_warned_of() {
     // The irradiance does not depend on the distance: the floor has a radiance of 0.5.
     let lit = |distance: f64, lamp: &str| {
         let radiance = distance * distance;
@@ -227,7 +227,7 @@ fn lights_too_small_for_where_they_shine() {
 }
 
 #[test]
-fn media_whose_free_path_is_shorter_than_rounding() {
+fn media_whose_free_path_is_shorter_than_rounding_are_warned_of() {
     let fog = |density: &str| {
         let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
         scene(BEFORE, &format!("Medium({boundary}, density: §{density}, albedo: Rgb(0.5, 0.5, 0.5)),"))
@@ -243,7 +243,7 @@ fn media_whose_free_path_is_shorter_than_rounding() {
 }
 
 #[test]
-fn spheres_that_coincide() {
+fn spheres_that_coincide_are_warned_of() {
     let pair = |r: &str, material: &str| {
         let first = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{material}\"),"))
@@ -268,7 +268,7 @@ fn spheres_that_coincide() {
 
 /// Wherever they are, and where the grid that finds them has its edges.
 #[test]
-fn spheres_whose_centres_differ_by_less_than_rounding() {
+fn spheres_whose_centres_differ_by_less_than_rounding_are_warned_of() {
     let mut random = stats::Random(7);
     let mut number = |low: f64, high: f64| low + (high - low) * random.uniform();
     let camera = "(look_from: (0, 0, 50), look_at: (0, 0, 0), vertical_fov: 40)";
@@ -292,7 +292,7 @@ fn spheres_whose_centres_differ_by_less_than_rounding() {
 }
 
 #[test]
-fn clear_spheres_that_coincide() {
+fn clear_spheres_that_coincide_are_warned_of() {
     // The mark is at the clear one if only one of them is clear.
     let pair = |r: &str, material: &str, other: &str| {
         let marks = if other == "grey" { ["§", ""] } else { ["", "§"] };
@@ -312,7 +312,7 @@ fn clear_spheres_that_coincide() {
 }
 
 #[test]
-fn meshes_that_coincide() {
+fn meshes_that_coincide_are_warned_of() {
     let placed = |by: &str, material: &str| {
         format!("Transformed(by: [{by}], object: §Mesh(path: \"scenes/meshes/star.ply\", material: \"{material}\")),")
     };
@@ -337,7 +337,7 @@ fn tile(x: f64, y: f64, z: f64, material: &str) -> String {
 }
 
 #[test]
-fn quads_that_overlap_in_a_plane() {
+fn quads_that_overlap_in_a_plane_are_warned_of() {
     let floor = tile(-1.0, 0.0, -1.0, "grey");
     let with = |other: &str| scene(ABOVE, &format!("{floor}\n{other}"));
     let rug = |x: f64, y: f64, material: &str| with(&format!("§{}", tile(x, y, 0.5, material)));
@@ -371,7 +371,7 @@ fn quads_that_overlap_in_a_plane() {
 
 /// A disk counts by the square within it: two whose squares around them overlap may not touch.
 #[test]
-fn disks_that_overlap_in_a_plane() {
+fn disks_that_overlap_in_a_plane_are_warned_of() {
     let disk = |x: f64, y: f64, material: &str| {
         format!("§Disk(center: ({x:?}, 0, {y:?}), normal: (0, 1, 0), radius: 1, material: \"{material}\"),")
     };
@@ -384,7 +384,7 @@ fn disks_that_overlap_in_a_plane() {
 }
 
 #[test]
-fn boxes_that_share_a_plane() {
+fn boxes_that_share_a_plane_are_warned_of() {
     let cuboid =
         |min: &str, max: &str, material: &str| format!("Box(min: {min}, max: {max}, material: \"{material}\"),");
     let floor = tile(-1.0, 0.0, -1.0, "grey");
@@ -428,7 +428,7 @@ fn boxes_that_share_a_plane() {
 }
 
 #[test]
-fn clear_solids_that_touch() {
+fn clear_solids_that_touch_are_warned_of() {
     let cuboid = |low: &str, high: &str, material: &str| {
         format!("Box(min: (-1, {low}, -1), max: (1, {high}, 1), material: \"{material}\"),")
     };
@@ -524,7 +524,7 @@ fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
 }
 
 #[test]
-fn many_tiles_in_a_plane() {
+fn among_many_tiles_in_a_plane_those_that_overlap_are_warned_of() {
     let tiles = |mark: Option<usize>| -> String {
         let tile = |i: usize| {
             let (x, z) = ((i % 30) as f64 * 2.0, (i / 30) as f64 * 2.0);
@@ -545,7 +545,7 @@ fn many_tiles_in_a_plane() {
 }
 
 #[test]
-fn lights_that_no_path_reaches() {
+fn lights_that_no_path_reaches_are_warned_of() {
     let with = |light: &str, around: &str, material: &str| {
         let around = around.replace("..", &format!("material: \"{material}\""));
         scene(BEFORE, &format!("§{light}\n{around}"))
@@ -575,7 +575,7 @@ fn lights_that_no_path_reaches() {
 
 /// Each straight way from the lamp to the rest goes through the floor, and not if either of both reaches beyond it, or the floor lets light pass.
 #[test]
-fn lights_behind_a_floor() {
+fn lights_behind_a_floor_are_warned_of() {
     let floor = "Quad(corner: (-9, 0, -9), u: (18, 0, 0), v: (0, 0, 18), material: \"grey\"),";
     let ball = "Sphere(center: (0.5, 1, 0), radius: 1, material: \"grey\"),";
     let with = |light: &str, floor: &str, more: &str| scene(ABOVE, &format!("§{light}\n{floor}{more}"));
@@ -622,7 +622,7 @@ fn lights_behind_a_floor() {
 }
 
 #[test]
-fn spot_lights_that_aim_at_nothing() {
+fn spot_lights_that_aim_at_nothing_are_warned_of() {
     let floor = "Quad(corner: (-9, 0, -9), u: (18, 0, 0), v: (0, 0, 18), material: \"grey\"),";
     let ball = "Sphere(center: (3, 1, 0), radius: 1, material: \"grey\"),";
     let spot = |towards: &str, outer: f64| {
@@ -656,7 +656,7 @@ fn said(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn emission_motion_and_focus_that_do_not_show() {
+fn emission_motion_and_focus_that_do_not_show_are_warned_of() {
     let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
     // An emission that no alpha shows.
     let with = |fields: &str| {
@@ -719,7 +719,7 @@ fn emission_motion_and_focus_that_do_not_show() {
 }
 
 #[test]
-fn lights_behind_meshes() {
+fn lights_behind_meshes_are_warned_of() {
     let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
     // A tent of four faces, and one that lacks its floor.
     let tent = "v -2 -1 -2\nv 2 -1 -2\nv 2 -1 2\nv -2 -1 2\nv 0 2 0\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
@@ -774,7 +774,7 @@ fn turned_face(line: &str) -> String {
 }
 
 #[test]
-fn closed_lights_around_the_camera() {
+fn closed_lights_around_the_camera_are_warned_of() {
     let around = |shape: &str, material: &str| {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{ball}\n§{shape}, material: \"{material}\"),"))
@@ -790,7 +790,7 @@ fn closed_lights_around_the_camera() {
 }
 
 #[test]
-fn closed_rooms_around_the_camera() {
+fn closed_rooms_around_the_camera_are_warned_of() {
     let room = |material: &str| format!("§Box(min: (-9, -9, -9), max: (9, 9, 9), material: \"{material}\"),");
     let words = ["the camera is inside this opaque box, and no light is: the image is black", "put a light inside"];
     warns(&scene(BEFORE, &room("grey")), "objects[0].Box", &words);
@@ -810,7 +810,7 @@ fn closed_rooms_around_the_camera() {
 }
 
 #[test]
-fn lights_that_face_away_from_everything() {
+fn lights_that_face_away_from_everything_are_warned_of() {
     let spot = |u: &str, v: &str, material: &str| {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
         scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
@@ -832,7 +832,7 @@ fn lights_that_face_away_from_everything() {
 }
 
 #[test]
-fn nothing_that_emits_light() {
+fn a_scene_without_light_is_warned_of() {
     let dark = |emit: &str| {
         scene(BEFORE, "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"), ")
             .replace("\"grey\":", &format!("\"other\": DiffuseLight(emit: Rgb({emit})), \"grey\":"))
@@ -869,7 +869,7 @@ fn lights_that_are_not_used_do_not_count() {
 }
 
 #[test]
-fn lights_of_no_emission() {
+fn lights_of_no_emission_are_warned_of() {
     let of = |emit: &str| {
         let lamp = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
         let text = scene(BEFORE, lamp)
@@ -907,7 +907,7 @@ fn the_scenes_that_come_with_it_are_safe() {
 
 /// Whatever its numbers are, a scene is flattened, and warnings have numbers in them.
 #[test]
-fn the_ends_of_what_numbers_may_be() {
+fn warnings_of_the_largest_and_smallest_numbers_do_not_fail() {
     let (large, small) = ("1e90", "1e-90");
     let mut scenes = vec![scene(BEFORE, ""), scene(BEFORE, "Group([]), Group([Group([Group([])])]),")];
     for (coordinate, size) in

@@ -49,7 +49,7 @@ fn sparse(path: &Path, bytes: u64) {
 }
 
 #[test]
-fn a_small_jpeg_that_claims_the_largest_size() {
+fn a_small_jpeg_that_claims_the_largest_size_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for name in ["baseline.jpg", "progressive.jpg"] {
         let (_, mut bytes) = corpus::images().into_iter().find(|(file, _)| file == name).expect("it is there");
@@ -95,7 +95,7 @@ fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_png_with_a_profile_of_a_gibibyte() {
+fn a_profile_of_a_gibibyte_takes_no_memory() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (_, good) = corpus::images().into_iter().find(|(file, _)| file == "plain.png").expect("it is there");
     let profile = chunk(b"iCCP", &[b"name\0\0", &zeros_in_zlib(1 << 30)[..]].concat());
@@ -108,7 +108,7 @@ fn a_png_with_a_profile_of_a_gibibyte() {
 }
 
 #[test]
-fn files_of_any_length_without_content() {
+fn long_files_without_content_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for name in ["a.png", "a.exr", "a.ply", "a.obj", "a.glb", "a.gltf", "a.bin"] {
         sparse(&folder.path().join(name), 12 << 30);
@@ -157,7 +157,7 @@ fn a_gltf_that_names_one_file_eight_times_reads_it_once() {
 }
 
 #[test]
-fn meshes_of_few_bytes_that_become_many() {
+fn meshes_of_few_bytes_that_become_many_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let gltf = format!("{{\"asset\": {{\"version\": \"2.0\"}}, \"nodes\": [{}{{}}]}}", "{},".repeat(1 << 20));
     fs::write(folder.path().join("a.gltf"), gltf).expect("the mesh is written");
@@ -189,7 +189,7 @@ fn meshes_of_few_bytes_that_become_many() {
 }
 
 #[test]
-fn a_scene_of_brackets() {
+fn a_scene_of_brackets_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = scene("Solid((1, 1, 1))", &"[],".repeat(80 << 20));
     refuses(folder.path(), &text, 2 * GIB, "expected at most 16777216 values in a scene file");
