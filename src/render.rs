@@ -14,6 +14,7 @@
 mod accumulation;
 mod device;
 mod goals;
+mod noise;
 mod observer;
 mod outcome;
 mod renderer;
@@ -21,7 +22,7 @@ mod sample_range;
 mod tiles;
 
 pub use accumulation::Accumulation;
-pub use goals::{FIRST_CHECK, LAST_CHECK, check_error, samples_at_check};
+pub use noise::{FIRST_CHECK, LAST_CHECK, NOISE_LEVEL, Noise, check_error, level_after, samples_at_check};
 pub use observer::{Following, Next, Observer, Snapshot, following, stopping};
-pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
+pub use outcome::Outcome;
 pub use renderer::{Renderer, empty_film};

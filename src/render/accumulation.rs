@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::goals::{check_error, samples_at_check};
-use super::outcome::Noise;
+use super::noise::{Noise, check_error, samples_at_check};
 use crate::film::Film;
 use crate::job::{Goal, Job};
 use crate::samples::Samples;

@@ -3,38 +3,14 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use super::outcome::{Noise, level_after};
+use super::noise::{Noise, check_error, samples_at_check};
 use super::renderer::Renderer;
 use super::sample_range::{Caller, PaceProbe};
 use crate::data::RUN_LENGTH;
 use crate::error::Result;
-use crate::film::{Film, Totals};
+use crate::film::Totals;
 use crate::job::{Goal, Job};
 use crate::samples::Samples;
-
-/// The samples of a pixel at the first check of a render until an error.
-pub const FIRST_CHECK: u32 = 2 * RUN_LENGTH;
-/// The samples of a pixel from which on a render until an error gives up if more are of no use: the error has no bound, because pixels are
-/// too few or have no light; or the noise is small, and paths still do not find light that is there.
-pub const LAST_CHECK: u32 = 1 << 14;
-
-/// The samples of a pixel at a check of the error, after `checks` earlier ones: 16, 32, 48, 64, then each quarter of a doubling. At a
-/// check, the two halves of a pixel have the same number of samples.
-pub fn samples_at_check(checks: u32) -> u32 {
-    match checks.checked_sub(4) {
-        None => FIRST_CHECK * (checks + 1),
-        Some(later) => FIRST_CHECK.saturating_mul(5 + later % 4).saturating_mul(2u32.saturating_pow(later / 4)),
-    }
-}
-
-/// Checks the error of a film with `samples` samples per pixel, after `checks` earlier checks. Returns the result, and whether the render ends.
-pub fn check_error(film: &Film, samples: u32, checks: u32, error: f64) -> (Noise, bool) {
-    let verdict = film.verdict(level_after(checks));
-    let bound = verdict.error.map_or(f64::INFINITY, |found| found.bound);
-    let noise = Noise { checks: checks.saturating_add(1), reached: bound < error && !verdict.lacks_light() };
-    let is_hopeless = bound == f64::INFINITY || bound < error;
-    (noise, noise.reached || (is_hopeless && samples >= LAST_CHECK))
-}
 
 /// A run of every pixel that takes less time than this is completed, even after the deadline.
 const SHORT_RUN: Duration = Duration::from_secs(2);
@@ -134,7 +110,7 @@ impl Renderer {
     /// Renders until the relative error is below the requested one.
     ///
     /// The error is checked several times ([`samples_at_check`]), and each check may pass by chance. So each check has a share of the total
-    /// probability of being wrong ([`level_after`]), by the union bound. All samples stay in the film, and the image is that of `--spp`
+    /// probability of being wrong ([`level_after`](super::noise::level_after)), by the union bound. All samples stay in the film, and the image is that of `--spp`
     /// with their number.
     ///
     /// The error of a few pixels, or of an image without light, is never known with such confidence. Such renders end without reaching it.

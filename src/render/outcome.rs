@@ -1,5 +1,6 @@
 //! The outcome of a render, apart from its film.
 
+use super::noise::Noise;
 use crate::data::{Counters, LIGHT_BINS, LIGHT_PATHS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
 use crate::film::{Rejected, Totals};
 use crate::samples::Samples;
@@ -57,32 +58,6 @@ impl Outcome {
             Some((_, sum)) => *sum += seconds,
             None => self.profile.stages.push((name.to_owned(), seconds)),
         }
-    }
-}
-
-/// The checks of a render until an error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// The number of checks so far, with those of the renders that this one continues.
-    pub checks: u32,
-    /// Whether the bound was below the requested error.
-    pub reached: bool,
-}
-
-/// The probability that a render until an error ends with a larger one, over all its checks.
-pub const NOISE_LEVEL: f64 = 0.05;
-
-/// The probability that a check, after so many earlier ones, is allowed to find the error below its bound by chance. The k-th check has the
-/// share 1 / (k (k + 1)) of [`NOISE_LEVEL`], so that all together have at most that.
-pub fn level_after(checks: u32) -> f64 {
-    let number = f64::from(checks) + 1.0;
-    NOISE_LEVEL / (number * (number + 1.0))
-}
-
-impl Noise {
-    /// The probability of the last check ([`level_after`]).
-    pub fn level(&self) -> f64 {
-        level_after(self.checks.saturating_sub(1))
     }
 }
 
