@@ -13,6 +13,7 @@ mod summary;
 mod viewers;
 mod watch;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::console::print_json;
@@ -28,7 +29,7 @@ use observers::Observers;
 use record::{Clock, per_sample, record, report};
 pub use record::{Finish, attributes_of};
 pub use request::excluded;
-use request::{Request, checked_image, denoising_of, frame_and_job};
+use request::{Request, denoising_of};
 use resume::begin;
 use series::Series;
 pub use summary::{error_words, noise_words, reliability_warnings};
@@ -57,28 +58,24 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant) -> Result<()> {
     let mut clock = Clock::new(start);
     let quiet = args.messages.quiet;
-    // As `check` has them; --quiet leaves them to the report and the image's header.
-    let warnings = scene.warnings();
-    series.tell_warnings(&warnings, quiet);
+    let mut request = Request::new(args, scene, start)?;
+    // --quiet leaves them to the report and the image's header.
+    series.tell_warnings(&request.warnings, quiet);
     tell_biases(&args.options, args.paths.max_depth.0, scene, quiet || series.is_at_later_frame());
     series.begin();
-    let image = checked_image(args, scene)?;
-    let denoising = denoising_of(args, &image.0)?;
-    let (frame, job) = frame_and_job(args, scene, start)?;
+    let denoising = denoising_of(args, &request.image)?;
     clock.seconds.load = clock.lap();
 
-    let build = series.session.view(scene, &frame, &args.options)?;
-    let mut request = Request::new(args, scene, (frame, job), image, &series.session.scene)?;
+    let build = series.session.view(scene, &request.frame, &args.options)?;
+    let view = Arc::clone(&series.session.scene);
+    request.take(&view)?;
     let earlier = request.earlier()?;
-    request.held = earlier.as_ref().map(|state| state.samples.count());
-    series.tell_warnings(&request.warnings, quiet);
-    // Every checkpoint has all of them in its header.
-    request.warnings.splice(0..0, warnings);
+    series.tell_warnings(&view.warnings, quiet);
     series.tell_devices(quiet);
     clock.seconds.build = build.as_secs_f64();
     clock.seconds.device = (clock.lap() - clock.seconds.build).max(0.0);
 
-    let mut film = begin(&request, earlier.as_ref(), &series.session.scene, &series.session.devices)?;
+    let mut film = begin(&request, earlier.as_ref(), &view, &series.session.devices)?;
     let Series { session, signals, changes, compile, quiet: hides_compiling, frames, .. } = series;
     session.profile = args.profile;
     let signals = signals.get_or_insert_with(|| {

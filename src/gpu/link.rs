@@ -256,7 +256,9 @@ impl<'a> Linker<'a> {
         let mut block: Option<OpenBlock<'_>> = None;
         for (number, line) in lines_of_part(text, is_without) {
             let trimmed = line.trim();
-            let words: Vec<&str> = trimmed.split_whitespace().collect();
+            // Most lines are no directives.
+            let words: Vec<&str> =
+                if trimmed.starts_with("//@") { trimmed.split_whitespace().collect() } else { Vec::new() };
             let begins = match words[..] {
                 ["//@", "if", _, ..] => {
                     let condition = When::parse(trimmed.trim_start_matches("//@ if "));

@@ -11,18 +11,19 @@ use std::collections::{BTreeSet, HashMap};
 /// none is ever missing.
 pub fn reached(lines: &[&str]) -> Vec<bool> {
     let declarations = declarations(lines);
-    let by_name: HashMap<&str, Vec<usize>> = declarations.iter().enumerate().fold(HashMap::new(), |mut all, (i, d)| {
-        d.name.iter().for_each(|name| all.entry(*name).or_insert_with(Vec::new).push(i));
-        all
-    });
-    let is_entry = |d: &Declaration<'_>| d.words.contains("@compute");
-    let all = !declarations.iter().any(is_entry);
+    let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (i, declaration) in declarations.iter().enumerate() {
+        declaration.name.iter().for_each(|name| by_name.entry(*name).or_default().push(i));
+    }
+    let code_of = |i: usize| declarations[i].lines.clone().map(|line| code(lines[line]));
+    let is_entry = |i: &usize| code_of(*i).any(|code| code.contains("@compute"));
+    let all = !(0..declarations.len()).any(|i| is_entry(&i));
     // Text without a name, such as a stray word, is kept, so that the parser reports it.
-    let starts = |d: &Declaration<'_>| all || is_entry(d) || d.name.is_none();
-    let mut waiting: Vec<usize> = (0..declarations.len()).filter(|i| starts(&declarations[*i])).collect();
+    let starts = |i: &usize| all || is_entry(i) || declarations[*i].name.is_none();
+    let mut waiting: Vec<usize> = (0..declarations.len()).filter(starts).collect();
     let mut kept: BTreeSet<usize> = waiting.iter().copied().collect();
     while let Some(i) = waiting.pop() {
-        for j in declarations[i].words.iter().filter_map(|word| by_name.get(word)).flatten() {
+        for j in code_of(i).flat_map(mentioned).filter_map(|word| by_name.get(word)).flatten() {
             if kept.insert(*j) {
                 waiting.push(*j);
             }
@@ -49,8 +50,6 @@ pub fn code(line: &str) -> &str {
 struct Declaration<'a> {
     name: Option<&'a str>,
     lines: std::ops::Range<usize>,
-    /// Words that may be names of other declarations, and `@compute` for an entry point.
-    words: BTreeSet<&'a str>,
 }
 
 fn declarations<'a>(lines: &[&'a str]) -> Vec<Declaration<'a>> {
@@ -62,12 +61,11 @@ fn declarations<'a>(lines: &[&'a str]) -> Vec<Declaration<'a>> {
         if open.is_none() && code.trim().is_empty() {
             continue;
         }
-        let declaration =
-            open.get_or_insert_with(|| Declaration { name: None, lines: number..number, words: BTreeSet::new() });
+        let declaration = open.get_or_insert(Declaration { name: None, lines: number..number });
         declaration.lines.end = number + 1;
-        take_words(code, declaration);
-        for c in code.chars() {
-            depth += i64::from(matches!(c, '{' | '(' | '[')) - i64::from(matches!(c, '}' | ')' | ']'));
+        declaration.name = declaration.name.or_else(|| declared(code));
+        for c in code.bytes() {
+            depth += i64::from(matches!(c, b'{' | b'(' | b'[')) - i64::from(matches!(c, b'}' | b')' | b']'));
         }
         if depth <= 0 && (code.ends_with(';') || code.ends_with('}')) {
             found.extend(open.take());
@@ -78,32 +76,34 @@ fn declarations<'a>(lines: &[&'a str]) -> Vec<Declaration<'a>> {
     found
 }
 
-/// Collects the words of a line, except those that only name a member, a parameter or a variable of this declaration.
-/// The first word after the keyword, and after the angle brackets of `var`, is the declaration's name.
-fn take_words<'a>(code: &'a str, declaration: &mut Declaration<'a>) {
-    const KEYWORDS: [&str; 6] = ["fn", "const", "override", "struct", "alias", "var"];
+/// The words of a line, each with its place.
+fn words(code: &str) -> impl Iterator<Item = (usize, &str)> {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = at + code[at..].find(is_word)?;
+        at = code[start..].find(|c| !is_word(c)).map_or(code.len(), |length| start + length);
+        Some((start, &code[start..at]))
+    })
+}
+
+/// The name that a line declares: the first word after the keyword, and after the angle brackets of `var`.
+fn declared(code: &str) -> Option<&str> {
+    const KEYWORDS: [&str; 6] = ["fn", "const", "override", "struct", "alias", "var"];
     // `var<storage, read_write> name`: the words between the brackets are not names.
     let name_from = match code.split_once("var<").and_then(|(_, rest)| rest.split_once('>')) {
         Some((_, rest)) => code.len() - rest.len(),
         None => 0,
     };
+    let mut words = words(code).skip_while(|(_, word)| !KEYWORDS.contains(word)).skip(1);
+    words.find(|(start, _)| *start >= name_from).map(|(_, word)| word)
+}
+
+/// The words of a line that may be names of declarations: not those that only name a member, a parameter or a variable.
+fn mentioned(code: &str) -> impl Iterator<Item = &str> {
     let is_case = code.trim_start().starts_with("case ");
-    let mut behind_keyword = false;
-    let mut at = 0;
-    while let Some(start) = code[at..].find(is_word).map(|start| at + start) {
-        let end = code[start..].find(|c| !is_word(c)).map_or(code.len(), |length| start + length);
-        let word = &code[start..end];
-        let before = code[..start].chars().next_back();
-        at = end;
-        if declaration.name.is_none() && behind_keyword && start >= name_from {
-            declaration.name = Some(word);
-        } else if declaration.name.is_none() && KEYWORDS.contains(&word) {
-            behind_keyword = true;
-        } else if word == "compute" && before == Some('@') {
-            declaration.words.insert("@compute");
-        } else if before != Some('.') && (is_case || !code[end..].starts_with(':')) {
-            declaration.words.insert(word);
-        }
-    }
+    let mentions = move |(start, word): &(usize, &str)| {
+        !code[..*start].ends_with('.') && (is_case || !code[start + word.len()..].starts_with(':'))
+    };
+    words(code).filter(mentions).map(|(_, word)| word)
 }

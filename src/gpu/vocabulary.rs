@@ -2,13 +2,13 @@
 //! behind a choice, and of those that the plan generates. A module that has one of these names gets the module that declares it, without a `//@ use`.
 //! A module says what it takes beyond that, such as buffers and choices.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::reach;
 
 /// The names, with the modules that declare them.
 #[derive(Clone, Debug, Default)]
-pub struct Vocabulary(BTreeMap<String, String>);
+pub struct Vocabulary(HashMap<String, String>);
 
 impl Vocabulary {
     /// Of modules by their names and texts.
@@ -30,7 +30,7 @@ impl Vocabulary {
             for piece in reach::code(line).split_inclusive(|c| !is_word(c)) {
                 let word = piece.trim_end_matches(|c| !is_word(c));
                 let is_name = piece.ends_with('(') || word.starts_with(|c: char| c.is_ascii_uppercase());
-                if let Some(module) = self.0.get(word).filter(|_| is_name && !own.contains(&word)) {
+                if is_name && let Some(module) = self.0.get(word).filter(|_| !own.contains(&word)) {
                     used.entry(module.as_str()).or_insert(index);
                 }
             }

@@ -301,8 +301,6 @@ mod tests {
     use super::*;
     use crate::commands::render::args::RenderArgs;
     use crate::film::Totals;
-    use crate::job::Frame;
-    use crate::output::format::Format;
     use crate::scene::Scene;
 
     const JOB: Job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
@@ -316,15 +314,15 @@ mod tests {
     /// The number of snapshots of a film that takes 10 ms to be read, after `calls` submissions; without checkpoints, or with some at this interval.
     fn snapshots(shown: bool, interval: Option<Duration>, calls: usize) -> usize {
         let folder = tempfile::tempdir().unwrap();
-        let Line { args } = Line::parse_from(["render", "a.ron", "--quiet"]);
+        let image = folder.path().join("a.exr");
+        let Line { args } = Line::parse_from(["render", "a.ron", "--quiet", "-o", image.to_str().unwrap()]);
         let scene = Scene::parse(
             "Scene(image: (width: 1, height: 1), camera: (look_from: (0, 0, 1), look_at: (0, 0, 0), \
             vertical_fov: 40), background: Solid((1, 1, 1)), objects: [])",
             Path::new("a.ron"),
         )
         .unwrap();
-        let image = (folder.path().join("a.exr"), Format::Exr);
-        let request = Request::new(&args, &scene, (Frame::full((1, 1)), JOB), image, &DeviceScene::default()).unwrap();
+        let request = Request::new(&args, &scene, Instant::now()).unwrap();
         let signals = Signals::default();
         let mut observers = Observers::new(&request, &signals, None, Clock::new(Instant::now()), true);
         let film = Accumulation::empty(Film::new(1, 1, 0).unwrap());

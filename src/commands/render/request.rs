@@ -38,7 +38,7 @@ pub struct Request<'a> {
     /// What `-o` names: an EXR, or a PNG, which has no state, so that nothing can go on from it.
     pub image: PathBuf,
     pub format: Format,
-    /// Warnings about the scene, for the header.
+    /// Warnings about the scene, all of which every checkpoint has in its header.
     pub warnings: Vec<String>,
     /// The names of the materials, in the order of their numbers.
     pub materials: Vec<String>,
@@ -49,31 +49,27 @@ pub struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// The request for this part of the image and this job, and for an image as [`checked_image`] has it.
+    /// What the arguments ask of a scene. `start` is when the time of `--time` begins.
+    ///
+    /// # Errors
+    /// `Error::Usage` if a file cannot be written as it is asked for, or if `--crop` is not within the image.
+    pub fn new(args: &'a RenderArgs, scene: &'a Scene, start: Instant) -> Result<Request<'a>> {
+        let (image, format) = checked_image(args, scene)?;
+        let (frame, job) = frame_and_job(args, scene, start)?;
+        let (warnings, materials) = (scene.warnings(), Vec::new());
+        let identity = OnceLock::new();
+        Ok(Request { args, scene, frame, job, image, format, warnings, materials, held: None, identity })
+    }
+
+    /// Takes what the flattened scene says. As `check` has them, its warnings follow those of the scene.
     ///
     /// # Errors
     /// `Error::Usage` if no light path belongs to the samples.
-    pub fn new(
-        args: &'a RenderArgs,
-        scene: &'a Scene,
-        (frame, job): (Frame, Job),
-        (image, format): (PathBuf, Format),
-        view: &DeviceScene,
-    ) -> Result<Request<'a>> {
-        check_light_paths(&job, &frame, view.light_paths(&args.options))?;
-        let (warnings, materials) = (view.warnings.clone(), view.material_names.clone());
-        Ok(Request {
-            args,
-            scene,
-            frame,
-            job,
-            image,
-            format,
-            warnings,
-            materials,
-            held: None,
-            identity: OnceLock::new(),
-        })
+    pub fn take(&mut self, view: &DeviceScene) -> Result<()> {
+        check_light_paths(&self.job, &self.frame, view.light_paths(&self.args.options))?;
+        self.warnings.extend_from_slice(&view.warnings);
+        self.materials.clone_from(&view.material_names);
+        Ok(())
     }
 
     pub fn identity(&self) -> &Identity {
@@ -208,7 +204,7 @@ pub fn more_there<I: Borrow<Identity>>(exr: &Path, identity: impl FnOnce() -> I,
 }
 
 /// The image to write and its format, checked before anything costs time, together with the other files of the render.
-pub fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> {
+fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> {
     let image = args.image();
     let png = args.files.png.as_deref();
     // A name that says no format is refused below.

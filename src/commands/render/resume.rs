@@ -20,7 +20,7 @@ impl Request<'_> {
     ///
     /// # Errors
     /// `Error::Usage` if there is nothing to resume, if the output is of another render, or if it has more samples than requested.
-    pub fn earlier(&self) -> Result<Option<State>> {
+    pub fn earlier(&mut self) -> Result<Option<State>> {
         let Some(exr) = self.exr() else { return Ok(None) };
         let Some(resume) = self.args.keep.resume else { return self.refuse_to_lose().map(|()| None) };
         let name = exr.display();
@@ -64,6 +64,7 @@ impl Request<'_> {
                 "{name} ends within a run of {RUN_LENGTH} samples: the result is that of one render, but for the rounding of f32"
             ));
         }
+        self.held = Some(state.samples.count());
         Ok(Some(state))
     }
 
