@@ -1,4 +1,4 @@
-//! What all renders go through: a view of a scene is flattened and planned for devices, kernels are compiled, and samples are added to a film.
+//! A session: all renders flatten a view of a scene, plan it for devices, compile its kernels and add samples to a film here.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ use crate::threads::join;
 const HALVINGS_AFTER_LOSS: u32 = 2;
 
 /// Renders views of scenes on devices, one after the other. Devices keep their kernels: where the next view links the same texts, nothing compiles.
-/// What a view flattens is relative to its camera, and is flattened anew for another one.
+/// A flattened scene is relative to the camera, so that each view is flattened anew.
 #[derive(Default)]
 pub struct Session {
     pub devices: Vec<Arc<Device>>,
@@ -36,7 +36,7 @@ pub struct Session {
     pub submission: Option<Duration>,
     /// `None` before the view's kernels are compiled.
     ready: Option<Ready>,
-    /// What the last render has come to, also where it failed.
+    /// The outcome of the last render, also where it failed.
     pub outcome: Outcome,
 }
 
@@ -140,7 +140,7 @@ impl Session {
         let jobs = film.jobs(job, self.outcome.noise);
         let Some(first) = jobs.first() else { return Ok(()) };
         if self.ready.as_ref().is_none_or(|ready| ready.size != job.size) {
-            self.compile(first, observer)?;
+            self.prepare(first, observer)?;
         }
         for job in &jobs {
             observer.begin(job, film, self.numerics()?);
@@ -156,8 +156,12 @@ impl Session {
         Ok(())
     }
 
-    /// Plans the view and compiles its kernels. Where devices have no memory for their buffers, they get half of the slots.
-    fn compile(&mut self, job: &Job, observer: &mut dyn Observer) -> Result<()> {
+    /// Plans the view for a job and compiles its kernels. Where devices have no memory for their buffers, they get half of the slots. A render does
+    /// this where nobody has; who renders a job bit by bit does it first, since the kernels of a long job are others.
+    ///
+    /// # Errors
+    /// As of [`Plan::new`] and [`Session::compile_plans`].
+    pub fn prepare(&mut self, job: &Job, observer: &mut dyn Observer) -> Result<()> {
         loop {
             let (devices, scene) = (self.devices.clone(), Arc::clone(&self.scene));
             // A device keeps what its probe finds; its error is returned again when the findings are read.

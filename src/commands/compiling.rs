@@ -1,4 +1,4 @@
-//! What a user sees while kernels compile. A driver takes up to minutes for that, and cannot be stopped.
+//! The line of progress while kernels compile. A driver takes up to minutes for that, and cannot be stopped.
 
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -11,7 +11,7 @@ use crate::output::progress::Loading;
 /// How often the progress is shown.
 const TICK: Duration = Duration::from_millis(200);
 
-/// Shows how far kernels are that compile, until it is dropped. Where the system has no thread for that, nothing is shown.
+/// Shows how many kernels are compiled, until it is dropped. Where the system has no thread for that, nothing is shown.
 pub struct Compiling {
     over: Option<Sender<()>>,
     showing: Option<JoinHandle<()>>,

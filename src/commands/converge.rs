@@ -121,6 +121,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let mut session = Session::on(vec![Arc::clone(&device)]);
     session.view(&scene, &Frame::full(size), &args.options)?;
+    session.prepare(&job, &mut ())?;
     let mut film = session.film(size)?;
 
     let signals = Signals::listen("no table and no plot are written");

@@ -30,7 +30,7 @@ use record::{Clock, per_sample, record, report};
 pub use record::{Finish, attributes_of};
 pub use request::excluded;
 use request::{Request, denoising_of};
-use resume::begin;
+use resume::starting_film;
 use series::Series;
 pub use summary::{error_words, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
@@ -75,7 +75,7 @@ fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant)
     clock.seconds.build = build.as_secs_f64();
     clock.seconds.device = (clock.lap() - clock.seconds.build).max(0.0);
 
-    let mut film = begin(&request, earlier.as_ref(), &view, &series.session.devices)?;
+    let mut film = starting_film(&request, earlier.as_ref(), &view, &series.session.devices)?;
     let Series { session, signals, changes, compile, quiet: hides_compiling, frames, .. } = series;
     session.profile = args.profile;
     let signals = signals.get_or_insert_with(|| {

@@ -120,12 +120,12 @@ struct DeviceFilm {
 /// What submissions report to the host.
 struct Readings {
     /// One for each submission in flight.
-    each: Vec<Reading>,
+    each: Vec<Feedback>,
     stages: StageTimes,
 }
 
 /// What a submission reports to the host.
-struct Reading {
+struct Feedback {
     counters: Readback,
     timing: Option<Timing>,
 }
@@ -241,7 +241,7 @@ impl DeviceRenderer {
         let kernels = Pipelines::new(plan, Pipeline::all(device, &specs, &buffers)?)?;
         let light_paths = plan.options.light_paths.count() > 0;
         let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov, light_paths);
-        let reading = |_| Reading {
+        let reading = |_| Feedback {
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             timing: if profile { Timing::new(device) } else { None },
         };
@@ -485,7 +485,7 @@ impl DeviceRenderer {
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
         let Flight { submission, receipt, reading, kind, work, begun, begin } = flight;
-        let Reading { counters, timing } = &mut self.readings.each[reading];
+        let Feedback { counters, timing } = &mut self.readings.each[reading];
         let bytes = size_of::<Counters>() as u64;
         let counted: Counters = counters.read(&self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
         // Each slot asks for a run in its first submission.
@@ -572,7 +572,7 @@ impl DeviceRenderer {
             PathKind::Light => light_path.iter().chain([last]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();
-        let Reading { counters: readback, timing } = &mut self.readings.each[reading];
+        let Feedback { counters: readback, timing } = &mut self.readings.each[reading];
         match timing {
             None => {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

@@ -145,22 +145,17 @@ fn snapshots_do_not_show() {
         let options = options(Scatter::Fused);
         let full = render(&options, SIZE, 0..40, None, &mut ()).0;
         let (mut snapshots, mut paths) = (0, 0);
-        let observed = render(
-            &options,
-            SIZE,
-            0..40,
-            tile,
-            &mut following(|outcome, snapshot| {
-                if let Some(snapshot) = snapshot {
-                    let picture = snapshot.film.develop();
-                    let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
-                    assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
-                    snapshots += 1;
-                    paths = paths.max(seen);
-                }
-                Next::Snapshot
-            }),
-        );
+        let mut observer = following(|outcome, snapshot| {
+            if let Some(snapshot) = snapshot {
+                let picture = snapshot.film.develop();
+                let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
+                assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
+                snapshots += 1;
+                paths = paths.max(seen);
+            }
+            Next::Snapshot
+        });
+        let observed = render(&options, SIZE, 0..40, tile, &mut observer);
         assert!(observed.0 == full, "{tile:?}");
         assert!(snapshots > 10 && paths > 0, "{snapshots} snapshots, {paths} paths");
     }
@@ -207,25 +202,20 @@ fn a_complete_film_has_equal_samples_in_all_pixels() {
     let each: Vec<Film> = (1..=5).map(|runs| full(RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
-        let observed = render(
-            &options,
-            SIZE,
-            0..40,
-            tile,
-            &mut following(|outcome, snapshot| {
-                if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                    let end = outcome.samples.range().end;
-                    seen.push(end);
-                    assert!(
-                        end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
-                        "{end}"
-                    );
-                }
-                // A snapshot of runs under way in between must not matter.
-                calls += 1;
-                if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
-            }),
-        );
+        let mut observer = following(|outcome, snapshot| {
+            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
+                let end = outcome.samples.range().end;
+                seen.push(end);
+                assert!(
+                    end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
+                    "{end}"
+                );
+            }
+            // A snapshot of runs under way in between must not matter.
+            calls += 1;
+            if calls % 3 == 0 { Next::Snapshot } else { Next::CompleteSnapshot }
+        });
+        let observed = render(&options, SIZE, 0..40, tile, &mut observer);
         assert!(observed.0 == each[4] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
     }
 }

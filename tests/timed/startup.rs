@@ -16,7 +16,6 @@ use gpu_rt::gpu::kernel_cache::KEPT_KERNELS;
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::job::{Frame, Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
-use gpu_rt::plan::Plan;
 use gpu_rt::render::{Next, following};
 use gpu_rt::scene::Scene;
 use gpu_rt::session::Session;
@@ -33,9 +32,7 @@ fn start(device: &Arc<Device>, scene: &Scene, scatter: Scatter, aov: &[Aov], to_
     session.profile = true;
     session.view(scene, &Frame::full(SIZE), &options).expect("the scene flattens");
     if !to_be_rendered {
-        let view = Arc::clone(&session.scene);
-        let plan = Plan::new(&view, &options, device.class(), &job).expect("the kernels link");
-        session.compile_plans(&[plan], &job, &mut ()).expect("the kernels compile");
+        session.prepare(&job, &mut ()).expect("the kernels compile");
         return Vec::new();
     }
     let mut film = session.film(SIZE).expect("the film fits");

@@ -19,7 +19,7 @@ const MOST_OF_CHECKPOINTS: f64 = 0.03;
 /// The first checkpoint is complete this long after the start, so that a disk that is full from the start is found.
 const FIRST_CHECKPOINT: Duration = Duration::from_secs(45);
 
-/// When checkpoints are due, and what came of the last one.
+/// The times of checkpoints, and the result of the last one.
 pub struct Checkpoints {
     /// `None` where the file cannot be replaced.
     pub next: Option<Instant>,
@@ -32,11 +32,11 @@ pub struct Checkpoints {
     failed: Option<String>,
     /// Whether one has been written.
     pub kept: bool,
-    /// What the film of the present job began with.
+    /// The film of the present job when it began.
     pub before: Option<Before>,
 }
 
-/// What is known of a film before a job, but for its pixels.
+/// A film before a job, without its pixels.
 pub struct Before {
     pub begun: Instant,
     pub samples: Samples,
@@ -83,8 +83,8 @@ impl Checkpoints {
         runs.is_some_and(|runs| is_due(self.first, now + runs)) || is_due(self.next, now)
     }
 
-    /// Notes what came of the image, and of its picture after that. Tells what is new, and when the next one comes. One that fails is tried again;
-    /// the render is worth more than it.
+    /// Notes whether the image was written, and then its picture. Tells what is new, and when the next one comes. A render goes on where a checkpoint
+    /// fails.
     pub fn add(
         &mut self,
         image: Result<()>,

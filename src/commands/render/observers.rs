@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::checkpoints::{Before, Checkpoints, is_due};
 use super::record::{Clock, Finish, attributes_of, per_sample, record};
 use super::request::Request;
-use super::resume::begin;
+use super::resume::starting_film;
 use super::viewers::{Viewers, pause_after, snapshot_time};
 use crate::commands::changes::Changes;
 use crate::commands::compiling::Compiling;
@@ -44,11 +44,11 @@ pub struct Observers<'a> {
     headway: Headway,
     /// Whether compiling is not shown either.
     quiet: bool,
-    /// What is shown while kernels compile, which the first signal ends.
+    /// Shows the kernels that compile, which the first signal ends.
     compiling: Option<(Compiling, EndsAtOnce<'a>)>,
 }
 
-/// What the progress of a job is measured by.
+/// The progress of a job, and the pace that it is predicted by.
 struct Headway {
     /// When the first of the paths that are counted began.
     begun: Instant,
@@ -192,7 +192,7 @@ impl Observer for Observers<'_> {
             return None;
         }
         self.progress.message(&format!("warning: {why}; the device is opened once more"));
-        begin(self.request, self.kept().ok()?.as_ref(), view, devices).ok()
+        starting_film(self.request, self.kept().ok()?.as_ref(), view, devices).ok()
     }
 }
 

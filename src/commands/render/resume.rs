@@ -1,4 +1,4 @@
-//! What an earlier render has left in the output, and the film that the render begins with.
+//! The state of an earlier render in the output, and the film that this one begins with.
 
 use std::ops::Range;
 use std::path::Path;
@@ -86,7 +86,7 @@ impl Request<'_> {
 ///
 /// # Errors
 /// `Error::File` if the pixels of the output cannot be read. `Error::Usage` as of [`add_devices`].
-pub fn begin(
+pub fn starting_film(
     request: &Request<'_>,
     earlier: Option<&State>,
     view: &DeviceScene,

@@ -15,7 +15,7 @@ use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
 use crate::session::Session;
 
-/// What stays from render to render.
+/// The things that stay from render to render.
 #[derive(Default)]
 pub struct Series {
     pub session: Session,
@@ -34,7 +34,7 @@ pub struct Series {
     pub frames: Option<Reported>,
 }
 
-/// What has been said about the frames of a sequence so far.
+/// The reports and warnings about the frames of a sequence so far.
 #[derive(Default)]
 pub struct Reported {
     /// The reports of `--json`.
