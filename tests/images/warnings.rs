@@ -1,8 +1,8 @@
 //! Warnings about numbers that are allowed and dangerous: each at its location, with the number and what to do, and none
 //! for a twin scene just on the other side of its limit. The limits of surfaces near glass are compared with pictures.
 
+use crate::common::files::files;
 use crate::common::marked::{fault, unmarked};
-use crate::common::scenes::files;
 use crate::common::{render, stats};
 use std::fs;
 use std::path::Path;
@@ -889,7 +889,9 @@ fn lights_of_no_emission_are_warned_of() {
 #[test]
 fn the_scenes_that_come_with_it_are_safe() {
     let mut seen = 0;
-    for path in ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(files) {
+    for path in
+        ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(|folder| files(folder, ".ron", false))
+    {
         let scene = Scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
         let (width, height) = (scene.image.width, scene.image.height);
         let warned = ["one_sided_quads.ron", "one_sided_inside.ron", "one_sided_in_a_box.ron", "window.ron"];
