@@ -10,7 +10,7 @@ use crate::common::render::{Request, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::U;
-use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
+use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM};
 
 /// Samples that are made; they are added again and again, for a billion differences would show nothing that these do not.
 const DISTINCT: usize = 1 << 20;
@@ -103,9 +103,7 @@ pub fn means() -> Vec<Cell> {
     {
         let running = running(&samples, part);
         for ((of, samples), running) in DISTRIBUTIONS.iter().zip(&samples).zip(running) {
-            let cell = Cell::new(
-                Row::Samples,
-                format!("{name}, {}", of.0),
+            let cell = Cell::new(format!("{name}, {}", of.0),
                 "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
                 "the required accuracy. A run's sum is off by at most 6e-8. It is exact if its samples are equal; otherwise its \
@@ -123,7 +121,6 @@ pub fn means() -> Vec<Cell> {
     for exponent in [67, -67] {
         all.push(
             Cell::new(
-                Row::Samples,
                 format!("1e9, uniform in 0..2^{exponent}"),
                 "Relative error of a pixel's mean, with a radiance far from 1",
                 1e-7,
@@ -161,9 +158,7 @@ pub fn constants() -> Vec<Cell> {
         shot.picture.rgb[0].map(|x| (f64::from(x) / WORST - 1.0).abs()).into_iter().fold(0.0, f64::max)
     };
     let mut all = vec![
-        Cell::new(
-            Row::Samples,
-            "8, a million constants",
+        Cell::new("8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
             "none, because f32 represents eight times a number exactly, and the sum of a run is off by less than the distance to \
@@ -174,7 +169,6 @@ pub fn constants() -> Vec<Cell> {
     ];
     for (name, scatter) in [("one kernel", Scatter::Fused), ("a kernel a stage", Scatter::Linked)] {
         let cell = Cell::new(
-            Row::Samples,
             format!("2^24 + 1, a sky of {WORST}; {name}"),
             "Relative error of a rendered pixel whose samples are all equal",
             1e-7,
@@ -214,7 +208,6 @@ pub fn variances() -> Vec<Cell> {
         let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
         let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(
-            Row::Samples,
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,

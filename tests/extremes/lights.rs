@@ -11,7 +11,7 @@ use crate::common::render::{Request, Shot, render, render_planted, scene};
 use crate::common::scenes::triple;
 use crate::common::stats::mean_and_variance;
 use crate::common::vectors::{U, exact};
-use crate::table::{Cell, ONE_MINUS_COS, Row};
+use crate::table::{Cell, ONE_MINUS_COS};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -55,9 +55,7 @@ pub fn densities() -> Vec<Cell> {
     SHARES
         .into_iter()
         .map(|share| {
-            let cell = Cell::new(
-                Row::LightSize,
-                range(share),
+            let cell = Cell::new(range(share),
                 "Spheres: largest relative error of the density over its bound",
                 1.0,
                 "8 u, plus 8 u divided by the cosine of the cone's half angle, or the square root of 8 u near contact (`density_bound`).",
@@ -88,7 +86,6 @@ pub fn irradiances() -> Vec<Cell> {
         let (error, noise, missed) = of(&own);
         // What is added up is the mean over a cone narrower by 12 u.
         let cell = Cell::new(
-            Row::LightSize,
             range(share),
             "Spheres: relative error of the irradiance from 2^16 sampled directions and densities",
             noise + density_bound(height) + 32.0 * U,
@@ -109,7 +106,7 @@ pub fn irradiances() -> Vec<Cell> {
                 ),
             };
             let figure = "Spheres: of 2^16 sampled directions, those that miss the light";
-            all.push(Cell::new(Row::LightSize, range(share), figure, limit, because).achieved(missed));
+            all.push(Cell::new(range(share), figure, limit, because).achieved(missed));
         }
     }
     all
@@ -165,9 +162,7 @@ pub fn floors() -> Vec<Cell> {
             let sides = if two_sided { "two sides" } else { "one side" };
             // The view's 1e-4 are 2e-4 of the distance at most, squared.
             let cell =
-                Cell::new(
-                    Row::LightSize,
-                    format!("r/D = {share:e}, {sides}"),
+                Cell::new(format!("r/D = {share:e}, {sides}"),
                     "Relative error of a floor below a sphere, rendered with light sampling",
                     noise + 64.0 * U + 1e-7,
                     "4.9 standard errors as estimated by the film, except for lights so far away that all directions have the same \
@@ -221,9 +216,7 @@ pub fn radiances() -> Vec<Cell> {
         let emit = 10f64.powi(exponent);
         let shot = render(&scene(&closed_room(emit, "", "")), &Request::spp(64));
         all.push(
-            Cell::new(
-                Row::Radiance,
-                format!("emission 1e{exponent}"),
+            Cell::new(format!("emission 1e{exponent}"),
                 "Largest relative error of a pixel in a closed room that absorbs nothing, without light sampling",
                 12.0 * U,
                 "every path contributes the lamp's radiance: its rounding, the 8 sums of a run, and the rounding of the image.",
@@ -236,7 +229,6 @@ pub fn radiances() -> Vec<Cell> {
         let noise = noise.min(NOISE * emit / 64.0);
         all.push(
             Cell::new(
-                Row::Radiance,
                 format!("emission 1e{exponent}"),
                 "Relative error of the mean radiance in a closed room that absorbs nothing, with light sampling",
                 noise / emit + 16.0 * U,
@@ -262,9 +254,7 @@ pub fn rooms() -> Vec<Cell> {
         let range = format!("1e{exponent} beside 1e20");
         if rounding < 0.5 {
             all.push(
-                Cell::new(
-                    Row::Radiance,
-                    range,
+                Cell::new(range,
                     "Largest relative error of a pixel in a room beside a light of radiance 1e20",
                     12.0 * U + rounding,
                     "as in the room alone, plus half of the film's unit of 2^-88 of the brightest light for each sum of 8.",
@@ -275,7 +265,6 @@ pub fn rooms() -> Vec<Cell> {
             let brightest = shot.picture.rgb.iter().flatten().fold(0.0f64, |most, &v| most.max(f64::from(v)));
             all.push(
                 Cell::new(
-                    Row::Radiance,
                     range,
                     "Radiance in a room beside a light more than 2^92 times as bright",
                     0.0,

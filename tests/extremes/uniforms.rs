@@ -8,7 +8,7 @@ use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
 use crate::common::render::{Request, render_linked, scene};
 use crate::common::rows::{Words, rows};
 use crate::common::vectors::{U, exact};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 const LAST: f32 = 1.0 - U as f32;
 
@@ -28,7 +28,7 @@ pub fn cells() -> Vec<Cell> {
 }
 
 fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
-    Cell::new(Row::Uniforms, range, figure, 0.0, "none.")
+    Cell::new(range, figure, 0.0, "none.")
 }
 
 const ANSWERS: &str =
@@ -144,9 +144,7 @@ fn forced() -> Vec<Cell> {
             let brightest = values.fold(0.0f64, |most, &v| most.max(f64::from(v)));
             // A sampled light counts w f cos / p_l = p_l p_k / (p_l² + p_k²) at most, a half, at each of 10 events.
             all.push(
-                Cell::new(
-                    Row::Uniforms,
-                    format!("{name}, {block}"),
+                Cell::new(format!("{name}, {block}"),
                     "Brightest pixel of those renders, relative to the brightest light",
                     6.0,
                     "the light that a path hits, plus at most half of a light for each of 10 events because of the MIS weights.",
