@@ -178,13 +178,8 @@ pub fn render_all(
 }
 
 /// Renders with kernels that are linked from another library, in which errors can be planted; the caller checks the counts.
-pub fn render_linked(scene: &Scene, request: &Request, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
-    let mut shots = Vec::new();
-    let wanted = ranges.iter().map(|samples| (request.seed, samples.clone()));
-    render_with(scene, request, wanted, &Change { library: Some(library), ..Change::default() }, |shot| {
-        shots.push(shot)
-    });
-    shots
+pub fn render_planted(scene: &Scene, request: &Request, library: &dyn Library) -> Shot {
+    render_changed(scene, request, &Change { library: Some(library), ..Change::default() })
 }
 
 /// What a test changes between a scene and its kernels.
@@ -320,12 +315,6 @@ pub fn render_in(session: &mut Session, job: &Job, film: &mut Film, observer: &m
 /// A film of one pixel.
 pub fn one_pixel() -> Film {
     Film::new(1, 1, 0).expect("it is small")
-}
-
-/// Renders by kernels from another library.
-pub fn render_planted(scene: &Scene, request: &Request, library: &dyn Library) -> Shot {
-    let samples = request.samples.clone().unwrap_or(0..scene.render.samples);
-    render_linked(scene, request, &[samples], library).remove(0)
 }
 
 /// Links the kernels of a plan another way.

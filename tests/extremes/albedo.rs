@@ -70,7 +70,8 @@ fn by_scattering() -> Vec<Cell> {
             let events = 1.0 / (r * r);
             let noise = NOISE * (1.0 - albedo) * events / (64.0f64 * 256.0).sqrt();
             let name = if albedo == 1.0 - U { "1 - 2^-24".to_string() } else { format!("{albedo}") };
-            Cell::new(format!("albedo {name}, lamp of r/R = {r}, depth 1000"),
+            Cell::new(
+                format!("albedo {name}, lamp of r/R = {r}, depth 1000"),
                 "Relative error of the mean radiance in a closed room, without light sampling",
                 noise + (2.0 * events + 8.0) * U,
                 "a path with k events contributes a^k of the lamp's radiance, and the mean of k is 4: the rounding of the albedo \

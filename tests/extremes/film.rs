@@ -103,7 +103,8 @@ pub fn means() -> Vec<Cell> {
     {
         let running = running(&samples, part);
         for ((of, samples), running) in DISTRIBUTIONS.iter().zip(&samples).zip(running) {
-            let cell = Cell::new(format!("{name}, {}", of.0),
+            let cell = Cell::new(
+                format!("{name}, {}", of.0),
                 "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
                 "the required accuracy. A run's sum is off by at most 6e-8. It is exact if its samples are equal; otherwise its \
@@ -158,7 +159,8 @@ pub fn constants() -> Vec<Cell> {
         shot.picture.rgb[0].map(|x| (f64::from(x) / WORST - 1.0).abs()).into_iter().fold(0.0, f64::max)
     };
     let mut all = vec![
-        Cell::new("8, a million constants",
+        Cell::new(
+            "8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
             "none, because f32 represents eight times a number exactly, and the sum of a run is off by less than the distance to \

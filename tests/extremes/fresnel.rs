@@ -242,7 +242,8 @@ pub fn cells() -> Vec<Cell> {
             );
             all.push(by_textbook(cell, &|v| v.snell.max(v.direction).max(v.cos)));
             if leaving {
-                let cell = Cell::new(&range,
+                let cell = Cell::new(
+                    &range,
                     "Distance from the edge of total reflection, as a share of the squared cosine there, at which a ray was decided \
                      wrongly",
                     3.0 * U,

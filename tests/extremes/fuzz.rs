@@ -217,7 +217,8 @@ pub fn cells() -> Vec<Cell> {
             (absorbed as f64 / DRAWS as f64 - share).abs()
         };
         all.push(
-            Cell::new(&range,
+            Cell::new(
+                &range,
                 "Error of the absorbed share, at a cosine of half the fuzz, 2^17 draws",
                 NOISE * 0.37 / (DRAWS as f64).sqrt() + 0.57 * 8.0 * U / fuzz,
                 "4.9 standard errors of a share of 0.16, and the height's rounding of 8 u times the slope of (2 + h)(1 - h)²/4.",

@@ -58,7 +58,8 @@ pub fn cells() -> Vec<Cell> {
     let distances = [0.0, 0.0, 0.0, 1.0, 3e3, 1e-2, 1e3, 1.0, 1e8];
     let mut all = Vec::new();
     for (size, distance) in sizes.into_iter().zip(distances) {
-        let cell = Cell::new(format!("scaled by {size:e}, {distance:e} from the eye"),
+        let cell = Cell::new(
+            format!("scaled by {size:e}, {distance:e} from the eye"),
             "Instances: of 10 000 rays, those that hit the face or the ball that they left, or missed its far side",
             0.0,
             "none, because the offset exceeds the error within the mesh, plus 16 u of the position in it for the transforms \

@@ -55,7 +55,8 @@ pub fn densities() -> Vec<Cell> {
     SHARES
         .into_iter()
         .map(|share| {
-            let cell = Cell::new(range(share),
+            let cell = Cell::new(
+                range(share),
                 "Spheres: largest relative error of the density over its bound",
                 1.0,
                 "8 u, plus 8 u divided by the cosine of the cone's half angle, or the square root of 8 u near contact (`density_bound`).",
@@ -162,7 +163,8 @@ pub fn floors() -> Vec<Cell> {
             let sides = if two_sided { "two sides" } else { "one side" };
             // The view's 1e-4 are 2e-4 of the distance at most, squared.
             let cell =
-                Cell::new(format!("r/D = {share:e}, {sides}"),
+                Cell::new(
+                    format!("r/D = {share:e}, {sides}"),
                     "Relative error of a floor below a sphere, rendered with light sampling",
                     noise + 64.0 * U + 1e-7,
                     "4.9 standard errors as estimated by the film, except for lights so far away that all directions have the same \
@@ -216,7 +218,8 @@ pub fn radiances() -> Vec<Cell> {
         let emit = 10f64.powi(exponent);
         let shot = render(&scene(&closed_room(emit, "", "")), &Request::spp(64));
         all.push(
-            Cell::new(format!("emission 1e{exponent}"),
+            Cell::new(
+                format!("emission 1e{exponent}"),
                 "Largest relative error of a pixel in a closed room that absorbs nothing, without light sampling",
                 12.0 * U,
                 "every path contributes the lamp's radiance: its rounding, the 8 sums of a run, and the rounding of the image.",
@@ -254,7 +257,8 @@ pub fn rooms() -> Vec<Cell> {
         let range = format!("1e{exponent} beside 1e20");
         if rounding < 0.5 {
             all.push(
-                Cell::new(range,
+                Cell::new(
+                    range,
                     "Largest relative error of a pixel in a room beside a light of radiance 1e20",
                     12.0 * U + rounding,
                     "as in the room alone, plus half of the film's unit of 2^-88 of the brightest light for each sum of 8.",

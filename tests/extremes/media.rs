@@ -60,7 +60,8 @@ pub fn depths_of_words() -> Vec<Cell> {
     let (own, one_word) = (worst(&[]), worst(ONE_WORD));
     (0..8)
         .map(|i| {
-            let cell = Cell::new(format!("τ = {:e}..{:e}", edges[i], edges[i + 1]),
+            let cell = Cell::new(
+                format!("τ = {:e}..{:e}", edges[i], edges[i + 1]),
                 "Largest error of a sampled optical depth, over its bound",
                 1.0,
                 "below 0.01, 4 u of the depth for the series; above, WGSL's bound for the logarithm: 2^-21 up to 0.7, and 6 u of it \
@@ -103,7 +104,8 @@ pub fn shares() -> Vec<Cell> {
     .map(|limit| {
         let (error, noise) = share(&[], limit);
         let what = if limit < 0.7 { "below" } else { "above" };
-        let cell = Cell::new(format!("{what} τ = {limit:e}"),
+        let cell = Cell::new(
+            format!("{what} τ = {limit:e}"),
             "Relative error of the share of light that scatters before τ (below), or not before τ (above)",
             NOISE * noise,
             "4.9 standard errors of 2^16 samples. They come from a part of all 2^48 numbers in which at least a quarter counts.",
@@ -177,7 +179,8 @@ pub fn black_slabs() -> Vec<Cell> {
             });
             let through = |text: &str| render_planted(&scene(text), &Request::spp(64), &lowest).mean_of_all().value[0];
             let expected = 1.0 + 2f64.powi(k) * (-depth).exp_m1();
-            Cell::new(format!("τ = {depth:e}, k = {k}"),
+            Cell::new(
+                format!("τ = {depth:e}, k = {k}"),
                 "Error of the transmittance of a slab that absorbs, rendered with the lowest 2^-k of all random numbers",
                 NOISE * (expected * (1.0 - expected) / SAMPLES).sqrt() + 2f64.powi(k) * (8.0 * U * depth * (-depth).exp() + 2f64.powi(-48)),
                 "the transmittance is 1 - 2^k (1 - exp(-τ)); 4.9 standard errors of 65 536 paths, 8 u for the depth, and the last \
@@ -228,7 +231,8 @@ pub fn bright_slabs() -> Vec<Cell> {
             let said = diagnostics(&scene(&slab(depth, ALBEDO, distance, thickness)));
             assert!(s > 0.05 || said.is_empty(), "{said:?}");
             all.push(
-                Cell::new(format!("τ = {depth:.1e} in {thickness} seen from {distance}: s = {s:e}"),
+                Cell::new(
+                    format!("τ = {depth:.1e} in {thickness} seen from {distance}: s = {s:e}"),
                     "Relative error of the radiance of a thick slab that scatters, rendered",
                     NOISE * mean.variance[0].sqrt() / expected + 3.0 * s,
                     "4.9 standard errors as estimated by the film. The distance, its product and the sum are rounded by u R each: a \
@@ -340,7 +344,8 @@ pub fn cosines() -> Vec<Cell> {
             worst
         };
         let (own, textbook) = (worst(&[]), worst(&[("medium/phase", "test/control/phase_textbook")]));
-        let cell = Cell::new(range(g),
+        let cell = Cell::new(
+            range(g),
             "Largest relative error of 1 - cos and 1 + cos",
             26.0 * U,
             "|g| and 1 - |g| are rounded; D and 1 - h + h u are off by 3 u each, and 1 + h by 2 u; squares double these errors, and \
@@ -348,7 +353,8 @@ pub fn cosines() -> Vec<Cell> {
         )
         .achieved(own[0]);
         all.push(if g == 0.0 { cell } else { cell.planted(TEXTBOOK, textbook[0]) });
-        let cell = Cell::new(range(g),
+        let cell = Cell::new(
+            range(g),
             "Largest error of the new direction's cosine and length, over its bound",
             1.0,
             "26 u for the cosine, 16 u for the basis, the sum and normalize, 8 u for the point on the circle; 8 u for the length.",
@@ -470,7 +476,8 @@ pub fn densities() -> Vec<Cell> {
             false => cell,
         };
         all.push(planted(
-            Cell::new(range(g),
+            Cell::new(
+                range(g),
                 "Largest relative error of the density of a direction",
                 32.0 * U + 1.5 * (4.0 * U / less).powi(2),
                 "32 u for the denominator (off by 8 u, to the power of 3/2) and the quotient. The lengths of the vectors are off by \
@@ -481,7 +488,8 @@ pub fn densities() -> Vec<Cell> {
         ));
         if less > 1e-4 {
             all.push(planted(
-                Cell::new(range(g),
+                Cell::new(
+                    range(g),
                     "Error of the density's integral over the sphere",
                     32.0 * U + 3.0 * 4.0 * U / less,
                     "as above, and the rounding of directions by 4 u, divided by 1 - |g| where the density is steepest.",

@@ -167,7 +167,8 @@ pub fn far_objects() -> Vec<Cell> {
             })
         };
         // The point on the sphere is off by 4 u of its radius and distance, the ray's by 8 u, reduced positions up to 256 by u.
-        let cell = Cell::new(format!("object {far:e} from the origin of its space"),
+        let cell = Cell::new(
+            format!("object {far:e} from the origin of its space"),
             "Largest error of a noise texture on a sphere that is far from the origin of its own space",
             0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::common::vectors::U + NOISE_ERROR),
             "a slope of at most 10 times the error of the position: 16 u on the sphere, and u of the 256 to which the host reduces \

@@ -14,7 +14,8 @@ pub fn powers_of_two() -> Vec<Cell> {
         .map(|exponent| {
             let world = World { scale: 2f64.powi(exponent), ..World::default() };
             let moved = World { camera_shift: 1e-6, ..world };
-            Cell::new(format!("2^{exponent}"),
+            Cell::new(
+                format!("2^{exponent}"),
                 "Whether any bit of the image differs, for a scene with every feature",
                 0.0,
                 "none, because the host scales the scene to an extent of 1 by a power of two, in f64: kernels read the same numbers.",

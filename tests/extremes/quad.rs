@@ -102,7 +102,8 @@ pub fn grazed() -> Vec<Cell> {
             let found = judge(kernel, &quads, &rays);
             // (1/1.1)^2 = 83 % of the targets lie on their quads; needles lose some to their larger bounds.
             assert!(found.hits > if exponent < 5 { 10_000 } else { 1000 }, "{found:?}");
-            let cell = Cell::new(range,
+            let cell = Cell::new(
+                range,
                 "Quads by the sine of the angle with the plane: largest error of the decision, the distance, the point and its \
                  coordinates over its bound",
                 1.0,

@@ -108,7 +108,8 @@ pub fn cells() -> Vec<Cell> {
         let alpha = f64::from(roughness as f32).powi(2);
         let is_rough = roughness * 1024.0 >= 1.0;
         if is_rough {
-            let cell = Cell::new(&range,
+            let cell = Cell::new(
+                &range,
                 "Largest relative error of the density of 5000 answers, with cosines from 1e-4 to 1",
                 128.0 * U + 80.0 * U / alpha,
                 "the half vector of two rounded directions, of a length of at least 0.1, is turned by up to 40 u, and its density changes by \
@@ -119,7 +120,8 @@ pub fn cells() -> Vec<Cell> {
             all.push(if known { cell.planted(COSINE, density_error(roughness, &[TEXTBOOK])) } else { cell });
         }
         let grazing = |what: &str, wrong: f64| {
-            Cell::new(format!("{range}, {what}"),
+            Cell::new(
+                format!("{range}, {what}"),
                 "Answers of 5000 that are not finite, on a wrong side or too bright, with cosines from 1e-20 to 1e-2",
                 0.0,
                 "none. A weight is at most 1, and at most 10 of glTF's material, whose lobes are drawn with a probability of at least 0.1.",

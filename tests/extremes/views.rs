@@ -139,7 +139,8 @@ pub fn telescopes() -> Vec<Cell> {
             false => cell,
         });
         all.push(
-            Cell::new(range,
+            Cell::new(
+                range,
                 "Root mean square error of the radiance in the middle of far Lambertian spheres under a gradient sky",
                 // E[y] under the cosine is 2/3 n.y, its variance at most 1/4: a sample's standard deviation is 1/4 at most.
                 CHANCE * 0.25 / f64::from(16 * SAMPLES).sqrt(),
@@ -184,8 +185,11 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
 /// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x
 /// of it. The picture is as wide as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of
 /// it or more.
-/// Images through lenses of an aperture and a focus, and through others in their place.
-fn lenses(lenses: &[(String, (f64, f64), Option<(f64, f64)>)]) -> Vec<Cell> {
+/// An aperture and a focus.
+type Lens = (f64, f64);
+
+/// Images through lenses, and through others in their place.
+fn lenses(lenses: &[(String, Lens, Option<Lens>)]) -> Vec<Cell> {
     const FIGURE: &str = "Root mean square error of the pixels in an image of a half plane at distance 5 through a lens, with an \
                           image as wide as the blur";
     const BECAUSE: &str = "1/32, times 1.35 for chance, as for edge pixels.";
@@ -220,8 +224,8 @@ fn lenses(lenses: &[(String, (f64, f64), Option<(f64, f64)>)]) -> Vec<Cell> {
         });
         rms(&found, &expected, |_| true)
     };
-    let cell = |(range, lens, other): &(String, _, Option<_>)| {
-        let lens: (f64, f64) = *lens;
+    let cell = |(range, lens, other): &(String, Lens, Option<Lens>)| {
+        let lens = *lens;
         let cell = Cell::new(range, FIGURE, edge_limit(), BECAUSE).achieved(error(lens, lens, &[]));
         let cell = match lens.0 {
             0.0 => cell.planted("aperture of 1", error(lens, (1.0, lens.1), &[])),
@@ -278,7 +282,8 @@ pub fn sizes() -> Vec<Cell> {
         worst
     };
     all.push(
-        Cell::new("16384 x 2",
+        Cell::new(
+            "16384 x 2",
             "Distance, in pixels, of a pixel's mean position from its middle, by the gradient of a sky that brightens along the image",
             // Half a pixel; a picture this wide changes by 1/4 over its half, 1e-5 a pixel at its ends.
             0.5 + 8.0 * U / (0.5 * pixel / (1.0 + (8192.0 * pixel).powi(2)).powf(1.5)),
