@@ -61,13 +61,9 @@ pub fn scenes() -> Vec<(String, Vec<u8>)> {
 
 /// The files in a folder, by their names.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = fs::read_dir(folder).expect("the folder is there");
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("it can be listed").path()).collect();
-    paths.retain(|path| path.is_file());
-    paths.sort();
     let named = |path: PathBuf| {
         let bytes = fs::read(&path).expect("the file can be read");
         (path.file_name().expect("it has a name").to_string_lossy().into_owned(), bytes)
     };
-    paths.into_iter().map(named).collect()
+    super::files::files(folder, "", false).into_iter().map(named).collect()
 }

@@ -84,7 +84,7 @@ impl Expectations {
             if let Some(rest) = line.strip_prefix("let ") {
                 let (name, value) =
                     rest.split_once('=').ok_or_else(|| wrong("expected `let NAME = EXPRESSION`".into()))?;
-                let value = Parser::full(value).map_err(wrong)?;
+                let value = Parser::full(value, Parser::sum).map_err(wrong)?;
                 all.lets.push((name.trim().to_owned(), value));
             } else if let Some(rest) = line.strip_prefix("expect") {
                 all.list.push(Expectation::parse(line, rest).map_err(wrong)?);
@@ -495,26 +495,20 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn full(text: &'a str) -> Result<Expr, String> {
+    /// Reads a text to its end.
+    fn full<T>(text: &'a str, read: impl Fn(&mut Parser<'a>) -> Result<T, String>) -> Result<T, String> {
         let mut parser = Parser { rest: text };
-        let expr = parser.sum()?;
-        parser.end()?;
-        Ok(expr)
+        let found = read(&mut parser)?;
+        match parser.peek() {
+            None => Ok(found),
+            Some(_) => Err(format!("cannot read on from `{}`", parser.rest)),
+        }
     }
 
     /// `(R, G, B)`
     fn triple(text: &'a str) -> Result<[Expr; 3], String> {
-        let mut parser = Parser { rest: text };
-        let list = parser.list()?;
-        parser.end()?;
+        let list = Parser::full(text, Parser::list)?;
         <[Expr; 3]>::try_from(list).map_err(|list| format!("{} values, expected 3", list.len()))
-    }
-
-    fn end(&mut self) -> Result<(), String> {
-        match self.peek() {
-            None => Ok(()),
-            Some(_) => Err(format!("cannot read on from `{}`", self.rest)),
-        }
     }
 
     fn peek(&mut self) -> Option<char> {
@@ -522,54 +516,44 @@ impl<'a> Parser<'a> {
         self.rest.chars().next()
     }
 
-    fn take(&mut self, wanted: char) -> Result<(), String> {
-        match self.peek() {
-            Some(c) if c == wanted => {
-                self.rest = &self.rest[c.len_utf8()..];
-                Ok(())
-            }
-            _ => Err(format!("expected {wanted} before `{}`", self.rest)),
-        }
+    /// Takes the next character if it is one of these.
+    fn take(&mut self, wanted: &str) -> Option<char> {
+        let found = self.peek().filter(|c| wanted.contains(*c))?;
+        self.rest = &self.rest[found.len_utf8()..];
+        Some(found)
+    }
+
+    fn need(&mut self, wanted: &str) -> Result<(), String> {
+        self.take(wanted).map(drop).ok_or_else(|| format!("expected {wanted} before `{}`", self.rest))
     }
 
     fn sum(&mut self) -> Result<Expr, String> {
-        let mut left = self.product()?;
-        while let Some(sign @ ('+' | '-')) = self.peek() {
-            self.take(sign)?;
-            left = Expr::Call(sign.to_string(), vec![left, self.product()?]);
-        }
-        Ok(left)
+        self.chain("+-", |parser| parser.chain("*/", Parser::factor))
     }
 
-    fn product(&mut self) -> Result<Expr, String> {
-        let mut left = self.factor()?;
-        while let Some(sign @ ('*' | '/')) = self.peek() {
-            self.take(sign)?;
-            left = Expr::Call(sign.to_string(), vec![left, self.factor()?]);
+    /// Parts with these signs between them.
+    fn chain(&mut self, signs: &str, part: impl Fn(&mut Self) -> Result<Expr, String>) -> Result<Expr, String> {
+        let mut left = part(self)?;
+        while let Some(sign) = self.take(signs) {
+            left = Expr::Call(sign.to_string(), vec![left, part(self)?]);
         }
         Ok(left)
     }
 
     fn factor(&mut self) -> Result<Expr, String> {
-        if self.peek() == Some('-') {
-            self.take('-')?;
+        if self.take("-").is_some() {
             return Ok(Expr::Call("-".into(), vec![self.factor()?]));
         }
         let base = self.atom()?;
-        if self.peek() != Some('^') {
-            return Ok(base);
-        }
-        self.take('^')?;
-        Ok(Expr::Call("^".into(), vec![base, self.factor()?]))
+        Ok(if self.take("^").is_some() { Expr::Call("^".into(), vec![base, self.factor()?]) } else { base })
     }
 
     fn atom(&mut self) -> Result<Expr, String> {
         match self.peek() {
             Some('(') => {
-                self.take('(')?;
+                self.need("(")?;
                 let inner = self.sum()?;
-                self.take(')')?;
-                Ok(inner)
+                self.need(")").map(|()| inner)
             }
             Some(c) if c.is_ascii_digit() => {
                 let number = self.word(|c| c.is_ascii_digit() || c == '.');
@@ -577,24 +561,23 @@ impl<'a> Parser<'a> {
             }
             Some(c) if c.is_alphabetic() => {
                 let name = self.word(|c| c.is_alphanumeric() || c == '_');
-                match self.peek() {
-                    Some('(') => Ok(Expr::Call(name.into(), self.list()?)),
-                    _ => Ok(Expr::Name(name.into())),
-                }
+                Ok(if self.peek() == Some('(') {
+                    Expr::Call(name.into(), self.list()?)
+                } else {
+                    Expr::Name(name.into())
+                })
             }
             _ => Err(format!("expected a value before `{}`", self.rest)),
         }
     }
 
     fn list(&mut self) -> Result<Vec<Expr>, String> {
-        self.take('(')?;
+        self.need("(")?;
         let mut list = vec![self.sum()?];
-        while self.peek() == Some(',') {
-            self.take(',')?;
+        while self.take(",").is_some() {
             list.push(self.sum()?);
         }
-        self.take(')')?;
-        Ok(list)
+        self.need(")").map(|()| list)
     }
 
     fn word(&mut self, belongs: impl Fn(char) -> bool) -> &'a str {

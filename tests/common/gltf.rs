@@ -4,8 +4,28 @@ use std::f64::consts::FRAC_PI_4;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use gpu_rt::scene::Material;
+use gpu_rt::error::Error;
+use gpu_rt::scene::{Assets, GltfOptions, Material, Scene};
 use serde_json::{Value, json};
+
+/// The scene of a file of this name.
+pub fn load(name: &str, (json, binary): (&Value, &[u8]), options: &GltfOptions) -> Result<Scene, Error> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, glb(json, binary)).expect("it is written");
+    Scene::load_as(&path, options, &mut |_, _, _| {}, &mut Assets::default())
+}
+
+/// Checks that a file is refused with this path in its JSON.
+pub fn is_refused(found: Result<Scene, Error>, at: &str, reason: &str) {
+    let error = found.err().unwrap_or_else(|| panic!("{at} was accepted"));
+    assert_eq!(error.exit_status(), 2);
+    // Where several parts share what is broken, each is listed.
+    let Error::Scene { location, field, message } = &error.each()[0] else { panic!("{error}") };
+    assert_eq!((location.line, field.as_str()), (0, at), "{error}");
+    assert!(message.contains(reason) && error.to_string().contains(&format!(": {at}: ")), "{reason}: {error}");
+    assert!(!message.contains("gave up"), "a library has panicked: {error}");
+}
 
 /// A material as a scene file writes it.
 pub fn written(material: &str) -> Material {

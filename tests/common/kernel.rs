@@ -1,9 +1,9 @@
 //! Test kernels: small WGSL modules under tests/shaders that import production modules by name and run them on rows of
 //! input on the device. A module `test/x` is tests/shaders/x.wgsl; every other name is the production file. A wrong form
-//! is planted by a module of tests/shaders/control that replaces a production module, or by an expression in place of another.
+//! is planted by a module of tests/shaders/control, whose functions replace those of a production module, or by an expression in place of another.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use bytemuck::Pod;
@@ -17,6 +17,7 @@ use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{SettingsLayout, UniformTables, choices_of};
 
 use super::device;
+use super::files::{files, stem};
 
 const WORKGROUP: u32 = 64;
 
@@ -24,36 +25,33 @@ const WORKGROUP: u32 = 64;
 pub struct Overlay {
     /// Modules of the tests, by name.
     tests: &'static BTreeMap<String, String>,
-    /// Production modules, and the modules that stand in for them.
-    replaced: BTreeMap<String, String>,
     /// Production modules with texts of their own.
     rewritten: BTreeMap<String, String>,
 }
 
 impl Overlay {
-    /// Everything under tests/shaders, with some production modules replaced.
+    /// Everything under tests/shaders. Some production modules are replaced: by a module of the tests in the functions and structs
+    /// that it declares, by another production module as a whole.
     pub fn new(replaced: &[(&str, &str)]) -> Overlay {
         static TESTS: OnceLock<BTreeMap<String, String>> = OnceLock::new();
         let tests = TESTS.get_or_init(|| {
-            let mut found = BTreeMap::new();
-            let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/shaders");
-            for (folder, prefix) in [(root.clone(), "test/"), (root.join("control"), "test/control/")] {
-                for entry in std::fs::read_dir(&folder).expect("tests/shaders can be listed") {
-                    let path = entry.expect("tests/shaders can be listed").path();
-                    if path.extension().is_some_and(|ending| ending == "wgsl") {
-                        let stem = path.file_stem().and_then(|stem| stem.to_str()).expect("a plain name");
-                        let text = std::fs::read_to_string(&path).expect("a test shader can be read");
-                        found.insert(format!("{prefix}{stem}"), text);
-                    }
-                }
-            }
-            found
+            let named = |(folder, prefix): (&str, &'static str)| {
+                let text = |path: &PathBuf| std::fs::read_to_string(path).expect("a test shader can be read");
+                files(folder, ".wgsl", false)
+                    .into_iter()
+                    .map(move |path| (prefix.to_string() + &stem(&path), text(&path)))
+            };
+            [("tests/shaders", "test/"), ("tests/shaders/control", "test/control/")]
+                .into_iter()
+                .flat_map(named)
+                .collect()
         });
-        for (production, _) in replaced {
-            assert!(Embedded.module(production).is_some(), "there is no module {production} to replace");
-        }
-        let replaced = replaced.iter().map(|(name, stand_in)| (name.to_string(), stand_in.to_string())).collect();
-        Overlay { tests, replaced, rewritten: BTreeMap::new() }
+        let own = Overlay { tests, rewritten: BTreeMap::new() };
+        let with = |own: Overlay, (production, other): &(&str, &str)| match tests.get(*other) {
+            Some(items) => own.rewritten(production, |text| with_items_of(text, items)),
+            None => own.rewritten(production, |_| Embedded.module(other).expect("a module").to_string()),
+        };
+        replaced.iter().fold(own, with)
     }
 
     /// Adds a change of a production module's text.
@@ -69,10 +67,24 @@ impl Overlay {
 impl Library for Overlay {
     fn module(&self, name: &str) -> Option<&str> {
         static PRODUCTION: Embedded = Embedded;
-        let name = self.replaced.get(name).map_or(name, String::as_str);
         let own = self.rewritten.get(name).or_else(|| self.tests.get(name));
         own.map(String::as_str).or_else(|| PRODUCTION.module(name))
     }
+}
+
+/// A module without the functions and structs that another text declares, and with that text before `//@ without`.
+fn with_items_of(text: &str, other: &str) -> String {
+    let item = |line: &str| Some(line.split(['(', '{']).next()?.trim().to_string());
+    let is_item = |line: &str| ["fn ", "struct "].iter().any(|start| line.starts_with(start));
+    let declared: BTreeSet<_> = other.lines().filter(|line| is_item(line)).map(item).collect();
+    let (own, without) = text.find("\n//@ without").map_or((text, ""), |at| text.split_at(at));
+    let mut is_declared = false;
+    let is_kept = |line: &&str| {
+        let was_declared = is_declared;
+        is_declared = *line != "}" && (is_declared || is_item(line) && declared.contains(&item(line)));
+        !was_declared && !is_declared
+    };
+    format!("{}\n{other}{without}", own.lines().filter(is_kept).collect::<Vec<_>>().join("\n"))
 }
 
 /// The facts of the settings' members, which are all there.
@@ -109,7 +121,7 @@ pub struct Kernel {
 /// What a test kernel is linked with beside its own file.
 #[derive(Default)]
 pub struct Setup<'a> {
-    /// Production modules and what stands in for them: `("geometry/sphere", "test/control/sphere_textbook")`.
+    /// Production modules and what stands in for them, as `Overlay::new` takes them: `("geometry/sphere", "test/control/sphere_textbook")`.
     pub replaced: &'a [(&'a str, &'a str)],
     /// A production module, a part of its text, and what stands in for that part.
     pub rewritten: Option<(&'a str, &'a str, &'a str)>,

@@ -16,6 +16,8 @@ struct Point {
     materials: &'static str,
     /// Objects beside the ground and a ball.
     objects: &'static str,
+    /// Whether there is a lamp above them, of the material `more`.
+    has_lamp: bool,
 }
 
 const CAMERA: &str = "look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40";
@@ -52,7 +54,11 @@ const MARBLE: &str = "\"more\": Lambertian(albedo: Marble(scale: 4)),";
 
 /// The least but for these.
 const fn point(name: &'static str, background: &'static str, materials: &'static str, objects: &'static str) -> Point {
-    Point { name, camera: CAMERA, background, materials, objects }
+    Point { name, camera: CAMERA, background, materials, objects, has_lamp: false }
+}
+
+const fn under_a_lamp(name: &'static str, materials: &'static str, objects: &'static str) -> Point {
+    Point { has_lamp: true, ..point(name, DARK, materials, objects) }
 }
 
 const POINTS: &[Point] = &[
@@ -84,12 +90,10 @@ const POINTS: &[Point] = &[
         GREY,
         "Medium(boundary: Sphere(center: (0.9, 0.5, 0.4), radius: 0.4), density: 2, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),",
     ),
-    point(
+    under_a_lamp(
         "a textured medium in a box, under a lamp",
-        DARK,
-        LAMP,
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Medium(boundary: Box(min: (-2, 0, -1), max: (2, 1.5, 1)), density: 0.4, albedo: Checker(scale: 0.3, even: (0.9, 0.9, 0.9), odd: (0.2, 0.5, 0.2))),",
+        "",
+        "Medium(boundary: Box(min: (-2, 0, -1), max: (2, 1.5, 1)), density: 0.4, albedo: Checker(scale: 0.3, even: (0.9, 0.9, 0.9), odd: (0.2, 0.5, 0.2))),",
     ),
     point(
         "a medium in a mesh",
@@ -123,66 +127,52 @@ const POINTS: &[Point] = &[
         "Sphere(center: (1.5, 1, 0), radius: 0.1, material: \"more\"), Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),
          PointLight(at: (-1, 1.5, 1), intensity: (2, 2, 1)), DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1)),",
     ),
-    point(
+    under_a_lamp(
         "rough metals under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"brushed\": Conductor(albedo: Image(path: \"image.png\"), roughness: 0.4),
+        "\"brushed\": Conductor(albedo: Image(path: \"image.png\"), roughness: 0.4),
          \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.39, 1.6)),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"brushed\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"gold\"),",
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"brushed\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"gold\"),",
     ),
-    point(
+    under_a_lamp(
         "frosted glass, flat and smooth, under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.3), \"clear\": RoughDielectric(ior: 1.3),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"frosted\")),
+        "\"frosted\": RoughDielectric(ior: 1.5, roughness: 0.3), \"clear\": RoughDielectric(ior: 1.3),",
+        "Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"frosted\")),
          Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"frosted\"), Sphere(center: (0.9, 1.5, 0.4), radius: 0.4, material: \"clear\"),",
     ),
-    point(
+    under_a_lamp(
         "the material of glTF under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"plastic\": Pbr(base_color: Image(path: \"image.png\"), metallic: 0, roughness: 0.3),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"plastic\"),",
+        "\"plastic\": Pbr(base_color: Image(path: \"image.png\"), metallic: 0, roughness: 0.3),",
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"plastic\"),",
     ),
-    point(
+    under_a_lamp(
         "coats under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"varnish\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, coat: Image(path: \"image.png\", channel: R),
+        "\"varnish\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, coat: Image(path: \"image.png\", channel: R),
             coat_roughness: Image(path: \"image.png\", channel: G), coat_normal: Image(path: \"image.png\")),
          \"glow\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, coat: 0.5, emission: Rgb(0.5, 1, 2)),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"varnish\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"glow\"),",
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"varnish\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"glow\"),",
     ),
-    point(
+    under_a_lamp(
         "velvet under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"velvet\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, sheen: Rgb(0.9, 0.5, 0.3), sheen_roughness: 0.4),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"velvet\"),",
+        "\"velvet\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, sheen: Rgb(0.9, 0.5, 0.3), sheen_roughness: 0.4),",
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"velvet\"),",
     ),
-    point(
+    under_a_lamp(
         "brushed metal, a ball that is half glass and a smooth mesh that is a pane, under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"brushed\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.3, anisotropy: 0.8),
+        "\"brushed\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.3, anisotropy: 0.8),
          \"half\": Pbr(base_color: Rgb(0.7, 0.8, 0.9), metallic: 0, roughness: 0.3, transmission: 0.5, solid: true, absorption: (0.1, 0.2, 0.3)),
          \"pane\": Pbr(base_color: Rgb(0.7, 0.8, 0.9), metallic: 0, roughness: 0.3, transmission: Image(path: \"image.png\", channel: R),
             specular: Image(path: \"image.png\", channel: G)),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"half\"), Sphere(center: (-0.9, 1.5, 0.4), radius: 0.3, material: \"brushed\"),
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"half\"), Sphere(center: (-0.9, 1.5, 0.4), radius: 0.3, material: \"brushed\"),
          Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"pane\")),",
     ),
-    point(
+    under_a_lamp(
         "glass with dispersion, a soap bubble and a leaf, under a lamp",
-        DARK,
-        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"flint\": Dielectric(ior: 1.6, dispersion: 0.8, absorption: (0.1, 0.2, 0.3)),
+        "\"flint\": Dielectric(ior: 1.6, dispersion: 0.8, absorption: (0.1, 0.2, 0.3)),
          \"frosted\": RoughDielectric(ior: 1.6, roughness: 0.3, dispersion: 2, transmittance: Rgb(0.9, 0.8, 0.7)),
          \"soap\": Pbr(metallic: 0, roughness: 0, transmission: 1, iridescence: 1, iridescence_thickness_texture: Image(path: \"image.png\", channel: G)),
          \"leaf\": Pbr(base_color: Rgb(0.2, 0.6, 0.1), metallic: 0, diffuse_transmission: Image(path: \"image.png\", channel: R),
             diffuse_transmission_color: Rgb(0.5, 0.8, 0.1)),",
-        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
-         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"flint\"), Sphere(center: (-0.9, 1.5, 0.4), radius: 0.3, material: \"soap\"),
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"flint\"), Sphere(center: (-0.9, 1.5, 0.4), radius: 0.3, material: \"soap\"),
          Sphere(center: (0.9, 1.5, 0.4), radius: 0.3, material: \"frosted\"),
          Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"leaf\")),",
     ),
@@ -257,12 +247,14 @@ impl Lattice {
 }
 
 fn text(point: &Point) -> String {
-    let Point { camera, background, materials, objects, .. } = point;
-    let materials = format!("\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), {materials}");
+    let Point { camera, background, materials, objects, has_lamp, .. } = point;
+    let quad = "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),";
+    let [lamp, quad] = if *has_lamp { [LAMP, quad] } else { [""; 2] };
+    let materials = format!("\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), {lamp} {materials}");
     let objects = format!(
         "Sphere(center: (0, -100, 0), radius: 100, material: \"grey\"),
         Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"grey\"),
-        {objects}"
+        {quad} {objects}"
     );
     text_of(camera, background, &materials, &objects)
 }

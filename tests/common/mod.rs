@@ -18,6 +18,7 @@ pub mod exr_header;
 #[cfg(target_os = "linux")]
 pub mod fault;
 pub mod faults;
+pub mod files;
 pub mod film;
 pub mod gltf;
 pub mod held;

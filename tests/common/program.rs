@@ -116,6 +116,19 @@ impl Ran {
         self
     }
 
+    /// Asserts that stderr has all these words.
+    #[track_caller]
+    pub fn on_stderr(self, words: &[&str]) -> Ran {
+        words.iter().for_each(|words| assert!(self.stderr.contains(words), "{words}: {self:?}"));
+        self
+    }
+
+    #[track_caller]
+    pub fn on_stdout(self, words: &[&str]) -> Ran {
+        words.iter().for_each(|words| assert!(self.stdout.contains(words), "{words}: {self:?}"));
+        self
+    }
+
     /// All of stdout as one JSON object.
     #[track_caller]
     pub fn json(&self) -> Value {

@@ -178,13 +178,8 @@ pub fn render_all(
 }
 
 /// Renders with kernels that are linked from another library, in which errors can be planted; the caller checks the counts.
-pub fn render_linked(scene: &Scene, request: &Request, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
-    let mut shots = Vec::new();
-    let wanted = ranges.iter().map(|samples| (request.seed, samples.clone()));
-    render_with(scene, request, wanted, &Change { library: Some(library), ..Change::default() }, |shot| {
-        shots.push(shot)
-    });
-    shots
+pub fn render_planted(scene: &Scene, request: &Request, library: &dyn Library) -> Shot {
+    render_changed(scene, request, &Change { library: Some(library), ..Change::default() })
 }
 
 /// What a test changes between a scene and its kernels.
@@ -322,12 +317,6 @@ pub fn one_pixel() -> Film {
     Film::new(1, 1, 0).expect("it is small")
 }
 
-/// Renders by kernels from another library.
-pub fn render_planted(scene: &Scene, request: &Request, library: &dyn Library) -> Shot {
-    let samples = request.samples.clone().unwrap_or(0..scene.render.samples);
-    render_linked(scene, request, &[samples], library).remove(0)
-}
-
 /// Links the kernels of a plan another way.
 fn relink(plan: &mut Kernels, change: &Change<'_>) {
     if change.library.is_none() && change.choices.is_none() {
@@ -383,6 +372,21 @@ impl Watchdog {
 }
 
 impl Mean {
+    /// The probability of a difference as large as that from another one by chance, and the difference in standard errors, by Welch's test. Noise
+    /// aside, they may differ by `rounding` of themselves.
+    pub fn difference(&self, other: &Mean, channel: usize, rounding: f64) -> (f64, f64) {
+        let of = |values: fn(&Mean) -> [f64; 3]| (values(self)[channel], values(other)[channel]);
+        let ((va, vb), (of_a, of_b)) = (of(|mean| mean.value), of(|mean| mean.variance));
+        let excess = ((va - vb).abs() - rounding * va.max(vb)).max(0.0);
+        let z = if excess == 0.0 { 0.0 } else { excess / (of_a + of_b).sqrt() };
+        // A variance of 0 takes no part.
+        let part = |v: f64, degrees: f64| if v > 0.0 { v * v / degrees } else { 0.0 };
+        let parts = part(of_a, self.degrees[channel]) + part(of_b, other.degrees[channel]);
+        let degrees = if parts > 0.0 { (of_a + of_b).powi(2) / parts } else { f64::INFINITY };
+        // No number is worse than any.
+        if z.is_nan() { (0.0, f64::INFINITY) } else { (student_two_sided(z, degrees), z) }
+    }
+
     /// Whether it is what is expected, within its noise, which is at most this share of it. Noise: 4.9 standard errors, which a mean is off by
     /// once in 1e6.
     pub fn is_near(&self, expected: [f64; 3], most_noise: f64) -> Result<(), String> {
@@ -450,15 +454,8 @@ impl Shot {
         blocks(self.outcome.samples.range()).len() as u32
     }
 
-    /// The variance between the runs of a pixel: the variance of the mean of one run. (The film keeps the variance of the mean of
-    /// all runs, which is that divided by their number.) For runs of one length.
-    pub fn run_variance(&self, x: u32, y: u32) -> [f64; 3] {
-        let runs = f64::from(self.runs());
-        self.picture.variance[(y * self.picture.width + x) as usize].map(|v| f64::from(v) * runs)
-    }
-
     /// Degrees of freedom of a pixel's variance: runs less one, or the one that the two halves of Sobol points have.
-    pub fn degrees_of_pixel(&self) -> f64 {
+    fn degrees_of_pixel(&self) -> f64 {
         match self.sampler {
             Sampler::Independent => f64::from(self.runs() - 1),
             Sampler::Sobol => 1.0,
@@ -471,37 +468,43 @@ impl Shot {
         self.mean_over(rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as usize)))
     }
 
-    /// The mean over some pixels. Pixels are independent, since random numbers are keyed by the pixel, and so are the scrambles of Sobol
-    /// points: the variance of the mean of n pixels is the sum of theirs, v, over n². Each v is known by k degrees of freedom, so
-    /// that v² is expected to be (1 + 2/k) times the square of what v estimates; the sum's degrees by Satterthwaite (1946), with the squares of
-    /// those variances estimated by v² k/(k + 2), are (Σ v)² / Σ v²/(k + 2): n k where all pixels have one variance.
+    /// The mean over some pixels.
     pub fn mean_over(&self, pixels: impl Iterator<Item = usize>) -> Mean {
-        let (mut value, mut variance, mut squares) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-        let mut n = 0.0;
-        for pixel in pixels {
-            for channel in 0..3 {
-                let v = self.picture.variance[pixel][channel];
-                assert!(v < UNKNOWN_VARIANCE, "a variance takes two runs: at least 9 samples");
-                let v = f64::from(v);
-                value[channel] += f64::from(self.picture.rgb[pixel][channel]);
-                variance[channel] += v;
-                squares[channel] += v * v / (self.degrees_of_pixel() + 2.0);
-            }
-            n += 1.0;
-        }
-        assert!(n > 0.0, "a mean of no pixels");
-        // Without any variance there is nothing to know of it.
-        let degrees = |c: usize| if squares[c] > 0.0 { variance[c] * variance[c] / squares[c] } else { f64::INFINITY };
-        Mean {
-            value: value.map(|v| v / n),
-            variance: variance.map(|v| v / (n * n)),
-            degrees: [degrees(0), degrees(1), degrees(2)],
-        }
+        let Picture { rgb, variance, .. } = &self.picture;
+        let is_known = |pixel: &usize| variance[*pixel].iter().all(|v| *v < UNKNOWN_VARIANCE);
+        let known = pixels.inspect(|pixel| assert!(is_known(pixel), "a variance takes two runs: at least 9 samples"));
+        mean_over(rgb, variance, known, self.degrees_of_pixel())
     }
 
     /// The mean over the image.
     pub fn mean_of_all(&self) -> Mean {
         self.mean(0..self.picture.width, 0..self.picture.height)
+    }
+}
+
+/// The mean over some pixels of an image. Pixels are independent, since random numbers are keyed by the pixel, and so are the scrambles of Sobol
+/// points: the variance of the mean of n pixels is the sum of theirs, v, over n². Each v is known by k degrees of freedom, so
+/// that v² is expected to be (1 + 2/k) times the square of what v estimates; the sum's degrees by Satterthwaite (1946), with the squares of
+/// those variances estimated by v² k/(k + 2), are (Σ v)² / Σ v²/(k + 2): n k where all pixels have one variance.
+pub fn mean_over(rgb: &[[f32; 3]], variances: &[[f32; 3]], pixels: impl Iterator<Item = usize>, degrees: f64) -> Mean {
+    let (mut value, mut variance, mut squares) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+    let mut n = 0.0;
+    for pixel in pixels {
+        for channel in 0..3 {
+            let v = f64::from(variances[pixel][channel]);
+            value[channel] += f64::from(rgb[pixel][channel]);
+            variance[channel] += v;
+            squares[channel] += v * v / (degrees + 2.0);
+        }
+        n += 1.0;
+    }
+    assert!(n > 0.0, "a mean of no pixels");
+    // Without any variance there is nothing to know of it.
+    let degrees = |c: usize| if squares[c] > 0.0 { variance[c] * variance[c] / squares[c] } else { f64::INFINITY };
+    Mean {
+        value: value.map(|v| v / n),
+        variance: variance.map(|v| v / (n * n)),
+        degrees: [degrees(0), degrees(1), degrees(2)],
     }
 }
 
@@ -557,8 +560,7 @@ pub struct Difference {
     pub tile: String,
 }
 
-/// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the full image, each by Welch's test of the
-/// difference of the means. For noise without rare values: a tile has hundreds of runs, so that its mean is normal. Noise aside, values may
+/// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the full image, each by the difference of the means. For noise without rare values: a tile has hundreds of runs, so that its mean is normal. Noise aside, values may
 /// differ by `rounding` of them.
 pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
     const TILE: u32 = 8;
@@ -573,15 +575,7 @@ pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
         let (mean_a, mean_b) = (a.mean(columns.clone(), rows.clone()), b.mean(columns.clone(), rows.clone()));
         for channel in 0..3 {
             let (va, vb) = (mean_a.value[channel], mean_b.value[channel]);
-            let excess = ((va - vb).abs() - rounding * va.max(vb)).max(0.0);
-            let (of_a, of_b) = (mean_a.variance[channel], mean_b.variance[channel]);
-            let z = if excess == 0.0 { 0.0 } else { excess / (of_a + of_b).sqrt() };
-            // A variance of 0 takes no part.
-            let part = |v: f64, degrees: f64| if v > 0.0 { v * v / degrees } else { 0.0 };
-            let parts = part(of_a, mean_a.degrees[channel]) + part(of_b, mean_b.degrees[channel]);
-            let degrees = if parts > 0.0 { (of_a + of_b).powi(2) / parts } else { f64::INFINITY };
-            // No number is worse than any.
-            let (p, z) = if z.is_nan() { (0.0, f64::INFINITY) } else { (student_two_sided(z, degrees), z) };
+            let (p, z) = mean_a.difference(&mean_b, channel, rounding);
             if p < worst.p {
                 let tile = format!(
                     "columns {columns:?}, rows {rows:?}, channel {channel}: {va} and {vb}, z = {z:.2}, p = {p:.1e}"

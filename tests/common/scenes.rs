@@ -1,22 +1,12 @@
 //! Primitives as the host makes them for the device, from a scene's text.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::scene::Scene;
-
-/// The scene files of a folder of the repository, in order.
-pub fn files(folder: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
-    let entries = entries.unwrap_or_else(|error| panic!("{folder}: {error}"));
-    let paths = entries.map(|entry| entry.unwrap_or_else(|error| panic!("{folder}: {error}")).path());
-    let mut found: Vec<_> = paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")).collect();
-    found.sort();
-    found
-}
 
 /// `(x, y, z)`, to the last bit.
 pub fn triple(v: DVec3) -> String {

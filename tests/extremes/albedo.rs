@@ -3,7 +3,7 @@
 use crate::common::kernel::Overlay;
 use crate::common::render::{Request, Shot, render, render_planted, scene};
 use crate::common::vectors::U;
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -44,7 +44,6 @@ fn error(shot: &Shot, expected: f64) -> (f64, f64) {
 pub fn cells() -> Vec<Cell> {
     let mut all = vec![
         Cell::new(
-            Row::Albedo,
             "albedo 0",
             "Radiance of a black wall in a lit room",
             0.0,
@@ -72,7 +71,6 @@ fn by_scattering() -> Vec<Cell> {
             let noise = NOISE * (1.0 - albedo) * events / (64.0f64 * 256.0).sqrt();
             let name = if albedo == 1.0 - U { "1 - 2^-24".to_string() } else { format!("{albedo}") };
             Cell::new(
-                Row::Albedo,
                 format!("albedo {name}, lamp of r/R = {r}, depth 1000"),
                 "Relative error of the mean radiance in a closed room, without light sampling",
                 noise + (2.0 * events + 8.0) * U,
@@ -96,7 +94,6 @@ fn shallow() -> Vec<Cell> {
             let expected = wall(albedo, r, depth);
             let (achieved, noise) = error(&at(depth as u32), expected);
             Cell::new(
-                Row::Albedo,
                 format!("depth {depth}"),
                 "Relative error of the mean radiance in a closed room at a small depth",
                 noise + 8.0 * U,
@@ -118,7 +115,6 @@ fn deep() -> Vec<Cell> {
             let expected = wall(albedo, r, 1000);
             let (achieved, noise) = error(&render(&scene(&room(albedo, r)), &Request::spp(32)), expected);
             Cell::new(
-                Row::Albedo,
                 format!("albedo {albedo}, lamp of (r/R)² = 0.001, depth 1000"),
                 "Relative error of the mean radiance in a closed room where `max_depth` ends paths",
                 noise + 1000.0 * U,
@@ -142,7 +138,6 @@ fn roulette() -> Vec<Cell> {
             let (achieved, noise) = error(&render(&scene, &request), expected);
             let planted = &render_planted(&scene, &request, &unweighted);
             Cell::new(
-                Row::Albedo,
                 format!("albedo {albedo}, lamp of r/R = {r}, depth 1000"),
                 "Relative error of the mean radiance in a closed room, with light sampling and roulette",
                 noise + 1000.0 * U,
@@ -174,7 +169,6 @@ fn media() -> Vec<Cell> {
     [0.1, 1.0, 10.0]
         .map(|depth| {
             Cell::new(
-                Row::Albedo,
                 format!("albedo 1, optical depth {depth} across"),
                 "Largest error of a pixel of smoke that absorbs nothing, under a sky of radiance 1",
                 8.0 * U,

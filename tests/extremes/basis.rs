@@ -6,7 +6,7 @@ use crate::common::kernel::Kernel;
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, exact, rounded, unit};
-use crate::table::{Cell, FRISVAD, Row};
+use crate::table::{Cell, FRISVAD};
 
 rows! {
     struct Out {
@@ -48,14 +48,12 @@ pub fn cells() -> Vec<Cell> {
     let own = Kernel::new("test/basis");
     let replaced = [("lib/basis", "test/control/basis_frisvad")];
     let frisvad = Kernel::replacing("test/basis", &replaced);
-    let cell = |range: String, normals: &[DVec3]| {
-        Cell::new(Row::Basis, range, FIGURE, 8.0 * U, BECAUSE).achieved(worst(&own, normals).0)
-    };
+    let cell =
+        |range: String, normals: &[DVec3]| Cell::new(range, FIGURE, 8.0 * U, BECAUSE).achieved(worst(&own, normals).0);
     let everywhere: Vec<DVec3> = (0..5000).map(|_| unit(&mut random)).collect();
     let mut all = vec![
         cell("everywhere".to_string(), &everywhere),
         Cell::new(
-            Row::Basis,
             "everywhere",
             "Largest error of the vector (1, 2, 3) in a basis",
             16.0 * U,

@@ -14,7 +14,7 @@ use crate::common::stats::Random;
 use crate::common::trace::{ThroughTree, walk};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::geometry::{farthest, scene};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 const MILLION: usize = 1 << 20;
 
@@ -36,7 +36,7 @@ fn few() -> Vec<Cell> {
             let shot = render(&scene(CAMERA, 1.0, objects), &Request::spp(64));
             let figure = "Largest difference from the radiance of the sky, or of a convex body of albedo 0.5";
             let because = "none, because every path contributes the same radiance.";
-            Cell::new(Row::Objects, range, figure, 0.0, because).achieved(farthest(&shot, expected))
+            Cell::new(range, figure, 0.0, because).achieved(farthest(&shot, expected))
         })
         .into()
 }
@@ -68,7 +68,6 @@ fn coincident_cell(name: &str, count: usize, body: &str) -> Cell {
     let one = pixels(1, "grey");
     let differ = |other: Vec<f32>| one.iter().zip(other).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
     Cell::new(
-        Row::Objects,
         format!("{count} coincident {name}"),
         "Largest difference from the image of the first object in the file",
         0.0,
@@ -85,7 +84,6 @@ fn too_many(count: usize, body: &str) -> Cell {
     let shot = render_planted(&scene, &Request::spp(8).size(8, 8), &Overlay::new(&[]));
     let totals = shot.film.totals();
     Cell::new(
-        Row::Objects,
         format!("{count} coincident meshes"),
         "Share of samples that are cut short; `check` may warn instead",
         0.0,
@@ -135,7 +133,6 @@ fn triangles() -> Cell {
     );
     let shot = render(&scene, &Request::spp(8));
     Cell::new(
-        Row::Objects,
         "2^20 triangles of a mesh",
         "Largest share of light that is lost between two triangles",
         0.0,
@@ -200,7 +197,6 @@ fn spheres() -> Cell {
         })
         .collect();
     Cell::new(
-        Row::Objects,
         "2^20 spheres",
         "Of 128 rays, those whose nearest hit differs from a test of every sphere in f64",
         0.0,

@@ -5,7 +5,7 @@ use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::{NO_HIT, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row, decade};
+use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, decade};
 
 /// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
 /// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.
@@ -45,12 +45,17 @@ fn leave(kernel: &Kernel, aspect: f64, distance: (f64, f64), cosines: (f64, f64)
     (wrong_side + again + chords) as f64
 }
 
-/// The table's cells of boxes.
-pub fn cells() -> Vec<Cell> {
-    const BECAUSE: &str =
-        "none, because the offset exceeds the bound of the point's error, and is below a tenth of the tested chords.";
-    let own = tracer("cuboid", &[]);
-    let without = tracer("cuboid", &[("geometry/offset", "test/control/offset_none")]);
+const BECAUSE: &str =
+    "none, because the offset exceeds the bound of the point's error, and is below a tenth of the tested chords.";
+
+/// The kernel, and one without the offset.
+fn tracers() -> [Kernel; 2] {
+    let without: &[_] = &[("geometry/offset", "test/control/offset_none")];
+    [&[], without].map(|replaced| tracer("cuboid", replaced))
+}
+
+pub fn leavings() -> Vec<Cell> {
+    let [own, without] = tracers();
     let by_bits = tracer("cuboid", &[("geometry/offset", "test/control/offset_by_bits")]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
@@ -59,7 +64,7 @@ pub fn cells() -> Vec<Cell> {
             let figure = "Boxes: of 10 000 rays, those that hit their own box again or had a wrong chord inside, with cosines from \
                           0.05 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-1.3, 0.0));
-            let mut cell = Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
+            let mut cell = Cell::new(range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, aspect, distance, cosines))
                 .planted(NO_OFFSET, leave(&without, aspect, distance, cosines));
             if distance.0 < 3.0 {
@@ -68,15 +73,18 @@ pub fn cells() -> Vec<Cell> {
             all.push(cell);
         }
     }
-    for exponent in 1..7 {
+    all
+}
+
+pub fn grazing() -> Vec<Cell> {
+    let [own, without] = tracers();
+    let cell = |exponent| {
         let (range, cosines) = decade(exponent);
         let figure = "Boxes by the cosine of the leaving ray: of 10 000 rays, those that hit their own box again or had a wrong \
                       chord inside";
-        all.push(
-            Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
-                .achieved(leave(&own, 1.0, (-2.0, 1.0), cosines))
-                .planted(NO_OFFSET, leave(&without, 1.0, (-2.0, 1.0), cosines)),
-        );
-    }
-    all
+        Cell::new(range, figure, 0.0, BECAUSE)
+            .achieved(leave(&own, 1.0, (-2.0, 1.0), cosines))
+            .planted(NO_OFFSET, leave(&without, 1.0, (-2.0, 1.0), cosines))
+    };
+    (1..7).map(cell).collect()
 }

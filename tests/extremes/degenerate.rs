@@ -5,7 +5,7 @@ use std::path::Path;
 use gpu_rt::error::Error;
 use gpu_rt::scene::Scene;
 
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 /// What is degenerate, its text with `HERE` for the number, a number that is, and one that is not.
 const CASES: &[(&str, &str, &str, &str)] = &[
@@ -63,7 +63,6 @@ fn taken(object: &str, number: &str) -> f64 {
 pub fn cells() -> Vec<Cell> {
     let cell = |(what, object, wrong, right): &(&'static str, &str, &str, &str)| {
         Cell::new(
-            Row::Degenerate,
             *what,
             "Scenes that are accepted, or refused without the object's line and field",
             0.0,

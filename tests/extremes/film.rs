@@ -10,7 +10,7 @@ use crate::common::render::{Request, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::U;
-use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
+use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM};
 
 /// Samples that are made; they are added again and again, for a billion differences would show nothing that these do not.
 const DISTINCT: usize = 1 << 20;
@@ -104,7 +104,6 @@ pub fn means() -> Vec<Cell> {
         let running = running(&samples, part);
         for ((of, samples), running) in DISTRIBUTIONS.iter().zip(&samples).zip(running) {
             let cell = Cell::new(
-                Row::Samples,
                 format!("{name}, {}", of.0),
                 "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
@@ -123,7 +122,6 @@ pub fn means() -> Vec<Cell> {
     for exponent in [67, -67] {
         all.push(
             Cell::new(
-                Row::Samples,
                 format!("1e9, uniform in 0..2^{exponent}"),
                 "Relative error of a pixel's mean, with a radiance far from 1",
                 1e-7,
@@ -162,7 +160,6 @@ pub fn constants() -> Vec<Cell> {
     };
     let mut all = vec![
         Cell::new(
-            Row::Samples,
             "8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
@@ -174,7 +171,6 @@ pub fn constants() -> Vec<Cell> {
     ];
     for (name, scatter) in [("one kernel", Scatter::Fused), ("a kernel a stage", Scatter::Linked)] {
         let cell = Cell::new(
-            Row::Samples,
             format!("2^24 + 1, a sky of {WORST}; {name}"),
             "Relative error of a rendered pixel whose samples are all equal",
             1e-7,
@@ -214,7 +210,6 @@ pub fn variances() -> Vec<Cell> {
         let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
         let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(
-            Row::Samples,
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,

@@ -7,7 +7,7 @@ use crate::common::oracles::{fresnel, fresnel_of};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
-use crate::table::{Cell, Row, SCHLICK};
+use crate::table::{Cell, SCHLICK};
 
 /// Reflectance and refracted ray by the formulas as they stand in books.
 const TEXTBOOK: &str = "textbook's Fresnel";
@@ -182,7 +182,6 @@ pub fn cells() -> Vec<Cell> {
     let schlick = control(&[("lib/fresnel", "test/control/fresnel_schlick")]);
     let mut all = vec![
         Cell::new(
-            Row::Index,
             "η = 1",
             "Reflectance, and change of the cosine, at an index of 1",
             0.0,
@@ -199,7 +198,7 @@ pub fn cells() -> Vec<Cell> {
             let rows = rows(&mut Random(53), &etas);
             let [found, of_textbook, of_schlick] = [&own, &textbook, &schlick].map(|kernel| judge(kernel, &rows));
             let cell = |figure, limit, because, get: &dyn Fn(&Verdict) -> f64| {
-                Cell::new(Row::Index, &range, figure, limit, because).achieved(get(&found))
+                Cell::new(&range, figure, limit, because).achieved(get(&found))
             };
             // The function by the textbook, without digits near 1.
             let by_textbook = |cell: Cell, get: &dyn Fn(&Verdict) -> f64| match near {
@@ -244,7 +243,6 @@ pub fn cells() -> Vec<Cell> {
             all.push(by_textbook(cell, &|v| v.snell.max(v.direction).max(v.cos)));
             if leaving {
                 let cell = Cell::new(
-                    Row::Index,
                     &range,
                     "Distance from the edge of total reflection, as a share of the squared cosine there, at which a ray was decided \
                      wrongly",

@@ -12,7 +12,7 @@ use crate::common::render::{Request, render, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 const FUZZES: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
 const DRAWS: usize = 1 << 17;
@@ -153,7 +153,7 @@ pub fn cells() -> Vec<Cell> {
     let own = kernel(&[]);
     for fuzz in FUZZES {
         let range = format!("fuzz = {fuzz:e}");
-        let cell = |figure, limit, because| Cell::new(Row::Fuzz, &range, figure, limit, because);
+        let cell = |figure, limit, because| Cell::new(&range, figure, limit, because);
         let found = cell(
             "Largest error of a direction, times |m + fuzz b|, with cosines from 1e-4 to 1",
             16.0 * U + (8.0 * U + 2f64.powi(-18)) * fuzz,
@@ -218,7 +218,6 @@ pub fn cells() -> Vec<Cell> {
         };
         all.push(
             Cell::new(
-                Row::Fuzz,
                 &range,
                 "Error of the absorbed share, at a cosine of half the fuzz, 2^17 draws",
                 NOISE * 0.37 / (DRAWS as f64).sqrt() + 0.57 * 8.0 * U / fuzz,

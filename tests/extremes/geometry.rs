@@ -11,7 +11,7 @@ use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, trace, tracer};
 use crate::common::vectors::{U, exact, rounded, unit};
-use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS, Row};
+use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS};
 
 /// A scene of materials "clear" (glass of index 1), "lamp" (1 on its outside, black inside), "both" (1 on both sides), "grey" (a
 /// Lambertian of 0.5), "mirror", "glass", and "weak" glass that traps no light in boxes; with the mesh "ball.obj" beside it.
@@ -146,7 +146,6 @@ pub fn gaps() -> Vec<Cell> {
         for exponent in 1..=pair.least {
             let gap = 10f64.powi(-exponent);
             let cell = Cell::new(
-                Row::Gap,
                 format!("1e-{exponent} between {}", pair.name),
                 "Largest share of a lamp's light that is lost behind a clear surface in front of it",
                 0.0,
@@ -160,7 +159,6 @@ pub fn gaps() -> Vec<Cell> {
         }
         let gap = 10f64.powi(-pair.least);
         let cell = Cell::new(
-            Row::Gap,
             format!("1e-{} between {}", pair.least, pair.name),
             "Largest share of a lamp's light that passes a grey surface in front of it",
             0.0,
@@ -171,7 +169,7 @@ pub fn gaps() -> Vec<Cell> {
             let gap = 10f64.powi(-exponent);
             let cell = |figure| {
                 let range = format!("1e-{exponent} between {}", pair.name);
-                Cell::new(Row::Gap, range, figure, 0.0, "none, as with a gap that f32 resolves.")
+                Cell::new(range, figure, 0.0, "none, as with a gap that f32 resolves.")
             };
             let lost = "Largest share of a lamp's light that is lost behind a clear surface in front of it, with a gap that f32 does \
                         not resolve; `check` may warn instead";
@@ -217,7 +215,6 @@ pub fn gaps_by_rays() -> Vec<Cell> {
             [("spheres of radius 1 from their middle", "sphere"), ("floors of 10 x 10 from a height of 1", "quad")]
         {
             let cell = Cell::new(
-                Row::Gap,
                 format!("1e-{exponent} between {name}"),
                 "Of 1000 rays, those that leave the first of two surfaces and miss the second",
                 0.0,
@@ -277,7 +274,6 @@ pub fn distances() -> Vec<Cell> {
             // is below the 2^-17 of its distance at which the view has axes of its own.
             let blur = if direction == DVec3::NEG_Z || exponent > 4 { 0.0 } else { 2.0 * U * distance };
             let cell = Cell::new(
-                Row::Distance,
                 format!("D/r = 1e{exponent}{label}"),
                 "Spheres in scenes: error of the mean image radiance of a grey ball in front of the sky",
                 5.0 * noise + blur * silhouette / 16.0,
@@ -296,7 +292,6 @@ pub fn distances() -> Vec<Cell> {
             ))
         };
         let cell = Cell::new(
-            Row::Distance,
             format!("D/r = 1e{exponent}, in general position, 40 degrees"),
             "Spheres in scenes: views that are too wide to resolve the outline, without a warning of `check`",
             0.0,
@@ -319,7 +314,6 @@ pub fn distances() -> Vec<Cell> {
         // the disk the mean is 1/2, and with the sky around it 1/2 ± (π / 2) / 8 / 4.
         let expected = std::f64::consts::PI / 32.0;
         let cell = Cell::new(
-            Row::Distance,
             format!("D/r = 1e{exponent}"),
             "Spheres in scenes: relative error of the difference between the upper and the lower half of a mirror ball, in a sky from 0 \
              to 1",
@@ -342,7 +336,6 @@ pub fn radii() -> Vec<Cell> {
             ball(4.0 * radius * direction, radius, "grey") + ", " + &ball(DVec3::new(2.0, 3.0, 1.0), 1.0, "both");
         let shot = render(&scene(&looking(DVec3::ZERO, direction, 15.0), 1.0, &objects), &Request::spp(64));
         let cell = Cell::new(
-            Row::Radius,
             format!("r = 1e{exponent}"),
             "Grey balls seen from 4 radii, beside a lamp of radius 1 that is as bright as the sky: largest difference from half of \
              that radiance",
@@ -359,7 +352,6 @@ pub fn radii() -> Vec<Cell> {
         let range = format!("r = 1e{exponent}");
         if ground.large_spheres.is_empty() {
             let cell = Cell::new(
-                Row::Radius,
                 &range,
                 "Ground spheres from a height h of 1.25: largest relative error of the distance within 45 degrees of straight down",
                 4.0 * U * (ground.radius / HEIGHT + 1.0) * std::f64::consts::SQRT_2 + 16.0 * U,
@@ -375,7 +367,6 @@ pub fn radii() -> Vec<Cell> {
             all.push(cell.planted("radius 2e-6 too large", ground.worst("sphere", &larger)));
         } else {
             let cell = Cell::new(
-                Row::Radius,
                 &range,
                 "Ground spheres of more than 1024 heights, from a height h of 1.25: largest relative error of the distance within 45 degrees \
                  of straight down",
@@ -486,7 +477,6 @@ pub fn grazing() -> Vec<Cell> {
                     .fold(0.0, f64::max)
             };
             let cell = Cell::new(
-                Row::Grazing,
                 format!("1e-{exponent}{label}"),
                 "Floors in scenes, by the angle of the view: largest difference from half of the sky's radiance on the floor, and \
                  from the sky's radiance above",
@@ -524,7 +514,6 @@ pub fn grazing() -> Vec<Cell> {
             / (3.0 * f64::from(steps));
         let expected = 0.5 / std::f64::consts::PI * integral;
         let cell = Cell::new(
-            Row::Grazing,
             format!("1e-{exponent}"),
             "Floors in scenes, by the angle of the light: relative error of their radiance",
             0.012,
@@ -566,7 +555,6 @@ pub fn on_surfaces() -> Vec<Cell> {
         }
         let shot = render(&scene(&looking(DVec3::ZERO, -down, 90.0), 1.0, &objects), &Request::spp(64));
         let cell = Cell::new(
-            Row::CameraInside,
             format!("on {name}"),
             "The camera on a surface, looking away from it: largest difference from the radiance of the sky",
             0.0,
@@ -583,7 +571,6 @@ pub fn on_surfaces() -> Vec<Cell> {
             }
             let shot = render(&scene(&looking(DVec3::ZERO, down, 40.0), 1.0, &objects), &Request::spp(64));
             let cell = Cell::new(
-                Row::CameraInside,
                 format!("1e-{exponent} above {name}"),
                 "The camera above a grey surface of size 1, looking down: largest difference from half of the sky's radiance",
                 0.0,
@@ -600,7 +587,6 @@ pub fn inside_glass() -> Vec<Cell> {
     let mut push = |range: String, objects: String, towards: DVec3| {
         let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Request::spp(64).depth(1000));
         let cell = Cell::new(
-            Row::CameraInside,
             range,
             "The camera inside glass in a sky of 1: largest difference from 1",
             0.0,
@@ -634,7 +620,6 @@ pub fn inside_media() -> Vec<Cell> {
         let camera = looking(DVec3::ZERO, DIRECTIONS[1].1, 150.0);
         let shot = render(&scene(&camera, 1.0, &objects), &Request::spp(64).depth(1000));
         let cell = Cell::new(
-            Row::CameraInside,
             format!("in a ball of fog of optical radius 2, 1e-{exponent} below its surface"),
             "The camera inside a medium of albedo 1 in a sky of 1: largest difference from 1",
             0.0,

@@ -4,7 +4,7 @@ use crate::common::instances::{In, NOTHING, ball_file, flat_around, kernel, run}
 use crate::common::scenes::triple;
 use crate::common::stats::Random;
 use crate::common::vectors::{exact, rounded, unit};
-use crate::table::{Cell, NO_OFFSET, Row};
+use crate::table::{Cell, NO_OFFSET};
 use glam::DVec3;
 
 /// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again
@@ -59,7 +59,6 @@ pub fn cells() -> Vec<Cell> {
     let mut all = Vec::new();
     for (size, distance) in sizes.into_iter().zip(distances) {
         let cell = Cell::new(
-            Row::Leaving,
             format!("scaled by {size:e}, {distance:e} from the eye"),
             "Instances: of 10 000 rays, those that hit the face or the ball that they left, or missed its far side",
             0.0,

@@ -11,7 +11,7 @@ use crate::common::render::{Request, Shot, render, render_planted, scene};
 use crate::common::scenes::triple;
 use crate::common::stats::mean_and_variance;
 use crate::common::vectors::{U, exact};
-use crate::table::{Cell, ONE_MINUS_COS, Row};
+use crate::table::{Cell, ONE_MINUS_COS};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -56,7 +56,6 @@ pub fn densities() -> Vec<Cell> {
         .into_iter()
         .map(|share| {
             let cell = Cell::new(
-                Row::LightSize,
                 range(share),
                 "Spheres: largest relative error of the density over its bound",
                 1.0,
@@ -88,7 +87,6 @@ pub fn irradiances() -> Vec<Cell> {
         let (error, noise, missed) = of(&own);
         // What is added up is the mean over a cone narrower by 12 u.
         let cell = Cell::new(
-            Row::LightSize,
             range(share),
             "Spheres: relative error of the irradiance from 2^16 sampled directions and densities",
             noise + density_bound(height) + 32.0 * U,
@@ -109,7 +107,7 @@ pub fn irradiances() -> Vec<Cell> {
                 ),
             };
             let figure = "Spheres: of 2^16 sampled directions, those that miss the light";
-            all.push(Cell::new(Row::LightSize, range(share), figure, limit, because).achieved(missed));
+            all.push(Cell::new(range(share), figure, limit, because).achieved(missed));
         }
     }
     all
@@ -166,7 +164,6 @@ pub fn floors() -> Vec<Cell> {
             // The view's 1e-4 are 2e-4 of the distance at most, squared.
             let cell =
                 Cell::new(
-                    Row::LightSize,
                     format!("r/D = {share:e}, {sides}"),
                     "Relative error of a floor below a sphere, rendered with light sampling",
                     noise + 64.0 * U + 1e-7,
@@ -222,7 +219,6 @@ pub fn radiances() -> Vec<Cell> {
         let shot = render(&scene(&closed_room(emit, "", "")), &Request::spp(64));
         all.push(
             Cell::new(
-                Row::Radiance,
                 format!("emission 1e{exponent}"),
                 "Largest relative error of a pixel in a closed room that absorbs nothing, without light sampling",
                 12.0 * U,
@@ -236,7 +232,6 @@ pub fn radiances() -> Vec<Cell> {
         let noise = noise.min(NOISE * emit / 64.0);
         all.push(
             Cell::new(
-                Row::Radiance,
                 format!("emission 1e{exponent}"),
                 "Relative error of the mean radiance in a closed room that absorbs nothing, with light sampling",
                 noise / emit + 16.0 * U,
@@ -263,7 +258,6 @@ pub fn rooms() -> Vec<Cell> {
         if rounding < 0.5 {
             all.push(
                 Cell::new(
-                    Row::Radiance,
                     range,
                     "Largest relative error of a pixel in a room beside a light of radiance 1e20",
                     12.0 * U + rounding,
@@ -275,7 +269,6 @@ pub fn rooms() -> Vec<Cell> {
             let brightest = shot.picture.rgb.iter().flatten().fold(0.0f64, |most, &v| most.max(f64::from(v)));
             all.push(
                 Cell::new(
-                    Row::Radiance,
                     range,
                     "Radiance in a room beside a light more than 2^92 times as bright",
                     0.0,

@@ -41,63 +41,57 @@ use table::{COMPARED_NAN, Cell, FILE, FORMS, PAGE, faults, file, page};
 
 type Filler = fn() -> Vec<Cell>;
 
-/// Who fills cells.
-const CELLS: &[Filler] = &[
-    sphere::distances,
-    sphere::on_the_axis,
-    sphere::leavings,
-    sphere::grazing,
-    quad::cells,
-    cuboid::cells,
-    triangle::cells,
-    instance::cells,
-    basis::cells,
-    geometry::gaps,
-    geometry::gaps_by_rays,
-    geometry::distances,
-    geometry::radii,
-    geometry::grazing,
-    geometry::on_surfaces,
-    geometry::inside_glass,
-    geometry::inside_media,
-    crowds::cells,
-    positions::powers_of_two,
-    positions::scales_and_positions,
-    views::fields_of_view,
-    views::telescopes,
-    views::lenses,
-    views::sizes,
-    film::means,
-    film::constants,
-    film::variances,
-    rejection::cells,
-    fresnel::cells,
-    fuzz::cells,
-    roughness::cells,
-    albedo::cells,
-    media::depths_of_words,
-    media::shares,
-    media::free_paths,
-    media::black_slabs,
-    media::bright_slabs,
-    media::cosines,
-    media::directions,
-    media::densities,
-    lights::densities,
-    lights::irradiances,
-    lights::floors,
-    lights::radiances,
-    lights::rooms,
-    uniforms::cells,
-    noise::values,
-    noise::seams,
-    noise::far_objects,
-    degenerate::cells,
+/// The rows, and who fills the cells of each. Every row must have the cells that the file declares, or the run fails.
+const ROWS: &[(&str, &[Filler])] = &[
+    ("scale of the scene", &[positions::powers_of_two, positions::scales]),
+    ("position of the scene", &[positions::positions]),
+    ("distance over radius, D/r", &[sphere::distances, sphere::on_the_axis, geometry::distances, views::telescopes]),
+    ("radius", &[geometry::radii]),
+    (
+        "rays that leave a surface",
+        &[sphere::leavings, quad::leavings, cuboid::leavings, triangle::leavings, instance::cells],
+    ),
+    ("gaps between surfaces", &[geometry::gaps, geometry::gaps_by_rays]),
+    (
+        "grazing hits",
+        &[
+            sphere::grazing,
+            quad::grazed,
+            quad::floors_grazed,
+            quad::leaving_and_grazing,
+            cuboid::grazing,
+            triangle::grazing,
+            geometry::grazing,
+        ],
+    ),
+    ("index of refraction", &[fresnel::cells]),
+    ("fuzz", &[fuzz::cells]),
+    ("roughness", &[roughness::cells]),
+    ("albedo and depth", &[albedo::cells]),
+    (
+        "optical depth",
+        &[media::depths_of_words, media::shares, media::free_paths, media::black_slabs, media::bright_slabs],
+    ),
+    ("anisotropy", &[media::cosines, media::directions, media::densities]),
+    ("size of a light over its distance, r/D", &[lights::densities, lights::irradiances, lights::floors]),
+    ("radiance", &[lights::radiances, lights::rooms]),
+    ("vertical_fov", &[views::fields_of_view]),
+    ("aperture", &[views::apertures]),
+    ("focus_distance", &[views::focuses]),
+    ("bases around a normal", &[basis::cells]),
+    ("random numbers at their ends", &[uniforms::cells]),
+    ("Perlin noise far out", &[noise::values, noise::seams, noise::far_objects]),
+    ("number of objects", &[crowds::cells]),
+    ("cameras on surfaces and in objects", &[geometry::on_surfaces, geometry::inside_glass, geometry::inside_media]),
+    ("size of the image", &[views::sizes]),
+    ("number of samples", &[film::means, film::constants, film::variances]),
+    ("samples that are not finite", &[rejection::cells]),
+    ("degenerate scenes", &[degenerate::cells]),
 ];
 
 #[test]
 fn every_cell_is_within_its_limit() {
-    let cells = run(CELLS);
+    let cells = run();
     let text = file(&cells);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     if common::renew() {
@@ -113,25 +107,17 @@ fn every_cell_is_within_its_limit() {
 }
 
 /// All cells, in the order of the list, on two threads: the host's part of one goes on while the device has the other's.
-fn run(fillers: &[Filler]) -> Vec<Cell> {
+fn run() -> Vec<Cell> {
+    let fillers: Vec<_> = ROWS.iter().flat_map(|(row, fillers)| fillers.iter().map(move |fill| (row, fill))).collect();
     let next = AtomicUsize::new(0);
     let found: Vec<Mutex<Vec<Cell>>> = fillers.iter().map(|_| Mutex::default()).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..2 {
-            scope.spawn(|| {
-                while let Some((fill, cell)) = take(fillers, &found, next.fetch_add(1, Ordering::Relaxed)) {
-                    *cell.lock().expect("nobody panics with it") = fill();
-                }
-            });
+    let fill_all = || {
+        while let Some(index) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|index| *index < fillers.len()) {
+            let (row, fill) = fillers[index];
+            let cells = fill().into_iter().map(|cell| Cell { row, ..cell });
+            *found[index].lock().expect("nobody panics with it") = cells.collect();
         }
-    });
+    };
+    std::thread::scope(|scope| (0..2).for_each(|_| _ = scope.spawn(fill_all)));
     found.into_iter().flat_map(|cells| cells.into_inner().expect("every thread has ended well")).collect()
-}
-
-fn take<'a>(
-    fillers: &'a [Filler],
-    found: &'a [Mutex<Vec<Cell>>],
-    index: usize,
-) -> Option<(&'a Filler, &'a Mutex<Vec<Cell>>)> {
-    Some((fillers.get(index)?, found.get(index)?))
 }

@@ -9,7 +9,7 @@ use crate::common::render::{Request, diagnostics, render, render_planted, scene}
 use crate::common::rows::rows;
 use crate::common::stats::{Random, mean_and_variance, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
-use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
+use crate::table::{Cell, LOG_OF_ONE_MINUS};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -61,7 +61,6 @@ pub fn depths_of_words() -> Vec<Cell> {
     (0..8)
         .map(|i| {
             let cell = Cell::new(
-                Row::OpticalDepth,
                 format!("τ = {:e}..{:e}", edges[i], edges[i + 1]),
                 "Largest error of a sampled optical depth, over its bound",
                 1.0,
@@ -106,7 +105,6 @@ pub fn shares() -> Vec<Cell> {
         let (error, noise) = share(&[], limit);
         let what = if limit < 0.7 { "below" } else { "above" };
         let cell = Cell::new(
-            Row::OpticalDepth,
             format!("{what} τ = {limit:e}"),
             "Relative error of the share of light that scatters before τ (below), or not before τ (above)",
             NOISE * noise,
@@ -122,7 +120,6 @@ pub fn shares() -> Vec<Cell> {
     let farthest = |replaced: &[(&str, &str)]| (-f64::from(depths(replaced, &[[u32::MAX; 2]])[0])).exp();
     all.push(
         Cell::new(
-            Row::OpticalDepth,
             "τ = 33.3..1e8",
             "Error of the transmittance beyond the largest depth that can be sampled",
             1.01 * 2f64.powi(-48),
@@ -144,7 +141,6 @@ pub fn free_paths() -> Vec<Cell> {
         .map(|(what, power, expected, deviation)| {
             let mean = tau.iter().map(|x| x.powi(power)).sum::<f64>() / DRAWS as f64;
             Cell::new(
-                Row::OpticalDepth,
                 what,
                 "Relative error of a moment of 2^20 sampled depths",
                 NOISE * deviation / (DRAWS as f64).sqrt(),
@@ -184,7 +180,6 @@ pub fn black_slabs() -> Vec<Cell> {
             let through = |text: &str| render_planted(&scene(text), &Request::spp(64), &lowest).mean_of_all().value[0];
             let expected = 1.0 + 2f64.powi(k) * (-depth).exp_m1();
             Cell::new(
-                Row::OpticalDepth,
                 format!("τ = {depth:e}, k = {k}"),
                 "Error of the transmittance of a slab that absorbs, rendered with the lowest 2^-k of all random numbers",
                 NOISE * (expected * (1.0 - expected) / SAMPLES).sqrt() + 2f64.powi(k) * (8.0 * U * depth * (-depth).exp() + 2f64.powi(-48)),
@@ -237,7 +232,6 @@ pub fn bright_slabs() -> Vec<Cell> {
             assert!(s > 0.05 || said.is_empty(), "{said:?}");
             all.push(
                 Cell::new(
-                    Row::OpticalDepth,
                     format!("τ = {depth:.1e} in {thickness} seen from {distance}: s = {s:e}"),
                     "Relative error of the radiance of a thick slab that scatters, rendered",
                     NOISE * mean.variance[0].sqrt() / expected + 3.0 * s,
@@ -251,9 +245,7 @@ pub fn bright_slabs() -> Vec<Cell> {
         let warnings = diagnostics(&scene(&slab(1e8, ALBEDO, distance, thickness)));
         let mean = shot(1e8, distance, thickness);
         all.push(
-            Cell::new(
-                Row::OpticalDepth,
-                format!(
+            Cell::new(format!(
                     "τ = 1e8 in {thickness} seen from {distance}: s = {:.1}",
                     1e8 * U * (distance + thickness) / thickness
                 ),
@@ -353,7 +345,6 @@ pub fn cosines() -> Vec<Cell> {
         };
         let (own, textbook) = (worst(&[]), worst(&[("medium/phase", "test/control/phase_textbook")]));
         let cell = Cell::new(
-            Row::Anisotropy,
             range(g),
             "Largest relative error of 1 - cos and 1 + cos",
             26.0 * U,
@@ -363,7 +354,6 @@ pub fn cosines() -> Vec<Cell> {
         .achieved(own[0]);
         all.push(if g == 0.0 { cell } else { cell.planted(TEXTBOOK, textbook[0]) });
         let cell = Cell::new(
-            Row::Anisotropy,
             range(g),
             "Largest error of the new direction's cosine and length, over its bound",
             1.0,
@@ -410,7 +400,6 @@ pub fn directions() -> Vec<Cell> {
         let digits = |p: f64| -p.max(1e-300).log10();
         all.push(
             Cell::new(
-                Row::Anisotropy,
                 range(g),
                 "Digits of the p-value of 2^18 directions, by a chi-square test of 61 x 7 cells",
                 digits(sidak(1e-6, tests)),
@@ -423,7 +412,6 @@ pub fn directions() -> Vec<Cell> {
         let (mean, _) = mean_and_variance(&cosines);
         all.push(
             Cell::new(
-                Row::Anisotropy,
                 range(g),
                 "Error of the mean cosine of 2^18 directions",
                 NOISE * ((1.0 - g * g) / 3.0 / DRAWS as f64).sqrt() + 16.0 * U,
@@ -489,7 +477,6 @@ pub fn densities() -> Vec<Cell> {
         };
         all.push(planted(
             Cell::new(
-                Row::Anisotropy,
                 range(g),
                 "Largest relative error of the density of a direction",
                 32.0 * U + 1.5 * (4.0 * U / less).powi(2),
@@ -502,7 +489,6 @@ pub fn densities() -> Vec<Cell> {
         if less > 1e-4 {
             all.push(planted(
                 Cell::new(
-                    Row::Anisotropy,
                     range(g),
                     "Error of the density's integral over the sphere",
                     32.0 * U + 3.0 * 4.0 * U / less,

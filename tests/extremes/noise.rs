@@ -10,7 +10,7 @@ use crate::common::render::scene;
 use crate::common::rows::Aimed as In;
 use crate::common::stats::Random;
 use crate::common::vectors::{exact, rounded, unit};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 const LINEAR: (&str, &str) = ("lib/perlin", "test/control/perlin_linear");
 const PLANTED: &str = "truncated cells, no fade, a period of 255";
@@ -46,7 +46,7 @@ pub fn values() -> Vec<Cell> {
         };
         let (found, wrong) = (worst(&own), worst(&linear));
         let planted = |cell: Cell, i: usize| if reach < 1.0 { cell } else { cell.planted(PLANTED, wrong[i]) };
-        let cell = |figure, limit, because| Cell::new(Row::Noise, format!("p up to {reach:e}"), figure, limit, because);
+        let cell = |figure, limit, because| Cell::new(format!("p up to {reach:e}"), figure, limit, because);
         all.push(planted(
             cell(
                 "Largest error of Perlin noise",
@@ -94,7 +94,6 @@ pub fn seams() -> Vec<Cell> {
             errors.fold(0.0f64, f64::max)
         };
         let cell = Cell::new(
-            Row::Noise,
             format!("p up to {reach:e}, {step:.0e} to each side"),
             "Largest error of the step of Perlin noise across a plane between cells",
             2.0 * NOISE_ERROR,
@@ -169,7 +168,6 @@ pub fn far_objects() -> Vec<Cell> {
         };
         // The point on the sphere is off by 4 u of its radius and distance, the ray's by 8 u, reduced positions up to 256 by u.
         let cell = Cell::new(
-            Row::Noise,
             format!("object {far:e} from the origin of its space"),
             "Largest error of a noise texture on a sphere that is far from the origin of its own space",
             0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::common::vectors::U + NOISE_ERROR),

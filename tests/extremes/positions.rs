@@ -3,7 +3,7 @@
 use crate::common::everything::{Everything, World, same};
 use crate::common::render::{Request, Shot, render, worst_difference};
 use crate::common::stats::{normal_two_sided, one_sample_t, student_two_sided};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 pub fn powers_of_two() -> Vec<Cell> {
     let files = Everything::new();
@@ -15,7 +15,6 @@ pub fn powers_of_two() -> Vec<Cell> {
             let world = World { scale: 2f64.powi(exponent), ..World::default() };
             let moved = World { camera_shift: 1e-6, ..world };
             Cell::new(
-                Row::Scale,
                 format!("2^{exponent}"),
                 "Whether any bit of the image differs, for a scene with every feature",
                 0.0,
@@ -27,6 +26,11 @@ pub fn powers_of_two() -> Vec<Cell> {
         .into()
 }
 
+/// The scene that the others are compared with.
+fn usual() -> World {
+    World { lamp: 0.1, ..World::default() }
+}
+
 /// Other scales and positions round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored
 /// to 1.5e-8 of its unit.
 ///
@@ -36,28 +40,21 @@ pub fn powers_of_two() -> Vec<Cell> {
 /// it. A camera that is moved by a fiftieth of its distance moves light from pixel to pixel: the images as if of two
 /// seeds tell that, of whose tiles the means' difference has a standard error of 0.7 % up to 1.8 %. (What both have
 /// alike makes that test the safer.)
-pub fn scales_and_positions() -> Vec<Cell> {
+fn differences(worlds: impl Iterator<Item = (String, World)>) -> Vec<Cell> {
     const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
                           image, in standard deviations";
     const BECAUSE: &str = "noise alone: the largest of 78 normal variates exceeds the limit once in 1e6 (Šidák).";
     let files = Everything::new();
-    let usual_world = World { lamp: 0.1, ..World::default() };
     let shot = |world: World| render(&files.scene(world), &Request::spp(256).size(32, 24).seed(10));
-    let usual = shot(usual_world);
+    let usual = shot(self::usual());
     let off = |world: World| {
         let other = shot(world);
         worst_paired(&usual, &other).max(worst_difference(&usual, &other, 1e-5).z)
     };
     let limit = chance_limit(78);
-    let scaled =
-        [1e-6, 1e-7 / 3.0, 1e3, 1e6].map(|scale| (Row::Scale, format!("{scale:.1e}"), World { scale, ..usual_world }));
-    let moved = [1e3, 1e6, 1e8].map(|far| {
-        let shift = [-far / 3.0, far, -0.7 * far];
-        (Row::Offset, format!("({:.1e}, {:.1e}, {:.1e})", shift[0], shift[1], shift[2]), World { shift, ..usual_world })
-    });
     let mut all = Vec::new();
-    for (row, range, world) in scaled.into_iter().chain(moved) {
-        let mut cell = Cell::new(row, range, FIGURE, limit, BECAUSE).achieved(off(world));
+    for (range, world) in worlds {
+        let mut cell = Cell::new(range, FIGURE, limit, BECAUSE).achieved(off(world));
         if world.shift[1] == 1e8 || world.scale == 1e6 {
             cell = cell
                 .planted("camera moved by a fiftieth of its distance", off(World { camera_shift: 0.1, ..world }))
@@ -101,4 +98,17 @@ fn deviation(p: f64) -> f64 {
 /// The number of standard errors that the largest of so many normal variates exceeds once in a million.
 pub fn chance_limit(compared: usize) -> f64 {
     deviation(crate::common::stats::sidak(1e-6, compared))
+}
+
+pub fn scales() -> Vec<Cell> {
+    let scaled = |scale| (format!("{scale:.1e}"), World { scale, ..usual() });
+    differences([1e-6, 1e-7 / 3.0, 1e3, 1e6].into_iter().map(scaled))
+}
+
+pub fn positions() -> Vec<Cell> {
+    let moved = |far: f64| {
+        let shift = [-far / 3.0, far, -0.7 * far];
+        (format!("({:.1e}, {:.1e}, {:.1e})", shift[0], shift[1], shift[2]), World { shift, ..usual() })
+    };
+    differences([1e3, 1e6, 1e8].into_iter().map(moved))
 }

@@ -9,7 +9,7 @@ use crate::common::scenes::flat;
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, NO_OFFSET, Row, decade};
+use crate::table::{Cell, NO_OFFSET, decade};
 
 /// Where a ray's line meets the plane of corner, u and v in f64, and how far f32 may be off.
 struct Plane {
@@ -89,17 +89,9 @@ impl Verdict {
     }
 }
 
-/// The table's cells of quads.
-pub fn cells() -> Vec<Cell> {
-    let kernel = tracer("quad", &[]);
-    let mut all = grazed(&kernel);
-    all.extend(floors_grazed(&kernel));
-    all.extend(leavings(&kernel));
-    all
-}
-
 /// Rays at quads in general position.
-fn grazed(kernel: &Kernel) -> Vec<Cell> {
+pub fn grazed() -> Vec<Cell> {
+    let kernel = &tracer("quad", &[]);
     // From 1e-6 on the error of a hit, some 16 u of the lengths over the cosine, is the quad's own size: fewer are sure to be hits.
     (0..7)
         .map(|exponent| {
@@ -111,7 +103,6 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
             // (1/1.1)^2 = 83 % of the targets lie on their quads; needles lose some to their larger bounds.
             assert!(found.hits > if exponent < 5 { 10_000 } else { 1000 }, "{found:?}");
             let cell = Cell::new(
-                Row::Grazing,
                 range,
                 "Quads by the sine of the angle with the plane: largest error of the decision, the distance, the point and its \
                  coordinates over its bound",
@@ -148,7 +139,8 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
 
 /// Rays at floors: planes whose normal is an axis, so that products with it are exact. Distances keep all their digits
 /// at every angle.
-fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
+pub fn floors_grazed() -> Vec<Cell> {
+    let kernel = &tracer("quad", &[]);
     let texts: Vec<String> = {
         let mut random = Random(15);
         let mut floor = || {
@@ -174,7 +166,6 @@ fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
             }
             assert!(hits > 10_000, "{hits} hits");
             Cell::new(
-                Row::Grazing,
                 range,
                 "Floors by the sine of the angle with the plane: largest relative error of the distance",
                 4.0 * U,
@@ -198,6 +189,14 @@ fn worst_of_tilted(kernel: &Kernel, quads: &[Quad], rays: &[In]) -> f64 {
     })
 }
 
+const BECAUSE: &str = "none, because the offset exceeds the bound of the errors of the point and of the next distance.";
+
+/// The kernel, and one without the offset.
+fn tracers() -> [Kernel; 2] {
+    let without: &[_] = &[("geometry/offset", "test/control/offset_none")];
+    [&[], without].map(|replaced| tracer("quad", replaced))
+}
+
 /// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer
 /// side, and leave them on either side at cosines within these decades: the share that met them again.
 fn again(kernel: &Kernel, aspect: f64, distance: (f64, f64), cosines: (f64, f64)) -> f64 {
@@ -216,10 +215,8 @@ fn again(kernel: &Kernel, aspect: f64, distance: (f64, f64), cosines: (f64, f64)
     hits.filter(|out| out.again != NO_HIT).count() as f64
 }
 
-fn leavings(kernel: &Kernel) -> Vec<Cell> {
-    const BECAUSE: &str =
-        "none, because the offset exceeds the bound of the errors of the point and of the next distance.";
-    let without = tracer("quad", &[("geometry/offset", "test/control/offset_none")]);
+pub fn leavings() -> Vec<Cell> {
+    let [own, without] = tracers();
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
         for (name, distance) in [("up to 1", (-2.0, 0.0)), ("1e3", (2.9, 3.1)), ("1e6", (5.9, 6.1))] {
@@ -227,20 +224,23 @@ fn leavings(kernel: &Kernel) -> Vec<Cell> {
             let figure = "Quads: of 10 000 rays, those that hit their own quad again, with cosines from 0.01 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-2.0, 0.0));
             all.push(
-                Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
-                    .achieved(again(kernel, aspect, distance, cosines))
+                Cell::new(range, figure, 0.0, BECAUSE)
+                    .achieved(again(&own, aspect, distance, cosines))
                     .planted(NO_OFFSET, again(&without, aspect, distance, cosines)),
             );
         }
     }
-    for exponent in 1..7 {
+    all
+}
+
+pub fn leaving_and_grazing() -> Vec<Cell> {
+    let [own, without] = tracers();
+    let cell = |exponent| {
         let (range, cosines) = decade(exponent);
         let figure = "Quads by the cosine of the leaving ray: of 10 000 rays, those that hit their own quad again";
-        all.push(
-            Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
-                .achieved(again(kernel, 3.0, (-2.0, 1.0), cosines))
-                .planted(NO_OFFSET, again(&without, 3.0, (-2.0, 1.0), cosines)),
-        );
-    }
-    all
+        Cell::new(range, figure, 0.0, BECAUSE)
+            .achieved(again(&own, 3.0, (-2.0, 1.0), cosines))
+            .planted(NO_OFFSET, again(&without, 3.0, (-2.0, 1.0), cosines))
+    };
+    (1..7).map(cell).collect()
 }

@@ -11,7 +11,7 @@ use crate::common::render::{Request, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::decades;
-use crate::table::{COMPARED_NAN, Cell, Row};
+use crate::table::{COMPARED_NAN, Cell};
 
 const WIDTH: u32 = 16;
 const HEIGHT: u32 = 8;
@@ -93,7 +93,6 @@ pub fn cells() -> Vec<Cell> {
     let (wrong, found) = mistaken(&kernel(&[]));
     assert!(found.iter().all(|&n| n > 50), "NaN and infinities are made at all: {found:?}");
     let cell = Cell::new(
-        Row::Rejection,
         "0/0, inf - inf, 0 inf, roots and logarithms below 0, overflows; numbers from 1e-30 to 1e30",
         "Of 1026 values made in a kernel, those that are wrongly classified as finite or not finite",
         0.0,
@@ -107,7 +106,6 @@ pub fn cells() -> Vec<Cell> {
         let wrong = |figure: &dyn Fn(&Film) -> f64| wrong.as_ref().map_or(f64::NAN, figure);
         let range = format!("of 4096 samples 512 are NaN and 256 infinite; {name}");
         let counts = Cell::new(
-            Row::Rejection,
             &range,
             "Samples of a render that are counted for a wrong reason, or not at all",
             0.0,
@@ -116,7 +114,6 @@ pub fn cells() -> Vec<Cell> {
         .achieved(misplaced(own.totals()));
         all.push(plant(counts, &|| wrong(&|film| misplaced(film.totals()))));
         let colours = Cell::new(
-            Row::Rejection,
             &range,
             "Pixels of 128 that do not have exactly the sky's colour",
             0.0,

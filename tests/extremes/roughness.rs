@@ -11,7 +11,7 @@ use crate::common::microfacets::{
 use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 const TEXTBOOK: (&str, &str) = ("lib/microfacet", "test/control/microfacet_textbook");
 const COSINE: &str = "density by 1 - cos²";
@@ -109,7 +109,6 @@ pub fn cells() -> Vec<Cell> {
         let is_rough = roughness * 1024.0 >= 1.0;
         if is_rough {
             let cell = Cell::new(
-                Row::Roughness,
                 &range,
                 "Largest relative error of the density of 5000 answers, with cosines from 1e-4 to 1",
                 128.0 * U + 80.0 * U / alpha,
@@ -122,7 +121,6 @@ pub fn cells() -> Vec<Cell> {
         }
         let grazing = |what: &str, wrong: f64| {
             Cell::new(
-                Row::Roughness,
                 format!("{range}, {what}"),
                 "Answers of 5000 that are not finite, on a wrong side or too bright, with cosines from 1e-20 to 1e-2",
                 0.0,
@@ -175,7 +173,6 @@ fn furnace(
     let material = material.to_owned();
     let error = move |planted: bool| (in_a_furnace(&material, cos, planted) - albedo).abs();
     let cell = Cell::new(
-        Row::Roughness,
         range,
         what,
         noise + 1e-3,

@@ -9,7 +9,7 @@ use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
 use crate::common::vectors::{U, decades, exact, quantile, rounded, unit};
-use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE, decade};
+use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, TEXTBOOK_SPHERE, decade};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
 struct Roots {
@@ -116,7 +116,7 @@ pub fn distances() -> Vec<Cell> {
         let found = judge(&own, distance);
         let wrong = (1e1..=1e6).contains(&distance).then(|| judge(&textbook, distance));
         let cell = |figure, limit, because, get: &dyn Fn(&Verdict) -> f64, finds: bool| {
-            let cell = Cell::new(Row::Distance, &range, figure, limit, because).achieved(get(&found));
+            let cell = Cell::new(&range, figure, limit, because).achieved(get(&found));
             match &wrong {
                 Some(wrong) if finds => cell.planted(TEXTBOOK_SPHERE, get(wrong)),
                 _ => cell,
@@ -196,7 +196,6 @@ pub fn on_the_axis() -> Vec<Cell> {
         let (found, wrong, by_distance) =
             (on_axis(&own, distance), on_axis(&textbook, distance), on_axis(&by_distance, distance));
         let cell = Cell::new(
-            Row::Distance,
             &range,
             "Spheres near the axis of view: largest distance from the edge, in radii, at which a ray was decided wrongly",
             AXIS_ERROR,
@@ -205,7 +204,6 @@ pub fn on_the_axis() -> Vec<Cell> {
         let cell = cell.achieved(found.worst_decision);
         all.push(if exponent >= 3 { cell.planted(TEXTBOOK_SPHERE, wrong.worst_decision) } else { cell });
         let cell = Cell::new(
-            Row::Distance,
             &range,
             "Spheres near the axis of view: largest error of the normal, over its bound",
             1.0,
@@ -342,7 +340,7 @@ pub fn leavings() -> Vec<Cell> {
             let found = leave(&own, radius, ratio);
             assert!(found.rays > 950, "{} rays of 1000 met the sphere", found.rays);
             let range = format!("r = 1e{exponent}, {ratio} radii from the origin");
-            let mut cell = Cell::new(Row::Leaving, range, FIGURE, 0.0, BECAUSE).achieved(wrong(found));
+            let mut cell = Cell::new(range, FIGURE, 0.0, BECAUSE).achieved(wrong(found));
             // A fixed distance re-hits large spheres and loses the inside of small ones.
             if [(5, 10.0), (-3, 0.0)].contains(&(exponent, ratio)) {
                 cell = cell.planted(FIXED_T_MIN, wrong(leave(&fixed, radius, ratio)));
@@ -411,7 +409,7 @@ pub fn grazing() -> Vec<Cell> {
             let because = "none, because the offset ε exceeds the bound of the error, and the chord from there is at least sqrt(8 ε \
                            r) long and has an error of 6 u divided by half of it.";
             all.push(
-                Cell::new(Row::Grazing, range, figure, 0.0, because)
+                Cell::new(range, figure, 0.0, because)
                     .achieved(graze(&own, ratio, cosines))
                     .planted(NO_OFFSET, graze(&without, ratio, cosines)),
             );

@@ -3,68 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// What is driven to its extremes. Every row must have the cells that the file declares, or the run fails.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Row {
-    Scale,
-    Offset,
-    Distance,
-    Radius,
-    Leaving,
-    Gap,
-    Grazing,
-    Index,
-    Fuzz,
-    Roughness,
-    Albedo,
-    OpticalDepth,
-    Anisotropy,
-    LightSize,
-    Radiance,
-    FieldOfView,
-    Aperture,
-    Focus,
-    Basis,
-    Uniforms,
-    Noise,
-    Objects,
-    CameraInside,
-    ImageSize,
-    Samples,
-    Rejection,
-    Degenerate,
-}
-
-/// The rows, with what each is called.
-pub const ROWS: &[(Row, &str)] = &[
-    (Row::Scale, "scale of the scene"),
-    (Row::Offset, "position of the scene"),
-    (Row::Distance, "distance over radius, D/r"),
-    (Row::Radius, "radius"),
-    (Row::Leaving, "rays that leave a surface"),
-    (Row::Gap, "gaps between surfaces"),
-    (Row::Grazing, "grazing hits"),
-    (Row::Index, "index of refraction"),
-    (Row::Fuzz, "fuzz"),
-    (Row::Roughness, "roughness"),
-    (Row::Albedo, "albedo and depth"),
-    (Row::OpticalDepth, "optical depth"),
-    (Row::Anisotropy, "anisotropy"),
-    (Row::LightSize, "size of a light over its distance, r/D"),
-    (Row::Radiance, "radiance"),
-    (Row::FieldOfView, "vertical_fov"),
-    (Row::Aperture, "aperture"),
-    (Row::Focus, "focus_distance"),
-    (Row::Basis, "bases around a normal"),
-    (Row::Uniforms, "random numbers at their ends"),
-    (Row::Noise, "Perlin noise far out"),
-    (Row::Objects, "number of objects"),
-    (Row::CameraInside, "cameras on surfaces and in objects"),
-    (Row::ImageSize, "size of the image"),
-    (Row::Samples, "number of samples"),
-    (Row::Rejection, "samples that are not finite"),
-    (Row::Degenerate, "degenerate scenes"),
-];
+use crate::ROWS;
 
 pub const TEXTBOOK_SPHERE: &str = "textbook's sphere";
 pub const FIXED_T_MIN: &str = "fixed t_min";
@@ -95,7 +34,8 @@ pub const FORMS: &[&str] = &[
 
 /// One range of one row: what was measured there, and what it must not be above.
 pub struct Cell {
-    pub row: Row,
+    /// What is driven to its extremes.
+    pub row: &'static str,
     /// The inputs: `"D/r = 1e3"`.
     pub range: String,
     /// What is measured, with its unit.
@@ -113,9 +53,9 @@ pub struct Cell {
 }
 
 impl Cell {
-    pub fn new(row: Row, range: impl Into<String>, figure: &'static str, limit: f64, because: &'static str) -> Cell {
+    pub fn new(range: impl Into<String>, figure: &'static str, limit: f64, because: &'static str) -> Cell {
         Cell {
-            row,
+            row: "",
             range: range.into(),
             figure,
             limit,
@@ -148,7 +88,7 @@ impl Cell {
 
     /// What is wrong with the cell. A figure that is no number holds nothing.
     fn faults(&self) -> Vec<String> {
-        let cell = format!("{:?}, {}: {}", self.row, self.range, self.figure);
+        let cell = format!("{}, {}: {}", self.row, self.range, self.figure);
         let mut all = Vec::new();
         let holds = |figure: f64| figure <= self.limit;
         if self.achieved.is_nan() || !holds(self.achieved) && self.warnings.is_empty() {
@@ -200,9 +140,9 @@ pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> 
     if BTreeSet::from_iter(&there).len() < there.len() {
         all.push("two cells are the same".to_string());
     }
-    for (row, name) in ROWS {
-        if !wanted.iter().any(|cell| cell.0 == *name) {
-            all.push(format!("{row:?} ({name}) has no cell"));
+    for (row, _) in ROWS {
+        if !wanted.iter().any(|cell| cell.0 == *row) {
+            all.push(format!("{row}: there is no cell"));
         }
     }
     for form in forms {
@@ -214,7 +154,7 @@ pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> 
 }
 
 /// The cells of a row, those that measure the same together.
-fn of_row(cells: &[Cell], row: Row) -> Vec<&Cell> {
+fn of_row<'a>(cells: &'a [Cell], row: &str) -> Vec<&'a Cell> {
     let own: Vec<&Cell> = cells.iter().filter(|cell| cell.row == row).collect();
     let mut figures: Vec<&str> = Vec::new();
     for cell in &own {
@@ -228,19 +168,12 @@ fn of_row(cells: &[Cell], row: Row) -> Vec<&Cell> {
 /// All cells, one a line, with tabs between the columns.
 pub fn file(cells: &[Cell]) -> String {
     let mut text = HEAD.to_string();
-    for (row, name) in ROWS {
-        for cell in of_row(cells, *row) {
+    for (row, _) in ROWS {
+        for cell in of_row(cells, row) {
             let planted: Vec<String> =
                 cell.planted.iter().map(|(form, figure)| format!("{form}: {}", short(*figure))).collect();
-            let columns = [
-                name,
-                cell.figure,
-                &cell.range,
-                &short(cell.limit),
-                &cell.outcome(),
-                &planted.join("; "),
-                cell.because,
-            ];
+            let columns =
+                [row, cell.figure, &cell.range, &short(cell.limit), &cell.outcome(), &planted.join("; "), cell.because];
             let _ = writeln!(text, "{}", columns.join("\t"));
         }
     }
@@ -260,15 +193,15 @@ pub fn page(cells: &[Cell], driver: &str) -> String {
         cells.len(),
         cells.iter().filter(|cell| cell.achieved > cell.limit).count(),
     );
-    for (row, name) in ROWS {
-        let own = of_row(cells, *row);
+    for (row, _) in ROWS {
+        let own = of_row(cells, row);
         let share = |cell: &Cell| if cell.limit > 0.0 { cell.achieved / cell.limit } else { 0.0 };
         let within = own.iter().filter(|cell| cell.achieved <= cell.limit);
         // The first of those that are equally near.
         let Some(worst) = within.reduce(|a, b| if share(b) > share(a) { b } else { a }) else { continue };
         let _ = writeln!(
             text,
-            "| {name} | {} | {}; {} | {} | {} |",
+            "| {row} | {} | {}; {} | {} | {} |",
             own.len(),
             worst.figure,
             worst.range,
@@ -292,8 +225,14 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
 
+    const GAPS: &str = "gaps between surfaces";
+
+    fn cell(row: &'static str, range: &str, limit: f64, achieved: f64) -> Cell {
+        Cell { row, achieved, ..Cell::new(range, "error", limit, "") }
+    }
+
     fn full() -> Vec<Cell> {
-        ROWS.iter().map(|(row, _)| Cell::new(*row, "all", "error", 1.0, "").achieved(0.5)).collect()
+        ROWS.iter().map(|(row, _)| cell(row, "all", 1.0, 0.5)).collect()
     }
 
     fn compared(cells: &[Cell], wanted: &[Cell], forms: &[&str]) -> Vec<String> {
@@ -348,10 +287,8 @@ mod tests {
     #[test]
     fn the_page_has_the_cell_of_each_row_that_is_nearest_to_its_limit() {
         let mut cells = full();
-        cells.push(Cell::new(Row::Gap, "the worst", "error", 2.0, "").achieved(1.9));
-        cells.push(
-            Cell::new(Row::Gap, "unresolved", "error", 2.0, "").achieved(3.0).warns(vec!["too near".to_string()]),
-        );
+        cells.push(cell(GAPS, "the worst", 2.0, 1.9));
+        cells.push(cell(GAPS, "unresolved", 2.0, 3.0).warns(vec!["too near".to_string()]));
         let page = page(&cells, "a driver");
         assert!(page.contains("| gaps between surfaces | 3 | error; the worst | 2 | 1.9e0 |"), "{page}");
         assert_eq!(page.lines().filter(|line| line.starts_with("| ")).count(), ROWS.len() + 1);
@@ -359,7 +296,7 @@ mod tests {
 
     #[test]
     fn cells_that_are_missing_or_not_declared_are_faults() {
-        let of_range = |range: &str| Cell::new(Row::Gap, range, "error", 1.0, "").achieved(0.5);
+        let of_range = |range: &str| cell(GAPS, range, 1.0, 0.5);
         let with =
             |more: &[&str]| full().into_iter().chain(more.iter().map(|range| of_range(range))).collect::<Vec<_>>();
         let wanted = with(&["1e-1", "1e-7"]);
@@ -372,7 +309,7 @@ mod tests {
         let mut other = with(&["1e-1", "1e-7"]);
         other.last_mut().expect("there are some").figure = "share";
         assert_eq!(compared(&other, &wanted, &[]).len(), 2);
-        let empty: Vec<Cell> = full().into_iter().filter(|cell| cell.row != Row::Gap).collect();
+        let empty: Vec<Cell> = full().into_iter().filter(|cell| cell.row != GAPS).collect();
         assert_eq!(own_faults(&empty, &[]).len(), 1, "a row without a cell");
     }
 }

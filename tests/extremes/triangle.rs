@@ -5,7 +5,7 @@ use crate::common::stats::Random;
 use crate::common::trace::NO_HIT;
 use crate::common::triangles::{Corners, In, stout, trace, tracer};
 use crate::common::vectors::{decades, rounded, unit};
-use crate::table::{Cell, NO_OFFSET, Row, decade};
+use crate::table::{Cell, NO_OFFSET, decade};
 
 /// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the
 /// origin, and leave them at cosines within these decades: how many met the triangle again.
@@ -46,26 +46,30 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
 }
 
 /// The table's cells of triangles.
-pub fn cells() -> Vec<Cell> {
+fn cells(figure: &'static str, ranges: impl Iterator<Item = (String, f64, (f64, f64))>) -> Vec<Cell> {
     const BECAUSE: &str = "none, because the offset exceeds the bound of the errors of the point and of the next distance \
                            (geometry/sheared_triangle).";
     let own = tracer(&[]);
     let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
-    let cell = |row, range: String, figure, far, cosines| {
-        Cell::new(row, range, figure, 0.0, BECAUSE)
+    let cell = |(range, far, cosines)| {
+        Cell::new(range, figure, 0.0, BECAUSE)
             .achieved(leave(&own, far, cosines))
             .planted(NO_OFFSET, leave(&without, far, cosines))
     };
-    let mut all = Vec::new();
-    for far in [1.0, 1e1, 1e2, 1e3] {
-        let figure = "Triangles, including needles: of 20 000 rays, those that hit their own triangle again, with cosines from 0.01 to 1";
-        all.push(cell(Row::Leaving, format!("up to {far} sizes from the origin"), figure, far, (-2.0, 0.0)));
-    }
-    for exponent in 1..7 {
+    ranges.map(cell).collect()
+}
+
+pub fn leavings() -> Vec<Cell> {
+    let figure = "Triangles, including needles: of 20 000 rays, those that hit their own triangle again, with cosines from 0.01 to 1";
+    let range = |far| (format!("up to {far} sizes from the origin"), far, (-2.0, 0.0));
+    cells(figure, [1.0, 1e1, 1e2, 1e3].into_iter().map(range))
+}
+
+pub fn grazing() -> Vec<Cell> {
+    let figure = "Triangles by the cosine of the leaving ray: of 20 000 rays, those that hit their own triangle again";
+    let range = |exponent| {
         let (range, cosines) = decade(exponent);
-        let figure =
-            "Triangles by the cosine of the leaving ray: of 20 000 rays, those that hit their own triangle again";
-        all.push(cell(Row::Grazing, range, figure, 1.0, cosines));
-    }
-    all
+        (range, 1.0, cosines)
+    };
+    cells(figure, (1..7).map(range))
 }

@@ -5,10 +5,10 @@ use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
 
 use crate::common::kernel::{Kernel, Overlay};
 use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
-use crate::common::render::{Request, render_linked, scene};
+use crate::common::render::{Change, Request, render_with, scene};
 use crate::common::rows::{Words, rows};
 use crate::common::vectors::{U, exact};
-use crate::table::{Cell, Row};
+use crate::table::Cell;
 
 const LAST: f32 = 1.0 - U as f32;
 
@@ -28,7 +28,7 @@ pub fn cells() -> Vec<Cell> {
 }
 
 fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
-    Cell::new(Row::Uniforms, range, figure, 0.0, "none.")
+    Cell::new(range, figure, 0.0, "none.")
 }
 
 const ANSWERS: &str =
@@ -125,9 +125,11 @@ fn forced() -> Vec<Cell> {
         let runs = |block: u32| block * CODES * RUN_LENGTH..(block + 1) * CODES * RUN_LENGTH;
         let ranges: Vec<_> = (0..5).map(runs).collect();
         // By codes, so that a pixel's value is the mean of one code's samples.
-        let codes: Vec<_> =
-            ranges.iter().flat_map(|range| range.clone().step_by(8)).map(|first| first..first + RUN_LENGTH).collect();
-        let shots = render_linked(&scene, &request, &codes, &forced_sampler(module));
+        let codes =
+            ranges.iter().flat_map(|range| range.clone().step_by(8)).map(|first| (0, first..first + RUN_LENGTH));
+        let (library, mut shots) = (forced_sampler(module), Vec::new());
+        let change = Change { library: Some(&library), ..Change::default() };
+        render_with(&scene, &request, codes, &change, |shot| shots.push(shot));
         for (block, shots) in BLOCKS.iter().zip(shots.chunks(CODES as usize)) {
             let rejected: u64 = shots.iter().map(|shot| shot.film.totals().rejected.total()).sum();
             let paths: u64 = shots.iter().map(|shot| shot.film.totals().paths).sum();
@@ -145,7 +147,6 @@ fn forced() -> Vec<Cell> {
             // A sampled light counts w f cos / p_l = p_l p_k / (p_l² + p_k²) at most, a half, at each of 10 events.
             all.push(
                 Cell::new(
-                    Row::Uniforms,
                     format!("{name}, {block}"),
                     "Brightest pixel of those renders, relative to the brightest light",
                     6.0,

@@ -9,7 +9,7 @@ use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::scenes::triple;
 use crate::common::vectors::U;
 use crate::positions::chance_limit;
-use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
+use crate::table::{Cell, TEXTBOOK_SPHERE};
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 256;
@@ -116,7 +116,7 @@ pub fn fields_of_view() -> Vec<Cell> {
     [1e-3, 1e-2, 0.1, 1.0, 10.0, 90.0, 150.0, 179.0]
         .map(|fov: f64| {
             let radius = (0.5 * (0.5 * fov).to_radians().tan()).atan().sin();
-            Cell::new(Row::FieldOfView, format!("{fov} degrees"), EDGE, edge_limit(), EDGE_BECAUSE)
+            Cell::new(format!("{fov} degrees"), EDGE, edge_limit(), EDGE_BECAUSE)
                 .achieved(edge_error(1.0, radius, fov))
                 .planted(WIDER_NAME, edge_error_of(1.0, radius, fov, WIDER, &[]))
         })
@@ -131,7 +131,7 @@ pub fn telescopes() -> Vec<Cell> {
         let distance = 10f64.powi(exponent);
         let fov = 4.0 * (1.0 / distance).atan().to_degrees();
         let range = format!("D/r = 1e{exponent}, through a telescope");
-        let cell = Cell::new(Row::Distance, range.clone(), EDGE, edge_limit(), EDGE_BECAUSE)
+        let cell = Cell::new(range.clone(), EDGE, edge_limit(), EDGE_BECAUSE)
             .achieved(edge_error(distance, 1.0, fov))
             .planted(WIDER_NAME, edge_error_of(distance, 1.0, fov, WIDER, &[]));
         all.push(match exponent >= 4 {
@@ -140,7 +140,6 @@ pub fn telescopes() -> Vec<Cell> {
         });
         all.push(
             Cell::new(
-                Row::Distance,
                 range,
                 "Root mean square error of the radiance in the middle of far Lambertian spheres under a gradient sky",
                 // E[y] under the cosine is 2/3 n.y, its variance at most 1/4: a sample's standard deviation is 1/4 at most.
@@ -186,7 +185,11 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
 /// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x
 /// of it. The picture is as wide as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of
 /// it or more.
-pub fn lenses() -> Vec<Cell> {
+/// An aperture and a focus.
+type Lens = (f64, f64);
+
+/// Images through lenses, and through others in their place.
+fn lenses(lenses: &[(String, Lens, Option<Lens>)]) -> Vec<Cell> {
     const FIGURE: &str = "Root mean square error of the pixels in an image of a half plane at distance 5 through a lens, with an \
                           image as wide as the blur";
     const BECAUSE: &str = "1/32, times 1.35 for chance, as for edge pixels.";
@@ -221,26 +224,37 @@ pub fn lenses() -> Vec<Cell> {
         });
         rms(&found, &expected, |_| true)
     };
-    let cell = |row, range: String, lens: (f64, f64)| {
-        let cell = Cell::new(row, range, FIGURE, edge_limit(), BECAUSE).achieved(error(lens, lens, &[]));
-        match lens.0 {
+    let cell = |(range, lens, other): &(String, Lens, Option<Lens>)| {
+        let lens = *lens;
+        let cell = Cell::new(range, FIGURE, edge_limit(), BECAUSE).achieved(error(lens, lens, &[]));
+        let cell = match lens.0 {
             0.0 => cell.planted("aperture of 1", error(lens, (1.0, lens.1), &[])),
             _ => cell.planted("no lens", error(lens, lens, NO_LENS)),
+        };
+        match *other {
+            Some(other) => cell.planted("focus at 10, or at half of its distance", error(lens, other, &[])),
+            None => cell,
         }
     };
+    lenses.iter().map(cell).collect()
+}
+
+pub fn apertures() -> Vec<Cell> {
     // A quad's edge is known to some u of its distance, 1e-6 here. What is in focus near the eye spreads it by more than that.
-    let mut all: Vec<Cell> = [(0.0, 10.0), (1e-6, 1e-2), (1e-3, 10.0), (1.0, 10.0), (1e3, 10.0)]
-        .map(|lens| cell(Row::Aperture, format!("{:e}, focus at {}", lens.0, lens.1), lens))
-        .into();
+    lenses(
+        &[(0.0, 10.0), (1e-6, 1e-2), (1e-3, 10.0), (1.0, 10.0), (1e3, 10.0)]
+            .map(|lens| (format!("{:e}, focus at {}", lens.0, lens.1), lens, None)),
+    )
+}
+
+pub fn focuses() -> Vec<Cell> {
     // So small where the focus is near that the picture is not all blur.
-    for (focus, aperture) in [(1e-4, 1e-5), (1e-2, 1e-3), (1.0, 0.1), (1e2, 0.1), (1e4, 0.1), (1e8, 0.1)] {
-        let lens = (aperture, focus);
-        let cell = cell(Row::Focus, format!("{focus:e}, aperture {aperture:e}"), lens);
+    let apertures = [(1e-4, 1e-5), (1e-2, 1e-3), (1.0, 0.1), (1e2, 0.1), (1e4, 0.1), (1e8, 0.1)];
+    lenses(&apertures.map(|(focus, aperture)| {
         // From 100 on what is at 5 is blurred as if the focus were at infinity; what is nearer than 1, twice as much at half of it.
         let other = if focus > 5.0 { 10.0 } else { 0.5 * focus };
-        all.push(cell.planted("focus at 10, or at half of its distance", error(lens, (aperture, other), &[])));
-    }
-    all
+        (format!("{focus:e}, aperture {aperture:e}"), (aperture, focus), Some((aperture, other)))
+    }))
 }
 
 /// A gradient sky: in a picture of many pixels each must show its own direction, in one pixel the mean of all.
@@ -269,7 +283,6 @@ pub fn sizes() -> Vec<Cell> {
     };
     all.push(
         Cell::new(
-            Row::ImageSize,
             "16384 x 2",
             "Distance, in pixels, of a pixel's mean position from its middle, by the gradient of a sky that brightens along the image",
             // Half a pixel; a picture this wide changes by 1/4 over its half, 1e-5 a pixel at its ends.
@@ -288,7 +301,6 @@ pub fn sizes() -> Vec<Cell> {
         let deviation = half.min(1.0) / 2.0;
         all.push(
             Cell::new(
-                Row::ImageSize,
                 format!("1 x 1, {fov} degrees"),
                 "Error of the one pixel's mean, in standard errors",
                 chance_limit(1),

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::scene::Scene;
 
+use crate::common::files::files;
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -14,24 +16,9 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The files under a folder with this ending, sorted; folders below it too where `deep`.
-fn files(folder: &Path, ending: &str, deep: bool) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
-        let path = entry.expect("the folder can be read").path();
-        if path.is_dir() && deep {
-            found.extend(files(&path, ending, deep));
-        } else if path.extension().is_some_and(|extension| extension == ending) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
-}
-
 fn documents() -> Vec<PathBuf> {
     let mut all = vec![root().join("README.md")];
-    all.extend(files(&root().join("docs"), "md", true));
+    all.extend(files("docs", ".md", true));
     all
 }
 
@@ -216,7 +203,7 @@ fn a_promise_that_no_test_keeps_is_found() {
 
 #[test]
 fn every_scene_loads_without_a_warning() {
-    let scenes = files(&root().join("scenes"), "ron", false);
+    let scenes = files("scenes", ".ron", false);
     assert!(scenes.len() >= 10, "{scenes:?}");
     for path in scenes {
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));

@@ -52,45 +52,38 @@ fn assorted_runs(seed: u64) -> Vec<Run> {
 }
 
 #[test]
-fn any_order_and_any_split_give_the_same_bits() {
-    let mut records = assorted_runs(1);
-    let expected = film(4, 3, &records);
-    let f32_sum = |records: &[Run]| records.iter().map(|r| r.sum[0]).sum::<f32>();
-    let expected_f32 = f32_sum(&records);
-    let f64_sum = |records: &[Run]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
-    let expected_f64 = f64_sum(&records);
-    let (mut f32_differs, mut f64_differs) = (false, false);
-    let mut random = Random(2);
-    for _ in 0..20 {
-        random.shuffle(&mut records);
-        let mut split = Film::new(4, 3, 0).unwrap();
-        let mut rest = records.as_slice();
-        while !rest.is_empty() {
-            let (now, later) = rest.split_at(random.below(rest.len()) + 1);
-            split.add_runs(now);
-            rest = later;
+fn any_order_any_split_and_any_parts_give_the_same_bits() {
+    for sampler in [Sampler::Independent, Sampler::Sobol] {
+        let of = |records: &[Run]| {
+            let mut film = Film::with_sampler(4, 3, 0, sampler).unwrap();
+            film.add_runs(records);
+            film
+        };
+        let mut records = assorted_runs(1);
+        let expected = of(&records);
+        let f32_sum = |records: &[Run]| records.iter().map(|r| r.sum[0]).sum::<f32>();
+        let f64_sum = |records: &[Run]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
+        let (expected_f32, expected_f64) = (f32_sum(&records), f64_sum(&records));
+        let (mut f32_differs, mut f64_differs) = (false, false);
+        let mut random = Random(2);
+        for _ in 0..20 {
+            random.shuffle(&mut records);
+            let (mut split, mut rest) = (of(&[]), records.as_slice());
+            while !rest.is_empty() {
+                let (now, later) = rest.split_at(random.below(rest.len()) + 1);
+                split.add_runs(now);
+                rest = later;
+            }
+            assert!(split == expected && split.develop() == expected.develop());
+            let mut parts = vec![Vec::new(); 5];
+            records.iter().for_each(|record| parts[random.below(5)].push(*record));
+            let mut joined = of(&[]);
+            parts.iter().for_each(|part| joined.merge(&of(part)).unwrap());
+            assert!(joined == expected);
+            f32_differs |= f32_sum(&records) != expected_f32;
+            f64_differs |= f64_sum(&records) != expected_f64;
         }
-        assert!(split == expected);
-        assert!(split.develop() == expected.develop());
-        f32_differs |= f32_sum(&records) != expected_f32;
-        f64_differs |= f64_sum(&records) != expected_f64;
-    }
-    assert!(f32_differs && f64_differs, "the shuffles must be able to show a sum that depends on the order");
-}
-
-#[test]
-fn merging_any_parts_in_any_order_gives_the_same_bits() {
-    let records = assorted_runs(3);
-    let expected = film(4, 3, &records);
-    let mut random = Random(4);
-    for _ in 0..10 {
-        let mut parts = vec![Vec::new(); 5];
-        records.iter().for_each(|r| parts[random.below(5)].push(*r));
-        let mut joined = Film::new(4, 3, 0).unwrap();
-        for part in &parts {
-            joined.merge(&film(4, 3, part)).unwrap();
-        }
-        assert!(joined == expected);
+        assert!(f32_differs && f64_differs, "the shuffles must be able to show a sum that depends on the order");
     }
 }
 
@@ -101,6 +94,8 @@ fn films_of_different_images_do_not_merge() {
         let message = film.merge(&other.unwrap()).unwrap_err().to_string();
         assert!(message.contains("4 x 3"), "{message}");
     }
+    let message = film_of_halves(12, &[]).merge(&self::film(12, 1, &[])).unwrap_err().to_string();
+    assert!(message.contains("sobol") && message.contains("independent"), "{message}");
 }
 
 #[test]
@@ -270,22 +265,6 @@ fn variance_of_halves_follows_the_formula() {
     assert_eq!(film_of_halves(1, &[records[0], records[2]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
     assert_eq!(film_of_halves(1, &[records[1], records[1]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
     assert_eq!(film_of_halves(1, &[records[0], odd(run(0, [8.0; 3], 8))]).develop().variance, [[0.0; 3]]);
-}
-
-#[test]
-fn films_of_halves_add_up_in_any_order() {
-    let mut records = assorted_runs(8);
-    let expected = film_of_halves(12, &records);
-    let mut random = Random(9);
-    for _ in 0..10 {
-        random.shuffle(&mut records);
-        let (one, other) = records.split_at(random.below(records.len()));
-        let mut joined = film_of_halves(12, one);
-        joined.merge(&film_of_halves(12, other)).unwrap();
-        assert!(joined == expected);
-    }
-    let message = film_of_halves(12, &[]).merge(&film(12, 1, &[])).unwrap_err().to_string();
-    assert!(message.contains("sobol") && message.contains("independent"), "{message}");
 }
 
 /// A film of eight brightnesses b, and its true relative error: samples are uniform in 4 b..5 b, so that a pixel's own noise hardly

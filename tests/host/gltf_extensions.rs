@@ -6,16 +6,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use glam::{DQuat, DVec3};
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, GltfOptions, Object, Scene, Transform};
+use gpu_rt::scene::{Background, GltfOptions, Object, Scene, Transform};
 use serde_json::{Value, json};
 
-use crate::common::gltf::{Parts, glb, png, room, square, webp, written};
+use crate::common::gltf::{self, Parts, glb, png, room, square, webp, written};
 
 fn load(json: &Value, binary: &[u8]) -> Result<Scene, Error> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.glb");
-    fs::write(&path, glb(json, binary)).unwrap();
-    Scene::load_as(&path, &GltfOptions::default(), &mut |_, _, _| {}, &mut Assets::default())
+    gltf::load("a.glb", (json, binary), &GltfOptions::default())
 }
 
 fn good(json: &Value, binary: &[u8]) -> Scene {
@@ -24,18 +21,13 @@ fn good(json: &Value, binary: &[u8]) -> Scene {
 
 /// Checks that a file is refused with this path in its JSON.
 fn refused(json: &Value, binary: &[u8], at: &str, reason: &str) {
-    let error = load(json, binary).err().unwrap_or_else(|| panic!("{at} was accepted"));
-    assert_eq!(error.exit_status(), 2);
-    let Error::Scene { field, message, .. } = &error.each()[0] else { panic!("{error}") };
-    assert!(field == at && message.contains(reason), "expected {at}: {reason}, found {error}");
+    gltf::is_refused(load(json, binary), at, reason);
 }
 
 /// The material of a square with these properties beside KHR_materials_unlit, and the notes on it. `colours` are those of its corners.
 fn unlit(more: Value, colours: &[f32]) -> (Scene, Vec<String>) {
     let mut material = json!({"name": "sign", "extensions": {"KHR_materials_unlit": {}}});
-    for (name, value) in more.as_object().unwrap() {
-        material[name] = value.clone();
-    }
+    material.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
     let attributes: &[(&str, usize, &[f32])] = if colours.is_empty() { &[] } else { &[("COLOR_0", 4, colours)] };
     let (mut json, mut binary) = square(attributes, &material, &[]);
     let image = png();
@@ -162,6 +154,18 @@ impl Instanced {
     fn refused(&self, at: &str, reason: &str) {
         refused(&self.json, &self.parts.binary, at, reason);
     }
+
+    /// A scene whose only object is this mesh of the file.
+    fn as_a_mesh(&self, path: &str) -> Result<Scene, Error> {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.glb"), glb(&self.json, &self.parts.binary)).unwrap();
+        let text = format!(
+            "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40),
+            background: Solid((1, 1, 1)), materials: {{\"a\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}},
+            objects: [Mesh(path: {path:?}, material: \"a\")])"
+        );
+        Scene::parse(&text, &folder.path().join("a.ron"))
+    }
 }
 
 /// The corners of each object's triangle in the scene, to 1e-6, and the names of the meshes.
@@ -228,14 +232,7 @@ fn instances_are_placed_by_the_node_and_their_own_transforms() {
     assert!(scene.text().contains("a.glb#nodes/0/instances/2/primitives/0"), "{}", scene.text());
 
     // All triangles of the file as one mesh.
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("a.glb"), glb(&uneven.json, &uneven.parts.binary)).unwrap();
-    let text =
-        "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40),
-        background: Solid((1, 1, 1)), materials: {\"a\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))},
-        objects: [Mesh(path: \"a.glb\", material: \"a\")])";
-    fs::write(folder.path().join("a.ron"), text).unwrap();
-    let scene = Scene::load(&folder.path().join("a.ron")).unwrap_or_else(|error| panic!("{error}"));
+    let scene = uneven.as_a_mesh("a.glb").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.meshes["a.glb"].triangles.len(), 3);
 }
 
@@ -292,17 +289,9 @@ fn broken_instances_are_refused_with_their_path_in_the_json() {
     far.json["accessors"][1]["count"] = json!(u64::MAX);
     far.refused(&at(""), "expected at most 1048576 instances");
     // A part that the file does not have.
-    let folder = tempfile::tempdir().unwrap();
-    let file = two().complete();
-    fs::write(folder.path().join("a.glb"), glb(&file.json, &file.parts.binary)).unwrap();
     for (part, expected) in [("nodes/0/instances/2", "there is no instance 2"), ("nodes/0/instances/1", "")] {
-        let text = format!(
-            "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vertical_fov: 40),
-            background: Solid((1, 1, 1)), materials: {{\"a\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}},
-            objects: [Mesh(path: \"a.glb#{part}/primitives/0\", material: \"a\")])"
-        );
-        fs::write(folder.path().join("a.ron"), text).unwrap();
-        let error = Scene::load(&folder.path().join("a.ron")).err().map(|error| error.to_string()).unwrap_or_default();
+        let found = two().complete().as_a_mesh(&format!("a.glb#{part}/primitives/0"));
+        let error = found.err().map(|error| error.to_string()).unwrap_or_default();
         assert!(error.contains(expected) && error.is_empty() == expected.is_empty(), "{part}: {error}");
     }
 }

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use gpu_rt::scene::{Assets, Dielectric, GltfOptions, Material, Object, Pbr, Scene, Texture, Thin, ThinDielectric};
+use gpu_rt::scene::{Dielectric, GltfOptions, Material, Object, Pbr, Scene, Texture, Thin, ThinDielectric};
 use serde_json::{Value, json};
 
-use crate::common::gltf::{Parts, glb};
+use crate::common::gltf::{self, Parts, glb};
 
 const BLENDER: &str = "Khronos glTF Blender I/O v5.0.21";
 /// What a note says of glass that is solid by its shape, and of a pane.
@@ -111,11 +111,8 @@ fn file(meshes: &[&[Part]], materials: &[Value]) -> (Value, Vec<u8>) {
 }
 
 fn load_as((json, binary): &(Value, Vec<u8>), thin: Thin) -> Scene {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("glass.glb");
-    fs::write(&path, glb(json, binary)).unwrap();
-    let options = GltfOptions { thin, ..GltfOptions::default() };
-    Scene::load_as(&path, &options, &mut |_, _, _| {}, &mut Assets::default()).unwrap_or_else(|error| panic!("{error}"))
+    let found = gltf::load("glass.glb", (json, binary), &GltfOptions { thin, ..GltfOptions::default() });
+    found.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The names and kinds of the materials, and the notes about them.
@@ -243,10 +240,7 @@ fn all_forms_of_meshes_are_examined() {
     let mut broken = cube();
     broken.positions[3][1] = f32::NAN;
     let (json, binary) = file(&[&[broken]], &materials);
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("broken.glb");
-    fs::write(&path, glb(&json, &binary)).unwrap();
-    let error = Scene::load(&path).unwrap_err().to_string();
+    let error = gltf::load("broken.glb", (&json, &binary), &GltfOptions::default()).unwrap_err().to_string();
     assert!(error.contains("expected finite coordinates"), "{error}");
 }
 

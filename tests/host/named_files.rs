@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::gpu::link::Embedded;
 
+use crate::common::files::files;
+
 /// Folders of the checkout. A path of one of them that ends as these do is the name of a file.
 const FOLDERS: [&str; 8] = ["benches", "blender", "docs", "python", "scenes", "shaders", "src", "tests"];
 const ENDINGS: [&str; 8] = ["exr", "glb", "gltf", "md", "py", "ron", "rs", "wgsl"];
@@ -50,17 +52,6 @@ const NOT_OF_THE_CHECKOUT: [&str; 36] = [
     "tests/walk/main.rs",
 ];
 
-/// The sources under a folder, sorted.
-fn sources(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).expect("the folder is read").map(|entry| entry.expect("it is read").path());
-    let mut found: Vec<PathBuf> = entries
-        .flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] })
-        .filter(|path| path.extension().is_some_and(|ending| ending == "rs"))
-        .collect();
-    found.sort();
-    found
-}
-
 /// The modules and the paths of files that a source names, with their lines. A module is a whole string, such as `"scene/uv"`; a path may be a part of one,
 /// or of a comment. A path of a shader is its module.
 fn named(text: &str) -> Vec<(usize, String)> {
@@ -102,11 +93,10 @@ fn missing(text: &str) -> Vec<String> {
 
 #[test]
 fn every_module_scene_and_source_that_a_test_names_exists() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (mut names, mut wrong) = (BTreeSet::new(), Vec::new());
     // This one names what it does not find.
     let others = |path: &PathBuf| !path.ends_with(file!());
-    for path in ["tests", "benches"].into_iter().flat_map(|folder| sources(&root.join(folder))).filter(others) {
+    for path in ["tests", "benches"].into_iter().flat_map(|folder| files(folder, ".rs", true)).filter(others) {
         let text = fs::read_to_string(&path).expect("a source is read");
         names.extend(named(&text).into_iter().map(|(_, name)| name));
         wrong.extend(missing(&text).into_iter().map(|name| format!("{}:{name}", path.display())));

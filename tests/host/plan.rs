@@ -2,8 +2,9 @@
 //! tests/plans; `GPU_RT_RENEW=1` writes them anew.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::common::files::{files, stem};
 use crate::common::program::Ran;
 use gpu_rt::bvh::Quality;
 use gpu_rt::flatten::{DeviceScene, flatten};
@@ -131,12 +132,7 @@ fn modules_of(report: &Report) -> String {
 
 /// The files of a folder below the repository with this ending, without it.
 fn names(folder: &str, ending: &str) -> BTreeSet<String> {
-    let entries = std::fs::read_dir(root().join(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
-    let name = |path: PathBuf| {
-        let is_one = path.extension().is_some_and(|own| own == ending);
-        is_one.then(|| path.file_stem().expect("a name").to_string_lossy().into_owned())
-    };
-    entries.filter_map(|entry| name(entry.expect("the folder can be listed").path())).collect()
+    files(folder, ending, false).iter().map(|path| stem(path)).collect()
 }
 
 fn root() -> &'static Path {
@@ -168,7 +164,7 @@ const SNAPSHOTS: [&str; 4] = ["cornell-smoke", "glass", "instances", "materials"
 #[test]
 fn plans_are_as_their_snapshots_say() {
     let renew = "If that is meant, `GPU_RT_RENEW=1 cargo test --test host plan` writes the snapshots anew";
-    assert_eq!(names("tests/plans", "txt"), SNAPSHOTS.map(String::from).into(), "tests/plans");
+    assert_eq!(names("tests/plans", ".txt"), SNAPSHOTS.map(String::from).into(), "tests/plans");
     for name in SNAPSHOTS {
         let text = snapshot(&format!("scenes/{name}.ron"), &shipped(name));
         let path = root().join(format!("tests/plans/{name}.txt"));
@@ -204,11 +200,19 @@ fn parse(text: &str) -> Scene {
     Scene::parse(text, Path::new("sphere.ron")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn glass_sphere() -> String {
-    SPHERE
-        .replace("0.3))", "0.3)), \"glass\": Dielectric(ior: 1.5)")
-        .replace("\"grey\")]", "\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"glass\")]")
+const MATT: &str = "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))";
+
+/// A sphere of such a material, beside another one of a second material, and more.
+fn two_spheres(material: &str, (name, other): (&str, &str), more: &str) -> String {
+    let objects = format!("\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"{name}\"), {more}]");
+    SPHERE.replace(MATT, &format!("{material}, \"{name}\": {other}")).replace("\"grey\")]", &objects)
 }
+
+fn glass_sphere() -> String {
+    two_spheres(MATT, ("glass", "Dielectric(ior: 1.5)"), "")
+}
+
+const LAMP: (&str, &str) = ("lamp", "DiffuseLight(emit: Rgb(4, 3, 2))");
 
 const EVERY_WAY: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 
@@ -356,6 +360,11 @@ fn inputs(text: &str, folder: &Path) -> (String, String) {
     (plans.join("\n"), format!("{tables}{shapes}{}", flat.radiance_exponent))
 }
 
+/// Where the plans of two differ, and where their tables do.
+fn differences([(plan, tables), (other_plan, other_tables)]: [(String, String); 2]) -> [Option<String>; 2] {
+    [first_difference(&plan, &other_plan), first_difference(&tables, &other_tables)]
+}
+
 /// A value that changes nothing links nothing: neither the plan nor a table of the scene differs from that of the scene without it, so that the
 /// image has the same bytes.
 #[test]
@@ -427,25 +436,21 @@ fn neutral_values_need_nothing() {
         (all_metal, "", ", diffuse_transmission: 0.5"),
     ];
     for (material, without, with) in materials {
-        let [(plan, tables), (other_plan, other_tables)] = [without, with].map(|more| {
+        let pair = [without, with].map(|more| {
             let text = format!("{material}{more})").replace("IMAGE", "Image(path: \"n.png\")");
             inputs(&scene(&text, "", ""), folder.path())
         });
-        assert_eq!(first_difference(&other_plan, &plan), None, "{material}{with})");
-        assert_eq!(first_difference(&other_tables, &tables), None, "{material}{with})");
+        assert_eq!(differences(pair), [None, None], "{material}{with})");
     }
     let rough = |kind: &str, more: &str| inputs(&scene(&format!("{kind}(ior: 1.5{more})"), "", ""), folder.path());
     let glass = ", transmittance: Rgb(0.9, 0.8, 0.7), absorption: (1, 2, 3), dispersion: 4";
     for (more, neutral) in
         [("", ", roughness: 0"), ("", ", roughness: 9e-4, anisotropy: 0, anisotropy_rotation: 9"), (glass, "")]
     {
-        let [(plan, tables), (other_plan, other_tables)] =
-            [rough("Dielectric", more), rough("RoughDielectric", &format!("{neutral}{more}"))];
-        assert_eq!(first_difference(&other_plan, &plan), None, "{neutral}{more}");
-        assert_eq!(first_difference(&other_tables, &tables), None, "{neutral}{more}");
+        let pair = [rough("Dielectric", more), rough("RoughDielectric", &format!("{neutral}{more}"))];
+        assert_eq!(differences(pair), [None, None], "{neutral}{more}");
     }
-    let grey = "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))";
-    let of_objects = |objects: &str, camera: &str| inputs(&scene(grey, objects, camera), folder.path());
+    let of_objects = |objects: &str, camera: &str| inputs(&scene(MATT, objects, camera), folder.path());
     for (objects, camera) in [
         (
             ", Medium(boundary: Sphere(center: (0, 0, 0), radius: 9), density: 0, albedo: Rgb(1, 1, 1), anisotropy: 0.99)",
@@ -463,9 +468,8 @@ fn neutral_values_need_nothing() {
             ", shutter: (0, 1), moving: [(0, (look_from: (0, 0, 3), look_at: (0, 0, 0))), (1, (look_from: (0, 0, 3), look_at: (0, 0, 0)))]",
         ),
     ] {
-        let [(plan, tables), (other_plan, other_tables)] = [of_objects("", ""), of_objects(objects, camera)];
-        assert_eq!(first_difference(&other_plan, &plan), None, "{objects}{camera}");
-        assert_eq!(first_difference(&other_tables, &tables), None, "{objects}{camera}");
+        let pair = [of_objects("", ""), of_objects(objects, camera)];
+        assert_eq!(differences(pair), [None, None], "{objects}{camera}");
     }
     // The control: fields that change something differ in both.
     for (material, with) in [
@@ -479,10 +483,8 @@ fn neutral_values_need_nothing() {
         ("Pbr(roughness: 0.3, metallic: 0.999", ", transmission: 0.5"),
         (&format!("Pbr({all_glass}"), ", dispersion: 0.01"),
     ] {
-        let [(plan, tables), (other_plan, other_tables)] =
-            ["", with].map(|more| inputs(&scene(&format!("{material}{more})"), "", ""), folder.path()));
-        assert!(first_difference(&other_plan, &plan).is_some(), "{material}{with}");
-        assert!(first_difference(&other_tables, &tables).is_some(), "{material}{with}");
+        let pair = ["", with].map(|more| inputs(&scene(&format!("{material}{more})"), "", ""), folder.path()));
+        assert!(differences(pair).iter().all(Option::is_some), "{material}{with}");
     }
 }
 
@@ -606,23 +608,15 @@ fn the_background_asks_for_its_texels() {
 /// How many steps a walk may take is the scene's own affair, and no more is cut with everything on.
 #[test]
 fn everything_on_cuts_no_walk_shorter() {
-    let lamp = "Sphere(center: (0, 9, 0), radius: 1, material: \"lamp\")";
-    for (material, objects, steps) in [
-        ("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", "", "48000"),
-        ("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", lamp, "19000"),
-        ("Dielectric(ior: 1.5)", lamp, "48000"),
-    ] {
-        let text = SPHERE
-            .replace(
-                "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
-                &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
-            )
-            .replace("\"grey\")]", &format!("\"grey\"), {objects}]"));
+    for (material, beside, steps) in
+        [(MATT, ("matt", MATT), "48000"), (MATT, LAMP, "19000"), ("Dielectric(ior: 1.5)", LAMP, "48000")]
+    {
+        let text = two_spheres(material, beside, "");
         for every in [FeatureSet::Scene, FeatureSet::All] {
             let flat = flat(&parse(&text), every);
             let (plan, _) = planned_with(&flat, &classes()[0], Scatter::Fused, options(every));
             let own: Vec<_> = plan.kernels().iter().map(|kernel| kernel.choices.values["most_steps"].clone()).collect();
-            assert_eq!(own, [steps; 4], "{material} {objects} {every}");
+            assert_eq!(own, [steps; 4], "{material} {beside:?} {every}");
         }
     }
 }
@@ -659,16 +653,7 @@ fn steps_are_those_of_the_device() {
 
 /// A lamp beside a sphere of such a material, with an object more.
 fn lamp_beside(material: &str, object: &str) -> DeviceScene {
-    let text = SPHERE
-        .replace(
-            "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
-            &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
-        )
-        .replace(
-            "\"grey\")]",
-            &format!("\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"lamp\"), {object}]"),
-        );
-    flat(&parse(&text), FeatureSet::Scene)
+    flat(&parse(&two_spheres(material, LAMP, object)), FeatureSet::Scene)
 }
 
 /// Rays are sent to lights where something answers to them: a material that scatters to more than one direction, or a medium. Elsewhere
@@ -807,7 +792,7 @@ fn a_glass_sphere_adds_its_material_and_nothing_else() {
 
 #[test]
 fn everything_in_a_plan_has_a_reason() {
-    for (number, name) in names("scenes", "ron").into_iter().enumerate() {
+    for (number, name) in names("scenes", ".ron").into_iter().enumerate() {
         let scene = shipped(&name);
         for features in [FeatureSet::Scene, FeatureSet::All] {
             let flat = flat(&scene, features);

@@ -10,6 +10,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::expect::Expectations;
+use crate::common::files::{files, stem};
 use crate::common::render::{Request, Shot, render, same_expectation, scene, scene_folder, scene_in};
 use crate::common::stats::{sidak, student_two_sided};
 use glam::DVec3;
@@ -31,20 +32,15 @@ macro_rules! scene_tests {
 
 scene_tests! {
     camera_corners camera_rolled convex_box convex_quads convex_sphere floor_disk_light floor_quad_light floor_sphere_light fuzz_one fuzz_plane
-    fuzz_sphere glass_depths glass_furnace gradient_sky lambertian_gradient lamp_in_sphere lamp_in_sphere_depths
+    fuzz_sphere glass_depths glass_furnace glow_in_sphere gradient_sky lambertian_gradient lamp_in_sphere lamp_in_sphere_depths
     lamp_in_sphere_small lens_far lens_near lens_sharp medium_around_the_camera medium_furnace medium_in_glass medium_in_mesh
     medium_overlap medium_slab medium_sphere mirror_corridor mirror_plane mirror_sphere motion_checker motion_lamp motion_square no_objects one_sided_in_a_box
-    one_sided_inside one_sided_quads rotations smooth_octahedron smooth_square transforms_in_order
+    one_sided_inside one_sided_quads pane_at_60_degrees rotations smooth_octahedron smooth_square transforms_in_order
 }
 
 #[test]
 fn every_scene_file_is_tested() {
-    let files = fs::read_dir(scene_folder()).expect("the folder is there");
-    let mut found: Vec<String> = files
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter_map(|name| Some(name.strip_suffix(".ron")?.to_owned()))
-        .collect();
-    found.sort();
+    let found: Vec<String> = files(scene_folder(), ".ron", false).iter().map(|path| stem(path)).collect();
     assert_eq!(found, SCENES);
 }
 

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use gpu_rt::data::RUN_LENGTH;
 use gpu_rt::film::Film;
@@ -58,23 +57,30 @@ fn by_one(end: u32) -> Film {
     film
 }
 
+/// Adds the samples up to an end that a film lacks.
+fn fill(film: &mut Film, samples: &Samples, end: u32) {
+    for gap in samples.missing(0..end).ranges() {
+        render(1, gap.start, Goal::Samples(gap.end), None, film, &mut ());
+    }
+}
+
+/// Each pixel has the samples of the outcome.
+fn has_samples(film: &Film, outcome: &Outcome) {
+    let samples = outcome.samples.count() as u32;
+    assert!(film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
+}
+
 #[test]
 fn devices_share_a_film() {
     let full = by_one(200);
     for (devices, tile) in [(2, None), (3, None), (3, Some(97))] {
         let mut film = one_pixel();
         let mut calls = 0;
-        let outcome = render(
-            devices,
-            0,
-            Goal::Samples(200),
-            tile,
-            &mut film,
-            &mut following(|_, _| {
-                calls += 1;
-                Next::GoOn
-            }),
-        );
+        let mut observer = following(|_, _| {
+            calls += 1;
+            Next::GoOn
+        });
+        let outcome = render(devices, 0, Goal::Samples(200), tile, &mut film, &mut observer);
         assert!(film == full, "{devices} devices, {tile:?}");
         assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
         assert!(calls > 0);
@@ -88,30 +94,21 @@ fn devices_share_a_film() {
 fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
     for (devices, tile) in [(2, None), (3, Some(97))] {
         let (mut film, mut snapshots, mut calls) = (one_pixel(), Vec::new(), 0);
-        render(
-            devices,
-            0,
-            Goal::Samples(200),
-            tile,
-            &mut film,
-            &mut following(|outcome, snapshot| {
-                if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                    let samples = outcome.samples.count() as u32;
-                    assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
-                    assert_eq!(snapshot.film.totals(), outcome.totals);
-                    snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
-                    return Next::GoOn;
-                }
-                calls += 1;
-                if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
-            }),
-        );
+        let mut observer = following(|outcome, snapshot| {
+            if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
+                has_samples(snapshot.film, outcome);
+                assert_eq!(snapshot.film.totals(), outcome.totals);
+                snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
+                return Next::GoOn;
+            }
+            calls += 1;
+            if calls % 7 == 0 { Next::CompleteSnapshot } else { Next::GoOn }
+        });
+        render(devices, 0, Goal::Samples(200), tile, &mut film, &mut observer);
         assert!(film == by_one(200) && snapshots.len() > 2, "{} snapshots", snapshots.len());
         // What is missing of each is what the render had left.
         for (samples, mut film) in snapshots.into_iter().step_by(3) {
-            for gap in samples.missing(0..200).ranges() {
-                render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut ());
-            }
+            fill(&mut film, &samples, 200);
             assert!(film == by_one(200), "{samples}");
         }
     }
@@ -122,38 +119,24 @@ fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
 fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
     for stop in [1, 2, 5, 9, 20] {
         let (mut film, mut calls) = (one_pixel(), 0);
-        let outcome = render(
-            3,
-            0,
-            Goal::Samples(4096),
-            None,
-            &mut film,
-            &mut following(|_, _| {
-                calls += 1;
-                if calls >= stop { Next::Stop } else { Next::GoOn }
-            }),
-        );
+        let mut observer = following(|_, _| {
+            calls += 1;
+            if calls >= stop { Next::Stop } else { Next::GoOn }
+        });
+        let outcome = render(3, 0, Goal::Samples(4096), None, &mut film, &mut observer);
         assert!(outcome.interrupted && outcome.samples.count() < 4096, "{:?}", outcome.samples);
-        let samples = outcome.samples.count() as u32;
-        assert!(film.develop().samples.iter().all(|n| *n == samples));
+        has_samples(&film, &outcome);
         let ends = outcome.samples.ranges().iter().flat_map(|range| [range.start, range.end]);
         assert!(ends.into_iter().all(|end| end.is_multiple_of(RUN_LENGTH)), "{:?}", outcome.samples);
         let end = outcome.samples.range().end;
-        for gap in outcome.samples.missing(0..end).ranges() {
-            render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut ());
-        }
+        fill(&mut film, &outcome.samples, end);
         assert!(film == by_one(end), "{:?}", outcome.samples);
     }
 }
 
 #[test]
 fn devices_reach_goals() {
-    let deadline = Instant::now() + Duration::from_millis(1500);
-    for goal in [
-        Goal::Until { deadline, end: 100 },
-        Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
-        Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
-    ] {
+    for goal in super::scheduling::goals() {
         let mut film = one_pixel();
         let outcome = render(2, 0, goal, None, &mut film, &mut ());
         assert_eq!(outcome.samples, Samples::from(outcome.samples.range()), "{goal:?}");

@@ -1,44 +1,6 @@
-//! Surfaces that emit and scatter: closed forms, and textures of their own.
+//! Surfaces that emit and scatter: textures of their own. (A closed form is in scenes/test/glow_in_sphere.ron.)
 
-use gpu_rt::options::Scatter;
-
-use crate::common::render::{Request, render, scene, scene_in};
-
-/// The inside of a ball that emits e and reflects a: from anywhere it shows e (1 + a + .. + a^n) after n events.
-fn ball(max_depth: u32) -> String {
-    format!(
-        "Scene(image: (width: 8, height: 8), camera: (look_from: (0.1, 0.2, 0.3), look_at: (1, 0, 0), vertical_fov: 60),
-        background: Solid((0, 0, 0)),
-        materials: {{\"glow\": Lambertian(albedo: Rgb(0.5, 0.7, 0.2), emission: Rgb(2, 0.25, 0))}},
-        objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"glow\")], render: (samples: 64, max_depth: {max_depth}))"
-    )
-}
-
-#[test]
-fn inside_a_ball_the_light_is_a_geometric_series() {
-    for max_depth in [0, 1, 2, 5, 30] {
-        let expected = [(2.0, 0.5), (0.25, 0.7), (0.0, 0.2)].map(|(emission, albedo): (f64, f64)| {
-            emission * (1.0 - albedo.powi(max_depth as i32 + 1)) / (1.0 - albedo)
-        });
-        // By scattered rays alone there is no noise.
-        let bsdf = render(&scene(&ball(max_depth)), &Request::default());
-        for pixel in &bsdf.picture.rgb {
-            let off = (0..3).map(|c| (f64::from(pixel[c]) - expected[c]).abs() / expected[0]).fold(0.0, f64::max);
-            assert!(off < 1e-5, "{max_depth}: {pixel:?}, expected {expected:?}");
-        }
-        for scatter in [Scatter::Fused, Scatter::Linked] {
-            let mis = render(&scene(&ball(max_depth)), &Request::spp(512).mis().scatter(scatter)).mean_of_all();
-            for (channel, expected) in expected.into_iter().enumerate() {
-                let (value, noise) = (mis.value[channel], 4.9 * mis.variance[channel].sqrt());
-                assert!(noise < 0.02, "{max_depth}: {noise}");
-                assert!(
-                    (value - expected).abs() <= noise + 1e-5,
-                    "{max_depth}: {value} +- {noise}, expected {expected}"
-                );
-            }
-        }
-    }
-}
+use crate::common::render::{Request, render, scene_in};
 
 /// Shapes of one material, all turned.
 fn shapes(material: &str) -> String {

@@ -59,20 +59,29 @@ fn render_until(
     (film, outcome, used)
 }
 
+/// The film of samples that nothing interrupts.
+fn full(options: &RenderOptions, samples: Range<u32>) -> Film {
+    render(options, SIZE, samples, None, &mut ()).0
+}
+
+/// The usual options, with the sizes that the device suggests.
+fn suggested() -> RenderOptions {
+    RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) }
+}
+
 #[test]
 fn tiles_do_not_show() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         let options = options(scatter);
         for samples in [0..40, 3..21] {
-            let full = render(&options, SIZE, samples.clone(), None, &mut ());
+            let full = full(&options, samples.clone());
             for tile in [800, 300, 97] {
                 let tiled = render(&options, SIZE, samples.clone(), Some(tile), &mut ());
-                assert!(tiled.0 == full.0, "{scatter:?}, {samples:?}, {tile}");
+                assert!(tiled.0 == full, "{scatter:?}, {samples:?}, {tile}");
             }
         }
         // That films can differ at all is seen of other samples.
-        let other = render(&options, SIZE, 0..48, None, &mut ());
-        assert!(other.0 != render(&options, SIZE, 0..40, None, &mut ()).0);
+        assert!(full(&options, 0..48) != full(&options, 0..40));
     }
 }
 
@@ -87,20 +96,22 @@ fn a_film_beyond_a_binding_is_complete() {
     assert!(film == render(&options, size, 0..1, Some(500_000), &mut ()).0);
 }
 
+/// A time, an error that is reached, and one that is not.
+pub fn goals() -> [Goal; 3] {
+    let deadline = Instant::now() + Duration::from_millis(1500);
+    let noise = |error, deadline, end| Goal::Noise { error, deadline, end, begun: 0, checks: 0 };
+    [Goal::Until { deadline, end: 100 }, noise(0.05, None, 100), noise(1e-9, Some(deadline), 20)]
+}
+
 /// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has checked.
 #[test]
 fn pace_probes_and_goals_do_not_show() {
-    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let options = suggested();
     for tile in [None, Some(97)] {
-        let deadline = Instant::now() + Duration::from_millis(1500);
-        for goal in [
-            Goal::Until { deadline, end: 100 },
-            Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, checks: 0 },
-            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, checks: 0 },
-        ] {
+        for goal in goals() {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut ());
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
-            let full = render(&options, SIZE, outcome.samples.range(), None, &mut ()).0;
+            let full = full(&options, outcome.samples.range());
             assert!(film.develop().samples == full.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
             assert!(film == full, "{goal:?}: {:?}", outcome.samples);
@@ -112,22 +123,16 @@ fn pace_probes_and_goals_do_not_show() {
 /// before its pace is known. It is a render of those samples all the same.
 #[test]
 fn a_slow_render_ends_at_any_sample() {
-    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let options = suggested();
     let until = |time: Duration, wait: Duration, stops: bool| {
         let goal = Goal::Until { deadline: Instant::now() + time, end: 4096 };
-        let (film, outcome, _) = render_until(
-            &options,
-            SIZE,
-            0,
-            goal,
-            None,
-            &mut following(|_, _| {
-                sleep(wait);
-                if stops { Next::Stop } else { Next::GoOn }
-            }),
-        );
+        let mut observer = following(|_, _| {
+            sleep(wait);
+            if stops { Next::Stop } else { Next::GoOn }
+        });
+        let (film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut observer);
         let samples = outcome.samples.range();
-        assert!(film == render(&options, SIZE, samples.clone(), None, &mut ()).0, "{samples:?}");
+        assert!(film == full(&options, samples.clone()), "{samples:?}");
         samples.end
     };
     let (slow, fast) = (Duration::from_millis(400), Duration::ZERO);
@@ -143,7 +148,7 @@ fn a_slow_render_ends_at_any_sample() {
 fn snapshots_do_not_show() {
     for tile in [None, Some(97)] {
         let options = options(Scatter::Fused);
-        let full = render(&options, SIZE, 0..40, None, &mut ()).0;
+        let full = full(&options, 0..40);
         let (mut snapshots, mut paths) = (0, 0);
         let mut observer = following(|outcome, snapshot| {
             if let Some(snapshot) = snapshot {
@@ -170,25 +175,20 @@ fn a_stopped_render_has_a_complete_film() {
             let options = options(scatter);
             for start in [0, 13] {
                 let mut calls = 0;
-                let (film, outcome, _) = render(
-                    &options,
-                    SIZE,
-                    start..4096,
-                    tile,
-                    &mut following(|_, _| {
-                        calls += 1;
-                        if calls < at { Next::GoOn } else { Next::Stop }
-                    }),
-                );
+                let mut observer = following(|_, _| {
+                    calls += 1;
+                    if calls < at { Next::GoOn } else { Next::Stop }
+                });
+                let (film, outcome, _) = render(&options, SIZE, start..4096, tile, &mut observer);
                 let end = outcome.samples.range().end;
                 assert!(outcome.interrupted && outcome.samples.range().start == start && end < 4096, "{outcome:?}");
                 assert!(end > start && end.is_multiple_of(RUN_LENGTH), "{outcome:?}");
-                assert!(film == render(&options, SIZE, start..end, None, &mut ()).0, "{scatter:?}, {at}");
+                assert!(film == full(&options, start..end), "{scatter:?}, {at}");
                 let more = end + 20;
                 let rest = render(&options, SIZE, end..more, tile, &mut ()).0;
                 let mut joined = film;
                 joined.merge(&rest).expect("they are of one image");
-                assert!(joined == render(&options, SIZE, start..more, None, &mut ()).0);
+                assert!(joined == full(&options, start..more));
             }
         }
     }
@@ -198,8 +198,7 @@ fn a_stopped_render_has_a_complete_film() {
 #[test]
 fn a_complete_film_has_equal_samples_in_all_pixels() {
     let options = options(Scatter::Fused);
-    let full = |end: u32| render(&options, SIZE, 0..end, None, &mut ()).0;
-    let each: Vec<Film> = (1..=5).map(|runs| full(RUN_LENGTH * runs)).collect();
+    let each: Vec<Film> = (1..=5).map(|runs| full(&options, 0..RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
         let mut observer = following(|outcome, snapshot| {
@@ -223,7 +222,7 @@ fn a_complete_film_has_equal_samples_in_all_pixels() {
 /// Renders until a deadline or an error go on with a film that has samples. What learns the pace leaves no trace.
 #[test]
 fn goals_go_on_with_a_film() {
-    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let options = suggested();
     let scene = cover();
     for tile in [None, Some(97)] {
         let deadline = |seconds: u64| Instant::now() + Duration::from_millis(seconds);
@@ -233,7 +232,7 @@ fn goals_go_on_with_a_film() {
             Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, checks: 1 },
             Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, checks: 1 },
         ] {
-            let mut film = render(&options, SIZE, 0..24, None, &mut ()).0;
+            let mut film = full(&options, 0..24);
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
             let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
             let outcome =
@@ -241,7 +240,7 @@ fn goals_go_on_with_a_film() {
             let mut samples = Samples::from(0..24);
             samples.join(&outcome.samples);
             assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");
-            let full = render(&options, SIZE, samples.range(), None, &mut ()).0;
+            let full = full(&options, samples.range());
             assert!(film == full, "{tile:?}, {goal:?}: {:?}", outcome.samples);
         }
     }
@@ -250,7 +249,7 @@ fn goals_go_on_with_a_film() {
 /// A resumed render until an error checks it where the interrupted one would have, with the probability that was left.
 #[test]
 fn a_resumed_render_has_the_checks_of_one_render() {
-    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let options = suggested();
     let noise = |begun, checks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, checks };
     let (full, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut ());
     let found = uninterrupted.noise.expect("the error was checked");

@@ -130,23 +130,21 @@ fn a_lamp_that_nobody_meets_under_a_sky_is_missed() {
         ],
         render: (samples: 64, max_depth: 8),
     )";
-    let scene = scene(text);
-    let mut sweep = Sweep::new(device::software(), &scene, (32, 24), 0);
-    unbiased(&scene).into_iter().take(2).for_each(|setting| sweep.add(setting).expect("it compiles"));
-    measure(&mut sweep, 1, 8);
-    let found = judged(&mut sweep, None).measured;
+    let measured = |text: &str| {
+        let scene = scene(text);
+        let mut sweep = Sweep::new(device::software(), &scene, (32, 24), 0);
+        unbiased(&scene).into_iter().take(2).for_each(|setting| sweep.add(setting).expect("it compiles"));
+        measure(&mut sweep, 1, 8);
+        judged(&mut sweep, None).measured
+    };
+    let found = measured(text);
     let [defaults, bsdf] = &found[..] else { panic!("{found:?}") };
     assert!(defaults.reliable && !defaults.lacks_paths, "{defaults:?}");
     assert!(bsdf.noise_error < 0.2 && bsdf.signed.value < -0.05 && !bsdf.biased, "{bsdf:?}");
     assert!(bsdf.lacks_paths && !bsdf.reliable && bsdf.verdict().contains("may have missed"), "{bsdf:?}");
     assert!(recommended(&found).iter().all(|best| best.is_some_and(|best| best.setting.option.is_none())));
     // Without the lamp both have the same image, and either may be advised.
-    let dark = text.replace("1e6", "1");
-    let scene = crate::common::sweeps::scene(&dark);
-    let mut sweep = Sweep::new(device::software(), &scene, (32, 24), 0);
-    unbiased(&scene).into_iter().take(2).for_each(|setting| sweep.add(setting).expect("it compiles"));
-    measure(&mut sweep, 1, 8);
-    let found = judged(&mut sweep, None).measured;
+    let found = measured(&text.replace("1e6", "1"));
     assert!(found.iter().all(|measured| measured.reliable && !measured.lacks_paths), "{found:?}");
 }
 

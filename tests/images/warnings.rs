@@ -1,8 +1,8 @@
 //! Warnings about numbers that are allowed and dangerous: each at its location, with the number and what to do, and none
 //! for a twin scene just on the other side of its limit. The limits of surfaces near glass are compared with pictures.
 
+use crate::common::files::files;
 use crate::common::marked::{fault, unmarked};
-use crate::common::scenes::files;
 use crate::common::{render, stats};
 use std::fs;
 use std::path::Path;
@@ -16,6 +16,8 @@ const BEFORE: &str = "(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 4
 const ABOVE: &str = "(look_from: (0, 1, 5), look_at: (0, 0, 0), vertical_fov: 40)";
 const FAR: &str = "(look_from: (0, 0, 1e7), look_at: (0, 0, 0), vertical_fov: 40)";
 const TELESCOPE: &str = "(look_from: (0, 0, 1e7), look_at: (0, 0, 0), vertical_fov: 2e-5)";
+
+const BALL: &str = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -42,17 +44,25 @@ fn scene(camera: &str, objects: &str) -> String {
     )
 }
 
+fn parse(text: &str) -> Scene {
+    Scene::parse(&unmarked(text), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
 /// What flattening says of a text, marks and all.
 fn warnings(text: &str) -> Vec<String> {
-    let scene = Scene::parse(&unmarked(text), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let scene = parse(text);
     let size = (scene.image.width, scene.image.height);
     flatten(&scene, size, &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).warnings
 }
 
-/// There is one warning about a marked text, there, about this field, in these words.
+/// Flattening says one thing of a text.
 fn warns(text: &str, field: &str, words: &[&str]) {
-    let found = warnings(text);
-    let [warning] = &found[..] else { panic!("expected one warning: {found:#?}\n{text}") };
+    is_one(&warnings(text), text, field, words);
+}
+
+/// There is one warning about a marked text, there, about this field, in these words.
+fn is_one(found: &[String], text: &str, field: &str, words: &[&str]) {
+    let [warning] = found else { panic!("expected one warning: {found:#?}\n{text}") };
     fault(warning, &root().join("x.ron"), text, field, words).unwrap_or_else(|fault| panic!("{fault}"));
 }
 
@@ -179,8 +189,7 @@ fn of_a_kind_the_worst_is_reported_and_the_others_are_counted() {
 #[test]
 fn sizes_below_a_share_of_the_extent_are_warned_of() {
     let grain = |r: &str| {
-        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
-        scene(BEFORE, &format!("{ball} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
+        scene(BEFORE, &format!("{BALL} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
     };
     let words = ["a radius of 5.4e-12 at a distance of 1e-7", "no size below 5.457e-12", "leave it out"];
     warns(&grain("5.4e-12"), "objects[1].Sphere.radius", &words);
@@ -245,8 +254,7 @@ fn media_whose_free_path_is_shorter_than_rounding_are_warned_of() {
 #[test]
 fn spheres_that_coincide_are_warned_of() {
     let pair = |r: &str, material: &str| {
-        let first = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
-        scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{material}\"),"))
+        scene(BEFORE, &format!("{BALL}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{material}\"),"))
     };
     let field = "objects[1].Sphere";
     warns(
@@ -502,8 +510,7 @@ fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
             text.replace("width: 400, height: 300", "width: 16, height: 16").replace("15, 15, 15", "1, 1, 1")
         };
         let red = |gap: f64| {
-            let scene = Scene::parse(&text(gap), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
-            let pixels = render::render(&scene, &render::Request::spp(16)).picture.rgb;
+            let pixels = render::render(&parse(&text(gap)), &render::Request::spp(16)).picture.rgb;
             pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>()
         };
         let right = red(1e-3);
@@ -651,16 +658,14 @@ fn spot_lights_that_aim_at_nothing_are_warned_of() {
 
 /// Warnings of single values, and no others.
 fn said(text: &str) -> Vec<String> {
-    let scene = Scene::parse(&unmarked(text), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    scene.warnings().into_iter().filter(|text| !text.contains("no object uses this material")).collect()
+    parse(text).warnings().into_iter().filter(|text| !text.contains("no object uses this material")).collect()
 }
 
 #[test]
 fn emission_motion_and_focus_that_do_not_show_are_warned_of() {
-    let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
     // An emission that no alpha shows.
     let with = |fields: &str| {
-        scene(BEFORE, ball).replace("\"grey\": Lambertian(", &format!("\"grey\": Lambertian({fields}, "))
+        scene(BEFORE, BALL).replace("\"grey\": Lambertian(", &format!("\"grey\": Lambertian({fields}, "))
     };
     for fields in [
         "emission: §Rgb(5, 5, 5), alpha: 0",
@@ -677,11 +682,7 @@ fn emission_motion_and_focus_that_do_not_show_are_warned_of() {
         silent(&with(fields));
     }
     // Motion while the shutter is shut. A camera and objects that only seem to move have no warning.
-    let assert_said = |text: &str, field: &str, words: &[&str]| {
-        let found = said(text);
-        let [warning] = &found[..] else { panic!("expected one warning: {found:#?}\n{text}") };
-        fault(warning, &root().join("x.ron"), text, field, words).unwrap_or_else(|fault| panic!("{fault}"));
-    };
+    let assert_said = |text: &str, field: &str, words: &[&str]| is_one(&said(text), text, field, words);
     let moving = |to: f64| {
         let keys = format!("§[(2, [Translate((0, 0, 0))]), (3.5, [Translate(({to}, 0, 0))])]");
         format!("Moving(keys: {keys}, object: Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")),")
@@ -697,21 +698,21 @@ fn emission_motion_and_focus_that_do_not_show_are_warned_of() {
     assert!(said(&scene(&shutter("(2, 3)"), &moving(1.0))).is_empty());
     let keys = "[(0, (look_from: (0, 0, 5), look_at: (0, 0, 0))), (1, (look_from: (0, 1, 5), look_at: (0, 0, 0)))]";
     let camera = |shutter: &str| BEFORE.replace("40)", &format!("40, shutter: {shutter}, moving: §{keys})"));
-    assert_said(&scene(&camera("(0.5, 0.5)"), ball), "camera.moving", &["such as (0, 1)"]);
-    assert!(said(&scene(&camera("(0, 0.5)"), ball)).is_empty());
-    assert!(said(&scene(&camera("(0, 0)").replace("0, 1, 5", "0, 0, 5"), ball)).is_empty());
+    assert_said(&scene(&camera("(0.5, 0.5)"), BALL), "camera.moving", &["such as (0, 1)"]);
+    assert!(said(&scene(&camera("(0, 0.5)"), BALL)).is_empty());
+    assert!(said(&scene(&camera("(0, 0)").replace("0, 1, 5", "0, 0, 5"), BALL)).is_empty());
     // A lens that is in focus within itself, and a spot light without a cone.
     let lens = |aperture: f64, focus: &str| BEFORE.replace("40)", &format!("40, aperture: {aperture}{focus})"));
     assert_said(
-        &scene(&lens(2.0, ", focus_distance: §0.9"), ball),
+        &scene(&lens(2.0, ", focus_distance: §0.9"), BALL),
         "camera.focus_distance",
         &["radius of 1", "focus distance of 0.9", "below 1.8"],
     );
-    assert!(said(&scene(&lens(2.0, ", focus_distance: 1.1"), ball)).is_empty());
-    assert!(said(&scene(&lens(9.9, ""), ball)).is_empty());
-    assert_eq!(said(&scene(&lens(10.1, ""), ball)).len(), 1);
+    assert!(said(&scene(&lens(2.0, ", focus_distance: 1.1"), BALL)).is_empty());
+    assert!(said(&scene(&lens(9.9, ""), BALL)).is_empty());
+    assert_eq!(said(&scene(&lens(10.1, ""), BALL)).len(), 1);
     let spot = |outer: &str| {
-        format!("SpotLight(at: (0, 3, 0), towards: (0, 0, 0), intensity: (5, 5, 5), outer: §{outer}), {ball}")
+        format!("SpotLight(at: (0, 3, 0), towards: (0, 0, 0), intensity: (5, 5, 5), outer: §{outer}), {BALL}")
     };
     assert_said(&scene(BEFORE, &spot("0")), "objects[0].SpotLight.outer", &["no cone", "above 0"]);
     silent(&scene(BEFORE, &spot("0")).replace('§', ""));
@@ -775,10 +776,7 @@ fn turned_face(line: &str) -> String {
 
 #[test]
 fn closed_lights_around_the_camera_are_warned_of() {
-    let around = |shape: &str, material: &str| {
-        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
-        scene(BEFORE, &format!("{ball}\n§{shape}, material: \"{material}\"),"))
-    };
+    let around = |shape: &str, material: &str| scene(BEFORE, &format!("{BALL}\n§{shape}, material: \"{material}\"),"));
     let sphere = "Sphere(center: (0, 0, 0), radius: 20";
     let cuboid = "Box(min: (-20, -20, -20), max: (20, 20, 20)";
     for (shape, name, field) in [(sphere, "sphere", "objects[1].Sphere"), (cuboid, "box", "objects[1].Box")] {
@@ -812,8 +810,7 @@ fn closed_rooms_around_the_camera_are_warned_of() {
 #[test]
 fn lights_that_face_away_from_everything_are_warned_of() {
     let spot = |u: &str, v: &str, material: &str| {
-        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
-        scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
+        scene(BEFORE, &format!("{BALL} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
     };
     let (x, z) = ("(2, 0, 0)", "(0, 0, 2)");
     warns(
@@ -824,8 +821,7 @@ fn lights_that_face_away_from_everything_are_warned_of() {
     silent(&spot(x, z, "spot"));
     silent(&spot(z, x, "lamp"));
     let disk = |normal: &str| {
-        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
-        scene(BEFORE, &format!("{ball} §Disk(center: (0, 3, 0), normal: {normal}, radius: 1, material: \"spot\"),"))
+        scene(BEFORE, &format!("{BALL} §Disk(center: (0, 3, 0), normal: {normal}, radius: 1, material: \"spot\"),"))
     };
     warns(&disk("(0, 2, 0)"), "objects[1].Disk", &["reverse a disk's normal"]);
     silent(&disk("(0, -2, 0)"));
@@ -858,8 +854,7 @@ fn lights_that_are_not_used_do_not_count() {
             .replace("Solid((1, 1, 1))", "Solid((0, 0, 0))")
     };
     let exponent = |text: &str| {
-        let scene = Scene::parse(&unmarked(text), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
-        flatten(&scene, (40, 30), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).radiance_exponent
+        flatten(&parse(text), (40, 30), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).radiance_exponent
     };
     let unused = with("1e30", "");
     silent(&unused);
@@ -872,24 +867,21 @@ fn lights_that_are_not_used_do_not_count() {
 fn lights_of_no_emission_are_warned_of() {
     let of = |emit: &str| {
         let lamp = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
-        let text = scene(BEFORE, lamp)
-            .replace("\"lamp\": DiffuseLight(emit: Rgb(15, 15, 15))", &format!("\"lamp\": DiffuseLight(emit: {emit})"));
-        let scene = Scene::parse(&text, Path::new("x.ron")).unwrap_or_else(|e| panic!("{e}"));
-        scene.warnings().into_iter().filter(|warning| !warning.contains("no object uses")).collect::<Vec<_>>()
+        scene(BEFORE, lamp)
+            .replace("\"lamp\": DiffuseLight(emit: Rgb(15, 15, 15))", &format!("\"lamp\": DiffuseLight(emit: §{emit})"))
     };
-    let found = of("Rgb(0, 0, 0)");
-    assert!(
-        found.len() == 1 && found[0].starts_with("x.ron:7:67: materials[\"lamp\"].DiffuseLight.emit: an emission of 0"),
-        "{found:?}"
-    );
-    assert_eq!(of("Rgb(0, 1e-30, 0)"), Vec::<String>::new());
+    let dark = of("Rgb(0, 0, 0)");
+    is_one(&said(&dark), &dark, "materials[\"lamp\"].DiffuseLight.emit", &["an emission of 0"]);
+    assert_eq!(said(&of("Rgb(0, 1e-30, 0)")), Vec::<String>::new());
 }
 
 /// Four scenes are warned of: three show that a light is black from behind, and one has a sun without size, of which a mirror shows no caustic.
 #[test]
 fn the_scenes_that_come_with_it_are_safe() {
     let mut seen = 0;
-    for path in ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(files) {
+    for path in
+        ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(|folder| files(folder, ".ron", false))
+    {
         let scene = Scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
         let (width, height) = (scene.image.width, scene.image.height);
         let warned = ["one_sided_quads.ron", "one_sided_inside.ron", "one_sided_in_a_box.ron", "window.ron"];

@@ -11,7 +11,7 @@ use naga::back::{hlsl, msl};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 
 use crate::common::everything::{Everything, World};
-use crate::common::scenes::files;
+use crate::common::files::files;
 
 /// A kernel's text in a language: of its module, its entry point and its overrides.
 type Write = fn(&naga::Module, &str, &[(&str, f64)]) -> Result<String, String>;
@@ -68,7 +68,7 @@ fn check(name: &str, scene: &Scene, features: FeatureSet) {
 
 #[test]
 fn metal_and_directx_get_every_kernel_of_the_scenes_that_ship() {
-    let scenes = files("scenes");
+    let scenes = files("scenes", ".ron", false);
     assert!(scenes.len() > 5, "{scenes:?}");
     for path in scenes {
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));

@@ -105,7 +105,7 @@ fn a_sphere_holds_the_part_of_a_ray_between_its_surfaces() {
         wrong
     };
     assert_eq!(check(&within("sphere", "Sphere", &[], &spheres, &rays)), 0);
-    let planted = [("geometry/sphere", "test/control/sphere_far_root")];
+    let planted = [("geometry/sphere_chord", "test/control/sphere_far_root")];
     assert!(check(&within("sphere", "Sphere", &planted, &spheres, &rays)) > 1000, "roots that cancel");
     let planted = [("medium/interval", "test/control/interval_bare")];
     assert!(check(&within("sphere", "Sphere", &planted, &spheres, &rays)) > 1000, "what lies behind");

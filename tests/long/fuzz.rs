@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::corpus;
 use crate::common::everything::{Everything, World};
+use crate::common::gltf::{glb, gltf, moving, room};
 use crate::common::meshes::{cube, cubes};
 use crate::common::mutate::{claim_size, end_of_header, mutated, with_checksums};
 use crate::common::stats::Random;
@@ -20,7 +21,8 @@ use gpu_rt::error::Error;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::RenderOptions;
 use gpu_rt::output::exr::{add_film, read_exr, read_state};
-use gpu_rt::scene::Scene;
+use gpu_rt::scene::{AnimationFrame, Assets, GltfOptions, Scene};
+use serde_json::json;
 
 /// The addresses that a process may use, in KiB: what fits a device, a GiB beyond, and the program.
 const MEMORY: u64 = 4 << 20;
@@ -49,6 +51,7 @@ const FORMATS: &[(&str, &[&str], Reader)] = &[
     ("stl", &["stl"], read_mesh),
     ("gltf", &["gltf"], read_mesh),
     ("glb", &["glb"], read_mesh),
+    ("model", &["model"], read_model),
     ("compare", &["exr"], |path, bytes| written(path, bytes, |path| read_exr(path).map(drop))),
     ("resume", &["state.exr"], |path, bytes| written(path, bytes, resume)),
 ];
@@ -125,6 +128,36 @@ fn read_mesh(path: &Path, bytes: &[u8]) -> Result<(), String> {
     })
 }
 
+/// Every error is one of the scene, without a line, and what is accepted can be searched for warnings.
+fn read_model(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    written(path, bytes, |path| {
+        let frame = name(path).starts_with("moving").then_some(AnimationFrame { number: 12.0, fps: 24.0 });
+        let options = GltfOptions { frame, ..GltfOptions::default() };
+        let scene = Scene::load_as(path, &options, &mut |_, _, _| {}, &mut Assets::default());
+        match &scene {
+            Ok(scene) => {
+                drop(scene.warnings());
+                assert!(scene.camera.look_from.is_finite());
+            }
+            Err(Error::Scene { location, .. }) => assert_eq!(location.line, 0),
+            Err(Error::Several { .. }) => {}
+            Err(other) => panic!("{other}"),
+        }
+        scene.map(drop)
+    })
+}
+
+/// Scenes that are glTF files, with extensions, skins, morph targets and animations.
+fn models() -> Vec<(String, Vec<u8>)> {
+    let (mut json, binary) = room();
+    json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0, "SCALE": 1}}});
+    json["materials"][0]["extensions"] = json!({"KHR_materials_unlit": {}});
+    json["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": 0}});
+    let all = [("room.glb", glb(&json, &binary)), ("room.gltf", gltf(&json, &binary).into_bytes())];
+    let all = all.into_iter().chain([("moving.glb", glb(&moving().0, &moving().1))]);
+    all.map(|(name, bytes)| (name.to_owned(), bytes)).collect()
+}
+
 /// Meshes with what cubes do not have.
 fn more_meshes() -> Vec<(&'static str, Vec<u8>)> {
     const SPARSE: &str = "\"sparse\": {\"count\": 2, \"indices\": {\"bufferView\": 3, \"componentType\": 5123}, \
@@ -155,6 +188,9 @@ fn more_meshes() -> Vec<(&'static str, Vec<u8>)> {
 
 /// The good files of a format: names and bytes. Those that scenes name are written into the folder, as small as they can be.
 fn good_files(endings: &[&str], folder: &Path) -> Vec<(String, Vec<u8>)> {
+    if endings == ["model"] {
+        return models();
+    }
     if endings != ["ron"] {
         let named = |(name, bytes): (&str, Vec<u8>)| (name.to_owned(), bytes);
         let meshes = cubes().into_iter().chain(more_meshes()).map(named);

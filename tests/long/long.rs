@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::common::expect::Expectations;
+use crate::common::files::files;
 use crate::common::held::{BULB, Replicates};
 use crate::common::render::{Change, Request, render_all, scene, scene_folder};
 use crate::common::rooms::{THINGS, room};
-use crate::common::scenes::files;
 use crate::common::stats::{mean_and_variance, normal_two_sided};
 use gpu_rt::data::Sampler;
 use gpu_rt::film::{ErrorEstimate, Film};
@@ -289,7 +289,7 @@ fn errors_fall_as_they_should_and_to_no_floor() {
 fn scenes_with_bounds() -> Vec<(String, Scene)> {
     let name = |file: &Path| file.file_stem().expect("it has a name").to_string_lossy().into_owned();
     let load = |file: &PathBuf| (name(file), Scene::load(file).expect("it ships"));
-    let files = ["scenes", "benches"].into_iter().flat_map(files);
+    let files = ["scenes", "benches"].into_iter().flat_map(|folder| files(folder, ".ron", false));
     let mut scenes: Vec<_> = files.map(|file| load(&file)).collect();
     scenes.extend(THINGS.map(|(name, things)| (name.to_string(), room(things))));
     scenes

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::common::device;
+use crate::common::files::files;
 use crate::common::program::{self, Ran};
-use crate::common::scenes::files;
 use gpu_rt::scene::Scene;
 
 /// Over all scenes together, in equal shares. That a rejected sample is seen is tested in tests/program/cli.rs.
@@ -20,7 +20,8 @@ fn render(scene: &Path, samples: u64, folder: &Path) -> Ran {
 #[test]
 #[ignore = "takes minutes"]
 fn no_scene_has_a_rejected_sample() {
-    let scenes: Vec<_> = ["scenes", "scenes/test"].into_iter().flat_map(files).collect();
+    let scenes: Vec<_> =
+        ["scenes", "scenes/test"].into_iter().flat_map(|folder| files(folder, ".ron", false)).collect();
     assert!(scenes.len() > 40, "{scenes:?}");
     let share = PATHS.div_ceil(scenes.len() as u64);
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -123,8 +123,7 @@ fn long_files_without_content_are_refused() {
     let mut command = Command::new("sh");
     command.current_dir(folder.path()).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command.args(["-c", &format!("ulimit -v {GIB} && exec \"$0\" check scene.ron"), env!("CARGO_BIN_EXE_gpu-rt")]);
-    let ran = finish(command.spawn().expect("a shell starts")).exits(2);
-    assert!(ran.stderr.contains("longer than 268435456 bytes"), "{}", ran.stderr);
+    finish(command.spawn().expect("a shell starts")).exits(2).on_stderr(&["longer than 268435456 bytes"]);
 }
 
 #[test]

@@ -1,29 +1,11 @@
 //! `--crop`: a part of an image has the bytes and the position that it has in the full image.
 
 use std::fs;
-use std::path::Path;
 
 use exr::prelude::{MetaData, Vec2};
-use gpu_rt::output::exr::{ExrImage, read_exr};
-use tempfile::TempDir;
+use gpu_rt::output::exr::ExrImage;
 
-use super::resume::SCENE;
-use crate::common::device::index as software;
-use crate::common::program::{Ran, run};
-
-/// A folder with the scene and its texture.
-fn folder() -> TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    fs::write(folder.path().join("scene.ron"), SCENE).expect("the scene is written");
-    let texture = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([200, 40 * x as u8, 60 * y as u8]));
-    texture.save(folder.path().join("floor.png")).expect("the texture is written");
-    folder
-}
-
-fn render(folder: &Path, more: &str) -> Ran {
-    let line = format!("render scene.ron --quiet --device {} {more}", software());
-    run(folder, &line.split_whitespace().collect::<Vec<_>>())
-}
+use super::resume::Sandbox;
 
 /// Whether an image holds just what a part of another one does: its pixels and all further channels.
 fn is_part(part: &ExrImage, (left, top): (u32, u32), full: &ExrImage) -> bool {
@@ -40,33 +22,30 @@ fn is_part(part: &ExrImage, (left, top): (u32, u32), full: &ExrImage) -> bool {
 
 #[test]
 fn a_part_has_the_bytes_of_the_full_image() {
-    let folder = folder();
-    let read = |name: &str| read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
-    render(folder.path(), "--spp 24 -o full.exr").exits(0);
-    let full = read("full.exr");
+    let sandbox = Sandbox::new();
+    sandbox.render("--spp 24 -o full.exr").exits(0);
+    let full = sandbox.image("full.exr");
     // One pixel; strips of eight rows cut at both ends; corners; everything.
     for (left, top, width, height) in [(5, 9, 1, 1), (3, 2, 7, 13), (20, 0, 4, 16), (0, 15, 24, 1), (0, 0, 24, 16)] {
         for setting in ["", "--scatter linked --slots 7"] {
             let crop = format!("{left},{top},{width},{height}");
-            let ran =
-                render(folder.path(), &format!("--spp 24 --crop {crop} --png part.png --json -o part.exr {setting}"));
+            let ran = sandbox.render(&format!("--spp 24 --crop {crop} --png part.png --json -o part.exr {setting}"));
             let json = ran.exits(0).json();
             assert_eq!((json["width"].as_u64(), json["height"].as_u64()), (Some(width.into()), Some(height.into())));
             assert_eq!(json["paths"].as_u64(), Some(u64::from(width * height) * 24));
-            let part = read("part.exr");
+            let part = sandbox.image("part.exr");
             assert_eq!((part.width, part.height), (width, height));
             assert!(is_part(&part, (left, top), &full), "{crop} {setting}");
             assert!(width == 24 || !is_part(&part, (left.max(1) - 1, top), &full), "{crop} passes as its neighbour");
-            let picture = image::image_dimensions(folder.path().join("part.png")).expect("a PNG");
+            let picture = image::image_dimensions(sandbox.path("part.png")).expect("a PNG");
             assert_eq!(picture, (width, height));
             // Its position in the full image.
-            let header =
-                MetaData::read_from_file(folder.path().join("part.exr"), true).expect("it has a header").headers;
+            let header = MetaData::read_from_file(sandbox.path("part.exr"), true).expect("it has a header").headers;
             for part in &header {
                 assert_eq!(part.shared_attributes.display_window.size, Vec2(24, 16));
                 assert_eq!(part.own_attributes.layer_position, Vec2(left as i32, top as i32));
             }
-            fs::remove_file(folder.path().join("part.exr")).expect("it is there");
+            fs::remove_file(sandbox.path("part.exr")).expect("it is there");
         }
     }
 }
@@ -74,38 +53,36 @@ fn a_part_has_the_bytes_of_the_full_image() {
 /// A film that the device does not hold at once.
 #[test]
 fn a_part_in_tiles_has_the_bytes_of_the_full_image() {
-    let folder = folder();
-    let read = |name: &str| read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
-    render(folder.path(), "--spp 1 --no-state --size 1100x900 -o full.exr").exits(0);
-    render(folder.path(), "--spp 1 --no-state --size 1100x900 --crop 37,13,1001,850 -o part.exr").exits(0);
-    assert!(is_part(&read("part.exr"), (37, 13), &read("full.exr")));
+    let sandbox = Sandbox::new();
+    sandbox.render("--spp 1 --no-state --size 1100x900 -o full.exr").exits(0);
+    sandbox.render("--spp 1 --no-state --size 1100x900 --crop 37,13,1001,850 -o part.exr").exits(0);
+    assert!(is_part(&sandbox.image("part.exr"), (37, 13), &sandbox.image("full.exr")));
 }
 
 #[test]
 fn parts_go_on_and_join() {
-    let folder = folder();
+    let sandbox = Sandbox::new();
     let crop = "--crop 3,2,7,13";
-    render(folder.path(), &format!("--spp 24 {crop} -o full.exr")).exits(0);
-    render(folder.path(), &format!("--samples 0..8 {crop} -o a.exr")).exits(0);
-    render(folder.path(), &format!("--samples 8..24 {crop} -o b.exr")).exits(0);
-    run(folder.path(), &["merge", "b.exr", "a.exr", "-o", "joined.exr"]).exits(0);
-    render(folder.path(), &format!("--spp 24 {crop} --resume -o a.exr")).exits(0);
-    let read = |name: &str| read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
+    sandbox.render(&format!("--spp 24 {crop} -o full.exr")).exits(0);
+    sandbox.render(&format!("--samples 0..8 {crop} -o a.exr")).exits(0);
+    sandbox.render(&format!("--samples 8..24 {crop} -o b.exr")).exits(0);
+    sandbox.says("merge b.exr a.exr -o joined.exr").exits(0);
+    sandbox.render(&format!("--spp 24 {crop} --resume -o a.exr")).exits(0);
     for name in ["joined.exr", "a.exr"] {
-        assert!(is_part(&read(name), (0, 0), &read("full.exr")), "{name}");
-        let header = MetaData::read_from_file(folder.path().join(name), true).expect("it has a header").headers;
+        assert!(is_part(&sandbox.image(name), (0, 0), &sandbox.image("full.exr")), "{name}");
+        let header = MetaData::read_from_file(sandbox.path(name), true).expect("it has a header").headers;
         assert_eq!(header[0].own_attributes.layer_position, Vec2(3, 2), "{name}");
     }
     // Another part, and the full image, are other images.
     for other in ["--crop 4,2,7,13", ""] {
-        let ran = render(folder.path(), &format!("--spp 24 {other} --resume -o a.exr"));
+        let ran = sandbox.render(&format!("--spp 24 {other} --resume -o a.exr"));
         assert!(ran.exits(2).stderr.contains("--crop is"), "{other}");
     }
 }
 
 #[test]
 fn a_crop_outside_the_image_is_refused() {
-    let folder = folder();
+    let sandbox = Sandbox::new();
     for (crop, why) in [
         ("20,0,5,5", "24 x 16"),
         ("0,16,1,1", "24 x 16"),
@@ -114,7 +91,7 @@ fn a_crop_outside_the_image_is_refused() {
         ("0,0,4", "X,Y,WIDTH,HEIGHT"),
         ("-1,0,4,4", "X,Y,WIDTH,HEIGHT"),
     ] {
-        let ran = render(folder.path(), &format!("--spp 8 -o part.exr --crop={crop}")).exits(2);
+        let ran = sandbox.render(&format!("--spp 8 -o part.exr --crop={crop}")).exits(2);
         assert!(ran.stderr.contains(why), "{crop}: {}", ran.stderr);
     }
 }

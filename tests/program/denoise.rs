@@ -81,10 +81,6 @@ fn line_of(line: &str) -> Vec<&str> {
     std::iter::once("denoise").chain(line.split_whitespace()).collect()
 }
 
-fn at(sandbox: &Sandbox, name: &str) -> std::path::PathBuf {
-    sandbox.work().join(name)
-}
-
 #[test]
 fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
     let sandbox = Sandbox::new();
@@ -103,10 +99,10 @@ fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
         ("blender", by_names(blender, of_blender), None),
     ] {
         let exr = format!("{name}.exr");
-        write(&at(&sandbox, &exr), (WIDTH, HEIGHT), layers);
-        let before = fs::read(at(&sandbox, &exr)).unwrap();
+        write(&sandbox.at(&exr), (WIDTH, HEIGHT), layers);
+        let before = fs::read(sandbox.at(&exr)).unwrap();
         let ran = denoise(&sandbox, &format!("{exr} -o out.exr --json")).exits(0);
-        assert!(fs::read(at(&sandbox, &exr)).unwrap() == before, "the raw image has changed");
+        assert!(fs::read(sandbox.at(&exr)).unwrap() == before, "the raw image has changed");
         assert!(ran.stderr.contains("warning: denoising biases the result"), "{}", ran.stderr);
         assert_eq!(ran.stderr.contains("loses more detail"), said.is_some(), "{}", ran.stderr);
         assert!(ran.stderr.contains(said.unwrap_or_default()), "{}", ran.stderr);
@@ -143,11 +139,11 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     let raw = sandbox.exr("sphere.exr");
     denoise(&sandbox, "sphere.exr -o out.exr --png out.png").exits(0);
     let out = sandbox.exr("out.exr");
-    let meta = MetaData::read_from_file(at(&sandbox, "out.exr"), true).expect("an EXR");
+    let meta = MetaData::read_from_file(sandbox.at("out.exr"), true).expect("an EXR");
     assert_eq!(meta.headers.len(), 1);
     let names: Vec<String> = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect();
     assert_eq!(names, ["B", "G", "R"]);
-    let [before, after] = ["sphere.exr", "out.exr"].map(|name| header(&at(&sandbox, name)));
+    let [before, after] = ["sphere.exr", "out.exr"].map(|name| header(&sandbox.at(name)));
     assert_eq!(after.data_window(), before.data_window());
     assert_eq!((after.own_attributes.layer_position, after.layer_size), (Vec2(3, 2), Vec2(11, 9)));
     assert_eq!(after.shared_attributes, before.shared_attributes);
@@ -166,7 +162,7 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     assert_eq!(out.attributes.iter().cloned().collect::<BTreeMap<_, _>>(), expected);
 
     // An image gives one header, byte for byte, and the picture is that of `develop`.
-    let bytes = |name: &str| fs::read(at(&sandbox, name)).expect("it is read");
+    let bytes = |name: &str| fs::read(sandbox.at(name)).expect("it is read");
     sandbox.says("develop out.exr -o again.png").exits(0);
     assert!(bytes("out.png") == bytes("again.png"));
 
@@ -177,11 +173,9 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     };
     refused("merge out.exr -o merged.exr", "it has no state. Images of other programs, of --no-state and of denoise");
     let resume = ["--resume", "--spp", "32", "-o", "out.exr"];
-    let ran = sandbox.render(&resume).exits(2);
-    assert!(ran.stderr.contains("nothing to resume: out.exr has no state"), "{}", ran.stderr);
-    let again = denoise(&sandbox, "out.exr -o twice.exr").exits(2);
-    assert!(again.stderr.contains("it is denoised already, by Open Image Denoise 2."), "{}", again.stderr);
-    assert!(!at(&sandbox, "twice.exr").exists());
+    sandbox.render(&resume).exits(2).on_stderr(&["nothing to resume: out.exr has no state"]);
+    denoise(&sandbox, "out.exr -o twice.exr").exits(2).on_stderr(&["it is denoised already, by Open Image Denoise 2."]);
+    assert!(!sandbox.at("twice.exr").exists());
     for (line, name) in [("out.exr sphere.exr", "out.exr"), ("sphere.exr out.exr", "out.exr")] {
         let ran = sandbox.says(&format!("compare {line}")).exits(0);
         assert!(ran.stderr.contains(&format!("warning: {name} is denoised (Open Image Denoise 2.")), "{}", ran.stderr);
@@ -204,7 +198,7 @@ fn a_render_denoises_what_it_has_written() {
     );
     let [raw, plain] = ["sphere.exr", "plain.exr"].map(|name| sandbox.exr(name));
     assert_eq!((&raw.rgb, &raw.variance), (&plain.rgb, &plain.variance));
-    let [raw, plain] = ["a.png", "plain.png"].map(|name| fs::read(at(&sandbox, name)).unwrap());
+    let [raw, plain] = ["a.png", "plain.png"].map(|name| fs::read(sandbox.at(name)).unwrap());
     assert!(raw == plain, "the picture of the render is not denoised");
     let json = ran.json();
     let denoised = &json["denoised"];
@@ -216,7 +210,7 @@ fn a_render_denoises_what_it_has_written() {
     // What `denoise` makes of the file is the same.
     denoise(&sandbox, "sphere.exr -o again.exr --png again.png").exits(0);
     assert_eq!(sandbox.exr("again.exr"), sandbox.exr("sphere.denoised.exr"));
-    assert!(fs::read(at(&sandbox, "again.png")).unwrap() == fs::read(at(&sandbox, "a.denoised.png")).unwrap());
+    assert!(fs::read(sandbox.at("again.png")).unwrap() == fs::read(sandbox.at("a.denoised.png")).unwrap());
     let blender = ["--denoise", "--oidn", oidn, "--aov-names", "blender", "--no-state", "-o", "blender.exr", "--json"];
     let json = sandbox.render(&blender).exits(0).json();
     assert_eq!(json["denoised"]["layers"], serde_json::json!(["albedo", "normal"]));
@@ -244,7 +238,7 @@ fn a_render_denoises_what_it_has_written() {
         assert_eq!(sandbox.files(), files, "{line}");
     }
     // The name of the denoised image is taken, by a folder.
-    fs::create_dir(at(&sandbox, "d.denoised.exr")).unwrap();
+    fs::create_dir(sandbox.at("d.denoised.exr")).unwrap();
     let ran = sandbox.render(&[&endless[..], &["--denoise", "-o", "d.exr"]].concat()).exits(2);
     assert!(ran.stderr.contains("d.denoised.exr: cannot write: it is a folder"), "{}", ran.stderr);
 }
@@ -254,9 +248,9 @@ fn denoising_keeps_the_data_and_display_windows() {
     let sandbox = Sandbox::new();
     let image = vec![[0.5, 0.25, 0.125]; 12];
     let display = IntegerBounds { position: Vec2(-2, 30), size: Vec2(50, 20) };
-    write_at(&at(&sandbox, "a.exr"), (4, 3), (-3, 40), display, vec![channels(RGB, &image)]);
+    write_at(&sandbox.at("a.exr"), (4, 3), (-3, 40), display, vec![channels(RGB, &image)]);
     denoise(&sandbox, "a.exr -o b.exr").exits(0);
-    let found = header(&at(&sandbox, "b.exr"));
+    let found = header(&sandbox.at("b.exr"));
     assert_eq!(found.data_window(), IntegerBounds { position: Vec2(-3, 40), size: Vec2(4, 3) });
     assert_eq!(found.shared_attributes.display_window, display);
 }
@@ -270,9 +264,9 @@ fn any_values_give_finite_ones_and_the_unit_of_radiance_does_not_matter() {
     let sandbox = Sandbox::new();
     let run = |name: &str, size: (usize, usize), image: &[[f32; 3]], guides: [&[[f32; 3]]; 2]| {
         let all = vec![channels(RGB, image), channels(ALBEDO, guides[0]), channels(NORMAL, guides[1])];
-        write(&at(&sandbox, name), size, all);
+        write(&sandbox.at(name), size, all);
         let ran = denoise(&sandbox, &format!("{name} -o out.exr")).exits(0);
-        let out = read_exr(&at(&sandbox, "out.exr")).expect("it is read");
+        let out = read_exr(&sandbox.at("out.exr")).expect("it is read");
         assert!(is_plain(&out), "{name}: {:?}", out.rgb);
         (out.rgb, ran.stderr)
     };
@@ -312,11 +306,11 @@ fn any_values_give_finite_ones_and_the_unit_of_radiance_does_not_matter() {
 #[test]
 fn destinations_and_files_that_do_not_fit_are_refused() {
     let sandbox = Sandbox::new();
-    write(&at(&sandbox, "a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
-    fs::write(at(&sandbox, "text.exr"), "no EXR").unwrap();
-    fs::hard_link(at(&sandbox, "a.exr"), at(&sandbox, "hard.exr")).unwrap();
+    write(&sandbox.at("a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
+    fs::write(sandbox.at("text.exr"), "no EXR").unwrap();
+    fs::hard_link(sandbox.at("a.exr"), sandbox.at("hard.exr")).unwrap();
     #[cfg(unix)]
-    std::os::unix::fs::symlink("a.exr", at(&sandbox, "link.exr")).unwrap();
+    std::os::unix::fs::symlink("a.exr", sandbox.at("link.exr")).unwrap();
     let files = sandbox.files();
     let mut lines = vec![
         ("a.exr -o a.exr", "it would overwrite the input a.exr"),
@@ -350,14 +344,14 @@ fn destinations_and_files_that_do_not_fit_are_refused() {
 #[cfg(target_os = "linux")]
 fn a_library_that_is_missing_or_fails_is_an_error() {
     let sandbox = Sandbox::new();
-    write(&at(&sandbox, "a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
+    write(&sandbox.at("a.exr"), (4, 3), vec![channels(RGB, &[[0.5; 3]; 12])]);
     for folder in ["empty", "text", "other", "failing/lib"] {
-        fs::create_dir_all(at(&sandbox, folder)).unwrap();
+        fs::create_dir_all(sandbox.at(folder)).unwrap();
     }
     let name = "libOpenImageDenoise.so.2";
-    fs::write(at(&sandbox, "text").join(name), "no library\n".repeat(100)).unwrap();
-    fs::copy(oidn::folder().join("libtbb.so.12"), at(&sandbox, "other").join(name)).unwrap();
-    oidn::failing(&at(&sandbox, "failing/lib"));
+    fs::write(sandbox.at("text").join(name), "no library\n".repeat(100)).unwrap();
+    fs::copy(oidn::folder().join("libtbb.so.12"), sandbox.at("other").join(name)).unwrap();
+    oidn::failing(&sandbox.at("failing/lib"));
     let run = |line: &str, folder: &str, fault: &str| {
         let mut command = sandbox.command(&line_of(line));
         command.env("OIDN_DIR", folder).env("GPU_RT_DENOISER", fault);

@@ -14,11 +14,11 @@ fn write(sandbox: &Sandbox, name: &str, channels: &[(&str, FlatSamples)], corner
     let mut own = LayerAttributes::named("picture");
     own.layer_position = corner.into();
     let layer = Layer::new((2, 2), own, Encoding::SMALL_LOSSLESS, AnyChannels::sort(list));
-    Image::from_layer(layer).write().to_file(sandbox.work().join(name)).expect("it is written");
+    Image::from_layer(layer).write().to_file(sandbox.at(name)).expect("it is written");
 }
 
 fn pixels(sandbox: &Sandbox, name: &str) -> Vec<[u8; 3]> {
-    let png = image::open(sandbox.work().join(name)).expect("a PNG").into_rgb8();
+    let png = image::open(sandbox.at(name)).expect("a PNG").into_rgb8();
     png.pixels().map(|pixel| pixel.0).collect()
 }
 
@@ -31,13 +31,13 @@ fn develop_makes_the_picture_that_render_makes() {
         sandbox.render(&[&["--png", "full.png"], &words[..]].concat()).exits(0);
         let ran = sandbox.says(&format!("develop sphere.exr -o again.png {view}")).exits(0);
         assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
-        let bytes = |name: &str| fs::read(sandbox.work().join(name)).expect("it is read");
+        let bytes = |name: &str| fs::read(sandbox.at(name)).expect("it is read");
         assert!(bytes("full.png") == bytes("again.png"), "{view}");
         assert!(!pictures.contains(&bytes("again.png")), "{view}");
         pictures.push(bytes("again.png"));
     }
     assert!(sandbox.says("develop sphere.exr -o again.png --tonemap soft").exits(0).stderr.is_empty());
-    assert!(fs::read(sandbox.work().join("again.png")).expect("it is read") == pictures[0], "soft is the default");
+    assert!(fs::read(sandbox.at("again.png")).expect("it is read") == pictures[0], "soft is the default");
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn develop_takes_any_exr_and_refuses_the_rest() {
         assert!(said.contains(words), "{said}");
     }
 
-    fs::write(sandbox.work().join("text.exr"), "no EXR").expect("it is written");
+    fs::write(sandbox.at("text.exr"), "no EXR").expect("it is written");
     let files = sandbox.files();
     for (line, words) in [
         ("develop missing.exr -o b.png", "missing.exr"),
@@ -89,7 +89,7 @@ fn develop_takes_any_exr_and_refuses_the_rest() {
         assert!(ran.stderr.contains(words) && ran.stdout.is_empty(), "{line}: {ran:?}");
     }
     assert_eq!(sandbox.files(), files);
-    read_exr(&sandbox.work().join("layer.exr")).expect("it is as it was");
+    read_exr(&sandbox.at("layer.exr")).expect("it is as it was");
 }
 
 /// The picture is there while the render goes on, and an interrupt leaves an EXR and a picture of the same samples.
@@ -98,7 +98,7 @@ fn develop_takes_any_exr_and_refuses_the_rest() {
 fn checkpoints_write_the_picture() {
     let sandbox = Sandbox::new();
     let mut child = endless(&sandbox, &["--png", "now.png"]);
-    let picture = sandbox.work().join("now.png");
+    let picture = sandbox.at("now.png");
     meanwhile(&mut child, || picture.exists());
     assert_eq!(pixels(&sandbox, "now.png").len(), 20 * 12);
     let written = || fs::metadata(&picture).and_then(|found| found.modified()).expect("it is there");

@@ -123,8 +123,7 @@ fn is_opened_again(devices: &str, faults: &[(&str, u32, &str)]) {
         }
         let ran = meets(command, &fault);
         assert!(fault.has_happened(), "{fault:?} never happened: {ran:?}");
-        let ran = ran.exits(0);
-        assert!(ran.stderr.contains("the device is opened once more"), "{}", ran.stderr);
+        ran.exits(0).on_stderr(&["the device is opened once more"]);
         let image = image(folder.path());
         assert_eq!(
             (&image.rgb, &image.variance, &image.samples),

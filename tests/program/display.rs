@@ -132,7 +132,7 @@ fn a_viewer_gets_the_image_so_far() {
 fn a_viewer_that_goes_away_is_reported_once() {
     let sandbox = Sandbox::new();
     let (listener, address) = listen();
-    let log = sandbox.work().join("log");
+    let log = sandbox.at("log");
     let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS, "--display-server"].as_slice()].concat();
     let mut command = sandbox.command(&arguments);
     command.arg(address.to_string()).stderr(fs::File::create(&log).expect("a file is made"));
@@ -192,8 +192,7 @@ fn no_viewer_stops_a_render() {
 fn a_display_server_without_an_address_is_refused() {
     let sandbox = Sandbox::new();
     for address in ["14158", "localhost", ":14158", "localhost:0", "localhost:70000", "localhost:tev"] {
-        let ran = sandbox.render(&["--display-server", address]).exits(2);
-        assert!(ran.stderr.contains("expected HOST:PORT"), "{}", ran.stderr);
+        sandbox.render(&["--display-server", address]).exits(2).on_stderr(&["expected HOST:PORT"]);
     }
     assert!(sandbox.files().is_empty());
 }

@@ -28,11 +28,10 @@ fn refused(sandbox: &Sandbox, more: &[&str]) -> Ran {
 #[test]
 fn destinations_that_cannot_be_written_are_refused_before_rendering() {
     let sandbox = Sandbox::new();
-    let at = |name: &str| sandbox.work().join(name);
-    fs::write(at("file"), "").unwrap();
-    fs::create_dir(at("folder")).unwrap();
-    symlink("missing/a.exr", at("link")).unwrap();
-    symlink("loop", at("loop")).unwrap();
+    fs::write(sandbox.at("file"), "").unwrap();
+    fs::create_dir(sandbox.at("folder")).unwrap();
+    symlink("missing/a.exr", sandbox.at("link")).unwrap();
+    symlink("loop", sandbox.at("loop")).unwrap();
     let before = sandbox.files();
     let too_long = "n".repeat(256);
     let mut outputs = vec![
@@ -68,22 +67,21 @@ fn the_longest_names_are_written() {
         let [exr, png] = ["exr", "png"].map(|ending| format!("{}.{ending}", "n".repeat(length - 4)));
         sandbox.render(&["-o", &exr, "--png", &png, "--checkpoint", "1ms"]).exits(0);
         assert_eq!(sandbox.files(), [&exr[..], &png]);
-        fs::remove_file(sandbox.work().join(exr)).unwrap();
-        fs::remove_file(sandbox.work().join(png)).unwrap();
+        fs::remove_file(sandbox.at(exr)).unwrap();
+        fs::remove_file(sandbox.at(png)).unwrap();
     }
 }
 
 #[test]
 fn two_outputs_are_never_one_file() {
     let sandbox = Sandbox::new();
-    let at = |name: &str| sandbox.work().join(name);
-    fs::create_dir(at("sub")).unwrap();
-    fs::write(at("old"), "old").unwrap();
-    fs::hard_link(at("old"), at("hard")).unwrap();
-    symlink("old", at("link")).unwrap();
-    symlink("sub/new", at("dangling")).unwrap();
-    make_pipe(&at("pipe"));
-    let absolute = at("new");
+    fs::create_dir(sandbox.at("sub")).unwrap();
+    fs::write(sandbox.at("old"), "old").unwrap();
+    fs::hard_link(sandbox.at("old"), sandbox.at("hard")).unwrap();
+    symlink("old", sandbox.at("link")).unwrap();
+    symlink("sub/new", sandbox.at("dangling")).unwrap();
+    make_pipe(&sandbox.at("pipe"));
+    let absolute = sandbox.at("new");
     let before = sandbox.files();
     for (exr, png) in [
         ("new", "new"),
@@ -99,7 +97,7 @@ fn two_outputs_are_never_one_file() {
         assert!(ran.last_line().contains(&format!("{png}: --png names the same file as -o {exr}")), "{}", ran.stderr);
     }
     assert_eq!(sandbox.files(), before);
-    assert_eq!(fs::read_to_string(at("old")).unwrap(), "old");
+    assert_eq!(fs::read_to_string(sandbox.at("old")).unwrap(), "old");
     sandbox.render(&["-o", "/dev/null", "--png", "/dev/null"]).exits(0);
 }
 
@@ -107,17 +105,16 @@ fn two_outputs_are_never_one_file() {
 fn studio() -> (Sandbox, Vec<&'static str>) {
     let sandbox = Sandbox::new();
     sandbox.render(&["-o", "studio.exr"]).exits(0);
-    let at = |name: &str| sandbox.work().join(name);
-    fs::write(at("face.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    fs::write(sandbox.at("face.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let numbers: Vec<u8> =
         [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
-    fs::write(at("face.bin"), numbers).unwrap();
+    fs::write(sandbox.at("face.bin"), numbers).unwrap();
     let gltf = r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "%66ace.bin", "byteLength": 36}],
         "bufferViews": [{"buffer": 0, "byteLength": 36}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}"#;
-    fs::write(at("face.gltf"), gltf).unwrap();
-    image::RgbImage::new(1, 1).save(at("black.png")).unwrap();
+    fs::write(sandbox.at("face.gltf"), gltf).unwrap();
+    image::RgbImage::new(1, 1).save(sandbox.at("black.png")).unwrap();
     let scene = SPHERE
         .replace("Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))", "Image(path: \"studio.exr\")")
         .replace("{ \"grey\":", "{ \"black\": Lambertian(albedo: Image(path: \"black.png\")), \"grey\":")
@@ -126,21 +123,20 @@ fn studio() -> (Sandbox, Vec<&'static str>) {
             "objects: [",
             "objects: [Mesh(path: \"face.obj\", material: \"grey\"), Mesh(path: \"face.gltf\", material: \"grey\"), ",
         );
-    fs::write(at("studio.ron"), scene).unwrap();
+    fs::write(sandbox.at("studio.ron"), scene).unwrap();
     (sandbox, vec!["studio.ron", "studio.exr", "black.png", "face.obj", "face.gltf", "face.bin"])
 }
 
 #[test]
 fn an_output_is_never_an_input_of_the_scene() {
     let (sandbox, inputs) = studio();
-    let at = |name: &str| sandbox.work().join(name);
-    let contents = || inputs.iter().map(|name| fs::read(at(name)).unwrap()).collect::<Vec<_>>();
+    let contents = || inputs.iter().map(|name| fs::read(sandbox.at(name)).unwrap()).collect::<Vec<_>>();
     let before = contents();
     let render = ["render", "studio.ron", "--device", software(), "--spp", ENDLESS];
-    fs::create_dir(at("sub")).unwrap();
+    fs::create_dir(sandbox.at("sub")).unwrap();
     for name in &inputs {
-        let _ = fs::remove_file(at("link"));
-        symlink(format!("sub/../{name}"), at("link")).unwrap();
+        let _ = fs::remove_file(sandbox.at("link"));
+        symlink(format!("sub/../{name}"), sandbox.at("link")).unwrap();
         let spelling = format!("sub/../{name}");
         for option in ["-o", "--png"] {
             for output in [name, &spelling[..], "link"] {
@@ -170,13 +166,13 @@ fn an_output_is_never_an_input_of_the_scene() {
 fn merge_overwrites_none_of_its_parts() {
     let sandbox = Sandbox::new();
     for name in ["a.exr", "b.exr"] {
-        fs::write(sandbox.work().join(name), name).unwrap();
+        fs::write(sandbox.at(name), name).unwrap();
     }
     let ran = sandbox.says("merge a.exr b.exr -o ../work/b.exr").exits(2);
     let says =
         "error: ../work/b.exr: it would overwrite the input b.exr: give another name with -o; nothing has been joined";
     assert_eq!(ran.last_line(), says);
-    assert_eq!(fs::read_to_string(sandbox.work().join("b.exr")).unwrap(), "b.exr");
+    assert_eq!(fs::read_to_string(sandbox.at("b.exr")).unwrap(), "b.exr");
 }
 
 /// A temporary file without a lock was left by a writer that died; one with a lock is being written.
@@ -185,8 +181,8 @@ fn temporary_files_of_dead_writers_go_at_the_next_start() {
     let sandbox = Sandbox::new();
     let hash = crc32fast::hash(b"sphere.exr");
     let [stale, live] = ["stale", "alive"].map(|letters| format!(".gpu-rt-{hash:08x}-1-{letters}.part"));
-    fs::write(sandbox.work().join(&stale), "").unwrap();
-    let writer = File::create(sandbox.work().join(&live)).unwrap();
+    fs::write(sandbox.at(&stale), "").unwrap();
+    let writer = File::create(sandbox.at(&live)).unwrap();
     writer.lock().unwrap();
     sandbox.render(&[]).exits(0);
     assert_eq!(sandbox.files(), [&live[..], "sphere.exr"]);
@@ -208,7 +204,7 @@ fn a_killed_merge_leaves_nothing() {
         sandbox.render(&["--quiet", "--samples", samples, "-o", &format!("{samples}.exr")]).exits(0);
     }
     let merge = ["merge", "--quiet", "0..8.exr", "8..16.exr", "-o", "out.exr"];
-    let out = sandbox.work().join("out.exr");
+    let out = sandbox.at("out.exr");
     sandbox.run(&merge).exits(0);
     let complete = fs::read(&out).unwrap();
     for old in [None, Some("old")] {
@@ -247,7 +243,7 @@ fn a_killed_merge_leaves_nothing() {
 #[test]
 fn a_pipe_gets_one_image_at_the_end() {
     let sandbox = Sandbox::new();
-    let (pipe, copy) = (sandbox.work().join("pipe"), sandbox.work().join("copy"));
+    let (pipe, copy) = (sandbox.at("pipe"), sandbox.at("copy"));
     make_pipe(&pipe);
     let arguments =
         [&sandbox.render_sphere(), ["-o", "pipe", "--spp", "8192", "--checkpoint", "1ms"].as_slice()].concat();
@@ -262,7 +258,7 @@ fn a_pipe_gets_one_image_at_the_end() {
 #[test]
 fn images_go_through_standard_output_and_into_devices() {
     let sandbox = Sandbox::new();
-    let copy = sandbox.work().join("copy");
+    let copy = sandbox.at("copy");
     let written = || read_exr(&copy).map(|image| (image.width, image.height)).unwrap();
     // Into a file behind what it has: here, nothing.
     for output in ["/dev/stdout", "/dev/fd/1"] {
@@ -339,7 +335,7 @@ fn a_full_standard_output_is_an_error_of_every_command() {
     ];
     lines.extend(reports.map(str::to_owned));
     for line in &lines {
-        let _ = fs::remove_dir_all(sandbox.work().join("job"));
+        let _ = fs::remove_dir_all(sandbox.at("job"));
         if line.starts_with("status") {
             with("submit slurm SPHERE --spp 16 --parts 2 --dry-run -o job", std::process::Stdio::piped()).exits(0);
         }
@@ -353,7 +349,7 @@ fn a_full_standard_output_is_an_error_of_every_command() {
     assert_eq!(missing.collect::<Vec<_>>(), [&"tradeoff", &"convert"]);
     let arguments = ["tradeoff", "../scenes/sphere.ron", "--budget", "1h", "--device", software(), "-o", "report"];
     let mut child = sandbox.command(&arguments).stdout(full()).spawn().expect("the program starts");
-    meanwhile(&mut child, || sandbox.work().join("report").exists());
+    meanwhile(&mut child, || sandbox.at("report").exists());
     send(&child, libc::SIGTERM);
     let ran = finish(child).exits(1);
     assert!(ran.last_line().contains("stdout: cannot write: No space left"), "{}", ran.stderr);
@@ -371,39 +367,40 @@ fn said(sandbox: &Sandbox) -> String {
 
 /// A render without end into a folder of its own, which has written its first checkpoint.
 fn endless_in_folder(sandbox: &Sandbox, more: &[&str]) -> Child {
-    fs::create_dir(sandbox.work().join("out")).unwrap();
+    fs::create_dir(sandbox.at("out")).unwrap();
     let arguments = ["--spp", ENDLESS, "--checkpoint", "50ms", "-o", "out/a.exr"];
     let mut command = sandbox.command(&[&sandbox.render_sphere(), &arguments[..], more].concat());
     command.stderr(File::create(sandbox.folder.path().join("said")).unwrap());
     let mut child = command.spawn().expect("the program starts");
-    meanwhile(&mut child, || sandbox.work().join("out/a.exr").exists());
+    meanwhile(&mut child, || sandbox.at("out/a.exr").exists());
     child
 }
 
 #[test]
 fn a_checkpoint_that_fails_is_reported_at_once_and_tried_again() {
     let sandbox = Sandbox::new();
-    let at = |name: &str| sandbox.work().join(name);
     let mut child = endless_in_folder(&sandbox, &[]);
-    fs::rename(at("out"), at("away")).unwrap();
+    fs::rename(sandbox.at("out"), sandbox.at("away")).unwrap();
     let says = "warning: no checkpoint: out/a.exr: cannot write: the folder out does not exist. The render goes on";
     meanwhile(&mut child, || said(&sandbox).contains(says));
     // Another reason is reported too.
-    fs::create_dir_all(at("other/a.exr")).unwrap();
-    fs::rename(at("other"), at("out")).unwrap();
+    fs::create_dir_all(sandbox.at("other/a.exr")).unwrap();
+    fs::rename(sandbox.at("other"), sandbox.at("out")).unwrap();
     meanwhile(&mut child, || {
         said(&sandbox).contains("warning: no checkpoint: out/a.exr: cannot write: it is a folder")
     });
-    fs::remove_dir(at("out/a.exr")).unwrap();
-    meanwhile(&mut child, || said(&sandbox).contains("the checkpoint is written again") && at("out/a.exr").is_file());
+    fs::remove_dir(sandbox.at("out/a.exr")).unwrap();
+    meanwhile(&mut child, || {
+        said(&sandbox).contains("the checkpoint is written again") && sandbox.at("out/a.exr").is_file()
+    });
     // A file that is gone is written again, without a word.
     let words = said(&sandbox);
-    fs::remove_file(at("out/a.exr")).unwrap();
-    meanwhile(&mut child, || at("out/a.exr").is_file());
+    fs::remove_file(sandbox.at("out/a.exr")).unwrap();
+    meanwhile(&mut child, || sandbox.at("out/a.exr").is_file());
     send(&child, libc::SIGTERM);
     finish(child).exits(143);
     assert!(!said(&sandbox)[words.len()..].contains("tries again"), "{}", said(&sandbox));
-    assert_eq!(attribute(&read_exr(&at("out/a.exr")).unwrap(), "gpu-rt:complete"), "0");
+    assert_eq!(attribute(&read_exr(&sandbox.at("out/a.exr")).unwrap(), "gpu-rt:complete"), "0");
 }
 
 /// A limit of a file's size stands for a full disk: it can be set and lifted while the program runs.
@@ -411,7 +408,7 @@ fn a_checkpoint_that_fails_is_reported_at_once_and_tried_again() {
 #[test]
 fn on_a_full_disk_the_last_checkpoint_stays() {
     let sandbox = Sandbox::new();
-    let file = sandbox.work().join("out/a.exr");
+    let file = sandbox.at("out/a.exr");
     let mut child = endless_in_folder(&sandbox, &["--size", "64x64"]);
     let number = child.id() as i32;
     let limit = |bytes: u64| {
@@ -432,7 +429,7 @@ fn on_a_full_disk_the_last_checkpoint_stays() {
     assert!(fs::read(&file).unwrap() != before);
     send(&child, libc::SIGINT);
     finish(child).exits(130);
-    assert_eq!(fs::read_dir(sandbox.work().join("out")).unwrap().count(), 1, "nothing else is left");
+    assert_eq!(fs::read_dir(sandbox.at("out")).unwrap().count(), 1, "nothing else is left");
 }
 
 /// A folder for temporary files of its own.
@@ -464,8 +461,8 @@ enum Fate {
 fn an_image_without_its_place_goes_to_another_name() {
     let sandbox = Sandbox::new();
     sandbox.render(&["--quiet", "--spp", "32", "-o", "full.exr"]).exits(0);
-    let (full, temporary) = (Held::read(&sandbox.work().join("full.exr")), temporary(&sandbox));
-    let out = sandbox.work().join("out");
+    let (full, temporary) = (Held::read(&sandbox.at("full.exr")), temporary(&sandbox));
+    let out = sandbox.at("out");
     for (fate, output, rescued) in [
         (Fate::Stays, "out/a b.exr", None),
         (Fate::IsMoved, "out/a b.exr", Some("../temporary/a-b.rescued.exr")),
@@ -483,7 +480,7 @@ fn an_image_without_its_place_goes_to_another_name() {
         until_listening(&mut child);
         match fate {
             Fate::Stays => {}
-            Fate::IsMoved => fs::rename(&out, sandbox.work().join("away")).unwrap(),
+            Fate::IsMoved => fs::rename(&out, sandbox.at("away")).unwrap(),
             Fate::IsGone => fs::remove_dir_all(&out).unwrap(),
             Fate::IsFolder | Fate::Reserved => fs::create_dir(out.join("a b.exr")).unwrap(),
         }
@@ -501,8 +498,8 @@ fn an_image_without_its_place_goes_to_another_name() {
         assert!(error.starts_with(&format!("error: {output}: cannot write: ")), "{error}");
         let command = command.strip_suffix("` goes on").expect("a command");
         sandbox.says(&format!("{command} --quiet --spp 32")).exits(0);
-        assert_eq!(Held::read(&sandbox.work().join(rescued)).difference(&full), [""; 0]);
-        fs::remove_file(sandbox.work().join(rescued)).unwrap();
+        assert_eq!(Held::read(&sandbox.at(rescued)).difference(&full), [""; 0]);
+        fs::remove_file(sandbox.at(rescued)).unwrap();
         assert_eq!(names(&temporary), [""; 0]);
         if matches!(fate, Fate::Reserved) {
             assert_eq!(fs::read_to_string(out.join("a-b.rescued.exr")).unwrap(), "another");
@@ -515,7 +512,7 @@ fn an_image_without_its_place_goes_to_another_name() {
 #[test]
 fn a_picture_without_its_place_can_be_made_later() {
     let sandbox = Sandbox::new();
-    let out = sandbox.work().join("out");
+    let out = sandbox.at("out");
     fs::create_dir(&out).unwrap();
     let arguments = [&sandbox.render_sphere()[..], &["-o", "a.exr", "--png", "out/a.png"]].concat();
     let mut child = sandbox.command(&arguments).env("MESA_SHADER_CACHE_DISABLE", "true").spawn().expect("it starts");
@@ -583,11 +580,11 @@ fn a_full_disk_is_told_at_the_start_and_tried_again_at_the_end() {
 #[test]
 fn a_replaced_image_keeps_its_mode() {
     let sandbox = Sandbox::new();
-    let file = sandbox.work().join("sphere.exr");
+    let file = sandbox.at("sphere.exr");
     sandbox.render(&[]).exits(0);
     let mode = |path: &Path| fs::metadata(path).unwrap().mode() & 0o7777;
-    fs::write(sandbox.work().join("plain"), "").unwrap();
-    assert_eq!(mode(&file), mode(&sandbox.work().join("plain")), "a new one has the mode of any new file");
+    fs::write(sandbox.at("plain"), "").unwrap();
+    assert_eq!(mode(&file), mode(&sandbox.at("plain")), "a new one has the mode of any new file");
     fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
     let child = endless(&sandbox, &[]);
     send(&child, libc::SIGINT);

@@ -24,7 +24,7 @@ fn render(sandbox: &Sandbox, scene: &str, more: &str) -> Ran {
 
 /// The film of a file, but for what its header says of the scene.
 fn film(sandbox: &Sandbox, name: &str) -> Held {
-    Held::read(&sandbox.work().join(name))
+    Held::read(&sandbox.at(name))
 }
 
 /// A frame has the bytes of a file in which its pose is written, and another frame has others. A render goes on with the same frame alone.
@@ -76,8 +76,8 @@ fn a_sequence_writes_a_file_for_each_frame_and_goes_on() {
 
     // One is complete, one has half of its samples, and one is not there.
     render(&sandbox, "moving.glb", "--spp 8 --frame 7 -o out.07.exr --force").exits(0);
-    fs::remove_file(sandbox.work().join("out.08.exr")).unwrap();
-    let stamp = |name: &str| fs::metadata(sandbox.work().join(name)).unwrap().modified().unwrap();
+    fs::remove_file(sandbox.at("out.08.exr")).unwrap();
+    let stamp = |name: &str| fs::metadata(sandbox.at(name)).unwrap().modified().unwrap();
     let before = stamp("out.06.exr");
     let ran = render(&sandbox, "moving.glb", &format!("{sequence} --resume")).exits(0);
     let json = ran.json();
@@ -99,9 +99,9 @@ fn pictures_of_complete_frames_are_made_again() {
     let with = format!("--oidn {}", oidn.display());
     let sequence = format!("--frames 6..8 -o out.#.exr --png out.#.png --denoise {with} --resume");
     render(&sandbox, "moving.glb", &format!("{sequence} --spp 8")).exits(0);
-    let read = |name: &str| fs::read(sandbox.work().join(name)).unwrap();
+    let read = |name: &str| fs::read(sandbox.at(name)).unwrap();
     let before = ["out.6.exr", "out.6.denoised.exr"].map(read);
-    fs::remove_file(sandbox.work().join("out.6.png")).unwrap();
+    fs::remove_file(sandbox.at("out.6.png")).unwrap();
     // As a kill leaves it between the image of 16 samples and what is made of it.
     let more = "--frame 7 --spp 16 -o out.7.exr --resume --aov albedo,normal";
     render(&sandbox, "moving.glb", more).exits(0);
@@ -172,7 +172,7 @@ fn a_signal_ends_a_sequence() {
         software()
     );
     let mut child = sandbox.command(&line.split(' ').collect::<Vec<_>>()).spawn().unwrap();
-    meanwhile(&mut child, || sandbox.work().join("out.0.exr").exists());
+    meanwhile(&mut child, || sandbox.at("out.0.exr").exists());
     send(&child, libc::SIGINT);
     let ran = finish(child).exits(130);
     assert_eq!(sandbox.files(), ["out.0.exr"]);

@@ -32,7 +32,7 @@ fn a_converted_scene_renders_to_the_same_image() {
         assert!(expected.rgb.iter().any(|rgb| rgb[0] > 0.0));
     }
     assert_ne!(sandbox.exr("first-glb.exr").rgb, sandbox.exr("left-glb.exr").rgb);
-    let text = fs::read_to_string(sandbox.work().join("first.ron")).unwrap();
+    let text = fs::read_to_string(sandbox.at("first.ron")).unwrap();
     assert!(text.contains(r#"Mesh(path: "../scenes/room.glb#meshes/0/primitives/0", material: "Wood")"#), "{text}");
     assert!(text.contains("look_from: (0.0, 1.0, 8.0)"), "{text}");
 }
@@ -69,8 +69,7 @@ fn convert_and_gltf_options_refuse_other_files() {
 #[test]
 fn convert_overwrites_only_when_asked() {
     let sandbox = with_room();
-    let at = |name: &str| sandbox.work().join(name);
-    let read = |name: &str| fs::read_to_string(at(name)).unwrap();
+    let read = |name: &str| fs::read_to_string(sandbox.at(name)).unwrap();
     let refused = |line: &str, name: &str, says: &str| {
         let ran = sandbox.says(&format!("convert {line}")).exits(2);
         assert_eq!(ran.stderr, format!("error: {name}: {says}; nothing has been written\n"));
@@ -78,7 +77,7 @@ fn convert_overwrites_only_when_asked() {
     let there = "it is there already: --force overwrites it";
     sandbox.says("convert ../scenes/room.glb -o a.ron").exits(0);
     let converted = read("a.ron");
-    fs::write(at("a.ron"), "mine").unwrap();
+    fs::write(sandbox.at("a.ron"), "mine").unwrap();
     refused("../scenes/room.glb -o a.ron", "a.ron", there);
     assert_eq!(read("a.ron"), "mine");
     sandbox.says("convert ../scenes/room.glb -o a.ron --force").exits(0);
@@ -88,9 +87,9 @@ fn convert_overwrites_only_when_asked() {
     let (mut json, binary) = room();
     json["buffers"][0]["uri"] = "buffer.ron".into();
     json["images"][0] = serde_json::json!({"uri": "image.ron"});
-    fs::write(at("room.gltf"), json.to_string()).unwrap();
-    fs::write(at("buffer.ron"), &binary).unwrap();
-    fs::write(at("image.ron"), png()).unwrap();
+    fs::write(sandbox.at("room.gltf"), json.to_string()).unwrap();
+    fs::write(sandbox.at("buffer.ron"), &binary).unwrap();
+    fs::write(sandbox.at("image.ron"), png()).unwrap();
     for input in ["buffer.ron", "image.ron"] {
         refused(&format!("room.gltf -o {input}"), input, there);
         for name in [input.to_owned(), format!("./{input}"), format!("../work/{input}")] {
@@ -99,22 +98,24 @@ fn convert_overwrites_only_when_asked() {
         }
     }
     sandbox.says("convert room.gltf -o b.ron").exits(0);
-    assert!(fs::read(at("buffer.ron")).unwrap() == binary && fs::read(at("image.ron")).unwrap() == png());
+    assert!(
+        fs::read(sandbox.at("buffer.ron")).unwrap() == binary && fs::read(sandbox.at("image.ron")).unwrap() == png()
+    );
 
     #[cfg(unix)]
     {
         use std::os::unix::fs::symlink;
-        symlink("a.ron", at("link.ron")).unwrap();
-        symlink("new", at("dangling.ron")).unwrap();
-        symlink("../scenes/room.glb", at("glb.ron")).unwrap();
-        symlink("/dev/null", at("null.ron")).unwrap();
+        symlink("a.ron", sandbox.at("link.ron")).unwrap();
+        symlink("new", sandbox.at("dangling.ron")).unwrap();
+        symlink("../scenes/room.glb", sandbox.at("glb.ron")).unwrap();
+        symlink("/dev/null", sandbox.at("null.ron")).unwrap();
         refused("../scenes/room.glb -o link.ron", "link.ron", there);
         let says = "it would overwrite the input ../scenes/room.glb: give another name with -o";
         refused("../scenes/room.glb -o glb.ron --force", "glb.ron", says);
         // What a link leads to is not there, or is no file.
         sandbox.says("convert ../scenes/room.glb -o dangling.ron").exits(0);
         sandbox.says("convert ../scenes/room.glb -o null.ron").exits(0);
-        assert!(at("dangling.ron").is_symlink() && at("null.ron").is_symlink());
+        assert!(sandbox.at("dangling.ron").is_symlink() && sandbox.at("null.ron").is_symlink());
         assert_eq!(read("new"), converted);
     }
 }
@@ -150,11 +151,10 @@ fn a_shared_render_has_the_files_and_the_camera() {
     fs::write(scenes.join("room.bin"), binary).unwrap();
     fs::write(scenes.join("wood.png"), png()).unwrap();
     sandbox.says("submit slurm ../scenes/room.gltf --camera Left --parts 2 --spp 16 -o job --dry-run").exits(0);
-    let mut names: Vec<_> =
-        fs::read_dir(sandbox.work().join("job/scene")).unwrap().map(|it| it.unwrap().file_name()).collect();
+    let mut names: Vec<_> = fs::read_dir(sandbox.at("job/scene")).unwrap().map(|it| it.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["room.bin", "room.gltf", "wood.png"]);
-    let job = fs::read_to_string(sandbox.work().join("job/job.json")).unwrap();
+    let job = fs::read_to_string(sandbox.at("job/job.json")).unwrap();
     assert!(job.contains("--camera") && job.contains("Left"), "{job}");
 }
 
@@ -199,7 +199,7 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
         assert_eq!(ran.stderr.matches("--watts=off").count(), usize::from(options.is_empty()), "{}", ran.stderr);
         render(&format!("{name}.ron"), "", "converted.exr");
         assert_eq!(sandbox.exr(&format!("{name}.exr")).rgb, sandbox.exr("converted.exr").rgb, "{name}");
-        fs::remove_file(sandbox.work().join("converted.exr")).unwrap();
+        fs::remove_file(sandbox.at("converted.exr")).unwrap();
     }
     for command in ["check", "plan"] {
         let ran = run(&format!("{command} LAMPS"));
@@ -215,8 +215,7 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
     sandbox.says(&on).exits(0);
     let refused = sandbox.says("merge watts.exr candela.exr -o both.exr").exits(2);
     assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
-    let refused = sandbox.says("check ../scenes/lamps.glb --watts=no").exits(2);
-    assert!(refused.stderr.contains("expected on or off"), "{}", refused.stderr);
+    sandbox.says("check ../scenes/lamps.glb --watts=no").exits(2).on_stderr(&["expected on or off"]);
 }
 
 /// The scripts of a shared render have the requested options. By default each part finds the file's generator in the copy.
@@ -227,7 +226,7 @@ fn a_shared_render_has_the_gltf_options_that_were_given() {
     let words = |options: &str, folder: &str| {
         let line = format!("submit slurm ../scenes/lamps.glb --parts 2 --spp 16 -o {folder} --dry-run {options}");
         sandbox.says(&line).exits(0);
-        fs::read_to_string(sandbox.work().join(folder).join("job.json")).unwrap()
+        fs::read_to_string(sandbox.at(folder).join("job.json")).unwrap()
     };
     assert!(!words("", "default").contains("watts"));
     assert!(words("--watts=off", "off").contains("\"--watts=off\""));

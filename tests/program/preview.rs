@@ -86,7 +86,6 @@ fn a_narrow_terminal_gets_a_small_image() {
 #[test]
 fn without_a_terminal_it_is_refused() {
     let sandbox = Sandbox::new();
-    let ran = sandbox.render(&["--preview"]).exits(2);
-    assert!(ran.stderr.contains("--preview draws on standard error"), "{}", ran.stderr);
+    sandbox.render(&["--preview"]).exits(2).on_stderr(&["--preview draws on standard error"]);
     assert!(sandbox.files().is_empty());
 }

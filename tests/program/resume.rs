@@ -9,11 +9,15 @@ use clap::Parser;
 use gpu_rt::commands::{self, Cli};
 use gpu_rt::error::Error;
 use gpu_rt::film::Film;
-use gpu_rt::output::exr::{Attribute, State, add_film, read_attributes, read_exr, read_state, write_render};
+use gpu_rt::output::exr::{Attribute, ExrImage, State, add_film, read_attributes, read_exr, read_state, write_render};
 use tempfile::TempDir;
 
 use crate::common::device::index as software;
 use crate::common::exr_header::{field, fields, sealed};
+#[cfg(target_os = "linux")]
+use crate::common::files::files;
+#[cfg(unix)]
+use crate::common::program::send;
 use crate::common::program::{Ran, command, finish, meanwhile, run};
 
 /// Lights, glass, a texture from a file, and paths of many lengths.
@@ -37,21 +41,26 @@ pub const SCENE: &str = "Scene(
 )
 ";
 
+/// Writes the texture of the scene.
+pub fn save_floor(path: &Path) {
+    let texture = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([200, 40 * x as u8, 60 * y as u8]));
+    texture.save(path).expect("the texture is written");
+}
+
 /// A folder with the scene and its texture.
-struct Sandbox {
+pub struct Sandbox {
     folder: TempDir,
 }
 
 impl Sandbox {
-    fn new() -> Sandbox {
+    pub fn new() -> Sandbox {
         let sandbox = Sandbox { folder: tempfile::tempdir().expect("a temporary folder") };
         sandbox.write("scene.ron", SCENE);
-        let texture = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([200, 40 * x as u8, 60 * y as u8]));
-        texture.save(sandbox.path("floor.png")).expect("the texture is written");
+        save_floor(&sandbox.path("floor.png"));
         sandbox
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
@@ -60,12 +69,12 @@ impl Sandbox {
     }
 
     /// Runs a command line without quotes and spaces in its words.
-    fn says(&self, line: &str) -> Ran {
+    pub fn says(&self, line: &str) -> Ran {
         run(self.folder.path(), &line.split_whitespace().collect::<Vec<_>>())
     }
 
     /// Renders the scene with these arguments.
-    fn render(&self, more: &str) -> Ran {
+    pub fn render(&self, more: &str) -> Ran {
         self.says(&format!("render scene.ron --device {} {more}", software()))
     }
 
@@ -78,9 +87,18 @@ impl Sandbox {
         self.command(more).spawn().expect("the program starts")
     }
 
+    pub fn image(&self, name: &str) -> ExrImage {
+        read_exr(&self.path(name)).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// How many samples out.exr holds.
+    fn count(&self) -> u64 {
+        opened(&self.path("out.exr")).0.samples.count()
+    }
+
     /// Checks that out.exr can be read, and has at least so many samples. The result is how many it has.
     fn holds_at_least(&self, least: u64) -> u64 {
-        let count = read_state(&self.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
+        let count = self.count();
         assert!(count >= least, "{count} samples after {least}");
         assert_eq!(self.holds("out.exr").film.totals().paths, count * 24 * 16);
         count
@@ -97,6 +115,23 @@ impl Sandbox {
     fn holds(&self, name: &str) -> Held {
         Held::read(&self.path(name))
     }
+
+    /// Writes a file anew with another state.
+    fn change(&self, name: &str, change: impl Fn(&mut State)) {
+        let path = self.path(name);
+        let (mut state, film) = opened(&path);
+        change(&mut state);
+        let attributes = read_attributes(&path).expect("it is read");
+        write_render(&path, &film, &attributes, Some(&state), || Ok(())).expect("it is written");
+    }
+}
+
+/// The state and the film of a file.
+fn opened(path: &Path) -> (State, Film) {
+    let state = read_state(path).expect("the state is read").expect("there is a state");
+    let mut film = state.film().expect("it fits");
+    add_film(path, &state, &mut film).expect("the film is read");
+    (state, film)
 }
 
 /// What a file holds of its render, times and names of files aside.
@@ -135,9 +170,7 @@ impl Held {
 
     pub fn read(path: &Path) -> Held {
         let image = read_exr(path).unwrap_or_else(|error| panic!("{error}"));
-        let state = read_state(path).expect("the state is read").expect("there is a state");
-        let mut film = state.film().expect("it fits");
-        add_film(path, &state, &mut film).expect("the film is read");
+        let (state, film) = opened(path);
         let mut attributes = read_attributes(path).expect("the header is read");
         attributes.retain(|(name, _)| {
             !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene" && name != "gpu-rt:command"
@@ -198,12 +231,10 @@ fn within_a_run_the_image_agrees_to_rounding() {
     let sandbox = Sandbox::new();
     sandbox.render("--quiet --spp 40 -o full.exr").exits(0);
     sandbox.render("--quiet --spp 13 -o out.exr").exits(0);
-    let said = sandbox.render("--spp 40 -o out.exr --resume").exits(0).stderr;
-    assert!(said.contains("ends within a run of 8 samples"), "{said}");
+    sandbox.render("--spp 40 -o out.exr --resume").exits(0).on_stderr(&["ends within a run of 8 samples"]);
     sandbox.render("--quiet --samples 0..13 -o a.exr").exits(0);
     sandbox.render("--quiet --samples 13..40 -o b.exr").exits(0);
-    let said = sandbox.says("merge a.exr b.exr -o joined.exr").exits(0).stderr;
-    assert!(said.contains("within a run of 8 samples"), "{said}");
+    sandbox.says("merge a.exr b.exr -o joined.exr").exits(0).on_stderr(&["within a run of 8 samples"]);
     let full = sandbox.holds("full.exr");
     for name in ["out.exr", "joined.exr"] {
         let held = sandbox.holds(name);
@@ -225,13 +256,7 @@ fn a_render_until_an_error_goes_on() {
     // As an interrupt leaves it: with the checks at 16, 32, … samples up to there.
     for (end, checks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
         sandbox.render(&format!("--quiet --spp {end} -o out.exr --force")).exits(0);
-        let path = sandbox.path("out.exr");
-        let mut state = read_state(&path).expect("it is read").expect("there is a state");
-        let mut film = state.film().expect("it fits");
-        add_film(&path, &state, &mut film).expect("it is read");
-        state.checks = checks;
-        write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
-            .expect("it is written");
+        sandbox.change("out.exr", |state| state.checks = checks);
         sandbox.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
         assert_eq!(sandbox.holds("out.exr").difference(&full), [""; 0], "from {end} samples");
     }
@@ -256,8 +281,7 @@ fn a_finished_render_is_done() {
         assert!(sandbox.path("out.png").exists());
     }
     // Without --resume it would be lost.
-    let said = sandbox.render("--spp 8 -o out.exr").exits(2).stderr;
-    assert!(said.contains("holds 16 samples per pixel of this render") && said.contains("--force"), "{said}");
+    sandbox.render("--spp 8 -o out.exr").exits(2).on_stderr(&["holds 16 samples per pixel of this render", "--force"]);
     assert!(fs::read(sandbox.path("out.exr")).expect("it is read") == before);
     // So it would where the number of samples is not known before.
     let ran = sandbox.render("--noise 0.9 --spp 8 -o out.exr --png less.png --json").exits(0);
@@ -315,11 +339,9 @@ fn resume_refuses_another_render_and_names_the_difference() {
     // There is nothing to resume.
     let said = sandbox.render("--spp 8 -o missing.exr --resume").exits(2).stderr;
     assert!(said.contains("nothing to resume: missing.exr is not there") && said.contains("--resume=auto"), "{said}");
-    let said = sandbox.render("--spp 8 -o missing.exr --resume=auto").exits(0).stderr;
-    assert!(said.contains("nothing to resume") && said.contains("starts afresh"), "{said}");
+    sandbox.render("--spp 8 -o missing.exr --resume=auto").exits(0).on_stderr(&["nothing to resume", "starts afresh"]);
     sandbox.render("--quiet --spp 8 --no-state -o bare.exr").exits(0);
-    let said = sandbox.render("--spp 16 -o bare.exr --resume").exits(2).stderr;
-    assert!(said.contains("bare.exr has no state"), "{said}");
+    sandbox.render("--spp 16 -o bare.exr --resume").exits(2).on_stderr(&["bare.exr has no state"]);
 
     // Parts.
     let refused = |line: &str, names: &[&str]| {
@@ -348,18 +370,9 @@ fn drivers_are_mixed_only_on_request() {
     sandbox.render("--quiet --samples 0..8 -o a.exr").exits(0);
     sandbox.render("--quiet --samples 8..16 -o b.exr").exits(0);
     // As if another driver had rendered it.
-    let path = sandbox.path("a.exr");
-    let mut state = read_state(&path).expect("it is read").expect("there is a state");
-    let mut film = state.film().expect("it fits");
-    add_film(&path, &state, &mut film).expect("it is read");
-    let attributes = read_attributes(&path).expect("it is read");
-    state.devices = vec![("Some GPU".to_string(), "driver 1.0".to_string())];
-    write_render(&path, &film, &attributes, Some(&state), || Ok(())).expect("it is written");
-
-    let said = sandbox.render("--spp 16 -o a.exr --resume").exits(2).stderr;
-    assert!(said.contains("Some GPU (driver 1.0)") && said.contains("--mixed-drivers"), "{said}");
-    let said = sandbox.says("merge a.exr b.exr -o joined.exr").exits(2).stderr;
-    assert!(said.contains("mismatch") && said.contains("Some GPU (driver 1.0)"), "{said}");
+    sandbox.change("a.exr", |state| state.devices = vec![("Some GPU".to_string(), "driver 1.0".to_string())]);
+    sandbox.render("--spp 16 -o a.exr --resume").exits(2).on_stderr(&["Some GPU (driver 1.0)", "--mixed-drivers"]);
+    sandbox.says("merge a.exr b.exr -o joined.exr").exits(2).on_stderr(&["mismatch", "Some GPU (driver 1.0)"]);
     sandbox.says("merge --quiet --mixed-drivers a.exr b.exr -o joined.exr").exits(0);
     sandbox.render("--quiet --spp 16 -o a.exr --resume --mixed-drivers").exits(0);
     for name in ["joined.exr", "a.exr"] {
@@ -389,11 +402,9 @@ fn several_devices_have_the_bytes_of_one() {
     let mut child =
         command(sandbox.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
     meanwhile(&mut child, || sandbox.path("out.exr").exists());
-    let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
-    assert!(kill.expect("kill is there").success());
+    send(&child, libc::SIGTERM);
     finish(child).exits(143);
-    let held = read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state").samples;
-    sandbox.is_one_render(u64::from(held.range().end) + 8);
+    sandbox.is_one_render(u64::from(opened(&sandbox.path("out.exr")).0.samples.range().end) + 8);
     // Also a render until an error goes on with gaps.
     let gaps = "merge --quiet --allow-gaps a.exr b.exr -o gaps.exr";
     sandbox.render("--quiet --samples 0..8 -o a.exr").exits(0);
@@ -415,14 +426,14 @@ fn several_devices_have_the_bytes_of_one() {
 #[test]
 fn a_render_that_time_ends_goes_on() {
     let sandbox = Sandbox::new();
-    let held = || read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
     let mut before = 0;
     for (time, more) in [("0.7s", ""), ("1ms", "--resume"), ("0.7s", "--resume")] {
         let ran = sandbox.render(&format!("--time {time} -o out.exr {more}")).exits(0);
         let is_late = ran.stderr.contains("warning: --time 0.001 s is over before rendering begins: ");
         assert_eq!(is_late, time == "1ms", "{}", ran.stderr);
-        assert!(held() > before && held().is_multiple_of(8), "{} after {before}", held());
-        before = held();
+        let held = sandbox.count();
+        assert!(held > before && held.is_multiple_of(8), "{held} after {before}");
+        before = held;
     }
     sandbox.is_one_render(before + 16);
     // Within a run the last bits would differ.
@@ -439,20 +450,13 @@ fn an_interrupted_render_goes_on() {
     let sandbox = Sandbox::new();
     let mut child = sandbox.spawn("--spp 100000 --quiet --checkpoint 0.05s -o out.exr");
     meanwhile(&mut child, || sandbox.path("out.exr").exists());
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.expect("kill is there").success());
+    send(&child, libc::SIGINT);
     let ran = finish(child);
     assert!(ran.stderr.contains("out.exr holds") && ran.stderr.contains("--resume"), "{}", ran.stderr);
-    let held = read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
-    assert!(
-        ran.stderr.contains(&format!("holds {held} samples per pixel")) && held.is_multiple_of(8),
-        "{}",
-        ran.stderr
-    );
-    let end = held + 16;
-    sandbox.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
-    sandbox.render(&format!("--quiet --spp {end} -o full.exr")).exits(0);
-    assert_eq!(sandbox.holds("out.exr").difference(&sandbox.holds("full.exr")), [""; 0], "{held} of {end} samples");
+    let held = sandbox.count();
+    let says = format!("holds {held} samples per pixel");
+    assert!(ran.stderr.contains(&says) && held.is_multiple_of(8), "{}", ran.stderr);
+    sandbox.is_one_render(held + 16);
 }
 
 /// A render that is killed at any moment leaves a file that can be read, and that a later one goes on from.
@@ -529,11 +533,7 @@ fn killed_at_calls(step: usize) {
     }
     // Only the last one may have left a temporary file, which the next start removes.
     sandbox.is_one_render(held + 8);
-    let left = fs::read_dir(sandbox.folder.path())
-        .expect("it is listed")
-        .map(|entry| entry.expect("it is listed").file_name());
-    let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains(".part")).collect();
-    assert!(left.is_empty(), "{left:?}");
+    assert_eq!(files(sandbox.folder.path(), ".part", false), Vec::<PathBuf>::new());
 }
 
 /// A checkpoint never replaces one of the same render that holds more: another process may be ahead.
@@ -546,8 +546,7 @@ fn a_checkpoint_of_more_samples_stays() {
     let mut seen = false;
     for _ in 0..40 {
         std::thread::sleep(Duration::from_millis(10));
-        let state = read_state(&sandbox.path("out.exr")).expect("it is read").expect("there is a state");
-        assert!(state.samples.count() >= 4096, "{}", state.samples);
+        sandbox.holds_at_least(4096);
         seen |= fs::read(sandbox.path("out.exr")).expect("it is read") == before;
     }
     assert!(seen);
@@ -640,8 +639,7 @@ fn damaged_headers_are_refused_or_change_nothing() {
     // A render does not go on from it, nor replace it.
     for resume in ["--resume", "--resume=auto"] {
         fs::write(sandbox.path("a.exr"), &broken).expect("it is written");
-        let said = render(&format!("--spp 16 -o a.exr {resume}")).exits(2).stderr;
-        assert!(said.contains("its header is damaged"), "{said}");
+        render(&format!("--spp 16 -o a.exr {resume}")).exits(2).on_stderr(&["its header is damaged"]);
         assert!(fs::read(sandbox.path("a.exr")).expect("it is there") == broken);
     }
     // Attributes of other programs may be there; merge does not hand them on.

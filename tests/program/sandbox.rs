@@ -3,7 +3,7 @@
 use crate::common::device::index as software;
 use crate::common::program::{Ran, command, finish, meanwhile};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 
 use gpu_rt::output::exr::{ExrImage, read_exr};
@@ -42,10 +42,15 @@ impl Sandbox {
         self.folder.path().join("work")
     }
 
+    /// A file in it.
+    pub fn at(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.work().join(name)
+    }
+
     /// Writes a scene; the result is its path from the work folder.
     pub fn scene(&self, name: &str, text: &str) -> String {
         let path = format!("../scenes/{name}");
-        fs::write(self.work().join(&path), text).expect("the scene is written");
+        fs::write(self.at(&path), text).expect("the scene is written");
         path
     }
 
@@ -80,7 +85,7 @@ impl Sandbox {
     }
 
     pub fn exr(&self, name: &str) -> ExrImage {
-        read_exr(&self.work().join(name)).unwrap_or_else(|error| panic!("{error}"))
+        read_exr(&self.at(name)).unwrap_or_else(|error| panic!("{error}"))
     }
 }
 
@@ -91,7 +96,7 @@ pub fn attribute<'a>(image: &'a ExrImage, name: &str) -> &'a str {
 
 /// Makes a pipe with a name.
 #[cfg(unix)]
-pub fn make_pipe(path: &std::path::Path) {
+pub fn make_pipe(path: &Path) {
     let made = Command::new("mkfifo").arg(path).status().expect("mkfifo is there");
     assert!(made.success(), "the pipe is made");
 }
@@ -99,7 +104,7 @@ pub fn make_pipe(path: &std::path::Path) {
 /// Starts a render without end, with checkpoints all the time, and waits for the first of them.
 pub fn endless(sandbox: &Sandbox, more: &[&str]) -> Child {
     let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice(), more].concat();
-    let written = || fs::metadata(sandbox.work().join("sphere.exr")).and_then(|found| found.modified()).ok();
+    let written = || fs::metadata(sandbox.at("sphere.exr")).and_then(|found| found.modified()).ok();
     let before = written();
     let mut child = sandbox.command(&arguments).spawn().expect("the program starts");
     meanwhile(&mut child, || written().is_some_and(|time| Some(time) != before));

@@ -87,7 +87,7 @@ fn the_limit_of_a_file_is_an_error_of_the_write() {
 #[test]
 fn limits_are_errors_of_commands_that_no_signal_interrupts() {
     let sandbox = Sandbox::new();
-    let pipe = sandbox.work().join("pipe.ron");
+    let pipe = sandbox.at("pipe.ron");
     make_pipe(&pipe);
     let begun = || {
         let child = sandbox.command(&["check", "pipe.ron"]).spawn().expect("the program starts");
@@ -128,7 +128,7 @@ fn a_signal_while_compiling_ends_the_program_within_a_second() {
     let sandbox = Sandbox::new();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/still-life.glb");
     let arguments = ["render", scene, "--device", software(), "--size", "16x9", "-o", "a.exr"];
-    let file = || fs::read(sandbox.work().join("a.exr")).ok();
+    let file = || fs::read(sandbox.at("a.exr")).ok();
     let resumes = "--size 16x9 --spp 16 --json -o a.exr --resume` goes on";
     for (signal, status, name, more) in [
         (libc::SIGTERM, 143, "SIGTERM", &["--spp", "8", "--json"][..]),
@@ -176,7 +176,7 @@ fn a_signal_that_nohup_ignores_stays_ignored() {
     let mut command = sandbox.command(&arguments);
     with_signals(&mut command, libc::SIG_IGN);
     let mut child = command.spawn().expect("the program starts");
-    let file = sandbox.work().join("sphere.exr");
+    let file = sandbox.at("sphere.exr");
     meanwhile(&mut child, || file.exists());
     for signal in [libc::SIGHUP, libc::SIGTERM, libc::SIGINT] {
         send(&child, signal);
@@ -191,11 +191,11 @@ fn a_signal_that_nohup_ignores_stays_ignored() {
 #[test]
 fn a_second_signal_ends_the_program_while_it_writes() {
     let sandbox = Sandbox::new();
-    make_pipe(&sandbox.work().join("pipe"));
+    make_pipe(&sandbox.at("pipe"));
     let arguments = [&sandbox.render_sphere(), ["--png", "pipe", "--checkpoint", "1h"].as_slice()].concat();
     let mut child = sandbox.command(&arguments).spawn().expect("the program starts");
     // Without an earlier checkpoint, it is the full image.
-    meanwhile(&mut child, || sandbox.work().join("sphere.exr").exists());
+    meanwhile(&mut child, || sandbox.at("sphere.exr").exists());
     until(&mut child, |child| {
         send(child, libc::SIGTERM);
         child.try_wait().expect("the program can be asked").is_some()
@@ -240,7 +240,7 @@ fn an_interrupted_convergence_keeps_its_rows() {
     let ran = finish(child).exits(129);
     let says = "interrupted by SIGHUP; ./sphere-converge.csv holds the samples so far";
     assert!(ran.last_line().ends_with(says), "{}", ran.stderr);
-    assert!(fs::read_to_string(sandbox.work().join("sphere-converge.csv")).unwrap().lines().count() > 3);
+    assert!(fs::read_to_string(sandbox.at("sphere-converge.csv")).unwrap().lines().count() > 3);
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn interrupted_tradeoff(sandbox: &Sandbox, ready: impl Fn(&str) -> bool, says: &
         "{ran:?}"
     );
     assert!(ran.stdout.lines().any(|line| line.starts_with("setting ")), "{ran:?}");
-    let folder = sandbox.work().join("report");
+    let folder = sandbox.at("report");
     assert!(fs::read_to_string(folder.join("index.html")).unwrap().ends_with("</html>\n"));
     let report = serde_json::from_slice(&fs::read(folder.join("tradeoff.json")).unwrap()).expect("an object");
     let rows = fs::read_to_string(folder.join("tradeoff.csv")).unwrap().lines().count();
@@ -314,13 +314,13 @@ fn an_interrupted_tradeoff_reports_what_was_measured() {
     let settings = report["settings"].as_array().unwrap();
     assert!(settings.iter().all(|setting| setting["measured"] == true), "{report:#}");
     assert!(settings.iter().all(|setting| (3..32).contains(&setting["rounds"].as_u64().unwrap())), "{report:#}");
-    assert!(sandbox.work().join("report/plot.svg").exists());
+    assert!(sandbox.at("report/plot.svg").exists());
 }
 
 #[test]
 fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
     let sandbox = Sandbox::new();
-    let folder = sandbox.work().join("report");
+    let folder = sandbox.at("report");
     let says = "interrupted by SIGTERM; nothing was measured before";
     let (said, report) = interrupted_tradeoff(&sandbox, |_| folder.exists(), says);
     assert_eq!(report["interrupted"], true, "{said}");

@@ -154,8 +154,7 @@ fn parts_are_counted_by_their_states() {
     let parts: Vec<String> = (0..4).map(|part| sandbox.part(part).display().to_string()).collect();
     sandbox.says(&format!("merge --quiet {} -o job/scene.exr", parts[..2].join(" "))).exits(0);
     assert_eq!(sandbox.status("")["image"], "incomplete");
-    let said = sandbox.says("status job").exits(0).stdout;
-    assert!(said.contains("has 32 of 64 samples") && said.contains("time left: none"), "{said}");
+    sandbox.says("status job").exits(0).on_stdout(&["has 32 of 64 samples", "time left: none"]);
     sandbox.says(&format!("merge --quiet {} -o job/scene.exr", parts.join(" "))).exits(0);
     let report = sandbox.status("");
     assert_eq!((&report["image"], report["seconds_left"].as_f64()), (&"complete".into(), Some(0.0)), "{report}");
@@ -176,8 +175,7 @@ fn a_render_in_rounds_is_complete_when_its_error_is_reached() {
     let said = sandbox.says("status job").exits(0).stdout;
     assert!(said.contains("--noise 0.3 is not reached; 64 samples are asked for so far, of 1024 at most"), "{said}");
     assert_eq!(join("0.3"), "complete");
-    let said = sandbox.says("status job").exits(0).stdout;
-    assert!(said.contains("--noise 0.3 is reached") && said.contains("time left: none"), "{said}");
+    sandbox.says("status job").exits(0).on_stdout(&["--noise 0.3 is reached", "time left: none"]);
 }
 
 /// The time left follows from the pace of the processes, also of one that goes on with an earlier one's samples, and from the number of parts
@@ -216,8 +214,7 @@ fn the_time_left_follows_from_the_pace() {
     write_render(&path, &film, &[], Some(&state), || Ok(())).expect("it is written");
     (1..4).for_each(|part| fs::remove_file(sandbox.part(part)).expect("it was there"));
     assert_eq!(sandbox.status("")["seconds_left"], Value::Null);
-    let said = sandbox.says("status job").exits(0).stdout;
-    assert!(said.contains("time left: unknown"), "{said}");
+    sandbox.says("status job").exits(0).on_stdout(&["time left: unknown"]);
 }
 
 /// A checkpoint has the pace, and a part that is replaced all the time is never an error.
@@ -300,15 +297,13 @@ fn parts_that_cannot_be_used_are_named() {
     broken[end - 400..end - 200].fill(0x5a);
     fs::write(sandbox.part(2), broken).expect("it is written");
     assert_eq!(sandbox.counts(), [3, 0, 0, 0, 5]);
-    let said = sandbox.says("status job --error").exits(2).stderr;
-    assert!(said.contains("032-048.exr: cannot read"), "{said}");
+    sandbox.says("status job --error").exits(2).on_stderr(&["032-048.exr: cannot read"]);
 
     // The joined image may be damaged, or that of another render.
     fs::copy(sandbox.part(5), sandbox.folder.output()).expect("it is copied");
     assert_eq!(sandbox.status("")["image"], "not usable");
     fs::copy(sandbox.part(0), sandbox.folder.output()).expect("it is copied");
-    let said = sandbox.says("status job").exits(0).stdout;
-    assert!(said.contains("it is of another render than the parts: --seed is 3"), "{said}");
+    sandbox.says("status job").exits(0).on_stdout(&["it is of another render than the parts: --seed is 3"]);
 }
 
 /// The joined error is that of `merge`, and the picture that of one render.
@@ -360,8 +355,7 @@ fn the_error_and_the_picture_are_those_of_the_joined_parts() {
     let before = sandbox.files();
     for name in ["job/parts/00-16.exr", "job/scene/scene.ron", "job/job.json", "job/scene.exr"] {
         fs::write(sandbox.folder.output(), "").expect("it is written");
-        let said = sandbox.says(&format!("status job --png {name}")).exits(2).stderr;
-        assert!(said.contains("would overwrite the input") && said.contains("--png"), "{said}");
+        sandbox.says(&format!("status job --png {name}")).exits(2).on_stderr(&["would overwrite the input", "--png"]);
         fs::remove_file(sandbox.folder.output()).expect("it was there");
     }
     assert!(sandbox.files() == before);
@@ -372,12 +366,10 @@ fn the_error_and_the_picture_are_those_of_the_joined_parts() {
 fn status_refuses_a_folder_without_a_job() {
     let sandbox = Sandbox::new(2, 8);
     for folder in ["job/parts", "missing", "job/job.json"] {
-        let said = sandbox.says(&format!("status {folder}")).exits(2).stderr;
-        assert!(said.contains("job.json: cannot read") && said.contains("gpu-rt submit"), "{said}");
+        sandbox.says(&format!("status {folder}")).exits(2).on_stderr(&["job.json: cannot read", "gpu-rt submit"]);
     }
     fs::write(sandbox.folder.path.join("job.json"), "{}").expect("it is written");
-    let said = sandbox.says("status job").exits(2).stderr;
-    assert!(said.contains("job.json") && said.contains("format"), "{said}");
+    sandbox.says("status job").exits(2).on_stderr(&["job.json", "format"]);
     sandbox.says("status").exits(2);
 }
 

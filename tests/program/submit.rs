@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use gpu_rt::output::exr::read_state;
 use tempfile::TempDir;
 
-use super::resume::{Held, SCENE};
+use super::resume::{Held, SCENE, save_floor};
 use crate::common::device::index as software;
 use crate::common::program::{Ran, command, finish, meanwhile, send, with_signals};
 
@@ -36,8 +36,7 @@ impl Cluster {
             fs::create_dir_all(cluster.path(name)).expect("a folder is made");
         }
         fs::write(cluster.scene(), SCENE.replace("floor.png", "../images/floor.png")).expect("the scene is written");
-        let texture = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([200, 40 * x as u8, 60 * y as u8]));
-        texture.save(cluster.path("it's a \"scene\"/images/floor.png")).expect("the texture is written");
+        save_floor(&cluster.path("it's a \"scene\"/images/floor.png"));
         cluster.write("fake/most", "1001");
         cluster.write("fake/state", "JobState=RUNNING");
         let fake = cluster.path("fake");
@@ -199,8 +198,7 @@ fn a_submitted_render_has_the_bytes_of_one() {
 
     [0, 1, 3].into_iter().for_each(|task| _ = cluster.task(task).exits(0));
     assert_eq!(cluster.task(4).code(), 2, "there is no such task");
-    let said = cluster.merge().exits(2).stderr;
-    assert!(said.contains("gap: no part has the samples 48..72 after parts/024-048.exr"), "{said}");
+    cluster.merge().exits(2).on_stderr(&["gap: no part has the samples 48..72 after parts/024-048.exr"]);
     assert!(!cluster.job("a $scene.exr").exists());
 
     cluster.again("--missing").exits(0);
@@ -220,8 +218,7 @@ fn a_submitted_render_has_the_bytes_of_one() {
     assert!(jobs.len() == 1 && !jobs[0].iter().any(|word| word.starts_with("--dependency")), "{jobs:?}");
     // A part that is damaged is not taken for one that is missing.
     fs::write(cluster.job("parts/024-048.exr"), "no image").expect("it is written");
-    let said = cluster.again("--missing").exits(2).stderr;
-    assert!(said.contains("parts/024-048.exr: cannot read"), "{said}");
+    cluster.again("--missing").exits(2).on_stderr(&["parts/024-048.exr: cannot read"]);
 }
 
 /// A task that a lost node has left running, and the one that Slurm has started instead.
@@ -345,12 +342,10 @@ fn rounds_end_where_one_render_would() {
     }
     // The next round waits for the join of this one.
     cluster.submit("--noise 0.001 --parts 2").exits(0);
-    let said = cluster.again("--next").exits(2).stderr;
-    assert!(said.contains("a $scene.exr is not there"), "{said}");
+    cluster.again("--next").exits(2).on_stderr(&["a $scene.exr is not there"]);
     listed(&cluster.jobs()[0]).into_iter().for_each(|task| _ = cluster.task(task).exits(0));
     cluster.merge().exits(0);
-    let said = cluster.again("--next").exits(2).stderr;
-    assert!(said.contains("has 16 of 32 samples"), "{said}");
+    cluster.again("--next").exits(2).on_stderr(&["has 16 of 32 samples"]);
 }
 
 /// More parts than an array may have tasks: each renders several.
@@ -363,8 +358,7 @@ fn the_largest_array_of_the_cluster_is_kept() {
     [0, 2].into_iter().for_each(|task| _ = cluster.task(task).exits(0));
     cluster.again("--missing").exits(0);
     assert_eq!(listed(&cluster.jobs()[0]), [1]);
-    let said = cluster.merge().exits(2).stderr;
-    assert!(said.contains("no part has the samples 8..16, 32..40, 56..64"), "{said}");
+    cluster.merge().exits(2).on_stderr(&["no part has the samples 8..16, 32..40, 56..64"]);
     cluster.task(1).exits(0);
     cluster.merge().exits(0);
     assert_eq!(Held::read(&cluster.job("a $scene.exr")).difference(&cluster.full("--spp 64")), [""; 0]);
@@ -388,8 +382,7 @@ fn a_refused_submission_leaves_nothing_behind() {
         let said = cluster.slurm(&words).exits(2).stderr;
         assert!(said.contains("cannot be used with"), "{more}: {said}");
     }
-    let said = cluster.slurm(&["--missing", "fake"]).exits(2).stderr;
-    assert!(said.contains("fake/job.json: cannot read") && said.contains("submit"), "{said}");
+    cluster.slurm(&["--missing", "fake"]).exits(2).on_stderr(&["fake/job.json: cannot read", "submit"]);
 
     // Without Slurm, and with --dry-run.
     fs::remove_file(cluster.path("bin/sbatch")).expect("it was there");
@@ -403,8 +396,7 @@ fn a_refused_submission_leaves_nothing_behind() {
         command.env("PATH", cluster.path("bin"));
         finish(command.spawn().expect("the program starts"))
     };
-    let said = only_here(&[]).exits(1).stderr;
-    assert!(said.contains("sbatch") && said.contains("--dry-run"), "{said}");
+    only_here(&[]).exits(1).on_stderr(&["sbatch", "--dry-run"]);
     assert!(!cluster.job("").exists());
     let ran = only_here(&["--dry-run"]).exits(0);
     assert!(
@@ -413,8 +405,7 @@ fn a_refused_submission_leaves_nothing_behind() {
         ran.stdout
     );
     assert!(ran.stdout.contains("seq 0 1 | parallel -j 1 ./render.sh && ./merge.sh"), "{}", ran.stdout);
-    let said = only_here(&["--dry-run"]).exits(2).stderr;
-    assert!(said.contains("it is not empty"), "{said}");
+    only_here(&["--dry-run"]).exits(2).on_stderr(&["it is not empty"]);
     let said = cluster.slurm(&["--dry-run", "--next", cluster.job("").to_str().expect("UTF-8")]).exits(2).stderr;
     assert!(said.contains("without --noise"), "{said}");
     // The folder runs where it lies, by a loop or GNU parallel.
@@ -462,8 +453,7 @@ fn absolute_paths_stay() {
     let texture = cluster.path("it's a \"scene\"/images/floor.png");
     let absolute_path = texture.to_str().expect("UTF-8").replace('"', "\\\"");
     fs::write(cluster.scene(), SCENE.replace("floor.png", &absolute_path)).expect("the scene is written");
-    let ran = cluster.submit("--spp 16 --parts 1").exits(0);
-    assert!(ran.stdout.contains("not copied") && ran.stdout.contains("images/floor.png"), "{}", ran.stdout);
+    cluster.submit("--spp 16 --parts 1").exits(0).on_stdout(&["not copied", "images/floor.png"]);
     assert!(cluster.job("scene/a $scene.ron").exists() && !cluster.job("scene/images").exists());
     cluster.task(0).exits(0);
 }
@@ -488,8 +478,7 @@ fn a_join_has_the_requested_samples() {
         let said = merge(&["--samples", options]).exits(2).stderr;
         assert!(said.contains(words), "{options}: {said}");
     }
-    let said = merge(&["--noise", "0.001"]).exits(2).stderr;
-    assert!(said.contains("00-24.exr: --noise checks the error at 16 samples"), "{said}");
+    merge(&["--noise", "0.001"]).exits(2).on_stderr(&["00-24.exr: --noise checks the error at 16 samples"]);
     assert!(!Path::new(out).exists());
     merge(&["--samples", "0..48"]).exits(0);
     assert_eq!(Held::read(Path::new(out)).difference(&cluster.full("--spp 48")), [""; 0]);

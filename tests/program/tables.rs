@@ -54,7 +54,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
     let attributes: BTreeSet<_> = names.into_iter().flatten().map(|(name, _)| name).collect();
     let own: BTreeSet<_> = attributes.into_iter().filter(|name| name.starts_with("gpu-rt:")).collect();
     assert_eq!(own, rows("## Header"));
-    let meta = exr::meta::MetaData::read_from_file(sandbox.work().join("noise.exr"), true).expect("an EXR");
+    let meta = exr::meta::MetaData::read_from_file(sandbox.at("noise.exr"), true).expect("an EXR");
     let channels = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string());
     assert_eq!(channels.collect::<BTreeSet<_>>(), rows("## Channels"));
     compare("### `merge --json`", &[sandbox.says("merge b.exr c.exr -o full.exr --json").exits(0).json()]);

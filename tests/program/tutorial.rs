@@ -24,7 +24,7 @@ fn blocks(language: &str) -> Vec<String> {
 #[test]
 fn every_step_of_the_tutorial_is_a_scene() {
     let sandbox = Sandbox::new();
-    let file = sandbox.work().join("tutorial.ron");
+    let file = sandbox.at("tutorial.ron");
     let check = |text: &str| {
         fs::write(&file, text).expect("the scene is written");
         sandbox.says("check tutorial.ron")
@@ -41,7 +41,7 @@ fn every_step_of_the_tutorial_is_a_scene() {
     let render = ["render", "tutorial.ron", "--device", software(), "--png", "tutorial.png"];
     let ran = sandbox.run(&[&render[..], &["--size", "32x18", "--spp", "2", "--strict"]].concat()).exits(0);
     assert!(ran.last_line().starts_with("tutorial.exr: 2 samples"), "{}", ran.stderr);
-    assert_eq!(image::open(sandbox.work().join("tutorial.png")).expect("a PNG").into_rgb8().dimensions(), (32, 18));
+    assert_eq!(image::open(sandbox.at("tutorial.png")).expect("a PNG").into_rgb8().dimensions(), (32, 18));
 }
 
 /// The numbers of the steps that have a picture, and where it is.

@@ -72,8 +72,17 @@ impl Watch {
         self.until("sphere.exr: ")
     }
 
+    /// Waits for a render that says this of the last change, and whose image is that of the scene.
+    #[track_caller]
+    fn shows_the_scene(&mut self, words: &str) -> String {
+        let said = self.until_rendered();
+        assert!(said.contains(words), "{said}");
+        self.is_of_the_scene_with(&[]);
+        said
+    }
+
     fn save(&self, text: &(impl AsRef<[u8]> + ?Sized), how: Save) {
-        let scene = self.sandbox.work().join(self.scene);
+        let scene = self.sandbox.at(self.scene);
         match how {
             Save::InPlace => fs::write(&scene, text).unwrap(),
             Save::ByName => {
@@ -85,11 +94,6 @@ impl Watch {
     }
 
     /// Asserts that the image is that of a plain render of the scene as it is now.
-    #[track_caller]
-    fn is_of_the_scene(&self) {
-        self.is_of_the_scene_with(&[]);
-    }
-
     #[track_caller]
     fn is_of_the_scene_with(&self, more: &[&str]) {
         let plain = ["render", self.scene, "--device", software(), "-o", "plain.exr"];
@@ -119,7 +123,7 @@ const WAITING: &str = "waiting for the next save";
 #[test]
 fn each_save_is_rendered_with_the_kernels_that_are_there() {
     let mut watch = Watch::new(Sandbox::new(), &["--png", "sphere.png"]);
-    let said = watch.until_rendered();
+    let said = watch.shows_the_scene("");
     let sizes = |said: &str| {
         let before =
             |line: &str| line.strip_prefix("preview of ")?.split_once(" after").map(|(size, _)| size.to_owned());
@@ -127,26 +131,22 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
     };
     // A quarter, a half, and then all of it.
     assert_eq!(sizes(&said), ["5 x 3 pixels", "10 x 6 pixels"], "{said}");
-    watch.is_of_the_scene();
     let redder = SPHERE.replace("Rgb(0.5", "Rgb(0.75");
     let none = ": 0 kernels compiled, 0 of 0 images and meshes read";
     for (text, how) in [(redder.as_str(), Save::InPlace), (SPHERE, Save::ByName), (&redder, Save::ByName)] {
         watch.save(text, how);
-        let said = watch.until_rendered();
+        let said = watch.shows_the_scene("");
         assert_eq!((sizes(&said).len(), said.matches(none).count()), (2, 2), "{said}");
-        watch.is_of_the_scene();
-        assert_eq!(image::image_dimensions(watch.sandbox.work().join("sphere.png")).unwrap(), (20, 12));
+        assert_eq!(image::image_dimensions(watch.sandbox.at("sphere.png")).unwrap(), (20, 12));
     }
     // Another material needs other kernels, and the compile time is reported.
     watch.save(&SPHERE.replace("Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", "Dielectric(ior: 1.5)"), Save::InPlace);
-    let said = watch.until_rendered();
+    let said = watch.shows_the_scene("");
     assert!(said.contains("compiled for the change: ") && said.matches(none).count() == 1, "{said}");
-    watch.is_of_the_scene();
     // The earlier messages are still there.
     watch.save(SPHERE, Save::InPlace);
-    let said = watch.until_rendered();
+    let said = watch.shows_the_scene("");
     assert_eq!(said.matches(none).count(), 2, "{said}");
-    watch.is_of_the_scene();
     assert_eq!(watch.sandbox.files(), ["plain.exr", "sphere.exr", "sphere.png"]);
     assert_eq!(watch.end(), "error: interrupted by SIGINT; sphere.exr holds the last picture");
 }
@@ -155,21 +155,20 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
 fn an_error_is_shown_as_check_shows_it_and_the_picture_stays() {
     let mut watch = Watch::new(Sandbox::new(), &[]);
     watch.until_rendered();
-    let before = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
+    let before = fs::read(watch.sandbox.at("sphere.exr")).unwrap();
     for wrong in [SPHERE.replace("radius: 1", "radius: -1, colour: 2"), SPHERE.replace(")],", "")] {
         watch.save(&wrong, Save::ByName);
         let said = watch.until("error: ");
         let checked = watch.sandbox.says("check ../scenes/sphere.ron").exits(2);
         assert!(said.starts_with(&checked.stderr), "{said}\n{}", checked.stderr);
-        assert!(fs::read(watch.sandbox.work().join("sphere.exr")).unwrap() == before, "the picture changed");
+        assert!(fs::read(watch.sandbox.at("sphere.exr")).unwrap() == before, "the picture changed");
     }
     // A file that is away is an error too, and is waited for.
-    let scene = watch.sandbox.work().join("../scenes/sphere.ron");
+    let scene = watch.sandbox.at("../scenes/sphere.ron");
     fs::remove_file(&scene).unwrap();
     watch.until("cannot read the scene file");
     watch.save(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), Save::InPlace);
-    watch.until_rendered();
-    watch.is_of_the_scene();
+    watch.shows_the_scene("");
     watch.end();
 }
 
@@ -181,11 +180,9 @@ fn the_first_scene_may_be_wrong_but_not_missing() {
     let mut watch = Watch::new(sandbox, &[]);
     watch.until("error: ");
     watch.save(SPHERE, Save::InPlace);
-    watch.until_rendered();
-    watch.is_of_the_scene();
+    watch.shows_the_scene("");
     watch.end();
-    let ran = Sandbox::new().says("render missing.ron --watch").exits(2);
-    assert!(ran.stderr.contains("cannot read the scene file"), "{}", ran.stderr);
+    Sandbox::new().says("render missing.ron --watch").exits(2).on_stderr(&["cannot read the scene file"]);
 }
 
 #[test]
@@ -203,29 +200,21 @@ fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
         .replace("objects: [", "objects: [Mesh(path: \"face.obj\", material: \"plain\"), ");
     sandbox.scene("sphere.ron", &textured);
     let mut watch = Watch::new(sandbox, &[]);
-    let said = watch.until_rendered();
-    assert!(said.contains(", 2 of 2 images and meshes read"), "{said}");
+    watch.shows_the_scene(", 2 of 2 images and meshes read");
     // The image, then the mesh, then neither.
     texture("new.png", 200);
     fs::rename(scenes.join("new.png"), scenes.join("red.png")).unwrap();
-    let said = watch.until_rendered();
-    assert!(said.contains(": 0 kernels compiled, 1 of 2 images and meshes read"), "{said}");
+    watch.shows_the_scene(": 0 kernels compiled, 1 of 2 images and meshes read");
     assert!(watch.said().contains("red.png changed"), "{}", watch.said());
-    watch.is_of_the_scene();
     fs::write(scenes.join("face.obj"), "v 0 0 1\nv 1 0 1\nv 0 1.5 1\nf 1 2 3\n").unwrap();
-    let said = watch.until_rendered();
-    assert!(said.contains(", 1 of 2 images and meshes read"), "{said}");
-    watch.is_of_the_scene();
+    watch.shows_the_scene(", 1 of 2 images and meshes read");
     watch.save(&textured.replace("radius: 1,", "radius: 0.9,"), Save::InPlace);
-    let said = watch.until_rendered();
-    assert!(said.contains(", 0 of 2 images and meshes read"), "{said}");
-    watch.is_of_the_scene();
+    watch.shows_the_scene(", 0 of 2 images and meshes read");
     // An image that is missing is waited for, though the scene has not been read.
     fs::remove_file(scenes.join("red.png")).unwrap();
     watch.until("red.png: cannot read the image");
     texture("red.png", 50);
-    watch.until_rendered();
-    watch.is_of_the_scene();
+    watch.shows_the_scene("");
     watch.end();
 }
 
@@ -238,13 +227,13 @@ fn a_gltf_file_is_watched_as_a_scene_file_is() {
     let mut watch = Watch::start("../scenes/sphere.glb", sandbox, &SMALL);
     watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
-    let first = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
+    let first = fs::read(watch.sandbox.at("sphere.exr")).unwrap();
     let mut redder = json.clone();
     redder["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = serde_json::json!([0.9, 0.1, 0.1, 1.0]);
     watch.save(&glb(&redder, &binary), Save::ByName);
     watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
-    let second = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
+    let second = fs::read(watch.sandbox.at("sphere.exr")).unwrap();
     assert!(first != second, "it shows the first picture");
     // Half of a file, and a complete one that is wrong.
     let full = glb(&json, &binary);
@@ -255,7 +244,7 @@ fn a_gltf_file_is_watched_as_a_scene_file_is() {
     ] {
         watch.save(&wrong, Save::ByName);
         watch.until(words);
-        assert!(fs::read(watch.sandbox.work().join("sphere.exr")).unwrap() == second, "the picture changed");
+        assert!(fs::read(watch.sandbox.at("sphere.exr")).unwrap() == second, "the picture changed");
     }
     watch.save(&full, Save::InPlace);
     watch.until_rendered();
@@ -275,13 +264,13 @@ fn the_buffer_of_a_gltf_file_is_watched() {
     fs::write(&buffer, &binary).unwrap();
     let mut watch = Watch::start("../scenes/sphere.gltf", sandbox, &SMALL);
     watch.until_rendered();
-    let first = fs::read(watch.sandbox.work().join("sphere.exr")).unwrap();
+    let first = fs::read(watch.sandbox.at("sphere.exr")).unwrap();
     // The first corner's y.
     binary[4..8].copy_from_slice(&0.5f32.to_le_bytes());
     fs::write(&buffer, &binary).unwrap();
     let said = watch.until_rendered();
     watch.is_of_the_scene_with(&SMALL);
-    assert!(first != fs::read(watch.sandbox.work().join("sphere.exr")).unwrap(), "it shows the first picture: {said}");
+    assert!(first != fs::read(watch.sandbox.at("sphere.exr")).unwrap(), "it shows the first picture: {said}");
     watch.end();
 }
 
@@ -296,8 +285,7 @@ fn a_save_ends_the_render_under_way() {
     watch.save(&of_samples(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), ENDLESS), Save::ByName);
     watch.until_said("preview of 10 x 6", 2);
     watch.save(SPHERE, Save::ByName);
-    watch.until_rendered();
-    watch.is_of_the_scene();
+    watch.shows_the_scene("");
     // Renders that were dropped are not reported.
     assert_eq!(watch.said().matches("relative error").count(), 2, "{}", watch.said());
     watch.end();
@@ -308,7 +296,7 @@ fn a_signal_ends_it_with_the_image_so_far() {
     let watch = Watch::new(Sandbox::new(), &["--spp", ENDLESS, "--checkpoint", "50ms"]);
     let Watch { sandbox, mut child, said, .. } = watch;
     // Behind the previews.
-    let path = sandbox.work().join("sphere.exr");
+    let path = sandbox.at("sphere.exr");
     meanwhile(&mut child, || read_exr(&path).is_ok_and(|image| image.width == 20));
     send(&child, libc::SIGINT);
     finish(child).exits(130);
@@ -324,10 +312,9 @@ fn a_signal_ends_it_with_the_image_so_far() {
 fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
     let sandbox = Sandbox::new();
     sandbox.render(&["--spp", "32"]).exits(0);
-    let before = fs::read(sandbox.work().join("sphere.exr")).unwrap();
-    let ran = sandbox.render(&["--watch"]).exits(2);
-    assert!(ran.stderr.contains("sphere.exr holds 32 samples per pixel of this render"), "{}", ran.stderr);
-    assert!(fs::read(sandbox.work().join("sphere.exr")).unwrap() == before);
+    let before = fs::read(sandbox.at("sphere.exr")).unwrap();
+    sandbox.render(&["--watch"]).exits(2).on_stderr(&["sphere.exr holds 32 samples per pixel of this render"]);
+    assert!(fs::read(sandbox.at("sphere.exr")).unwrap() == before);
     let mut watch = Watch::new(sandbox, &["--spp", "40"]);
     let said = watch.until_rendered();
     assert!(!said.contains("preview of"), "{said}");
@@ -336,9 +323,8 @@ fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
     let sandbox = Sandbox::new();
     sandbox.render(&["--spp", "32"]).exits(0);
     let mut watch = Watch::new(sandbox, &["--force"]);
-    let said = watch.until_rendered();
+    let said = watch.shows_the_scene("");
     assert_eq!(said.matches("preview of").count(), 2, "{said}");
-    watch.is_of_the_scene();
     watch.end();
 }
 
@@ -361,10 +347,8 @@ fn watch_refuses_streams_and_options_of_one_render() {
         ("--png -", "--png -: --watch replaces it again and again: give the name of a file"),
         ("--png /dev/null", "--png /dev/null: --watch replaces it"),
     ] {
-        let ran = sandbox.says(&format!("render ../scenes/sphere.ron --watch {more}")).exits(2);
-        assert!(ran.stderr.contains("--watch") && ran.stderr.contains(words), "{}", ran.stderr);
+        sandbox.says(&format!("render ../scenes/sphere.ron --watch {more}")).exits(2).on_stderr(&["--watch", words]);
     }
-    let ran = sandbox.says("render - --watch").exits(2);
-    assert!(ran.stderr.contains("standard input does not change"), "{}", ran.stderr);
+    sandbox.says("render - --watch").exits(2).on_stderr(&["standard input does not change"]);
     assert!(sandbox.files().is_empty());
 }

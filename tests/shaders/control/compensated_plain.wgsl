@@ -1,10 +1,4 @@
 // A sum that forgets what it loses to rounding.
-
-struct Compensated {
-    sum: vec3<f32>,
-    excess: vec3<f32>,
-}
-
 fn compensated_sum(before: Compensated, term: vec3<f32>, zero: u32) -> Compensated {
     return Compensated(before.sum + term, vec3<f32>(0.0));
 }

@@ -1,8 +1,5 @@
 // Wrong on purpose: a guard that takes infinities for NaN, and a neighbour by a relative step, which zero and rounding
 // lead astray.
-const UNIT_ROUNDOFF: f32 = 0x1p-24f;
-const VERY_FAR: f32 = 0x1p126f;
-
 fn is_nan(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) == 0x7f800000u;
 }

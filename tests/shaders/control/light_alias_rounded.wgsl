@@ -1,15 +1,6 @@
 // Wrong on purpose: the product of uniform and count rounded to f32, which loses the digits that the threshold needs.
-struct AliasPick {
-    index: u32,
-    rest: f32,
-}
-
 fn alias_pick(u: f32, count: u32) -> AliasPick {
     let x = u * f32(count);
     let index = min(u32(x), count - 1u);
     return AliasPick(index, x - f32(index));
-}
-
-fn alias_drawn(pick: AliasPick, threshold: f32, alias_index: u32) -> u32 {
-    return select(alias_index, pick.index, pick.rest < threshold);
 }

@@ -1,15 +1,5 @@
 // Wrong on purpose: directions to points uniform over the area, with the density in the total solid angle, and that from the sum of
 // the angles less pi, which has no digits where it is small (Girard).
-struct Corner {
-    direction: vec3<f32>,
-    distance: f32,
-}
-
-fn corner_at(offset: vec3<f32>) -> Corner {
-    let distance = length(offset);
-    return Corner(offset / distance, distance);
-}
-
 fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
     let sides = array(
         normalize(cross(p.direction, a.direction)),

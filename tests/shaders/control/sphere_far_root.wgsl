@@ -11,8 +11,3 @@ fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let h = sqrt(discriminant);
     return vec2<f32>(k - h, k + h);
 }
-
-fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
-    let t = sphere_crossings(ray, sphere);
-    return select(select(NO_HIT, t.y, t.y > 0.0), t.x, t.x > 0.0);
-}

@@ -17,7 +17,3 @@ fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
 fn sphere_surface(ray: Ray, t: f32, sphere: Sphere) -> Surface {
     return Surface();
 }
-
-fn sphere_uv(sphere: Sphere, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    return SurfaceUv(sphere_uv_at(point), true);
-}
