@@ -65,8 +65,7 @@ impl LightBounds {
 
     /// The cost that a cut minimises: intensity times surface times the solid angle of emission (section 4.4).
     fn cost(&self) -> f64 {
-        let d = self.around.max - self.around.min;
-        let surface = d.x * d.y + d.y * d.z + d.z * d.x;
+        let surface = self.around.half_area();
         let (sine, cosine) = self.half_angle.sin_cos();
         let emission_angle = if self.is_beam { self.half_angle } else { (self.half_angle + FRAC_PI_2).min(PI) };
         let beyond =

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
+use super::space::Aabb;
+
 /// A simple bounding volume of a transformed shape.
 #[derive(Clone, Copy)]
 pub enum BoundingShape {
@@ -63,14 +65,21 @@ impl BoundingShape {
         }
     }
 
-    /// The corners of the box around it along the axes: lowest and highest coordinates.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    /// The box around it along the axes.
+    pub fn bounds(&self) -> Aabb {
         let (center, extent) = match *self {
             BoundingShape::Ball { center, radius } => (center, DVec3::splat(radius)),
             BoundingShape::Parallelogram { corner, u, v } => (corner + 0.5 * (u + v), 0.5 * (u.abs() + v.abs())),
             BoundingShape::Cuboid { center, half, axes } => (center, half_extent_of(half, &axes)),
         };
-        (center - extent, center + extent)
+        Aabb { min: center - extent, max: center + extent }
+    }
+}
+
+impl From<Aabb> for BoundingShape {
+    fn from(around: Aabb) -> BoundingShape {
+        let half = 0.5 * (around.max - around.min);
+        BoundingShape::Cuboid { center: around.center(), half, axes: DMat3::IDENTITY }
     }
 }
 

@@ -14,7 +14,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "cuboid",
     word: "box",
     sizes: &[("a side", "")],
-    table: table!(cuboids of data::Cuboid, "boxes"),
+    table: table!(cuboids of data::Cuboid, light, "boxes"),
     boundary: Some(Boundary { name: "cuboid", is_convex: true, words: "a" }),
     covered: 1.0,
     has_parts: false,
@@ -84,10 +84,6 @@ impl Geometry for Cuboid {
             around: Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p))),
             normal: None,
         }]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.cuboids[index].light = light;
     }
 
     fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {

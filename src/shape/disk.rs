@@ -17,7 +17,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "disk",
     word: "disk",
     sizes: &[("a diameter", "radius")],
-    table: table!(disks of data::Quad, "disks"),
+    table: table!(disks of data::Quad, light, "disks"),
     boundary: None,
     // The square inside.
     covered: FRAC_1_SQRT_2,
@@ -82,10 +82,6 @@ impl Geometry for Disk {
             around: self.bounds(at),
             normal: Some(at.to_world.vector(self.normal)),
         }]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.disks[index].light = light;
     }
 
     fn faces(&self, at: &ObjectTransform, corners: u32, add: &mut dyn FnMut(&[DVec3])) {

@@ -14,7 +14,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "quad",
     word: "quad",
     sizes: &[("an edge", "u"), ("an edge", "v")],
-    table: table!(quads of data::Quad, "quads"),
+    table: table!(quads of data::Quad, light, "quads"),
     boundary: None,
     covered: 1.0,
     has_parts: true,
@@ -89,10 +89,6 @@ impl Geometry for Quad {
             around: Aabb::around(corners.map(|p| at.point(p))),
             normal: Some(at.to_world.vector(u).cross(at.to_world.vector(v))),
         }]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.quads[index].light = light;
     }
 
     fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {
