@@ -168,7 +168,7 @@ impl<'a> Plan<'a> {
     pub fn buffers(&self) -> Vec<BufferSpec<'a>> {
         let with_remedy = |spec: BufferSpec<'a>| match spec.name {
             "nodes" if self.options.build == Quality::Best => {
-                spec.shrunk_by(Some("`--build medium` makes fewer".to_string()))
+                BufferSpec { remedy: Some("`--build medium` makes fewer".to_string()), ..spec }
             }
             _ => spec,
         };

@@ -17,7 +17,7 @@ use super::{File, GltfError, Result, is_read};
 use crate::guard::guarded;
 use crate::printable::quote;
 use crate::scene::gltf_path::Part;
-use crate::scene::nearest::nearest;
+use crate::scene::nearest::{meant, one_of};
 use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
@@ -72,9 +72,8 @@ impl Contents {
                 let known = || self.views.iter().flat_map(|view| &view.names).map(String::as_str);
                 let found = self.views.iter().find(is_it);
                 found.map(Some).ok_or_else(|| {
-                    let meant =
-                        nearest(name, known()).map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
-                    format!("--camera: there is no camera {name:?}: {}{meant}", one_of(known()))
+                    let none = "the file has no perspective camera with a name";
+                    format!("--camera: there is no camera {name:?}: {}{}", one_of(known(), none), meant(name, known()))
                 })?
             }
         };
@@ -85,18 +84,6 @@ impl Contents {
     pub fn has_lights(&self) -> bool {
         self.objects.iter().any(|object| object.delta_light().is_some())
     }
-}
-
-/// "expected one of ..."
-fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const MOST: usize = 10;
-    let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
-    names.dedup();
-    if names.is_empty() {
-        return "the file has no perspective camera with a name".to_owned();
-    }
-    names.truncate(MOST);
-    format!("expected one of {}", names.join(", "))
 }
 
 /// The smallest box around transformed meshes.
@@ -269,20 +256,12 @@ impl Deviations {
         if without_triangles > 0 {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
-        let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        for (is_there, note) in [
-            (
-                primitives().any(has_more_joints),
-                "meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count",
-            ),
-            (
-                self.has_range,
-                "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit",
-            ),
-        ] {
-            if is_there {
-                notes.push(note.to_owned());
-            }
+        if root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(has_more_joints) {
+            notes.push("meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count".to_owned());
+        }
+        if self.has_range {
+            let note = "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit";
+            notes.push(note.to_owned());
         }
         notes
     }

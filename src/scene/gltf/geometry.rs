@@ -227,7 +227,6 @@ impl File {
         }
         let first = draft.positions.len();
         self.add_faces((mesh, number), deformation, draft)?;
-        let end = draft.positions.len();
         let attribute = |semantic| self.complete_attribute(primitive, semantic);
         let normals = attribute(Semantic::Normals).map(|index| self.elements::<3>(index, ALL)).transpose();
         let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
@@ -245,35 +244,28 @@ impl File {
         if let Some(alphas) = alphas {
             draft.add_alphas(first, alphas)?;
         }
-        if normals.is_some() || !draft.normals.is_empty() {
+        if let Some(normals) = normals {
             draft.normals.resize(first, Vec3::NAN);
-            if let Some(normals) = normals {
-                let mut morphed = self.morph((mesh, number), deformation, NORMAL)?;
-                let transforms = self.transforms((mesh, number), deformation)?;
-                for (vertex, (normal, to_scene)) in normals.map(DVec3::from_array).zip(transforms).enumerate() {
-                    if !normal.is_finite() {
-                        draft.bad_normal.get_or_insert_with(|| {
-                            let reason = format!("expected finite numbers, found {normal} at vertex {vertex}");
-                            wrong(".attributes.NORMAL", reason).to_string()
-                        });
-                    }
-                    draft.normals.push(deformation.normal(&to_scene, morphed(normal)).as_vec3());
+            let mut morphed = self.morph((mesh, number), deformation, NORMAL)?;
+            let transforms = self.transforms((mesh, number), deformation)?;
+            for (vertex, (normal, to_scene)) in normals.map(DVec3::from_array).zip(transforms).enumerate() {
+                if !normal.is_finite() {
+                    draft.bad_normal.get_or_insert_with(|| {
+                        let reason = format!("expected finite numbers, found {normal} at vertex {vertex}");
+                        wrong(".attributes.NORMAL", reason).to_string()
+                    });
                 }
+                draft.normals.push(deformation.normal(&to_scene, morphed(normal)).as_vec3());
             }
-            draft.normals.resize(end, Vec3::NAN);
         }
-        if uvs.is_some() || !draft.uvs.is_empty() {
+        if let Some(uvs) = uvs {
             draft.uvs.resize(first, Vec2::NAN);
-            if let Some(uvs) = uvs {
-                draft.uvs.extend(uvs);
-                let bad = draft.uvs.iter().enumerate().skip(first).find(|(_, uv)| !uv.is_finite());
-                if let Some((vertex, uv)) = bad.filter(|_| draft.bad_uv.is_none()) {
-                    let at = format!("meshes[{mesh}].primitives[{number}].attributes.TEXCOORD_{}", placing.set);
-                    let vertex = vertex - first;
-                    draft.bad_uv = Some(format!("{at}: expected finite numbers, found {uv} at vertex {vertex}"));
-                }
+            draft.uvs.extend(uvs);
+            let bad = draft.uvs.iter().skip(first).enumerate().find(|(_, uv)| !uv.is_finite());
+            if let Some((vertex, uv)) = bad.filter(|_| draft.bad_uv.is_none()) {
+                let at = format!("meshes[{mesh}].primitives[{number}].attributes.TEXCOORD_{}", placing.set);
+                draft.bad_uv = Some(format!("{at}: expected finite numbers, found {uv} at vertex {vertex}"));
             }
-            draft.uvs.resize(end, Vec2::NAN);
         }
         Ok(())
     }
