@@ -88,24 +88,15 @@ impl Conversion {
 mod tests {
     use super::*;
 
-    const ACES_CG: Chromaticities = Chromaticities {
-        red: Vec2(0.713, 0.293),
-        green: Vec2(0.165, 0.83),
-        blue: Vec2(0.128, 0.044),
-        white: Vec2(0.32168, 0.33767),
-    };
-    const ACES: Chromaticities = Chromaticities {
-        red: Vec2(0.7347, 0.2653),
-        green: Vec2(0.0, 1.0),
-        blue: Vec2(0.0001, -0.077),
-        white: Vec2(0.32168, 0.33767),
-    };
-    const XYZ: Chromaticities = Chromaticities {
-        red: Vec2(1.0, 0.0),
-        green: Vec2(0.0, 1.0),
-        blue: Vec2(0.0, 0.0),
-        white: Vec2(1.0 / 3.0, 1.0 / 3.0),
-    };
+    const fn space([red, green, blue, white]: [(f32, f32); 4]) -> Chromaticities {
+        let [red, green, blue, white] =
+            [Vec2(red.0, red.1), Vec2(green.0, green.1), Vec2(blue.0, blue.1), Vec2(white.0, white.1)];
+        Chromaticities { red, green, blue, white }
+    }
+
+    const ACES_CG: Chromaticities = space([(0.713, 0.293), (0.165, 0.83), (0.128, 0.044), (0.32168, 0.33767)]);
+    const ACES: Chromaticities = space([(0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.077), (0.32168, 0.33767)]);
+    const XYZ: Chromaticities = space([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (1.0 / 3.0, 1.0 / 3.0)]);
 
     fn to_rec_709(of: Chromaticities) -> Result<Option<Conversion>, String> {
         Conversion::of_file(Some(of))

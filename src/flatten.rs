@@ -51,6 +51,7 @@ use finder::{Finder, MovingLight, Primitive, WorldMedium, extent};
 use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
+use motion_tables::Motions;
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -160,7 +161,7 @@ pub fn flatten_with(
             if sample_lights && builder.flat.features.samples_light_anywhere() {
                 builder.add_lights(&finder.primitives, &finder.lights, radiance_scale);
             }
-            builder.end_motions();
+            builder.flat.motions = builder.motions.take().map(Motions::into_rows).unwrap_or_default();
         },
     );
     let mut flat = builder.flat;

@@ -73,9 +73,4 @@ impl Builder<'_> {
             self.flat.features.quantities.motion_iterations = motions.iterations;
         }
     }
-
-    /// Writes the table.
-    pub fn end_motions(&mut self) {
-        self.flat.motions = self.motions.take().map(Motions::into_rows).unwrap_or_default();
-    }
 }

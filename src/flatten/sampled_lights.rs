@@ -108,15 +108,8 @@ impl Builder<'_> {
                 let Emitter { code, instance, around, normal, area } = emitter;
                 let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, turn.min(PI)));
                 let around = if steps.is_empty() { around } else { swept(&around.into(), &steps) };
-                bounds.push(LightBounds {
-                    around,
-                    axis,
-                    half_angle,
-                    two_sided: group.two_sided,
-                    is_beam: false,
-                    kind: LightKind::Positional,
-                    intensity,
-                });
+                let (two_sided, kind) = (group.two_sided, LightKind::Positional);
+                bounds.push(LightBounds { around, axis, half_angle, two_sided, kind, ..infinite_light(intensity) });
                 lights.push((code, instance, part));
                 starts.push(Start { code, area, is_possible });
             }

@@ -50,13 +50,6 @@ pub struct Choices {
     pub generated: BTreeMap<&'static str, String>,
 }
 
-impl Choices {
-    /// The reason for a fact that holds.
-    pub fn reason(&self, fact: &str) -> Option<&Reason> {
-        reason_of(&self.facts, fact)
-    }
-}
-
 /// A linked shader: its text, the origin of each line, and its modules.
 #[derive(Clone, Debug, Default)]
 pub struct Linked {

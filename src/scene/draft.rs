@@ -24,7 +24,7 @@ pub fn too_large() -> String {
 #[derive(Default)]
 pub struct Draft {
     /// The bytes that are left for vertices and triangles.
-    room: usize,
+    pub room: usize,
     pub positions: Vec<DVec3>,
     /// One for every vertex, NaN if the file gives none; or empty.
     pub normals: Vec<Vec3>,
@@ -47,7 +47,7 @@ pub struct Draft {
     pub bad_normal: Option<String>,
     pub bad_uv: Option<String>,
     /// The number of faces so far, including those without triangles.
-    face_count: u32,
+    pub face_count: u32,
 }
 
 impl Draft {
@@ -56,18 +56,9 @@ impl Draft {
         Draft { room, ..Draft::default() }
     }
 
-    pub fn room(&self) -> usize {
-        self.room
-    }
-
     /// The bytes that its vertices and triangles take.
     pub fn taken(&self) -> usize {
         VERTEX * self.positions.len() + TRIANGLE * self.triangles.len()
-    }
-
-    /// Sets the bytes that are left, of which another draft has taken some.
-    pub fn set_room(&mut self, room: usize) {
-        self.room = room;
     }
 
     /// The number of vertices that there is room for.
@@ -78,11 +69,6 @@ impl Draft {
     fn take_room(&mut self, bytes: usize) -> Result<(), String> {
         self.room = self.room.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
-    }
-
-    /// The number of the next face.
-    pub fn next_face(&self) -> u32 {
-        self.face_count
     }
 
     /// Reserves memory for about this many triangles.

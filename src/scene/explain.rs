@@ -53,7 +53,7 @@ pub fn hash_at_start(source: &Source) -> Option<Error> {
 
 /// The error that a section of the scene is missing.
 pub fn missing_section(source: &Source, name: &str) -> Error {
-    let end = source.spans.root().map_or(0, |root| source.spans.value(root).end);
+    let end = source.spans.root.map_or(0, |root| source.spans.value(root).end);
     Explain { source, cursor: end.saturating_sub(1) as usize }.missing(name)
 }
 

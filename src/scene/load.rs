@@ -141,7 +141,7 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
     if let Some(error) = hash_at_start(&source) {
         return Err(error);
     }
-    if source.spans.root().is_none() && source.spans.unclosed_comment.is_none() {
+    if source.spans.root.is_none() && source.spans.unclosed_comment.is_none() {
         let message = "the scene file is empty: expected Scene(image: .., camera: .., ..)";
         return Err(source.error(&[], message));
     }

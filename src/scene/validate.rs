@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
-use crate::source::{LARGEST, Range, SMALLEST, Step, ValuePath, parallel, vector};
+use crate::source::{LARGEST, Range, SMALLEST, Step, ValuePath, parallel};
 
 /// Checks all of the scene, in the order of the format's description, except for the files that it names.
 pub fn validate(scene: &Scene, findings: &mut Findings) {
@@ -54,7 +54,7 @@ fn image(at: &ValuePath, image: &ImageSize, findings: &mut Findings) {
 }
 
 fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
-    if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| vector(at, v).is_ok()) {
+    if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| Range::ANY.check_each(at, "", v).is_ok()) {
         findings.record(directions(at, camera.look_at - camera.look_from, camera.up));
     }
     findings.record_all(camera.check_fields(at));
@@ -84,7 +84,7 @@ fn camera_keys(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
         let errors = key.check_fields(&at);
         let is_valid = errors.is_empty();
         findings.record_all(errors);
-        if is_valid && vector(&at, camera.up).is_ok() {
+        if is_valid && Range::ANY.check_each(&at, "", camera.up).is_ok() {
             findings.record(directions(&at, key.look_at - key.look_from, camera.up).and_then(|()| match last {
                 Some(last) => keeps_direction(&at, last, key, camera.up),
                 None => Ok(()),
@@ -351,7 +351,7 @@ fn moving(
 fn transform(at: &ValuePath, transform: &Transform) -> Result<()> {
     let at = at.variant(transform.name());
     match transform {
-        Transform::Translate(by) => vector(&at, *by),
+        Transform::Translate(by) => Range::ANY.check_each(&at, "", *by),
         Transform::Scale(factor) => scale::FIELDS.scale.check_at(&at, *factor),
         Transform::RotateX(angle) | Transform::RotateY(angle) | Transform::RotateZ(angle) => {
             rotate::FIELDS.degrees.check_at(&at, *angle)

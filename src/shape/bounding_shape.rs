@@ -58,9 +58,7 @@ impl BoundingShape {
             BoundingShape::Ball { .. } => Vec::new(),
             BoundingShape::Parallelogram { corner, u, v } => vec![corner, corner + u, corner + u + v, corner + v],
             BoundingShape::Cuboid { center, half, axes } => {
-                let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let corner = |i| center + axes * (half * DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
-                (0..8).map(corner).collect()
+                Aabb { min: -half, max: half }.corners().map(|p| center + axes * p).into()
             }
         }
     }

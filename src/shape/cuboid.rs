@@ -77,13 +77,8 @@ impl Geometry for Cuboid {
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Cuboid { min, max } = *self;
         let d = (max - min) * at.scale();
-        vec![Emitter {
-            code,
-            instance: data::NO_INSTANCE,
-            area: 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x),
-            around: Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p))),
-            normal: None,
-        }]
+        let around = Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p)));
+        vec![Emitter::of_body(code, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), around, None)]
     }
 
     fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {

@@ -75,13 +75,8 @@ impl Geometry for Disk {
     }
 
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
-        vec![Emitter {
-            code,
-            instance: data::NO_INSTANCE,
-            area: PI * (self.radius * at.scale()).powi(2),
-            around: self.bounds(at),
-            normal: Some(at.to_world.vector(self.normal)),
-        }]
+        let area = PI * (self.radius * at.scale()).powi(2);
+        vec![Emitter::of_body(code, area, self.bounds(at), Some(at.to_world.vector(self.normal)))]
     }
 
     fn faces(&self, at: &ObjectTransform, corners: u32, add: &mut dyn FnMut(&[DVec3])) {

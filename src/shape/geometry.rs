@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::space::{Aabb, ObjectTransform};
-use crate::data::Tables;
+use crate::data::{NO_INSTANCE, Tables};
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -109,6 +109,13 @@ pub struct Emitter {
     pub around: Aabb,
     /// Of a flat surface.
     pub normal: Option<DVec3>,
+}
+
+impl Emitter {
+    /// A surface that is no triangle.
+    pub fn of_body(code: u32, area: f64, around: Aabb, normal: Option<DVec3>) -> Emitter {
+        Emitter { code, instance: NO_INSTANCE, area, around, normal }
+    }
 }
 
 /// What every shape implements on the host.

@@ -36,7 +36,7 @@ impl Sphere {
         let extent = DVec3::splat(radius);
         let area = 4.0 * PI * radius.powi(2);
         let around = Aabb::around([middle - extent, middle + extent]);
-        Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }
+        Emitter::of_body(code, area, around, None)
     }
 }
 

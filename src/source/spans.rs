@@ -66,7 +66,8 @@ pub struct Mismatch {
 pub struct Spans {
     nodes: Vec<Node>,
     children: Vec<Id>,
-    root: Option<Id>,
+    /// The value of the complete text; `None` if there are only spaces and comments.
+    pub root: Option<Id>,
     /// The innermost bracket that the text never closes.
     pub unclosed_bracket: Option<u32>,
     /// The first bracket that is closed by one of another kind, or that closes none.
@@ -93,11 +94,6 @@ impl Spans {
         };
         scanner.run();
         scanner.spans
-    }
-
-    /// The value of the complete text; `None` if there are only spaces and comments.
-    pub fn root(&self) -> Option<Id> {
-        self.root
     }
 
     /// The value at the end of the path. If the text lacks it, the innermost value on the path.

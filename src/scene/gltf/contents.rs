@@ -8,6 +8,7 @@ use gltf::json::mesh::Primitive;
 
 use super::camera::View;
 use super::deformation::has_more_joints;
+use super::error::in_primitive;
 use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::instances::{self, MOST_INSTANCES, has_instances, has_unread_instances};
@@ -336,24 +337,22 @@ impl Materials<'_> {
             colors: of_this.iter().any(|primitive| self.file.is_coloured(primitive)),
             alpha: !is_opaque && of_this.iter().any(|primitive| self.file.has_vertex_alpha(primitive)),
         };
-        let (own, material) = match index {
-            Some(index) if index >= self.file.root().materials.len() => {
-                let at = format!("meshes[{mesh}].primitives[{primitive}].material");
-                return Err(GltfError::new(at, format!("there is no material {index}")));
+        let (own, material) = match (index, given) {
+            (Some(index), None) => {
+                return Err(in_primitive((mesh, primitive), ".material", format!("there is no material {index}")));
             }
-            Some(index) => {
+            (Some(index), Some(given)) => {
                 let mut notes = Vec::new();
-                let material = self.file.material(index, self.path, of_vertices, glass, &mut notes)?;
+                let material = self.file.material((index, given), self.path, of_vertices, glass, &mut notes)?;
                 notes.extend(self.note_of_glass(index, glass));
                 notes.retain(|note| self.reported.insert(note.clone()));
                 contents.notes.extend(notes);
-                let own = self.file.root().materials.get(index).and_then(|given| given.name.clone());
-                let own = own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}"));
+                let own = given.name.clone().filter(|name| !name.is_empty()).unwrap_or(format!("material {index}"));
                 let has_other = self.names.contains_key(&(Some(index), !glass.is_solid));
                 let body = if glass.is_solid { "solid" } else { "pane" };
                 (if has_other { format!("{own} ({body})") } else { own }, material)
             }
-            None => {
+            (None, _) => {
                 let of_blender = self.file.blender().is_some();
                 let note = "meshes: those without a material are grey plastic, as Blender renders them";
                 contents.notes.extend(of_blender.then(|| note.to_owned()));

@@ -17,6 +17,11 @@ impl GltfError {
     }
 }
 
+/// What is wrong with a part of a primitive.
+pub fn in_primitive((mesh, number): (usize, usize), part: &str, reason: impl Into<String>) -> GltfError {
+    GltfError::new(format!("meshes[{mesh}].primitives[{number}]{part}"), reason)
+}
+
 impl From<String> for GltfError {
     fn from(reason: String) -> GltfError {
         GltfError { at: String::new(), reason }
