@@ -76,7 +76,6 @@ pub fn meant<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> String
 pub fn one_of<'a>(names: impl Iterator<Item = &'a str>, none: &str) -> String {
     const MOST: usize = 10;
     let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
-    names.dedup();
     let more = names.len().saturating_sub(MOST);
     names.truncate(MOST);
     names.extend((more > 0).then(|| format!("{more} more")));

@@ -69,12 +69,14 @@ impl Contents {
         let chosen = match name {
             None => self.views.first(),
             Some(name) => {
+                const MOST: usize = 10;
                 let is_it = |view: &&View| view.names.iter().any(|known| known == name);
-                let known = || self.views.iter().flat_map(|view| &view.names).map(String::as_str);
-                let found = self.views.iter().find(is_it);
-                found.map(Some).ok_or_else(|| {
-                    let none = "the file has no perspective camera with a name";
-                    format!("--camera: there is no camera {name:?}: {}{}", one_of(known(), none), meant(name, known()))
+                let mut known: Vec<&str> = self.views.iter().flat_map(|view| &view.names).map(String::as_str).collect();
+                known.dedup();
+                let known = || known.iter().copied();
+                self.views.iter().find(is_it).map(Some).ok_or_else(|| {
+                    let names = one_of(known().take(MOST), "the file has no perspective camera with a name");
+                    format!("--camera: there is no camera {name:?}: {names}{}", meant(name, known()))
                 })?
             }
         };
