@@ -39,24 +39,6 @@ fn to_xyz(of: &Chromaticities) -> DMat3 {
     primaries * DMat3::from_diagonal(primaries.inverse() * white(of))
 }
 
-/// The conversion to Rec. 709; none if these are its own. White stays white, by Bradford's adaptation.
-///
-/// # Errors
-/// If they are no primaries of a colour space.
-fn to_rec_709(of: Chromaticities) -> Result<Option<Conversion>, String> {
-    if is_rec_709(&of) {
-        return Ok(None);
-    }
-    let cones = BRADFORD * white(&REC_709) / (BRADFORD * white(&of));
-    let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
-    let matrix = to_xyz(&REC_709).inverse() * adapted * to_xyz(&of);
-    // No primaries in use come near this; those on a line, or a white of no light, are beyond it or no numbers.
-    match matrix.to_cols_array().iter().all(|v| v.abs() < 1e3) {
-        true => Ok(Some(Conversion { of, matrix })),
-        false => Err(format!("its chromaticities are no primaries of colours: {}", words(&of))),
-    }
-}
-
 fn words(given: &Chromaticities) -> String {
     let of = |Vec2(x, y): Vec2<f32>| format!("({x}, {y})");
     let Chromaticities { red, green, blue, white } = *given;
@@ -71,12 +53,21 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// From the chromaticities of a file's header; none if its colours are of Rec. 709. A file that does not say so is taken to be.
+    /// From the chromaticities of a file's header; none if its colours are of Rec. 709. A file that does not say so is taken to be. White
+    /// stays white, by Bradford's adaptation.
     ///
     /// # Errors
-    /// What is wrong with its chromaticities.
+    /// If they are no primaries of a colour space.
     pub fn of_file(known: Option<Chromaticities>) -> Result<Option<Conversion>, String> {
-        known.map_or(Ok(None), to_rec_709)
+        let Some(of) = known.filter(|known| !is_rec_709(known)) else { return Ok(None) };
+        let cones = BRADFORD * white(&REC_709) / (BRADFORD * white(&of));
+        let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
+        let matrix = to_xyz(&REC_709).inverse() * adapted * to_xyz(&of);
+        // No primaries in use come near this; those on a line, or a white of no light, are beyond it or no numbers.
+        match matrix.to_cols_array().iter().all(|v| v.abs() < 1e3) {
+            true => Ok(Some(Conversion { of, matrix })),
+            false => Err(format!("its chromaticities are no primaries of colours: {}", words(&of))),
+        }
     }
 
     /// A colour of Rec. 709, which has negative parts if it is outside of Rec. 709. One that is not finite stays as it is.
@@ -97,24 +88,19 @@ impl Conversion {
 mod tests {
     use super::*;
 
-    const ACES_CG: Chromaticities = Chromaticities {
-        red: Vec2(0.713, 0.293),
-        green: Vec2(0.165, 0.83),
-        blue: Vec2(0.128, 0.044),
-        white: Vec2(0.32168, 0.33767),
-    };
-    const ACES: Chromaticities = Chromaticities {
-        red: Vec2(0.7347, 0.2653),
-        green: Vec2(0.0, 1.0),
-        blue: Vec2(0.0001, -0.077),
-        white: Vec2(0.32168, 0.33767),
-    };
-    const XYZ: Chromaticities = Chromaticities {
-        red: Vec2(1.0, 0.0),
-        green: Vec2(0.0, 1.0),
-        blue: Vec2(0.0, 0.0),
-        white: Vec2(1.0 / 3.0, 1.0 / 3.0),
-    };
+    const fn space([red, green, blue, white]: [(f32, f32); 4]) -> Chromaticities {
+        let [red, green, blue, white] =
+            [Vec2(red.0, red.1), Vec2(green.0, green.1), Vec2(blue.0, blue.1), Vec2(white.0, white.1)];
+        Chromaticities { red, green, blue, white }
+    }
+
+    const ACES_CG: Chromaticities = space([(0.713, 0.293), (0.165, 0.83), (0.128, 0.044), (0.32168, 0.33767)]);
+    const ACES: Chromaticities = space([(0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.077), (0.32168, 0.33767)]);
+    const XYZ: Chromaticities = space([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (1.0 / 3.0, 1.0 / 3.0)]);
+
+    fn to_rec_709(of: Chromaticities) -> Result<Option<Conversion>, String> {
+        Conversion::of_file(Some(of))
+    }
 
     fn close(found: Rgb<f32>, expected: Rgb<f32>, error: f32) {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= error), "{found:?}, expected {expected:?}");

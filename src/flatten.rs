@@ -40,6 +40,7 @@ use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
 use crate::material::{Emitted, LobeWidth, Model, Vertices};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
+use crate::printable::and_more;
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
 use crate::shape::mesh::{Mesh, MeshShape};
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape, binary_exponent, exp2, mesh};
@@ -50,6 +51,7 @@ use finder::{Finder, MovingLight, Primitive, WorldMedium, extent};
 use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
+use motion_tables::Motions;
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -159,7 +161,7 @@ pub fn flatten_with(
             if sample_lights && builder.flat.features.samples_light_anywhere() {
                 builder.add_lights(&finder.primitives, &finder.lights, radiance_scale);
             }
-            builder.end_motions();
+            builder.flat.motions = builder.motions.take().map(Motions::into_rows).unwrap_or_default();
         },
     );
     let mut flat = builder.flat;
@@ -226,10 +228,7 @@ fn required(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>]) -> (Featur
 /// `Error::Scene` if there are more primitives, media or lights than can be numbered, or lights that only light sampling finds, without it.
 fn check_counts(scene: &Scene, finder: &Finder<'_>, options: &RenderOptions) -> Result<()> {
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
-    let most = finder.primitives.len().max(faces);
-    if most >= MAX_PRIMITIVES {
-        return Err(scene.error(&[], format!("expected fewer than {MAX_PRIMITIVES} primitives, found {most}")));
-    }
+    check_count(scene, "primitives", finder.primitives.len().max(faces), MAX_PRIMITIVES)?;
     if finder.media.len() > MOST_MEDIA {
         let message = format!("expected at most {MOST_MEDIA} media, found {}", finder.media.len());
         return Err(scene.error(&[], message));
@@ -239,28 +238,21 @@ fn check_counts(scene: &Scene, finder: &Finder<'_>, options: &RenderOptions) -> 
     {
         return Err(needs_light_sampling(scene, object));
     }
-    if finder.lights.len() >= MOST_LIGHTS {
-        let message = format!("expected fewer than {MOST_LIGHTS} lights without size, found {}", finder.lights.len());
-        return Err(scene.error(&[], message));
-    }
-    Ok(())
+    check_count(scene, "lights without size", finder.lights.len(), MOST_LIGHTS)
 }
 
 /// # Errors
 /// `Error::Scene` if the tables of meshes or of hierarchies have more elements than codes can number.
 fn check_tables(scene: &Scene, flat: &DeviceScene) -> Result<()> {
-    if flat.meshes.len() >= MAX_PRIMITIVES {
-        let message = format!(
-            "expected fewer than {MAX_PRIMITIVES} faces, vertices and texture coordinates of meshes, found {}",
-            flat.meshes.len()
-        );
-        return Err(scene.error(&[], message));
+    check_count(scene, "faces, vertices and texture coordinates of meshes", flat.meshes.len(), MAX_PRIMITIVES)?;
+    check_count(scene, "nodes in the hierarchies", flat.nodes.len(), MAX_NODES)
+}
+
+fn check_count(scene: &Scene, what: &str, found: usize, limit: usize) -> Result<()> {
+    match found < limit {
+        true => Ok(()),
+        false => Err(scene.error(&[], format!("expected fewer than {limit} {what}, found {found}"))),
     }
-    if flat.nodes.len() >= MAX_NODES {
-        let message = format!("expected fewer than {MAX_NODES} nodes in the hierarchies, found {}", flat.nodes.len());
-        return Err(scene.error(&[], message));
-    }
-    Ok(())
 }
 
 fn require_camera(features: &mut Features, scene: &Scene, view: &View) {
@@ -349,10 +341,7 @@ fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features, tra
     if !features.samples_light_anywhere() {
         return None;
     }
-    let more = match finder.lights.len() {
-        1 => String::new(),
-        n => format!(" (and {} more like it)", n - 1),
-    };
+    let more = and_more(finder.lights.len() - 1);
     let (location, name) = (scene.location_of(object), object.name());
     Some(match traced {
         true => format!(
@@ -376,15 +365,9 @@ fn brightest_reflection(finder: &Finder<'_>, eye: DVec3, extent: f64) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
     let mut lights: Vec<_> = finder.lights.iter().map(|moving| &moving.light).collect();
     lights.sort_by(|a, b| b.colour.max_element().total_cmp(&a.colour.max_element()));
-    let primitives = finder
-        .primitives
-        .iter()
-        .map(|primitive| primitive.shape.bounding_shape(&ObjectTransform { to_world: &primitive.to_world, space }));
-    let media = finder
-        .media
-        .iter()
-        .map(|medium| medium.boundary.bounding_shape(&ObjectTransform { to_world: &medium.to_world, space }));
-    let shapes: Vec<BoundingShape> = if lights.is_empty() { Vec::new() } else { primitives.chain(media).collect() };
+    let shapes = finder.bodies().filter(|_| !lights.is_empty());
+    let shapes = shapes.map(|(shape, to_world, _)| shape.bounding_shape(&ObjectTransform { to_world, space }));
+    let shapes: Vec<BoundingShape> = shapes.collect();
     let reflection = |light: &WorldLight| {
         let distance = light.position.map_or(1.0, |position| {
             let nearest = shapes.iter().map(|shape| shape.distance(position - eye)).fold(f64::INFINITY, f64::min);

@@ -72,13 +72,10 @@ impl Material {
 
     /// The index of the kind that kernels know it as: a rough glass that is smooth is a `Dielectric`.
     pub fn number_on_device(&self) -> usize {
+        let is_smooth_glass = matches!(self, Material::RoughDielectric(own) if own.is_smooth());
         let is_dielectric = |kind: &MaterialKind| kind.shader == dielectric::KIND.shader;
-        let smooth = Material::KINDS.iter().position(is_dielectric).filter(|_| self.is_smooth_glass());
+        let smooth = Material::KINDS.iter().position(is_dielectric).filter(|_| is_smooth_glass);
         smooth.unwrap_or_else(|| self.number())
-    }
-
-    fn is_smooth_glass(&self) -> bool {
-        matches!(self, Material::RoughDielectric(own) if own.is_smooth())
     }
 
     /// Whether light passes it.

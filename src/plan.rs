@@ -19,7 +19,7 @@ use crate::flatten::{Declared, DeviceScene, Features};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
-use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
+use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link, reason_of};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 
@@ -168,7 +168,7 @@ impl<'a> Plan<'a> {
     pub fn buffers(&self) -> Vec<BufferSpec<'a>> {
         let with_remedy = |spec: BufferSpec<'a>| match spec.name {
             "nodes" if self.options.build == Quality::Best => {
-                spec.shrunk_by(Some("`--build medium` makes fewer".to_string()))
+                BufferSpec { remedy: Some("`--build medium` makes fewer".to_string()), ..spec }
             }
             _ => spec,
         };
@@ -219,7 +219,7 @@ impl Kernels {
             )?))
         } else {
             let if_any = |fact, name, why: &str| {
-                choices.reason(fact).map(|reason| kernel(name, name, &choices, why, reason)).transpose()
+                reason_of(&choices.facts, fact).map(|reason| kernel(name, name, &choices, why, reason)).transpose()
             };
             // The scatter kernel of one material is the stage's file with a list of one material.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
@@ -231,7 +231,7 @@ impl Kernels {
             Bounce::Staged(Box::new(Staged {
                 intersect: always(
                     "intersect",
-                    if choices.reason("surface").is_none() { &every_render } else { &geometry },
+                    if reason_of(&choices.facts, "surface").is_none() { &every_render } else { &geometry },
                 )?,
                 medium: if_any("medium", "medium", &media)?,
                 dispatch: if_any("queues", "dispatch", &format!("a queue for each material ({QUEUES})"))?,
@@ -250,7 +250,7 @@ impl Kernels {
             let (own, _) = choose(&materials, 0, true);
             kernel("light_path", "light_path", &own, &reason.to_string(), reason)
         };
-        let light_path = choices.reason("light_paths").map(link_light_path).transpose()?;
+        let light_path = reason_of(&choices.facts, "light_paths").map(link_light_path).transpose()?;
         Ok(Kernels {
             generate,
             bounce,

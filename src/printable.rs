@@ -10,6 +10,11 @@ pub fn counted(number: u64, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
+/// The end of a text that stands for so many more like it.
+pub fn and_more(number: usize) -> String {
+    if number > 0 { format!(" (and {number} more like it)") } else { String::new() }
+}
+
 /// A share in percent, with two significant digits but at most two decimals: "0.38 %", "2.4 %", "35 %".
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;

@@ -15,6 +15,7 @@ mod space;
 pub mod sphere;
 
 use std::ops::Deref;
+use std::sync::LazyLock;
 
 use glam::DVec3;
 
@@ -112,7 +113,7 @@ impl<'a> Shape<'a> {
 }
 
 /// The kind in the codes of shapes of this number. It is the number itself, except for a mesh: in the scene it is an instance.
-pub(crate) const fn code_kind(number: usize) -> u32 {
+pub(crate) fn code_kind(number: usize) -> u32 {
     if number == KIND_TRIANGLE as usize { KIND_INSTANCE } else { number as u32 }
 }
 
@@ -129,25 +130,9 @@ const _: () = {
     );
 };
 
-const BOUNDARY_COUNT: usize = {
-    let (mut i, mut count) = (0, 0);
-    while i < KINDS.len() {
-        count += KINDS[i].boundary.is_some() as usize;
-        i += 1;
-    }
-    count
-};
-
 /// The shapes that can bound media, with the kinds in their codes and the names of their files under shaders/medium.
-pub const BOUNDARIES: &[(&str, u32)] = &{
-    let mut found = [("", 0); BOUNDARY_COUNT];
-    let (mut i, mut count) = (0, 0);
-    while i < KINDS.len() {
-        if let Some(boundary) = &KINDS[i].boundary {
-            found[count] = (boundary.name, code_kind(i));
-            count += 1;
-        }
-        i += 1;
-    }
-    found
-};
+pub static BOUNDARIES: LazyLock<Vec<(&str, u32)>> = LazyLock::new(|| {
+    let boundary =
+        |(number, kind): (usize, &'static ShapeKind)| Some((kind.boundary.as_ref()?.name, code_kind(number)));
+    KINDS.iter().enumerate().filter_map(boundary).collect()
+});

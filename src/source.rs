@@ -11,13 +11,13 @@ use crate::error::{Error, Location};
 use crate::printable::one_line;
 use spans::Spans;
 
-pub use numbers::{DEGREES, LARGEST, NO_UNIT, Range, SCENE_UNITS, SMALLEST, parallel, vector};
+pub use numbers::{DEGREES, LARGEST, NO_UNIT, Range, SCENE_UNITS, SMALLEST, parallel};
 pub use spans::{Id, MOST_VALUES, Mismatch, Span, Step, skip_space, slice};
 
 /// A scene file's text with the locations of its values.
 #[derive(Clone, Debug)]
 pub struct Source {
-    path: PathBuf,
+    pub path: PathBuf,
     text: String,
     /// The offset of the first byte of every line, in 32 bits as in spans.
     lines: Vec<u32>,
@@ -41,14 +41,6 @@ impl Source {
     /// A file whose values have no locations in a text.
     pub fn without_text(path: &Path) -> Source {
         Source { is_text: false, ..Source::new(String::new(), path) }
-    }
-
-    pub fn is_text(&self) -> bool {
-        self.is_text
-    }
-
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 
     pub fn text(&self) -> &str {
@@ -193,10 +185,10 @@ impl<'a> ValuePath<'a> {
     /// An error about a file that this value names. `part` is the part of that file, if it is known. Where the scene itself is no text,
     /// this value is none that anybody wrote.
     pub fn error_in(&self, file: &Path, part: &str, reason: &str) -> Error {
-        if !self.source.is_text() && reason.starts_with(LINE) {
+        if !self.source.is_text && reason.starts_with(LINE) {
             return error_in_file(file, if part.is_empty() { "Mesh" } else { part }, reason);
         }
-        if self.source.is_text() || part.is_empty() {
+        if self.source.is_text || part.is_empty() {
             let part = if part.is_empty() { String::new() } else { format!("{part}: ") };
             return self.error(format!("{}: {part}{reason}", file.display()));
         }

@@ -10,7 +10,7 @@ use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
 use crate::error::{Error, Result};
 use crate::source::declare::declare;
-use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, integer, kinds, number, other};
+use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, integer, number, other};
 use crate::source::{NO_UNIT, Range, SCENE_UNITS, ValuePath};
 
 /// A linear Rec. 709 colour: red, green, blue.
@@ -132,27 +132,8 @@ pub fn normal_map<'a, D: Deserializer<'a>>(from: D) -> std::result::Result<Optio
     Ok(Option::<Texture>::deserialize(from)?.map(|texture| texture.or_channel(Channel::Rgb)))
 }
 
-/// The properties that all textures of a kind share.
-#[derive(Debug)]
-pub struct TextureKind {
-    /// The name of its file under shaders/texture. A plain colour is stored in the material, and has none.
-    pub shader: &'static str,
-}
-
-kinds! {
-    Texture: TextureKind;
-    Rgb => TextureKind { shader: "" },
-    Checker => TextureKind { shader: "checker" },
-    Image => TextureKind { shader: "image" },
-    Noise => TextureKind { shader: "noise" },
-    Marble => TextureKind { shader: "marble" },
-}
-
-/// The shader files of the kinds of texture, under shaders/texture. Kernels switch on the indices.
-pub const TEXTURES: &[&str] = match Texture::SHADERS {
-    [_plain, shaders @ ..] => shaders,
-    [] => &[],
-};
+/// The shader files of the textures that are no plain colour, under shaders/texture. Kernels switch on the indices.
+pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
 
 /// The meaning of a texture's values, which determines their range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -223,15 +204,10 @@ impl Use {
     }
 }
 
-/// The largest channel of a texel, multiplied by `tint`.
-fn largest(tint: Colour, texel: [f32; 3]) -> f64 {
-    (tint * DVec3::from_array(texel.map(f64::from))).max_element().max(0.0)
-}
-
 impl Bitmap {
     /// The largest channel of all texels, each multiplied by `tint`.
     pub fn brightest(&self, tint: Colour) -> f64 {
-        self.texels().map(|texel| largest(tint, texel)).fold(0.0, f64::max)
+        (tint * self.largest_channels()).max_element()
     }
 
     /// The largest red, green and blue of all texels.
@@ -341,7 +317,13 @@ impl Texture {
 
     /// Its index in `TEXTURES`; none for a plain colour.
     pub fn shader_number(&self) -> Option<usize> {
-        self.number().checked_sub(1)
+        match self {
+            Texture::Rgb(..) => None,
+            Texture::Checker { .. } => Some(0),
+            Texture::Image { .. } => Some(1),
+            Texture::Noise { .. } => Some(2),
+            Texture::Marble { .. } => Some(3),
+        }
     }
 
     /// The largest channel of all its colours.

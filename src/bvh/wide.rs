@@ -77,6 +77,7 @@ fn quantise_axis(node: &mut Node, boxes: &[Bounds], axis: usize, origin: f32, ex
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::unit_numbers;
     use glam::Vec3;
 
     /// The box that a kernel decodes, in the kernel's arithmetic.
@@ -93,12 +94,10 @@ mod tests {
 
     /// Numbers over many decades, of both signs and zero.
     fn numbers() -> impl FnMut() -> f32 {
-        let mut state = 1u64;
+        let mut unit = unit_numbers();
         move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let unit = (state >> 40) as f32 / (1u64 << 24) as f32;
-            let sign = if state >> 39 & 1 == 0 { 1.0 } else { -1.0 };
-            if state >> 32 & 15 == 0 { 0.0 } else { sign * 10f32.powf(unit * 12.0 - 10.0) }
+            let (exponent, sign, zero) = (12.0 * unit() - 10.0, (unit() - 0.5).signum(), unit() < 1.0 / 16.0);
+            if zero { 0.0 } else { sign * 10f32.powf(exponent) }
         }
     }
 

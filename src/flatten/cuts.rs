@@ -4,6 +4,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::coverage::clip;
 use super::pairs::Pair;
 use crate::bvh::Bounds;
 use crate::threads::{cores, each};
@@ -89,23 +90,11 @@ fn around(faces: &[[DVec3; 3]], within: Bounds) -> Option<Bounds> {
         .then(|| Bounds { min: below(min - ROUNDING).max(within.min), max: (-below(-max - ROUNDING)).min(within.max) })
 }
 
-/// The part of a polygon in a box (Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 17(1), 1974).
+/// The part of a polygon in a box.
 fn clipped(mut polygon: Vec<DVec3>, within: Bounds) -> Vec<DVec3> {
     for axis in 0..3 {
         for (side, plane) in [(1.0, within.min[axis]), (-1.0, within.max[axis])] {
-            let depth = |p: DVec3| side * (p[axis] - f64::from(plane));
-            let mut part = Vec::with_capacity(polygon.len() + 1);
-            for (i, &corner) in polygon.iter().enumerate() {
-                let next = polygon[(i + 1) % polygon.len()];
-                let (here, there) = (depth(corner), depth(next));
-                if here >= 0.0 {
-                    part.push(corner);
-                }
-                if here * there < 0.0 {
-                    part.push(corner.lerp(next, here / (here - there)));
-                }
-            }
-            polygon = part;
+            polygon = clip(&polygon, |p| side * (p[axis] - f64::from(plane)));
         }
     }
     polygon

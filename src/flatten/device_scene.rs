@@ -91,11 +91,6 @@ impl DeviceScene {
         table.into_iter().chain(self.images.iter().map(|(_, bitmap)| bitmap.words.as_slice()))
     }
 
-    pub(super) fn add_frame(&mut self, frame: data::Frame) -> u32 {
-        self.frames.push(frame);
-        self.frames.len() as u32 - 1
-    }
-
     /// Appends a hierarchy to the table of nodes. Its primitives are numbered from `first_primitive` on. Returns the code of its root.
     pub(super) fn add_nodes(&mut self, bvh: &Bvh, first_primitive: u32) -> u32 {
         let first = self.nodes.len() as u32;

@@ -120,6 +120,12 @@ impl<'a> Finder<'a> {
         }
     }
 
+    /// The shapes of all primitives and of all media's boundaries.
+    pub fn bodies(&self) -> impl Iterator<Item = (&Shape<'a>, &Similarity, &Motion)> {
+        let primitives = self.primitives.iter().map(|found| (&found.shape, &found.to_world, &found.motion));
+        primitives.chain(self.media.iter().map(|medium| (&medium.boundary, &medium.to_world, &medium.motion)))
+    }
+
     /// The shape of a boundary, and its placement.
     fn boundary(&self, object: &Object, at: &Placement) -> Option<(Shape<'a>, Placement)> {
         match object {
@@ -149,7 +155,7 @@ pub fn extent_of(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
 /// The largest distance of all primitives, media and the lens from the eye along an axis; 1 if the scene is empty.
 pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>) -> f64 {
     let space = RenderSpace { eye, scale: 1.0 };
-    let of = |shape: &Shape, to_world: &Similarity, motion: &Motion| {
+    let of = |(shape, to_world, motion): (&Shape, &Similarity, &Motion)| {
         let rest = extent_of(shape, to_world, eye);
         if motion.is_empty() || shape.large_sphere().is_some() {
             return rest;
@@ -157,8 +163,6 @@ pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>) -> f64 {
         let way = swept(&shape.bounding_shape(&ObjectTransform { to_world, space }), &in_space(motion, space));
         rest.max(way.min.abs().max(way.max.abs()).max_element())
     };
-    let primitives = finder.primitives.iter().map(|found| of(&found.shape, &found.to_world, &found.motion));
-    let media = finder.media.iter().map(|medium| of(&medium.boundary, &medium.to_world, &medium.motion));
-    let far = primitives.chain(media).fold(lens_radius, f64::max);
+    let far = finder.bodies().map(of).fold(lens_radius, f64::max);
     if far > 0.0 { far } else { 1.0 }
 }

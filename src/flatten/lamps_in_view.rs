@@ -143,6 +143,11 @@ impl Eye {
         }
     }
 
+    /// The transform of an object to a space around the eye.
+    fn sees<'a>(&self, to_world: &'a Similarity) -> ObjectTransform<'a> {
+        ObjectTransform { to_world, space: RenderSpace { eye: self.position, scale: 1.0 } }
+    }
+
     /// The point of the film, in pixels, of a point relative to the eye.
     fn project(&self, p: DVec3) -> DVec2 {
         let direction = DVec2::new(p.dot(self.right), p.dot(self.up)) / p.dot(self.forward) + self.shift;
@@ -196,20 +201,10 @@ impl Projection {
         let Primitive { shape, to_world, motion, .. } = lamp.primitive;
         let several = self.eyes.len() > 1 || !motion.is_empty();
         let eye = |view: usize| &self.eyes[if self.eyes.len() > 1 { view } else { 0 }];
-        let with_view = |view: usize, see: &mut dyn FnMut(&Eye, &ObjectTransform)| {
-            let to_world = at_time(to_world, motion, Moment::new(view, several).time);
-            see(
-                eye(view),
-                &ObjectTransform { to_world: &to_world, space: RenderSpace { eye: eye(view).position, scale: 1.0 } },
-            );
-        };
+        let pose = |view: usize| at_time(to_world, motion, Moment::new(view, several).time);
         let bounds = |view: usize| {
-            let mut found = None;
-            with_view(view, &mut |eye, at| {
-                let (center, radius) = shape.bounding_shape(at).ball();
-                found = eye.bounds(center, radius);
-            });
-            found
+            let (center, radius) = shape.bounding_shape(&eye(view).sees(&pose(view))).ball();
+            eye(view).bounds(center, radius)
         };
         // The cells of one view: the largest of some.
         let first = 0..if several { LEAST_VIEWS } else { 1 };
@@ -231,18 +226,18 @@ impl Projection {
         let around = shape.mesh().filter(|mesh| views * mesh.mesh.triangles.len() > most).map(|mesh| mesh.around);
         let is_closed = around.is_some() || KINDS[shape.number()].encloses();
         for view in 0..views {
-            with_view(view, &mut |eye, at| {
-                let mut add = |corners: &[DVec3]| {
-                    let is_front = matches!(corners, [a, b, c, ..] if (*b - *a).cross(*c - *a).dot(*a) < 0.0);
-                    if is_front || (lamp.two_sided && !is_closed) {
-                        coverage.add(&eye.polygon(corners), is_front, 1.0 / views as f64);
-                    }
-                };
-                match around {
-                    Some(around) => Cuboid { min: around.min, max: around.max }.faces(at, self.corners, &mut add),
-                    None => shape.faces(at, self.corners, &mut add),
+            let (eye, to_world) = (eye(view), pose(view));
+            let at = eye.sees(&to_world);
+            let mut add = |corners: &[DVec3]| {
+                let is_front = matches!(corners, [a, b, c, ..] if (*b - *a).cross(*c - *a).dot(*a) < 0.0);
+                if is_front || (lamp.two_sided && !is_closed) {
+                    coverage.add(&eye.polygon(corners), is_front, 1.0 / views as f64);
                 }
-            });
+            };
+            match around {
+                Some(around) => Cuboid { min: around.min, max: around.max }.faces(&at, self.corners, &mut add),
+                None => shape.faces(&at, self.corners, &mut add),
+            }
         }
         for (middle, share) in coverage.cells() {
             self.spread(

@@ -9,7 +9,6 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::meshes::uvs_of;
 use crate::luminance::{Area, Luminance};
 use crate::shape::{Aabb, ObjectTransform, Shape};
 
@@ -111,7 +110,7 @@ impl Outline {
             Shape::Mesh(shape) => {
                 let corners = *shape.mesh.triangles.get(face)?;
                 let [a, b, c] = corners.map(|corner| shape.mesh.positions[corner as usize]);
-                let uvs = uvs_of(shape.mesh, uv_set);
+                let uvs = shape.mesh.uvs_of(uv_set);
                 let [p, q, r] = corners.map(|corner| uvs.get(corner as usize).copied().unwrap_or_default().as_dvec2());
                 Some(Outline {
                     coordinates: Coordinates::Triangle,

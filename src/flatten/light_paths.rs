@@ -14,7 +14,7 @@ use crate::data::{self, HIT_NOTHING, f32s};
 use crate::light_distribution::alias_entries;
 use crate::material::{LobeWidth, Material, ROUGHNESS};
 
-use crate::shape::{BoundingShape, ObjectTransform};
+use crate::shape::{Aabb, BoundingShape, ObjectTransform};
 
 /// The most boxes.
 const MOST_AIMS: usize = 16;
@@ -69,11 +69,7 @@ impl Builder<'_> {
                 let code = if is_alone { primitive.shape.code(index as usize) } else { HIT_NOTHING };
                 let shape = match primitive.motion.is_empty() {
                     true => shape,
-                    false => {
-                        let way = swept(&shape, &in_space(&primitive.motion, self.space));
-                        let half = 0.5 * (way.max - way.min);
-                        BoundingShape::Cuboid { center: way.center(), half, axes: DMat3::IDENTITY }
-                    }
+                    false => swept(&shape, &in_space(&primitive.motion, self.space)).into(),
                 };
                 shapes.push((shape, code));
             }
@@ -174,15 +170,13 @@ impl Aim {
 fn aims(mut groups: Vec<(f64, Vec<Aimed>)>) -> Vec<Aim> {
     while groups.len() < MOST_AIMS {
         let size = |(weight, group): &(f64, Vec<Aimed>)| {
-            let (low, high) = bounds_of(group);
-            let d = high - low;
-            if group.len() > 1 { weight * (d.x * d.y + d.y * d.z + d.z * d.x) } else { -1.0 }
+            if group.len() > 1 { weight * bounds_of(group).half_area() } else { -1.0 }
         };
         let largest = (0..groups.len()).max_by(|a, b| size(&groups[*a]).total_cmp(&size(&groups[*b])));
         let Some(largest) = largest.filter(|largest| groups[*largest].1.len() > 1) else { break };
         let (weight, group) = &mut groups[largest];
-        let (low, high) = bounds_of(group);
-        let axis = (high - low).max_position();
+        let Aabb { min, max } = bounds_of(group);
+        let axis = (max - min).max_position();
         let middle = |(shape, _): &Aimed| shape.ball().0[axis];
         group.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         let rest = (*weight, group.split_off(group.len() / 2));
@@ -192,17 +186,14 @@ fn aims(mut groups: Vec<(f64, Vec<Aimed>)>) -> Vec<Aim> {
         [] => None,
         [one] => Some(Aim::around(one, *weight)),
         all => {
-            let (low, high) = bounds_of(all);
-            let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
-            Some(Aim { around: HIT_NOTHING, weight: *weight, center, half, axes: DMat3::IDENTITY })
+            let around = BoundingShape::from(bounds_of(all));
+            Some(Aim::around(&(around, HIT_NOTHING), *weight))
         }
     };
     groups.iter().filter_map(around).collect()
 }
 
-/// The corners of the box around shapes along the axes.
-fn bounds_of(shapes: &[Aimed]) -> (DVec3, DVec3) {
-    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let bounds = shapes.iter().map(|(shape, _)| shape.bounds());
-    bounds.fold(none, |(low, high), (least, most)| (low.min(least), high.max(most)))
+/// The box around shapes along the axes.
+fn bounds_of(shapes: &[Aimed]) -> Aabb {
+    Aabb::around_all(shapes.iter().map(|(shape, _)| shape.bounds()))
 }

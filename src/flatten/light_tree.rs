@@ -65,8 +65,7 @@ impl LightBounds {
 
     /// The cost that a cut minimises: intensity times surface times the solid angle of emission (section 4.4).
     fn cost(&self) -> f64 {
-        let d = self.around.max - self.around.min;
-        let surface = d.x * d.y + d.y * d.z + d.z * d.x;
+        let surface = self.around.half_area();
         let (sine, cosine) = self.half_angle.sin_cos();
         let emission_angle = if self.is_beam { self.half_angle } else { (self.half_angle + FRAC_PI_2).min(PI) };
         let beyond =
@@ -210,7 +209,16 @@ fn cut(lights: &[LightBounds], order: &mut [usize], depth: u32) -> usize {
 
 fn node(bounds: &LightBounds, unit: f64, child: u32) -> data::LightNode {
     if bounds.kind != LightKind::Positional {
-        return infinite_node(bounds.intensity * unit, child);
+        // So large that every point is inside it. The importance there is its intensity over the squared radius.
+        const RADIUS: f32 = (1u32 << 20) as f32;
+        let intensity = not_lost(bounds.intensity * unit) * (RADIUS * RADIUS);
+        return data::LightNode {
+            radius: RADIUS,
+            intensity,
+            cos_half_angle: -1.0,
+            child,
+            ..data::LightNode::default()
+        };
     }
     // A margin, so that rounding cannot exclude a light.
     const ROUNDING: f64 = 1e-4;
@@ -228,18 +236,6 @@ fn node(bounds: &LightBounds, unit: f64, child: u32) -> data::LightNode {
         axis: octahedral(bounds.axis.as_vec3()),
         cos_half_angle: (bounds.half_angle + ROUNDING).min(PI).cos() as f32,
         child: child | if bounds.two_sided { LIGHT_NODE_TWO_SIDED } else { 0 },
-    }
-}
-
-/// A node so large that every point is inside it. The importance there is its intensity over the squared radius.
-fn infinite_node(intensity: f64, child: u32) -> data::LightNode {
-    const RADIUS: f32 = (1u32 << 20) as f32;
-    data::LightNode {
-        radius: RADIUS,
-        intensity: not_lost(intensity) * (RADIUS * RADIUS),
-        cos_half_angle: -1.0,
-        child,
-        ..data::LightNode::default()
     }
 }
 

@@ -25,9 +25,9 @@ impl Builder<'_> {
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;
         let texture = self.add_texture(albedo, 1.0);
-        let frame = albedo
-            .frame(Use::Albedo, (base, to_own), (DVec3::ZERO, &own.rotation))
-            .map_or(0, |frame| self.flat.add_frame(frame));
+        let frame = albedo.frame(Use::Albedo, (base, to_own), (DVec3::ZERO, &own.rotation));
+        let number = if frame.is_some() { self.flat.frames.len() as u32 } else { 0 };
+        self.flat.frames.extend(frame);
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
             // Kernels divide by the density, so it is at least the smallest normal number.
@@ -35,7 +35,7 @@ impl Builder<'_> {
             colour: f32s(albedo.plain().unwrap_or(DVec3::ONE)),
             texture,
             boundary: boundary.code(index),
-            frame,
+            frame: number,
             anisotropy: *anisotropy as f32,
             one_minus_anisotropy: (1.0 - anisotropy.abs()) as f32,
         });

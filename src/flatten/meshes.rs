@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::builder::Builder;
 use super::finder::Primitive;
@@ -93,7 +93,7 @@ impl Builder<'_> {
         }));
         let mut tangents = split.iter().flat_map(|split| &split.tangents);
         for table in tables {
-            let uvs = uvs_of(mesh, table.uv_set);
+            let uvs = mesh.uvs_of(table.uv_set);
             let uvs =
                 vertices().map(|vertex| uvs.get(vertex).copied().unwrap_or_default().to_array().map(f32::to_bits));
             if table.has_tangents {
@@ -127,18 +127,10 @@ impl Builder<'_> {
     }
 }
 
-/// A set of a mesh's texture coordinates.
-pub(super) fn uvs_of(mesh: &Mesh, uv_set: u32) -> &[Vec2] {
-    match uv_set.checked_sub(1) {
-        None => &mesh.uvs,
-        Some(further) => mesh.further_uvs.get(further as usize).map_or(&[], Vec::as_slice),
-    }
-}
-
 /// The mesh with its vertices split where tangents differ, if a table has tangents.
 fn split(mesh: &Mesh, positions: &[Vec3], tables: &[Table]) -> Option<Split> {
     let sets: Vec<u32> = tables.iter().filter(|table| table.has_tangents).map(|table| table.uv_set).collect();
     let mut split = (!sets.is_empty()).then(|| Split::new(mesh))?;
-    sets.into_iter().for_each(|uv_set| split.add(mesh, positions, uvs_of(mesh, uv_set)));
+    sets.into_iter().for_each(|uv_set| split.add(mesh, positions, mesh.uvs_of(uv_set)));
     Some(split)
 }

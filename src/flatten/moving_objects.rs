@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::builder::Builder;
-use super::finder::{Finder, WorldMedium};
+use super::finder::Finder;
 use super::motion::Motion;
 use super::motion_tables::{Motions, camera_moves, own_point, row_of_boundary};
 use crate::scene::{Camera, Step};
@@ -12,11 +12,10 @@ use crate::shape::{ObjectTransform, PRIMITIVES, RenderSpace};
 
 /// Whether anything in the scene moves.
 fn moves(finder: &Finder<'_>, camera: &Camera) -> bool {
-    let media = |medium: &WorldMedium<'_>| !medium.motion.is_empty() || !medium.own.motion.is_empty();
-    finder.primitives.iter().any(|primitive| !primitive.motion.is_empty())
-        || finder.media.iter().any(media)
-        || finder.lights.iter().any(|light| !light.motion.is_empty())
-        || camera_moves(camera)
+    let bodies = finder.bodies().map(|(_, _, motion)| motion);
+    let others =
+        finder.media.iter().map(|medium| &medium.own.motion).chain(finder.lights.iter().map(|light| &light.motion));
+    bodies.chain(others).any(|motion| !motion.is_empty()) || camera_moves(camera)
 }
 
 impl Builder<'_> {
@@ -73,10 +72,5 @@ impl Builder<'_> {
             motions.add(motions.number_of_light(index), motion, position, space);
             self.flat.features.quantities.motion_iterations = motions.iterations;
         }
-    }
-
-    /// Writes the table.
-    pub fn end_motions(&mut self) {
-        self.flat.motions = self.motions.take().map(Motions::into_rows).unwrap_or_default();
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::builder::Builder;
 use super::features::NotSampled;
@@ -17,6 +17,7 @@ use crate::data::{self, CROSSED, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, lum
 use crate::light_distribution::SkyDistribution;
 use crate::luminance::Luminance;
 use crate::material::Emission;
+use crate::printable::counted;
 use crate::scene::{Background, Bitmap};
 use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, PRIMITIVES, exp2};
 
@@ -93,7 +94,7 @@ impl Builder<'_> {
                 features.require("crossed_light", reason);
             }
             match group.parts.take() {
-                None => self.set_light(&group, lights.len() as u32),
+                None => self.set_light(group.primitive, group.index, lights.len() as u32),
                 Some(parts) => {
                     self.flat.features.require(format!("parted.{shape}"), reason);
                     cut.push((group.primitive, group.index, lights.len(), parts));
@@ -106,22 +107,9 @@ impl Builder<'_> {
             for PartLight { emitter, part, intensity } in group.emitters {
                 let Emitter { code, instance, around, normal, area } = emitter;
                 let (axis, half_angle) = normal.map_or((DVec3::Z, PI), |normal| (normal, turn.min(PI)));
-                let half = 0.5 * (around.max - around.min);
-                let around = match steps.is_empty() {
-                    true => around,
-                    false => {
-                        swept(&BoundingShape::Cuboid { center: around.center(), half, axes: DMat3::IDENTITY }, &steps)
-                    }
-                };
-                bounds.push(LightBounds {
-                    around,
-                    axis,
-                    half_angle,
-                    two_sided: group.two_sided,
-                    is_beam: false,
-                    kind: LightKind::Positional,
-                    intensity,
-                });
+                let around = if steps.is_empty() { around } else { swept(&around.into(), &steps) };
+                let (two_sided, kind) = (group.two_sided, LightKind::Positional);
+                bounds.push(LightBounds { around, axis, half_angle, two_sided, kind, ..infinite_light(intensity) });
                 lights.push((code, instance, part));
                 starts.push(Start { code, area, is_possible });
             }
@@ -151,7 +139,7 @@ impl Builder<'_> {
 
     /// Adds entries that stand for the parts of a primitive's lights, which are lights from `first` on.
     fn add_parts(&mut self, primitive: &Primitive<'_>, index: u32, first: usize, parts: &[usize]) {
-        self.set_light_of(primitive, index, self.flat.lights.len() as u32);
+        self.set_light(primitive, index, self.flat.lights.len() as u32);
         let mut next = first as u32;
         self.flat.lights.extend(parts.iter().map(|count| {
             let trail = next;
@@ -291,7 +279,7 @@ impl Builder<'_> {
     /// Notes that these are not sampled.
     fn leave_out(&mut self, groups: &[LightGroup<'_>]) {
         for group in groups {
-            self.set_light(group, NOT_SAMPLED);
+            self.set_light(group.primitive, group.index, NOT_SAMPLED);
             let (_, material) = &self.scene.materials[group.primitive.material as usize];
             let texture = material.model().emission().map(|emission| emission.slot.texture);
             let brightest = texture.map_or(0.0, |texture| texture.brightest(&self.scene.bitmaps));
@@ -328,10 +316,7 @@ impl Builder<'_> {
                 total: total as u64,
                 reason: format!("\"{name}\" at {location}: {MOST_LIGHTS} at most are sampled"),
             };
-            let objects = match left.len() {
-                1 => "1 object".to_string(),
-                n => format!("{n} objects"),
-            };
+            let objects = counted(left.len() as u64, "object");
             self.flat.warnings.push(format!(
                 "{location}: materials[\"{name}\"]: {total} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
                  {count} of them, on {objects}, are found by BSDF sampling alone, with more noise: use emitters with fewer faces"
@@ -343,13 +328,11 @@ impl Builder<'_> {
     }
 
     /// Stores the index of its first light in a primitive, or that it is not sampled.
-    fn set_light(&mut self, group: &LightGroup<'_>, light: u32) {
-        self.set_light_of(group.primitive, group.index, light);
-    }
-
-    fn set_light_of(&mut self, primitive: &Primitive<'_>, index: u32, light: u32) {
-        let layout = self.layout_of(&primitive.shape);
-        primitive.shape.set_light(&mut self.flat.shapes, index as usize, layout, light);
+    fn set_light(&mut self, primitive: &Primitive<'_>, index: u32, light: u32) {
+        // Kernels add it to the number of a mesh's face.
+        let first_face = self.layout_of(&primitive.shape).first_face;
+        let light = if light == NOT_SAMPLED { light } else { light.wrapping_sub(first_face) };
+        *(primitive.shape.kind().table.light)(&mut self.flat.shapes, index as usize) = light;
     }
 
     /// The lights of a primitive. `radiance` is the luminance of its mean emission.

@@ -94,13 +94,12 @@ fn acceleration(steps: &[MotionStep], center: DVec3, radius: f64, part: (f64, f6
 
 /// A box around a shape on all its way. The shape and the steps are in one space.
 pub fn swept(shape: &BoundingShape, steps: &[MotionStep]) -> Aabb {
-    let (low, high) = shape.bounds();
-    let rest = Aabb { min: low, max: high };
+    let rest = shape.bounds();
     if steps.is_empty() {
         return rest;
     }
     // Of a ball, the centre moves.
-    let half = 0.5 * (high - low).length();
+    let half = 0.5 * (rest.max - rest.min).length();
     let (points, radius, around_points) = match *shape {
         BoundingShape::Ball { center, radius } => (vec![center], 0.0, radius * largest_scale(steps)),
         _ => (shape.corners(), half, 0.0),

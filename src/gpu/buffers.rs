@@ -40,18 +40,6 @@ impl<'a> BufferSpec<'a> {
         BufferSpec { size, ..self }
     }
 
-    /// This buffer with what a user can do to make it smaller.
-    #[must_use]
-    pub fn shrunk_by(self, remedy: Option<String>) -> BufferSpec<'a> {
-        BufferSpec { remedy, ..self }
-    }
-
-    /// This buffer with the size and the bytes of each image in it.
-    #[must_use]
-    pub fn with_largest(self, images: impl Iterator<Item = ((u32, u32), u64)>) -> BufferSpec<'a> {
-        BufferSpec { largest: images.max_by_key(|(_, bytes)| *bytes), ..self }
-    }
-
     /// Small, read by all kernels, written by the host.
     pub fn uniform(name: &'static str, bytes: u64, why: &'static str) -> BufferSpec<'a> {
         BufferSpec::new(name, bytes, wgpu::BufferUsages::UNIFORM, why)

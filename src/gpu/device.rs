@@ -46,18 +46,25 @@ impl AdapterName {
     /// The name of an adapter.
     pub fn from_adapter(adapter: &wgpu::Adapter) -> AdapterName {
         let info = adapter.get_info();
-        let kind = match info.device_type {
-            wgpu::DeviceType::DiscreteGpu => "discrete GPU",
-            wgpu::DeviceType::IntegratedGpu => "integrated GPU",
-            wgpu::DeviceType::VirtualGpu => "virtual GPU",
-            wgpu::DeviceType::Cpu => "software",
-            wgpu::DeviceType::Other => "other",
-        };
+        let (_, kind) = KINDS[rank(info.device_type)];
         let software = info.device_type == wgpu::DeviceType::Cpu;
         let driver = format!("{} {}", info.driver, info.driver_info).trim().to_string();
         let backend = info.backend.to_string();
         AdapterName { name: info.name, driver, backend, pci_bus_id: info.device_pci_bus_id, kind, software }
     }
+}
+
+/// The kinds of adapters, the most capable ones first.
+const KINDS: [(wgpu::DeviceType, &str); 5] = [
+    (wgpu::DeviceType::DiscreteGpu, "discrete GPU"),
+    (wgpu::DeviceType::IntegratedGpu, "integrated GPU"),
+    (wgpu::DeviceType::VirtualGpu, "virtual GPU"),
+    (wgpu::DeviceType::Other, "other"),
+    (wgpu::DeviceType::Cpu, "software"),
+];
+
+fn rank(kind: wgpu::DeviceType) -> usize {
+    KINDS.iter().position(|(known, _)| *known == kind).unwrap_or_default()
 }
 
 impl Adapters {
@@ -121,13 +128,7 @@ impl Adapters {
         match spec {
             Some(spec) => index_by_spec(&names, spec),
             None => {
-                let rank = |index: &usize| match self.list[*index].get_info().device_type {
-                    wgpu::DeviceType::DiscreteGpu => 0,
-                    wgpu::DeviceType::IntegratedGpu => 1,
-                    wgpu::DeviceType::VirtualGpu => 2,
-                    wgpu::DeviceType::Other => 3,
-                    wgpu::DeviceType::Cpu => 4,
-                };
+                let rank = |index: &usize| rank(self.list[*index].get_info().device_type);
                 Ok((0..names.len()).min_by_key(rank).unwrap_or_default())
             }
         }

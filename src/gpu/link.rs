@@ -50,15 +50,8 @@ pub struct Choices {
     pub generated: BTreeMap<&'static str, String>,
 }
 
-impl Choices {
-    /// The reason for a fact that holds.
-    pub fn reason(&self, fact: &str) -> Option<&Reason> {
-        reason_of(&self.facts, fact)
-    }
-}
-
 /// A linked shader: its text, the origin of each line, and its modules.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Linked {
     pub root: String,
     pub text: String,
@@ -88,17 +81,7 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
         choices,
         generated: &Vocabulary::of(choices.generated.iter().map(|(module, text)| (*module, text.as_str()))),
         done: BTreeSet::new(),
-        linked: Linked {
-            root: root.to_string(),
-            text: String::new(),
-            lines: Vec::new(),
-            modules: Vec::new(),
-            relies: Vec::new(),
-            used_by: BTreeMap::new(),
-            why: BTreeMap::new(),
-            choices: BTreeMap::new(),
-            values: BTreeMap::new(),
-        },
+        linked: Linked { root: root.to_string(), ..Linked::default() },
         joined: Vec::new(),
         uses: Vec::new(),
         filled: Vec::new(),

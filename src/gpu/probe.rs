@@ -62,8 +62,7 @@ pub fn run(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     let bindings = layout::bindings(&module)?;
     let bytes = size_of_val(trials) as u64;
     let why = "the numerics probe";
-    let mut questions = BufferSpec::uniform("trials", bytes, why);
-    questions.contents = vec![bytemuck::cast_slice(trials).into()];
+    let questions = BufferSpec::table("trials", bytemuck::cast_slice(trials).into(), bytes, why);
     let answers_bytes = (trials.len() * size_of::<Answer>()) as u64;
     let buffers = Buffers::create(device, &[questions, BufferSpec::working("answers", answers_bytes, why)])?;
     let spec = PipelineSpec {
@@ -78,10 +77,7 @@ pub fn run(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     let pipeline = Pipeline::new(device, &spec, &buffers)?;
     let readback = Readback::new(device, "answers", answers_bytes);
     let mut encoder = device.encoder("probe");
-    {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pipeline.dispatch(&mut pass, 1);
-    }
+    pipeline.dispatch(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), 1);
     readback.copy(device, &mut encoder, buffers.get("answers")?, 0, answers_bytes)?;
     let answers: Vec<Answer> =
         readback.read(device, device.submit(encoder), answers_bytes, bytemuck::pod_collect_to_vec)?;

@@ -77,7 +77,7 @@ fn declarations<'a>(lines: &[&'a str]) -> Vec<Declaration<'a>> {
 }
 
 /// The words of a line, each with its place.
-fn words(code: &str) -> impl Iterator<Item = (usize, &str)> {
+pub fn words(code: &str) -> impl Iterator<Item = (usize, &str)> {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut at = 0;
     std::iter::from_fn(move || {

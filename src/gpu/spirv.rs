@@ -41,7 +41,7 @@ fn fault(what: &str, error: &dyn std::fmt::Display) -> Error {
 /// `Error::Shader` if naga cannot write it, which is a defect of gpu-rt.
 pub fn size(module: &Module, entry_point: &str, overrides: &[(&str, f64)]) -> Result<KernelSize> {
     let words = written(module, entry_point, overrides, BindingMap::default(), BoundsCheckPolicy::Restrict)?;
-    Ok(KernelSize { instructions: instructions(&words), bytes: words.len() as u64 * 4 })
+    Ok(KernelSize { instructions: instructions_of(&words).count() as u64, bytes: words.len() as u64 * 4 })
 }
 
 /// A kernel with these values of its overrides, in which no product is fused with a sum, for a device that checks buffers itself. (Mesa 22.3.6
@@ -128,11 +128,6 @@ pub fn with_no_contraction(words: &[u32]) -> Vec<u32> {
     before.iter().copied().chain(decorations.flatten()).chain(after.iter().copied()).collect()
 }
 
-/// The number of instructions.
-fn instructions(words: &[u32]) -> u64 {
-    instructions_of(words).count() as u64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,7 +151,7 @@ mod tests {
         let decorated = |words: &[u32]| count(words, &|opcode, own| opcode == DECORATE && own[2] == NO_CONTRACTION);
         // A negation, the product of a matrix, that by a number, a sum, a quotient, a dot product and a difference.
         assert_eq!((arithmetic, decorated(&plain), decorated(&exact)), (7, 0, 7));
-        assert_eq!(instructions(&exact), instructions(&plain) + 7);
+        assert_eq!(instructions_of(&exact).count(), instructions_of(&plain).count() + 7);
         // Bindings 3 and 7 are 0 and 1.
         let of_binding = |own: &[u32]| own.get(2) == Some(&33);
         let mut bindings: Vec<u32> = instructions_of(&exact)

@@ -41,16 +41,13 @@ impl StageTimes {
         }
         for (name, pair) in names.into_iter().zip(ticks.chunks_exact(16)) {
             let (begin, end) = pair.split_at(8);
-            self.add(name, (tick(begin), tick(end)), seconds_per_tick);
+            let (begin, end) = (tick(begin), tick(end));
+            *self.seconds.entry(name).or_default() += end.saturating_sub(begin) as f64 * seconds_per_tick;
+            let (first, last) = self.span.unwrap_or((begin, begin));
+            // Passes may overlap.
+            self.busy += end.saturating_sub(begin.max(last));
+            self.span = Some((first, last.max(end)));
         }
-    }
-
-    fn add(&mut self, name: String, (begin, end): (u64, u64), seconds_per_tick: f64) {
-        *self.seconds.entry(name).or_default() += end.saturating_sub(begin) as f64 * seconds_per_tick;
-        let (first, last) = self.span.unwrap_or((begin, begin));
-        // Passes may overlap.
-        self.busy += end.saturating_sub(begin.max(last));
-        self.span = Some((first, last.max(end)));
     }
 }
 

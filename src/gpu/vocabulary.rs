@@ -25,11 +25,10 @@ impl Vocabulary {
     /// themselves. Types and constants begin with a capital, and a function is called.
     pub fn used(&self, lines: &[&str], own: &[&str]) -> BTreeMap<&str, usize> {
         let mut used = BTreeMap::new();
-        let is_word = |c: char| c.is_alphanumeric() || c == '_';
-        for (index, line) in lines.iter().enumerate() {
-            for piece in reach::code(line).split_inclusive(|c| !is_word(c)) {
-                let word = piece.trim_end_matches(|c| !is_word(c));
-                let is_name = piece.ends_with('(') || word.starts_with(|c: char| c.is_ascii_uppercase());
+        for (index, code) in lines.iter().map(|line| reach::code(line)).enumerate() {
+            for (start, word) in reach::words(code) {
+                let is_call = code[start + word.len()..].starts_with('(');
+                let is_name = is_call || word.starts_with(|c: char| c.is_ascii_uppercase());
                 if is_name && let Some(module) = self.0.get(word).filter(|_| !own.contains(&word)) {
                     used.entry(module.as_str()).or_insert(index);
                 }

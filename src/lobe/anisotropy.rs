@@ -2,11 +2,11 @@
 
 use super::kind::{Gltf, Lobe, To, field};
 use crate::material::declared::conductor::FIELDS;
-use crate::material::{Pbr, Row, RowKind, Slot};
+use crate::material::{Pbr, Row, RowKind, Sets, Slot};
 use crate::texture::{Texture, Use};
 
 /// The direction, and the share of its strength, with the cosine and the sine by which it is turned.
-pub const ANISOTROPY: &RowKind = &RowKind::own("anisotropy", &["strength", "cosine", "sine"]);
+pub const ANISOTROPY: &RowKind = &RowKind::new("anisotropy", &["strength", "cosine", "sine"], Sets::Own);
 
 pub const LOBE: Lobe = Lobe {
     label: Some("anisotropy"),

@@ -7,10 +7,10 @@ use crate::material::{Along, Pbr, Row, RowKind, Sets, Slot, is_zero, varying, wi
 use crate::texture::Use;
 
 /// The share of the coat, with its roughness and its reflectance for light straight on it.
-const COAT: &RowKind = &RowKind::lobe("coat", &["roughness", "f0"]);
-const COAT_ROUGHNESS: &RowKind = &RowKind::share("coat_roughness", "lobes.coat_roughness");
+const COAT: &RowKind = &RowKind::new("coat", &["roughness", "f0"], Sets::Lobe);
+const COAT_ROUGHNESS: &RowKind = &RowKind::new("coat_roughness", &[], Sets::Share("lobes.coat_roughness"));
 /// The normal map. Shaders read its scale as `${normal.scale}`, so that it names no number.
-const COAT_NORMAL: &RowKind = &RowKind { name: "coat_normal", numbers: &[], sets: Sets::Texel("coat_normal") };
+const COAT_NORMAL: &RowKind = &RowKind::new("coat_normal", &[], Sets::Texel("coat_normal"));
 
 pub const LOBE: Lobe = Lobe {
     label: Some("pbr coat"),

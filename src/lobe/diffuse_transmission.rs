@@ -3,12 +3,12 @@
 use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
-use crate::material::{Pbr, Row, RowKind, Slot, is_zero, varying};
+use crate::material::{Pbr, Row, RowKind, Sets, Slot, is_zero, varying};
 use crate::texture::Use;
 
 /// The colour of the light that passes, with its share.
-pub const DIFFUSE_TRANSMISSION: &RowKind = &RowKind::lobe("diffuse_transmission", &["share"]);
-const SHARE: &RowKind = &RowKind::share("diffuse_transmission_share", "lobes.through");
+pub const DIFFUSE_TRANSMISSION: &RowKind = &RowKind::new("diffuse_transmission", &["share"], Sets::Lobe);
+const SHARE: &RowKind = &RowKind::new("diffuse_transmission_share", &[], Sets::Share("lobes.through"));
 
 pub const LOBE: Lobe = Lobe {
     label: Some("pbr diffuse transmission"),

@@ -2,10 +2,10 @@
 
 use super::kind::{Gltf, Lobe, To, field};
 use crate::material::declared::dielectric::FIELDS;
-use crate::material::{MOST_DISPERSION, Row, RowKind};
+use crate::material::{MOST_DISPERSION, Row, RowKind, Sets};
 
 /// The index of blue less that of green, which is that of green less that of red.
-pub const DISPERSION: &RowKind = &RowKind::own("dispersion", &["spread"]);
+pub const DISPERSION: &RowKind = &RowKind::new("dispersion", &["spread"], Sets::Own);
 
 pub const LOBE: Lobe = Lobe {
     label: Some("dispersion"),

@@ -3,13 +3,13 @@
 use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
-use crate::material::{MOST_IOR, MOST_THICKNESS, Pbr, Row, RowKind, Slot, is_zero};
+use crate::material::{MOST_IOR, MOST_THICKNESS, Pbr, Row, RowKind, Sets, Slot, is_zero};
 use crate::texture::Use;
 
 /// The share of the film, with its index of refraction and its thickness in nm.
-const IRIDESCENCE: &RowKind = &RowKind::lobe("iridescence", &["ior", "thickness"]);
+const IRIDESCENCE: &RowKind = &RowKind::new("iridescence", &["ior", "thickness"], Sets::Lobe);
 /// The thickness in nm where it varies, from the least to the most.
-const IRIDESCENCE_THICKNESS: &RowKind = &RowKind::own("iridescence_thickness", &["least", "most"]);
+const IRIDESCENCE_THICKNESS: &RowKind = &RowKind::new("iridescence_thickness", &["least", "most"], Sets::Own);
 
 pub const LOBE: Lobe = Lobe {
     label: Some("pbr film"),

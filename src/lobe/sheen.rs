@@ -6,11 +6,11 @@ use std::f64::consts::{PI, TAU};
 use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
 use crate::material::declared::pbr::FIELDS;
-use crate::material::{LobeWidth, Pbr, Row, RowKind, Slot, is_zero, varying};
+use crate::material::{LobeWidth, Pbr, Row, RowKind, Sets, Slot, is_zero, varying};
 use crate::texture::Use;
 
-const SHEEN: &RowKind = &RowKind::lobe("sheen", &["roughness"]);
-const SHEEN_ROUGHNESS: &RowKind = &RowKind::share("sheen_roughness", "lobes.sheen_roughness");
+const SHEEN: &RowKind = &RowKind::new("sheen", &["roughness"], Sets::Lobe);
+const SHEEN_ROUGHNESS: &RowKind = &RowKind::new("sheen_roughness", &[], Sets::Share("lobes.sheen_roughness"));
 
 pub const LOBE: Lobe = Lobe {
     label: Some("pbr sheen"),

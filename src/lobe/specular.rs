@@ -2,13 +2,13 @@
 
 use super::kind::Lobe;
 use crate::material::declared::pbr::FIELDS;
-use crate::material::{Pbr, Row, RowKind, Slot, is_white, is_zero};
+use crate::material::{Pbr, Row, RowKind, Sets, Slot, is_white, is_zero};
 use crate::texture::Use;
 
 /// The colour multiplies what the layer reflects of light straight on it, and the share what it reflects at all angles.
-const SPECULAR: &RowKind = &RowKind::own("specular", &["share"]);
+const SPECULAR: &RowKind = &RowKind::new("specular", &["share"], Sets::Own);
 /// The share, where it varies.
-const SPECULAR_SHARE: &RowKind = &RowKind::own("specular_share", &[]);
+const SPECULAR_SHARE: &RowKind = &RowKind::new("specular_share", &[], Sets::Own);
 
 /// Kernels read the layer as such if it is not plain, and below a film.
 pub const LOBE: Lobe = Lobe {

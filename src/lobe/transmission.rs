@@ -3,12 +3,13 @@
 use super::kind::Lobe;
 use crate::material::declared::pbr::FIELDS;
 use crate::material::{
-    Along, Pbr, Row, RowKind, Slot, glass_numbers, is_zero, widths_of_boundary, widths_of_facets, widths_of_roughness,
+    Along, Pbr, Row, RowKind, Sets, Slot, glass_numbers, is_zero, widths_of_boundary, widths_of_facets,
+    widths_of_roughness,
 };
 use crate::texture::Use;
 
 /// The share of glass, with its index of refraction, 0 of a pane, and its contrasts from outside and from inside (lib/fresnel).
-pub const TRANSMISSION: &RowKind = &RowKind::own("transmission", &["ior", "outside", "inside"]);
+pub const TRANSMISSION: &RowKind = &RowKind::new("transmission", &["ior", "outside", "inside"], Sets::Own);
 
 pub const LOBE: Lobe = Lobe {
     label: Some("pbr transmission"),

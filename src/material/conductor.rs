@@ -2,7 +2,7 @@
 
 use super::declared::Conductor;
 use super::declared::conductor::FIELDS;
-use super::model::{MaterialKind, Model};
+use super::model::{MaterialKind, Model, with_numbers};
 use super::row::{MULTISCATTER, NORMAL, ROUGHNESS, Slot, varying};
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
@@ -11,15 +11,10 @@ use crate::lobe::anisotropy::{self, ANISOTROPY};
 use crate::texture::{Colour, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
-    shader: "conductor",
     numbers: &["roughness"],
     second_part: &["is_measured"],
-    widths: ANY_WIDTH,
-    is_transmissive: false,
-    is_pane: false,
-    emits: false,
     rows: &[ROUGHNESS, MULTISCATTER, NORMAL, ANISOTROPY],
-    has_lobes: false,
+    ..MaterialKind::new("conductor", ANY_WIDTH)
 };
 
 impl Conductor {
@@ -28,7 +23,7 @@ impl Conductor {
         let (albedo, eta, k) = (self.albedo.as_ref(), self.eta, self.k);
         let is_complete =
             albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
-        let is_measured = f32::from(u8::from(eta.is_some()));
+        let is_measured = f64::from(u8::from(eta.is_some()));
         let model = Model {
             slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
             widths: vec![LobeWidth::of_facets(roughness, 0.0)],
@@ -38,18 +33,18 @@ impl Conductor {
                 // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it
                 // reflects.
                 colour: f32s(eta.map_or(Colour::ZERO, |eta| eta - 1.0)),
-                numbers: [roughness as f32, 0.0, 0.0],
-                ..data::Material::default()
+                ..with_numbers([roughness, 0.0, 0.0])
             },
             second_part: Some(data::Material {
                 colour: f32s(k.unwrap_or_default()),
-                numbers: [is_measured, 0.0, 0.0],
                 texture: data::NO_TEXTURE,
-                ..data::Material::default()
+                ..with_numbers([is_measured, 0.0, 0.0])
             }),
             ..Model::default()
         };
-        let model = model.scattering_many_times(self.multiscatter).bumped(&self.normal, self.normal_scale);
+        let model = model
+            .flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter)
+            .bumped(&self.normal, self.normal_scale);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
 

@@ -1,5 +1,7 @@
 //! Materials as the scene file writes them. A field that several materials have is described by the first of them.
 
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -279,45 +281,13 @@ declare! {
 }
 
 impl Default for Pbr {
-    /// A white metal that is as rough as can be, as glTF has it.
+    /// A white metal that is as rough as can be, as glTF has it: what a file has that gives nothing.
     fn default() -> Pbr {
-        Pbr {
-            base_color: white(),
-            metallic: white(),
-            roughness: white(),
-            ior: 1.5,
-            specular: white(),
-            specular_color: white(),
-            transmission: zero(),
-            solid: false,
-            absorption: None,
-            dispersion: 0.0,
-            diffuse_transmission: zero(),
-            diffuse_transmission_color: white(),
-            iridescence: zero(),
-            iridescence_ior: 1.3,
-            iridescence_thickness: 400.0,
-            iridescence_thickness_min: 100.0,
-            iridescence_thickness_texture: white(),
-            coat: zero(),
-            coat_roughness: zero(),
-            coat_ior: 1.5,
-            coat_normal: None,
-            coat_normal_scale: 1.0,
-            sheen: zero(),
-            sheen_roughness: zero(),
-            multiscatter: false,
-            emission: None,
-            alpha: white(),
-            alpha_cutoff: None,
-            vertex_colors: false,
-            vertex_alpha: false,
-            anisotropy: 0.0,
-            anisotropy_rotation: 0.0,
-            anisotropy_texture: None,
-            normal: None,
-            normal_scale: 1.0,
-        }
+        static OF_FILES: LazyLock<Pbr> = LazyLock::new(|| match ron::from_str("Pbr()") {
+            Ok(Material::Pbr(pbr)) => pbr,
+            other => panic!("a field of Pbr has no default: {other:?}"),
+        });
+        OF_FILES.clone()
     }
 }
 
@@ -333,66 +303,33 @@ impl Pbr {
     }
 }
 
+/// Declares defaults as serde calls them: the value, and whether a field has it.
+macro_rules! defaults {
+    ($($default:ident, $is_default:ident: $type:ty = $value:expr;)*) => { $(
+        fn $default() -> $type {
+            $value
+        }
+
+        pub fn $is_default(value: &$type) -> bool {
+            *value == $default()
+        }
+    )* };
+}
+
+defaults! {
+    white, is_white: Texture = Texture::grey(1.0);
+    zero, is_zero: Texture = Texture::grey(0.0);
+    one, is_one: f64 = 1.0;
+    index_of_glass, is_index_of_glass: f64 = 1.5;
+    index_of_film, is_index_of_film: f64 = 1.3;
+    thickness_of_film, is_thickness_of_film: f64 = 400.0;
+    least_thickness_of_film, is_least_thickness_of_film: f64 = 100.0;
+}
+
 fn yes() -> bool {
     true
 }
 
-fn white() -> Texture {
-    Texture::Rgb(1.0, 1.0, 1.0)
-}
-
-pub fn is_white(texture: &Texture) -> bool {
-    *texture == white()
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn is_one(number: &f64) -> bool {
-    *number == 1.0
-}
-
 fn is_none(number: &f64) -> bool {
     *number == 0.0
-}
-
-fn zero() -> Texture {
-    Texture::grey(0.0)
-}
-
-fn is_index_of_glass(ior: &f64) -> bool {
-    *ior == index_of_glass()
-}
-
-pub fn is_zero(texture: &Texture) -> bool {
-    *texture == zero()
-}
-
-fn index_of_film() -> f64 {
-    1.3
-}
-
-fn is_index_of_film(ior: &f64) -> bool {
-    *ior == index_of_film()
-}
-
-fn thickness_of_film() -> f64 {
-    400.0
-}
-
-fn is_thickness_of_film(thickness: &f64) -> bool {
-    *thickness == thickness_of_film()
-}
-
-fn least_thickness_of_film() -> f64 {
-    100.0
-}
-
-fn is_least_thickness_of_film(thickness: &f64) -> bool {
-    *thickness == least_thickness_of_film()
-}
-
-fn index_of_glass() -> f64 {
-    1.5
 }

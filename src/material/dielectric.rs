@@ -3,21 +3,16 @@
 use super::boundary::glass_numbers;
 use super::declared::Dielectric;
 use super::declared::dielectric::FIELDS;
-use super::model::{MaterialKind, Model};
+use super::model::{MaterialKind, Model, with_numbers};
 use super::width::LobeWidth;
-use crate::data;
 use crate::lobe::dispersion::DISPERSION;
+use crate::texture::{Colour, Texture};
 
 pub const KIND: MaterialKind = MaterialKind {
-    shader: "dielectric",
     numbers: &["ior", "outside", "inside"],
-    second_part: &[],
-    widths: &[LobeWidth::Specular],
     is_transmissive: true,
-    is_pane: false,
-    emits: false,
     rows: &[DISPERSION],
-    has_lobes: false,
+    ..MaterialKind::new("dielectric", &[LobeWidth::Specular])
 };
 
 /// A refractive index within this of 1, but not 1, is visible only at grazing incidence: rays are bent by |n - 1| tan θ.
@@ -25,22 +20,20 @@ const NEAR_ONE: f64 = 1e-6;
 
 impl Dielectric {
     pub fn model(&self) -> Model<'_> {
-        let model = glass(self.ior).tinted(&self.transmittance).absorbing(self.absorption);
-        model.dispersing(self.ior, self.dispersion)
+        glass(self.ior, &self.transmittance, self.absorption, self.dispersion)
     }
 }
 
 /// Clear glass of this index.
-pub fn glass(ior: f64) -> Model<'static> {
-    Model {
+pub fn glass(ior: f64, tint: &Option<Texture>, absorption: Option<Colour>, dispersion: f64) -> Model<'_> {
+    let model = Model {
         widths: vec![LobeWidth::Specular],
         warning: warning(ior).map(|warning| (&FIELDS.ior, warning)),
-        on_device: data::Material {
-            numbers: glass_numbers(ior).map(|number| number as f32),
-            ..data::Material::default()
-        },
+        on_device: with_numbers(glass_numbers(ior)),
+        absorption,
         ..Model::default()
-    }
+    };
+    model.tinted(tint).dispersing(ior, dispersion)
 }
 
 fn warning(ior: f64) -> Option<String> {

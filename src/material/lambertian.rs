@@ -8,15 +8,8 @@ use super::width::LobeWidth;
 use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
-    shader: "lambertian",
-    numbers: &[],
-    second_part: &[],
-    widths: &[LobeWidth::Wide],
-    is_transmissive: false,
-    is_pane: false,
-    emits: false,
     rows: &[EMISSION, ALPHA, VERTEX_COLOURS, VERTEX_ALPHA, VERTEX_EMISSION, NORMAL],
-    has_lobes: false,
+    ..MaterialKind::new("lambertian", &[LobeWidth::Wide])
 };
 
 impl Lambertian {
@@ -27,7 +20,8 @@ impl Lambertian {
             ..Model::default()
         };
         let model = model.emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
-        let model = model.coloured_by_vertices(self.vertex_colors).emissive_by_vertices(self.vertex_emission);
+        let model = model.flagged(&FIELDS.vertex_colors, VERTEX_COLOURS, self.vertex_colors);
+        let model = model.flagged(&FIELDS.vertex_emission, VERTEX_EMISSION, self.vertex_emission);
         model.bumped(&self.normal, self.normal_scale)
     }
 }

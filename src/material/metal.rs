@@ -2,23 +2,12 @@
 
 use super::declared::Metal;
 use super::declared::metal::FIELDS;
-use super::model::{MaterialKind, Model};
+use super::model::{MaterialKind, Model, with_numbers};
 use super::row::Slot;
 use super::width::{ANY_WIDTH, LobeWidth};
-use crate::data;
 use crate::texture::Use;
 
-pub const KIND: MaterialKind = MaterialKind {
-    shader: "metal",
-    numbers: &["fuzz"],
-    second_part: &[],
-    widths: ANY_WIDTH,
-    is_transmissive: false,
-    is_pane: false,
-    emits: false,
-    rows: &[],
-    has_lobes: false,
-};
+pub const KIND: MaterialKind = MaterialKind { numbers: &["fuzz"], ..MaterialKind::new("metal", ANY_WIDTH) };
 
 impl Metal {
     pub fn model(&self) -> Model<'_> {
@@ -27,7 +16,7 @@ impl Metal {
         Model {
             slot: Some(Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture: &self.albedo }),
             widths: vec![if fuzz > 0.0 { LobeWidth::of_width(fuzz) } else { LobeWidth::Specular }],
-            on_device: data::Material { numbers: [fuzz, 0.0, 0.0], ..data::Material::default() },
+            on_device: with_numbers([self.fuzz, 0.0, 0.0]),
             ..Model::default()
         }
     }

@@ -1,6 +1,6 @@
 //! The properties of materials, as the rest of the host sees them.
 
-use super::declared::{conductor, dielectric, is_white, is_zero, lambertian};
+use super::declared::{dielectric, is_white, is_zero, lambertian};
 use super::row::{
     ALPHA, EMISSION, MULTISCATTER, NORMAL, ROUGHNESS, Row, RowKind, Slot, VERTEX_ALPHA, VERTEX_COLOURS, VERTEX_EMISSION,
 };
@@ -41,6 +41,21 @@ pub struct MaterialKind {
 }
 
 impl MaterialKind {
+    /// A kind with lobes of these widths that has nothing else.
+    pub const fn new(shader: &'static str, widths: &'static [LobeWidth]) -> MaterialKind {
+        MaterialKind {
+            shader,
+            numbers: &[],
+            second_part: &[],
+            widths,
+            is_transmissive: false,
+            is_pane: false,
+            emits: false,
+            rows: &[],
+            has_lobes: false,
+        }
+    }
+
     /// Whether materials of the kind may have such a row.
     pub fn can_have(&self, row: &RowKind) -> bool {
         self.rows.contains(&row) || self.has_lobes && LOBES.iter().any(|lobe| lobe.rows.contains(&row))
@@ -126,31 +141,10 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// Makes a clear solid absorb this much per scene unit.
-    pub fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
-        self.absorption = absorption;
-        self
-    }
-
     /// Adds a row if `is_there`. Its data lie elsewhere, so it is white.
-    fn flagged(mut self, field: &'static Field, kind: &'static RowKind, is_there: bool) -> Model<'a> {
+    pub fn flagged(mut self, field: &'static Field, kind: &'static RowKind, is_there: bool) -> Model<'a> {
         self.rows.extend(is_there.then(|| Row::white(kind, field, &[])));
         self
-    }
-
-    /// Multiplies the colour by those of a mesh's vertices.
-    pub fn coloured_by_vertices(self, has_them: bool) -> Model<'a> {
-        self.flagged(&lambertian::FIELDS.vertex_colors, VERTEX_COLOURS, has_them)
-    }
-
-    /// Multiplies the emitted radiance by the colours of a mesh's vertices.
-    pub fn emissive_by_vertices(self, does: bool) -> Model<'a> {
-        self.flagged(&lambertian::FIELDS.vertex_emission, VERTEX_EMISSION, does)
-    }
-
-    /// Makes up for light that the microfacets scatter more than once.
-    pub fn scattering_many_times(self, does: bool) -> Model<'a> {
-        self.flagged(&conductor::FIELDS.multiscatter, MULTISCATTER, does)
     }
 
     /// Adds a normal map.
@@ -260,6 +254,11 @@ impl<'a> Model<'a> {
     pub fn framed(&self) -> Vec<Slot<'a>> {
         self.slots().filter(Slot::has_frame).collect()
     }
+}
+
+/// A material as kernels read it, with these numbers.
+pub fn with_numbers(numbers: [f64; 3]) -> data::Material {
+    data::Material { numbers: numbers.map(|number| number as f32), ..data::Material::default() }
 }
 
 /// The row of an emission.

@@ -2,27 +2,21 @@
 
 use super::declared::Pbr;
 use super::declared::pbr::FIELDS;
-use super::model::{MaterialKind, Model};
+use super::model::{MaterialKind, Model, with_numbers};
 use super::row::{
     ALPHA, EMISSION, METALLIC, MULTISCATTER, NORMAL, ROUGHNESS, Slot, VERTEX_ALPHA, VERTEX_COLOURS, varying,
 };
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
-use crate::data;
 use crate::lobe::{LOBES, Lobe};
 use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
-    shader: "pbr",
     // f0 is the reflectance of the layer for light straight on it.
     numbers: &["roughness", "f0", "metallic"],
-    second_part: &[],
-    widths: ANY_WIDTH,
-    is_transmissive: false,
-    is_pane: false,
-    emits: false,
     rows: &[EMISSION, ALPHA, VERTEX_COLOURS, VERTEX_ALPHA, ROUGHNESS, METALLIC, MULTISCATTER, NORMAL],
     has_lobes: true,
+    ..MaterialKind::new("pbr", ANY_WIDTH)
 };
 
 impl Pbr {
@@ -37,7 +31,8 @@ impl Pbr {
 
     fn with_lobes(&self, counts: impl Fn(&Lobe) -> bool) -> Model<'_> {
         let model = self.base().emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
-        let model = model.coloured_by_vertices(self.vertex_colors).scattering_many_times(self.multiscatter);
+        let model = model.flagged(&FIELDS.vertex_colors, VERTEX_COLOURS, self.vertex_colors);
+        let model = model.flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter);
         let model = model.bumped(&self.normal, self.normal_scale);
         let lobes = LOBES.iter().filter(|lobe| counts(lobe));
         let model = lobes.fold(model, |model, lobe| model.with_rows((lobe.rows_of)(self)));
@@ -45,7 +40,7 @@ impl Pbr {
             .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
         let disperses_nothing = (self.dispersion != 0.0 && !self.has_inside())
             .then_some("no dispersion without `solid: true` and a transmission: it is of light that a body bends");
-        Model { lacks: lacks.or(disperses_nothing), ..model.absorbing(self.absorption) }
+        Model { lacks: lacks.or(disperses_nothing), absorption: self.absorption, ..model }
     }
 
     /// The widths of its lobes. Those of a roughness that varies are as narrow as its least number makes them, and wider.
@@ -77,10 +72,7 @@ impl Pbr {
             slot: Some(Slot { field: &FIELDS.base_color, usage: Use::Albedo, texture: &self.base_color }),
             widths: body.into_iter().chain([LobeWidth::of_facets(roughness, 0.0)]).collect(),
             rows: varying_roughness.into_iter().chain(varying_metallic).collect(),
-            on_device: data::Material {
-                numbers: [roughness, f0, metallic].map(|number| number as f32),
-                ..data::Material::default()
-            },
+            on_device: with_numbers([roughness, f0, metallic]),
             ..Model::default()
         }
     }

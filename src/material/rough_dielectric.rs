@@ -4,7 +4,7 @@ use super::boundary::{glass_numbers, widths_of_boundary};
 use super::declared::RoughDielectric;
 use super::declared::rough_dielectric::FIELDS;
 use super::dielectric;
-use super::model::{MaterialKind, Model};
+use super::model::{MaterialKind, Model, with_numbers};
 use super::row::{NORMAL, ROUGHNESS, varying};
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_roughness};
 use crate::bitmap::Bitmaps;
@@ -14,36 +14,25 @@ use crate::lobe::dispersion::DISPERSION;
 use crate::texture::Colour;
 
 pub const KIND: MaterialKind = MaterialKind {
-    shader: "rough_dielectric",
     numbers: &["roughness", "outside", "inside"],
     second_part: &["ior"],
-    widths: ANY_WIDTH,
     is_transmissive: true,
-    is_pane: false,
-    emits: false,
     rows: &[ROUGHNESS, NORMAL, ANISOTROPY, DISPERSION],
-    has_lobes: false,
+    ..MaterialKind::new("rough_dielectric", ANY_WIDTH)
 };
 
 impl RoughDielectric {
     pub fn model(&self) -> Model<'_> {
         let [ior, outside, inside] = glass_numbers(self.ior);
         let (roughness, varying) = varying(ROUGHNESS, &FIELDS.roughness, &self.roughness);
+        let glass = self.as_smooth_glass();
         let model = Model {
             widths: widths_of_boundary(self.ior, roughness, 0.0),
-            rows: varying.into_iter().collect(),
-            on_device: data::Material {
-                numbers: [roughness, outside, inside].map(|number| number as f32),
-                ..data::Material::default()
-            },
-            second_part: Some(data::Material {
-                numbers: [ior as f32, 0.0, 0.0],
-                texture: NO_TEXTURE,
-                ..data::Material::default()
-            }),
-            ..dielectric::glass(self.ior)
+            rows: varying.into_iter().chain(glass.rows).collect(),
+            on_device: data::Material { colour: glass.on_device.colour, ..with_numbers([roughness, outside, inside]) },
+            second_part: Some(data::Material { texture: NO_TEXTURE, ..with_numbers([ior, 0.0, 0.0]) }),
+            ..glass
         };
-        let model = model.dispersing(self.ior, self.dispersion).tinted(&self.transmittance).absorbing(self.absorption);
         let model = model.bumped(&self.normal, self.normal_scale);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
@@ -64,7 +53,6 @@ impl RoughDielectric {
 
     /// The clear glass that it is where it is smooth.
     pub fn as_smooth_glass(&self) -> Model<'_> {
-        let glass = dielectric::glass(self.ior).tinted(&self.transmittance).absorbing(self.absorption);
-        glass.dispersing(self.ior, self.dispersion)
+        dielectric::glass(self.ior, &self.transmittance, self.absorption, self.dispersion)
     }
 }

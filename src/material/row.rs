@@ -29,34 +29,19 @@ pub enum Sets {
 }
 
 impl RowKind {
-    const fn new(name: &'static str, numbers: &'static [&'static str], sets: Sets) -> RowKind {
+    pub const fn new(name: &'static str, numbers: &'static [&'static str], sets: Sets) -> RowKind {
         RowKind { name, numbers, sets }
-    }
-
-    /// A number that varies over the surface.
-    pub const fn share(name: &'static str, member: &'static str) -> RowKind {
-        RowKind::new(name, &[], Sets::Share(member))
-    }
-
-    /// The row of a lobe, which has its name.
-    pub const fn lobe(name: &'static str, numbers: &'static [&'static str]) -> RowKind {
-        RowKind::new(name, numbers, Sets::Lobe)
-    }
-
-    /// A row with a module of its own.
-    pub const fn own(name: &'static str, numbers: &'static [&'static str]) -> RowKind {
-        RowKind::new(name, numbers, Sets::Own)
     }
 }
 
 /// The radiance that it emits in addition to what it scatters: to both sides, or from its front alone.
-pub const EMISSION: &RowKind = &RowKind::own("emission", &["two_sided"]);
+pub const EMISSION: &RowKind = &RowKind::new("emission", &["two_sided"], Sets::Own);
 /// The share of light that it stops. With a cutoff, which is not negative, it stops all light or none.
 pub const ALPHA: &RowKind = &RowKind::new("alpha", &["cutoff"], Sets::Nothing);
 /// The roughness of microfacets, where it varies.
-pub const ROUGHNESS: &RowKind = &RowKind::share("roughness", "material.${pbr.roughness}");
+pub const ROUGHNESS: &RowKind = &RowKind::new("roughness", &[], Sets::Share("material.${pbr.roughness}"));
 /// The metallic share, where it varies.
-pub const METALLIC: &RowKind = &RowKind::share("metallic", "material.${pbr.metallic}");
+pub const METALLIC: &RowKind = &RowKind::new("metallic", &[], Sets::Share("material.${pbr.metallic}"));
 /// The normal in the frame of the texture coordinates, whose x and y have the scale as a factor.
 pub const NORMAL: &RowKind = &RowKind::new("normal", &["scale"], Sets::Texel("normal"));
 /// The colours of a mesh's vertices multiply its own. The row is not read.

@@ -3,22 +3,17 @@
 use super::boundary::glass_numbers;
 use super::declared::ThinDielectric;
 use super::declared::thin_dielectric::FIELDS;
-use super::model::{MaterialKind, Model};
+use super::model::{MaterialKind, Model, with_numbers};
 use super::row::{NORMAL, ROUGHNESS, varying};
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
-use crate::data;
 
 pub const KIND: MaterialKind = MaterialKind {
-    shader: "thin_dielectric",
     numbers: &["roughness", "contrast"],
-    second_part: &[],
-    widths: ANY_WIDTH,
     is_transmissive: true,
     is_pane: true,
-    emits: false,
     rows: &[ROUGHNESS, NORMAL],
-    has_lobes: false,
+    ..MaterialKind::new("thin_dielectric", ANY_WIDTH)
 };
 
 impl ThinDielectric {
@@ -28,10 +23,7 @@ impl ThinDielectric {
         let model = Model {
             widths: vec![LobeWidth::of_facets(roughness, 0.0)],
             rows: varying.into_iter().collect(),
-            on_device: data::Material {
-                numbers: [roughness as f32, contrast as f32, 0.0],
-                ..data::Material::default()
-            },
+            on_device: with_numbers([roughness, contrast, 0.0]),
             ..Model::default()
         };
         model.tinted(&self.transmittance).bumped(&self.normal, self.normal_scale)

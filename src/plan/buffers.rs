@@ -10,6 +10,7 @@ use crate::data::{self, QUEUE_HEADER};
 use crate::film;
 use crate::flatten::DeviceScene;
 use crate::gpu::buffers::BufferSpec;
+use crate::printable::counted;
 
 impl Kernels {
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
@@ -26,6 +27,8 @@ impl Kernels {
             let size = format!("{} x {stride} bytes", spec.bytes / stride);
             spec.made_of(size)
         };
+        let texels = flat.texel_words().map(|words| Cow::Borrowed(bytemuck::cast_slice(words)));
+        let images = flat.images.iter().map(|(_, bitmap)| ((bitmap.width, bitmap.height), bitmap.bytes()));
         let all = [
             BufferSpec::uniform("settings", self.settings.size(), "camera, sky and limits of the render"),
             BufferSpec::uniform("window", size_of::<data::Window>() as u64, "the runs that may start now"),
@@ -42,14 +45,12 @@ impl Kernels {
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
             BufferSpec::working("path_words", slots * word_bytes, "the part of that state that fills no vec4")
                 .made_of(format!("{slots} slots x {word_bytes} bytes")),
-            BufferSpec::scene(
-                "texels",
-                flat.texel_words().map(|words| Cow::Borrowed(bytemuck::cast_slice(words))).collect(),
-                "images",
-            )
-            .made_of(make_up_of_texels(flat))
-            .shrunk_by(largest_images(flat))
-            .with_largest(flat.images.iter().map(|(_, bitmap)| ((bitmap.width, bitmap.height), bitmap.bytes()))),
+            BufferSpec {
+                size: make_up_of_texels(flat),
+                remedy: largest_images(flat),
+                largest: images.max_by_key(|(_, bytes)| *bytes),
+                ..BufferSpec::scene("texels", texels.collect(), "images")
+            },
             array(table("sky", &flat.sky, "the background's image as a distribution of directions")),
             array(table("extensions", &flat.extensions, "extensions of materials")),
             array(table(
@@ -86,8 +87,7 @@ fn make_up_of_texels(flat: &DeviceScene) -> String {
     let of_format = |(number, name): (usize, &&str)| {
         let images = flat.images.iter().filter(|(_, bitmap)| bitmap.format.number() == number);
         let (count, bytes) = images.fold((0, 0), |(count, bytes), (_, bitmap)| (count + 1, bytes + bitmap.bytes()));
-        let plural = if count == 1 { "" } else { "s" };
-        (count > 0).then(|| format!("{count} {name} image{plural}, {bytes} bytes"))
+        (count > 0).then(|| format!("{}, {bytes} bytes", counted(count, &format!("{name} image"))))
     };
     let formats: Vec<String> = FORMATS.iter().enumerate().filter_map(of_format).collect();
     if formats.is_empty() { "no image".to_string() } else { formats.join("; ") }

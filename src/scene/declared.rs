@@ -84,6 +84,12 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 }
 
 impl Camera {
+    /// A pinhole that rests.
+    pub fn pinhole(look_from: DVec3, look_at: DVec3, up: DVec3, vertical_fov: f64) -> Camera {
+        let (shutter, moving) = ((0.0, 0.0), Vec::new());
+        Camera { look_from, look_at, up, vertical_fov, aperture: 0.0, focus_distance: None, shutter, moving }
+    }
+
     /// The camera as it stands at a time, in seconds.
     pub fn at(&self, seconds: f64) -> Camera {
         let mut camera = self.clone();
@@ -353,14 +359,7 @@ declare! {
 impl Object {
     /// Its kind of shape; none for lights without size and for objects that contain others.
     pub fn kind(&self) -> Option<&'static ShapeKind> {
-        match self {
-            Object::Sphere { .. } => Some(&shape::sphere::KIND),
-            Object::Quad { .. } => Some(&shape::quad::KIND),
-            Object::Box { .. } => Some(&shape::cuboid::KIND),
-            Object::Disk { .. } => Some(&shape::disk::KIND),
-            Object::Mesh { .. } => Some(&shape::mesh::KIND),
-            _ => None,
-        }
+        shape::kinds_in_files().find(|(name, _)| *name == self.name()).map(|(_, kind)| kind)
     }
 
     /// The light without size that it is, if it is one.

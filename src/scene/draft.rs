@@ -24,7 +24,7 @@ pub fn too_large() -> String {
 #[derive(Default)]
 pub struct Draft {
     /// The bytes that are left for vertices and triangles.
-    room: usize,
+    pub room: usize,
     pub positions: Vec<DVec3>,
     /// One for every vertex, NaN if the file gives none; or empty.
     pub normals: Vec<Vec3>,
@@ -47,7 +47,7 @@ pub struct Draft {
     pub bad_normal: Option<String>,
     pub bad_uv: Option<String>,
     /// The number of faces so far, including those without triangles.
-    face_count: u32,
+    pub face_count: u32,
 }
 
 impl Draft {
@@ -56,18 +56,9 @@ impl Draft {
         Draft { room, ..Draft::default() }
     }
 
-    pub fn room(&self) -> usize {
-        self.room
-    }
-
     /// The bytes that its vertices and triangles take.
     pub fn taken(&self) -> usize {
         VERTEX * self.positions.len() + TRIANGLE * self.triangles.len()
-    }
-
-    /// Sets the bytes that are left, of which another draft has taken some.
-    pub fn set_room(&mut self, room: usize) {
-        self.room = room;
     }
 
     /// The number of vertices that there is room for.
@@ -78,11 +69,6 @@ impl Draft {
     fn take_room(&mut self, bytes: usize) -> Result<(), String> {
         self.room = self.room.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
-    }
-
-    /// The number of the next face.
-    pub fn next_face(&self) -> u32 {
-        self.face_count
     }
 
     /// Reserves memory for about this many triangles.
@@ -121,7 +107,6 @@ impl Draft {
         self.take_room(size_of_val(&WHITE) * (self.positions.len() - self.colours.len()))?;
         self.colours.resize(first, WHITE);
         self.colours.extend(colours);
-        self.colours.resize(self.positions.len(), WHITE);
         Ok(())
     }
 
@@ -130,19 +115,17 @@ impl Draft {
         self.take_room(size_of::<u16>() * (self.positions.len() - self.alphas.len()))?;
         self.alphas.resize(first, u16::MAX);
         self.alphas.extend(alphas);
-        self.alphas.resize(self.positions.len(), u16::MAX);
         Ok(())
     }
 
     /// Adds a further set of texture coordinates, with one for every vertex.
     pub fn add_uvs(&mut self, uvs: impl Iterator<Item = Vec2>) -> Result<(), String> {
         self.take_room(size_of::<Vec2>() * self.positions.len())?;
-        let mut set: Vec<Vec2> = uvs.collect();
+        let set: Vec<Vec2> = uvs.collect();
         let bad = set.iter().enumerate().find(|(_, uv)| !uv.is_finite());
         if let Some((vertex, uv)) = bad.filter(|_| self.bad_uv.is_none()) {
             self.bad_uv = Some(format!("expected finite texture coordinates, found {uv} at vertex {vertex}"));
         }
-        set.resize(self.positions.len(), Vec2::NAN);
         self.further_uvs.push(set);
         Ok(())
     }
@@ -151,16 +134,17 @@ impl Draft {
     pub fn add_tangents(&mut self, tangents: impl Iterator<Item = Vec4>) -> Result<(), String> {
         self.take_room(size_of::<Vec4>() * self.positions.len())?;
         self.tangents.extend(tangents);
-        self.tangents.resize(self.positions.len(), Vec4::NAN);
         Ok(())
     }
 
     /// Whether any of its triangles has corners at three positions.
     pub fn has_area(&self) -> bool {
-        self.triangles.iter().any(|triangle| {
-            let [a, b, c] = triangle.map(|corner| self.positions.get(corner as usize));
-            a != b && b != c && c != a
-        })
+        self.triangles.iter().any(|triangle| self.spans_area(triangle))
+    }
+
+    fn spans_area(&self, triangle: &[u32; 3]) -> bool {
+        let [a, b, c] = triangle.map(|corner| self.positions.get(corner as usize));
+        a != b && b != c && c != a
     }
 
     /// Checks the faces and makes the mesh.
@@ -172,6 +156,7 @@ impl Draft {
         self.check_faces()?;
         warnings.extend(self.leave_out_flat_faces()?);
         self.leave_out_unused_vertices();
+        self.complete();
         let normals = self.take_normals();
         warnings.extend(normals.is_err().then(|| {
             let missing = || "some corners have no normal, or one of length 0".to_owned();
@@ -189,13 +174,6 @@ impl Draft {
             "some corners have a TANGENT without a length or a sign: all are ignored, and MikkTSpace computes them"
                 .to_owned()
         }));
-        // Where the last vertices have none, they are white.
-        if !self.colours.is_empty() {
-            self.colours.resize(self.positions.len(), WHITE);
-        }
-        if !self.alphas.is_empty() {
-            self.alphas.resize(self.positions.len(), u16::MAX);
-        }
         self.leave_out_white();
         Ok(Mesh {
             colours: self.colours,
@@ -238,32 +216,19 @@ impl Draft {
 
     /// Leaves out triangles with two corners at the same position. Returns a warning about faces that have no triangle left.
     fn leave_out_flat_faces(&mut self) -> Result<Option<String>, String> {
-        let (mut left_out, mut first, mut next) = (0, None, 0);
-        let mut note = |from: u32, to: u32| {
-            if from < to {
-                left_out += to - from;
-                first = first.or(Some(from));
-            }
-        };
-        let mut kept = 0;
-        for at in 0..self.triangles.len() {
-            let (Some(&triangle), Some(&face)) = (self.triangles.get(at), self.faces.get(at)) else { continue };
-            let [a, b, c] = triangle.map(|corner| self.positions.get(corner as usize));
-            if a == b || b == c || c == a {
-                continue;
-            }
-            note(next, face);
-            next = face + 1;
-            if let (Some(to), Some(its_face)) = (self.triangles.get_mut(kept), self.faces.get_mut(kept)) {
-                (*to, *its_face) = (triangle, face);
-            }
-            kept += 1;
-        }
-        note(next, self.face_count);
-        self.triangles.truncate(kept);
-        self.faces.truncate(kept);
-        if kept == 0 {
+        let is_kept: Vec<bool> = self.triangles.iter().map(|triangle| self.spans_area(triangle)).collect();
+        retain(&mut self.triangles, &is_kept);
+        retain(&mut self.faces, &is_kept);
+        if self.triangles.is_empty() {
             return Err(format!("none of its {} faces has an area", self.face_count));
+        }
+        let (mut left_out, mut first, mut next) = (0, None, 0);
+        for face in self.faces.iter().copied().chain([self.face_count]) {
+            if next < face {
+                left_out += face - next;
+                first = first.or(Some(next));
+            }
+            next = face.saturating_add(1);
         }
         Ok(first.map(|first| {
             let (have, were) = if left_out == 1 { ("has", "was") } else { ("have", "were") };
@@ -303,12 +268,23 @@ impl Draft {
         retain(&mut self.alphas, &is_used);
     }
 
+    /// Gives the last vertices what they lack and others have.
+    fn complete(&mut self) {
+        fn complete<T: Clone>(values: &mut Vec<T>, count: usize, missing: T) {
+            values.resize(if values.is_empty() { 0 } else { count }, missing);
+        }
+        let count = self.positions.len();
+        complete(&mut self.normals, count, Vec3::NAN);
+        complete(&mut self.uvs, count, Vec2::NAN);
+        self.further_uvs.iter_mut().for_each(|set| set.resize(count, Vec2::NAN));
+        complete(&mut self.tangents, count, Vec4::NAN);
+        complete(&mut self.colours, count, WHITE);
+        complete(&mut self.alphas, count, u16::MAX);
+    }
+
     /// The normals with length 1; none if the file has none; an error if some are missing or have no length.
     fn take_normals(&mut self) -> Result<Vec<Vec3>, ()> {
         let mut normals = std::mem::take(&mut self.normals);
-        if !normals.is_empty() && normals.len() != self.positions.len() {
-            return Err(());
-        }
         for normal in &mut normals {
             // In f64 the length of an f32 vector neither overflows nor underflows.
             let unit = normal.as_dvec3().normalize();
@@ -333,8 +309,7 @@ impl Draft {
     fn take_uvs(&mut self) -> Result<Vec<Vec2>, ()> {
         let uvs = std::mem::take(&mut self.uvs);
         let is_finite = |uv: &Vec2| uv.is_finite();
-        let all = uvs.is_empty() || (uvs.len() == self.positions.len() && uvs.iter().all(is_finite));
-        if all && self.further_uvs.iter().flatten().all(is_finite) {
+        if uvs.iter().chain(self.further_uvs.iter().flatten()).all(is_finite) {
             return Ok(uvs);
         }
         self.further_uvs = Vec::new();

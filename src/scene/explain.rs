@@ -53,7 +53,7 @@ pub fn hash_at_start(source: &Source) -> Option<Error> {
 
 /// The error that a section of the scene is missing.
 pub fn missing_section(source: &Source, name: &str) -> Error {
-    let end = source.spans.root().map_or(0, |root| source.spans.value(root).end);
+    let end = source.spans.root.map_or(0, |root| source.spans.value(root).end);
     Explain { source, cursor: end.saturating_sub(1) as usize }.missing(name)
 }
 
@@ -98,7 +98,8 @@ impl<'a> Explain<'a> {
     fn of_value(&self, code: Ron) -> (Error, bool) {
         let of_value = match code {
             Ron::NoSuchStructField { expected, found, .. } => {
-                self.name(format!("unknown field {found}: {}", known(&found, expected)), &found)
+                let message = format!("expected one of {}{}", expected.join(", "), meant(&found, expected));
+                self.name(format!("unknown field {found}: {message}"), &found)
             }
             Ron::DuplicateStructField { field, .. } => self.name(format!("{field} is given twice"), field),
             // Of a number that may vary.
@@ -145,13 +146,7 @@ impl<'a> Explain<'a> {
 
     /// An error at a byte, with the path of the innermost value around it.
     fn here(&self, offset: usize, message: impl Into<String>) -> Error {
-        let id = self.at(offset);
-        // If a value starts at this byte, the incomplete value is the one around it.
-        let id = id.and_then(|id| match self.source.spans.entry_start(id) as usize == offset {
-            true => self.source.spans.parent(id),
-            false => Some(id),
-        });
-        self.source.error_at(offset, &self.path(id, true), message)
+        self.source.error_at(offset, &self.path(self.around(offset), true), message)
     }
 
     /// For errors about a field's name or a map's key, with the cursor just after it.
@@ -231,12 +226,7 @@ impl<'a> Explain<'a> {
 
     /// For an element too many, or a token instead of a bracket, with the cursor at it.
     fn too_many(&self) -> Error {
-        let id = self.at(self.cursor);
-        let starts_here = id.is_some_and(|id| self.source.spans.entry_start(id) as usize == self.cursor);
-        let id = match starts_here {
-            true => id.and_then(|id| self.source.spans.parent(id)),
-            false => id,
-        };
+        let id = self.around(self.cursor);
         self.expected(id, &self.path(id, true), "")
     }
 
@@ -290,11 +280,15 @@ impl<'a> Explain<'a> {
         let text = self.source.text();
         let bracket = self.source.spans.unclosed_bracket.unwrap_or_default() as usize;
         let opened = self.source.location(bracket);
-        let found = text.get(bracket..).and_then(|rest| rest.chars().next()).unwrap_or('(');
+        let found = self.bracket_at(bracket);
         let message =
             format!("the file ends, but the {found} of line {}, column {} is not closed", opened.line, opened.column);
         let path = self.path(self.at(bracket), true);
         self.source.error_at(text.len(), &path, message)
+    }
+
+    fn bracket_at(&self, offset: usize) -> char {
+        self.source.text().get(offset..).and_then(|rest| rest.chars().next()).unwrap_or('(')
     }
 
     /// For a bracket that is closed by one of another kind, if that is where the parser has stopped.
@@ -305,8 +299,7 @@ impl<'a> Explain<'a> {
         if skip_space(text, self.cursor).unwrap_or(self.cursor) < closed {
             return None;
         }
-        let character = |at: usize| text.get(at..).and_then(|rest| rest.chars().next()).unwrap_or('(');
-        let (opener, at) = (character(opened), self.source.location(opened));
+        let (opener, at) = (self.bracket_at(opened), self.source.location(opened));
         let closer = match opener {
             '[' => ']',
             '{' => '}',
@@ -314,7 +307,7 @@ impl<'a> Explain<'a> {
         };
         let message = format!(
             "expected {closer}, found {}: the {opener} of line {}, column {} is not closed",
-            character(closed),
+            self.bracket_at(closed),
             at.line,
             at.column
         );
@@ -324,10 +317,7 @@ impl<'a> Explain<'a> {
 
     /// "expected ..., found ..." at the start of a value.
     fn expected(&self, id: Option<Id>, path: &[Step<'_>], hint: &str) -> Error {
-        let found = match id {
-            Some(id) => self.source.excerpt(id),
-            None => "nothing".to_owned(),
-        };
+        let found = id.map_or("nothing".to_owned(), |id| self.source.excerpt(id));
         let bare = id.filter(|_| hint.is_empty()).and_then(|id| self.bare_colour(id, path));
         let hint = bare.as_deref().unwrap_or(hint);
         let start = id.map_or(self.cursor, |id| self.source.spans.value(id).start as usize);
@@ -346,8 +336,8 @@ impl<'a> Explain<'a> {
         }
         match path {
             [.., Step::Field("background")] => Some(format!("; did you mean Solid({found})?")),
-            [.., Step::Field(_)] => {
-                takes_at(path).filter(|takes| takes.is_texture()).map(|_| format!("; did you mean Rgb{found}?"))
+            [.., Step::Field(name)] if field_of(path, name).is_some_and(Takes::is_texture) => {
+                Some(format!("; did you mean Rgb{found}?"))
             }
             _ => None,
         }
@@ -359,6 +349,12 @@ impl<'a> Explain<'a> {
 
     fn at(&self, offset: usize) -> Option<Id> {
         self.source.spans.at(offset as u32)
+    }
+
+    /// The innermost incomplete value at a byte: if one starts there, the one around it.
+    fn around(&self, offset: usize) -> Option<Id> {
+        let (id, spans) = (self.at(offset)?, &self.source.spans);
+        if spans.entry_start(id) as usize == offset { spans.parent(id) } else { Some(id) }
     }
 
     fn before_cursor(&self) -> Option<Id> {
@@ -386,11 +382,6 @@ impl<'a> Explain<'a> {
         });
         ended.or(Some(around))
     }
-}
-
-/// "expected one of ..., did you mean ...?"
-fn known(found: &str, names: &[&str]) -> String {
-    format!("expected one of {}{}", names.join(", "), meant(found, names))
 }
 
 /// "; did you mean ...?", if one of the names is near.
@@ -433,14 +424,6 @@ fn expected(path: &[Step<'_>]) -> String {
         [.., Step::Variant("Rgb"), Step::Index(_)] => NUMBER.to_owned(),
         [.., Step::Field(name), Step::Index(_)] if field(name).is_some_and(Takes::is_numbers) => NUMBER.to_owned(),
         [.., Step::Index(_)] => BY_NAME.to_owned(),
-    }
-}
-
-/// What the innermost field of a path takes.
-fn takes_at(path: &[Step<'_>]) -> Option<&'static Takes> {
-    match path {
-        [.., Step::Field(name)] => field_of(path, name),
-        _ => None,
     }
 }
 

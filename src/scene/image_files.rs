@@ -32,9 +32,9 @@ const HEADERS: u64 = 64 << 20;
 /// point at the `path` field.
 pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets: &mut Assets) -> Bitmaps {
     let mut wanted: HashMap<String, BTreeSet<Decoding>> = HashMap::new();
-    for (path, decoding) in images_of(scene) {
-        wanted.entry(path.clone()).or_default().insert(decoding);
-    }
+    visit_images(scene, &mut |_, path, decoding, _, _| {
+        wanted.entry(path.to_owned()).or_default().insert(decoding);
+    });
     let mut loader = Loader {
         scene,
         reading,
@@ -70,16 +70,6 @@ pub fn visit_images(scene: &Scene, visit: &mut dyn FnMut(&ValuePath, &str, Decod
             visit(&at.field("path"), path, decoding, *tint, slot.usage);
         }
     }
-}
-
-/// The images of a scene, once for each value that names one.
-fn images_of(scene: &Scene) -> impl Iterator<Item = (&String, Decoding)> {
-    let background = match &scene.background {
-        Background::Image { path } => Some((path, Decoding::Colour)),
-        _ => None,
-    };
-    let materials = scene.materials.iter().flat_map(|(_, material)| material.textures());
-    background.into_iter().chain(materials.filter_map(Texture::decoded))
 }
 
 struct Loader<'a> {

@@ -28,7 +28,7 @@ impl Scene {
 
     /// The scene file, the images and meshes that it names, and the files that those name.
     pub fn input_files(&self) -> Vec<Input> {
-        let scene_file = Input { path: self.source.path().to_owned(), fixed: false };
+        let scene_file = Input { path: self.source.path.clone(), fixed: false };
         let mut inputs = vec![scene_file.clone()];
         inputs.extend(buffers(&scene_file));
         inputs.extend(self.libraries.iter().map(|path| Input { path: path.clone(), fixed: false }));

@@ -141,7 +141,7 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
     if let Some(error) = hash_at_start(&source) {
         return Err(error);
     }
-    if source.spans.root().is_none() && source.spans.unclosed_comment.is_none() {
+    if source.spans.root.is_none() && source.spans.unclosed_comment.is_none() {
         let message = "the scene file is empty: expected Scene(image: .., camera: .., ..)";
         return Err(source.error(&[], message));
     }
@@ -304,16 +304,7 @@ fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, 
 impl Scene {
     /// The scene without its files. A section that is absent is replaced by something that is valid.
     fn of_parts(parts: Parts, source: Source) -> Scene {
-        let camera = || Camera {
-            look_from: DVec3::ZERO,
-            look_at: DVec3::NEG_Z,
-            up: DVec3::Y,
-            vertical_fov: 45.0,
-            aperture: 0.0,
-            focus_distance: None,
-            shutter: (0.0, 0.0),
-            moving: Vec::new(),
-        };
+        let camera = || Camera::pinhole(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 45.0);
         Scene {
             image: parts.image.unwrap_or(ImageSize { width: 1, height: 1 }),
             camera: parts.camera.unwrap_or_else(camera),

@@ -122,7 +122,7 @@ fn load(path: &Path, room: usize, progress: &mut OnProgress, assets: &mut Assets
     if part.is_some() && !draft.has_area() {
         return Ok(None);
     }
-    let left = draft.room();
+    let left = draft.room;
     Ok(Some((Arc::new(draft.finish()?), left)))
 }
 
@@ -137,6 +137,6 @@ fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result
     tell(0);
     let mut draft = Draft::new(room);
     parse(path, &mut Input::new(&bytes, &mut tell), &mut draft)?;
-    let left = draft.room();
+    let left = draft.room;
     Ok((Arc::new(draft.finish()?), left))
 }

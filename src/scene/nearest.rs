@@ -67,6 +67,21 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     near.min_by_key(|(edits, _)| *edits).map(|(_, candidate)| candidate)
 }
 
+/// "; did you mean \"..\"?", if one of the names is near.
+pub fn meant<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(word, names).map_or(String::new(), |meant| format!("; did you mean {meant:?}?"))
+}
+
+/// "expected one of ...", with the names up to a limit, or what is said where there is none.
+pub fn one_of<'a>(names: impl Iterator<Item = &'a str>, none: &str) -> String {
+    const MOST: usize = 10;
+    let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
+    let more = names.len().saturating_sub(MOST);
+    names.truncate(MOST);
+    names.extend((more > 0).then(|| format!("{more} more")));
+    if names.is_empty() { none.to_owned() } else { format!("expected one of {}", names.join(", ")) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

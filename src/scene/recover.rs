@@ -81,7 +81,8 @@ fn recover(source: &Source, findings: &mut Findings) -> Parts {
         }
         tries -= 1;
         let entry = id.and_then(|id| entry_of(source, id)).filter(|_| tries > 0 && listed < MOST);
-        let Some(entry) = entry.filter(|&entry| blanks.add_entry(source, entry)) else { return Parts::default() };
+        let Some(entry) = entry.filter(|&entry| blanks.add(source, entry)) else { return Parts::default() };
+        blanks.parents.extend(source.spans.parent(entry));
         object_blanks.add(source, unit_of(source, entry));
     }
     // The text without the objects around the entries. If it does not parse, nothing in it is checked.
@@ -122,12 +123,6 @@ struct Blanks<'a> {
 
 impl<'a> Blanks<'a> {
     /// Adds an entry with the comma behind it. False if it is gone already, or has no end.
-    fn add_entry(&mut self, source: &'a Source, id: Id) -> bool {
-        let Some(parent) = source.spans.parent(id) else { return false };
-        self.parents.insert(parent);
-        self.add(source, id)
-    }
-
     fn add(&mut self, source: &'a Source, id: Id) -> bool {
         let spans = &source.spans;
         let Some(parent) = spans.parent(id) else { return false };

@@ -136,11 +136,8 @@ impl Surface<'_> {
     /// The luminance of a triangle's mean emission.
     fn emission(&self, triangle: &[u32; 3]) -> f64 {
         let Some((image, set)) = self.image else { return self.mean };
-        let uvs = match set.checked_sub(1) {
-            None => Some(&self.mesh.uvs),
-            Some(further) => self.mesh.further_uvs.get(further as usize),
-        };
-        let uv = |corner: u32| uvs.and_then(|uvs| uvs.get(corner as usize)).copied().unwrap_or_default().as_dvec2();
+        let uvs = self.mesh.uvs_of(set);
+        let uv = |corner: u32| uvs.get(corner as usize).copied().unwrap_or_default().as_dvec2();
         let [a, b, c] = triangle.map(uv);
         image.mean(&Area { low: a.min(b).min(c), high: a.max(b).max(c), middle: DVec3::ZERO })
     }

@@ -7,13 +7,13 @@ use glam::DVec3;
 use super::declared::{LARGEST_AREA, rotate, scale};
 use super::findings::Findings;
 use super::model::Scene;
-use super::nearest::nearest;
+use super::nearest::{meant, one_of};
 use super::types::*;
 use crate::error::{Error, Result};
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
-use crate::source::{LARGEST, Range, SMALLEST, Step, ValuePath, parallel, vector};
+use crate::source::{LARGEST, Range, SMALLEST, Step, ValuePath, parallel};
 
 /// Checks all of the scene, in the order of the format's description, except for the files that it names.
 pub fn validate(scene: &Scene, findings: &mut Findings) {
@@ -54,7 +54,7 @@ fn image(at: &ValuePath, image: &ImageSize, findings: &mut Findings) {
 }
 
 fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
-    if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| vector(at, v).is_ok()) {
+    if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| Range::ANY.check_each(at, "", v).is_ok()) {
         findings.record(directions(at, camera.look_at - camera.look_from, camera.up));
     }
     findings.record_all(camera.check_fields(at));
@@ -84,7 +84,7 @@ fn camera_keys(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
         let errors = key.check_fields(&at);
         let is_valid = errors.is_empty();
         findings.record_all(errors);
-        if is_valid && vector(&at, camera.up).is_ok() {
+        if is_valid && Range::ANY.check_each(&at, "", camera.up).is_ok() {
             findings.record(directions(&at, key.look_at - key.look_from, camera.up).and_then(|()| match last {
                 Some(last) => keeps_direction(&at, last, key, camera.up),
                 None => Ok(()),
@@ -209,15 +209,10 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
         return;
     }
     let at = &at.variant(object.name());
+    if let Some((inner, bound)) = inside(at, object, bound, findings) {
+        return self::object(known, &at.field("object"), inner, bound, findings);
+    }
     match object {
-        Object::Transformed { by, object: inner } => {
-            let bound = transforms(&at.field("by"), by, bound, findings);
-            self::object(known, &at.field("object"), inner, bound, findings);
-        }
-        Object::Moving { keys, object: inner } => {
-            let bound = moving(&at.field("keys"), keys, bound, findings);
-            self::object(known, &at.field("object"), inner, bound, findings);
-        }
         Object::Group(objects) | Object::Gltf { objects, .. } => {
             findings.record_all(object.check_fields(at));
             for (index, inner) in objects.iter().enumerate() {
@@ -263,29 +258,38 @@ fn shape(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformBo
     Ok(())
 }
 
+/// What is inside of an object that is transformed or moves, with the transforms around it, which it checks.
+fn inside<'a>(
+    at: &ValuePath,
+    object: &'a Object,
+    bound: TransformBound,
+    findings: &mut Findings,
+) -> Option<(&'a Object, TransformBound)> {
+    match object {
+        Object::Transformed { by, object } => Some((object, transforms(&at.field("by"), by, bound, findings))),
+        Object::Moving { keys, object } => Some((object, moving(&at.field("keys"), keys, bound, findings))),
+        _ => None,
+    }
+}
+
 /// Checks the boundary of a medium.
 fn boundary(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformBound, findings: &mut Findings) {
-    let inside = &at.variant(object.name());
-    if let Object::Transformed { by, object } = object {
-        let bound = transforms(&inside.field("by"), by, bound, findings);
-        return boundary(known, &inside.field("object"), object, bound, findings);
-    }
-    if let Object::Moving { keys, object } = object {
-        let bound = moving(&inside.field("keys"), keys, bound, findings);
-        return boundary(known, &inside.field("object"), object, bound, findings);
+    let own = &at.variant(object.name());
+    if let Some((inner, bound)) = inside(own, object, bound, findings) {
+        return boundary(known, &own.field("object"), inner, bound, findings);
     }
     if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
         findings.refuse(at.unexpected(boundaries("", ", Transformed, Moving or not")));
         return;
     }
-    findings.record(shape(known, inside, object, bound));
+    findings.record(shape(known, own, object, bound));
     if object.material().is_some() {
         let message = "a medium's boundary has no surface, and so no material: remove the material, or list the object \
                        outside the medium, too";
-        findings.refuse(inside.field("material").error(message));
+        findings.refuse(own.field("material").error(message));
     }
     if let Some(mesh) = object.shape(known.meshes).and_then(|shape| shape.mesh()) {
-        findings.record(mesh.check_closed(inside));
+        findings.record(mesh.check_closed(own));
     }
 }
 
@@ -347,7 +351,7 @@ fn moving(
 fn transform(at: &ValuePath, transform: &Transform) -> Result<()> {
     let at = at.variant(transform.name());
     match transform {
-        Transform::Translate(by) => vector(&at, *by),
+        Transform::Translate(by) => Range::ANY.check_each(&at, "", *by),
         Transform::Scale(factor) => scale::FIELDS.scale.check_at(&at, *factor),
         Transform::RotateX(angle) | Transform::RotateY(angle) | Transform::RotateZ(angle) => {
             rotate::FIELDS.degrees.check_at(&at, *angle)
@@ -381,18 +385,18 @@ impl KnownNames<'_> {
     /// Checks that the object names a material, that the material exists, and that it fits the object.
     fn check_material(&self, above: &ValuePath, object: &Object) -> Result<()> {
         let names = || self.scene.materials.iter().map(|(name, _)| name.as_str());
+        let known = || one_of(names(), "the scene defines no materials");
         let at = above.field("material");
         let Some(name) = object.material() else {
-            return Err(at.error(format!("material is missing: {}", known(names()))));
+            return Err(at.error(format!("material is missing: {}", known())));
         };
         let Some(material) = self.materials.get(name) else {
             // A material that has errors is there all the same.
             if self.all_are_lost || self.scene.source.has(&[Step::Field("materials"), Step::Key(name)]) {
                 return Ok(());
             }
-            let meant = nearest(name, names());
-            let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
-            return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
+            let meant = meant(name, names());
+            return Err(at.error(format!("there is no material {name:?}: {}{meant}", known())));
         };
         let images = material.textures().into_iter().filter(|texture| texture.image().is_some());
         let Some(uv_set) = images.map(Texture::uv_set).max() else { return Ok(()) };
@@ -406,19 +410,4 @@ impl KnownNames<'_> {
             None => Ok(()),
         }
     }
-}
-
-/// The names to choose from, up to a limit.
-fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const MOST: usize = 10;
-    let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
-    if names.is_empty() {
-        return "the scene defines no materials".to_owned();
-    }
-    if names.len() > MOST {
-        let more = format!("{} more", names.len() - MOST);
-        names.truncate(MOST);
-        names.push(more);
-    }
-    format!("expected one of {}", names.join(", "))
 }

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::image_files::visit_images;
 use super::model::Scene;
 use super::types::*;
+use crate::printable::and_more;
 use crate::source::ValuePath;
 
 impl Scene {
@@ -48,21 +49,8 @@ impl Scene {
             );
             warnings.push(camera.field("focus_distance").warning(&message));
         }
-        let (open, close) = self.camera.shutter;
-        let is_shut = open == close;
-        let no_motion = |first: f64, last: f64| {
-            format!(
-                "the shutter opens and closes at {open}, so that the motion does not show in the image: write a camera.shutter such as \
-                 ({first}, {last})"
-            )
-        };
-        let keys = &self.camera.moving;
-        if let [first, .., last] = keys.as_slice()
-            && is_shut
-            && keys.windows(2).any(|keys| keys[0].1 != keys[1].1)
-        {
-            warnings.push(camera.field("moving").warning(&no_motion(first.0, last.0)));
-        }
+        let moving = camera.field("moving");
+        warnings.extend(no_motion(&moving, &self.camera.moving, self.camera.shutter));
         let mut at_rest: Vec<String> = Vec::new();
         let mut reported = HashSet::new();
         self.visit_objects(&mut |at, object| match object {
@@ -86,20 +74,25 @@ impl Scene {
                 for (index, (_, by)) in keys.iter().enumerate() {
                     warnings.extend(angles(&keys_field.index(index).index(1), by));
                 }
-                if let [first, .., last] = keys.as_slice()
-                    && is_shut
-                    && keys.windows(2).any(|keys| keys[0].1 != keys[1].1)
-                {
-                    at_rest.push(keys_field.warning(&no_motion(first.0, last.0)));
-                }
+                at_rest.extend(no_motion(&keys_field, keys, self.camera.shutter));
             }
             _ => warnings.extend(object.delta_light().and_then(|light| light.warning(at))),
         });
-        let more = at_rest.len().saturating_sub(1);
-        let more = if more > 0 { format!(" (and {more} more like it)") } else { String::new() };
+        let more = and_more(at_rest.len().saturating_sub(1));
         warnings.extend(at_rest.into_iter().next().map(|first| first + &more));
         warnings
     }
+}
+
+/// The warning that the motion between keys does not show, because the shutter is open for no time.
+fn no_motion<T: PartialEq>(at: &ValuePath, keys: &[(f64, T)], (open, close): (f64, f64)) -> Option<String> {
+    let [(first, _), .., (last, _)] = keys else { return None };
+    let moves = keys.windows(2).any(|keys| keys[0].1 != keys[1].1);
+    let message = format!(
+        "the shutter opens and closes at {open}, so that the motion does not show in the image: write a camera.shutter such as ({first}, \
+         {last})"
+    );
+    (open == close && moves).then(|| at.warning(&message))
 }
 
 /// The warnings about the angles of transforms.

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
+use super::space::Aabb;
+
 /// A simple bounding volume of a transformed shape.
 #[derive(Clone, Copy)]
 pub enum BoundingShape {
@@ -56,21 +58,26 @@ impl BoundingShape {
             BoundingShape::Ball { .. } => Vec::new(),
             BoundingShape::Parallelogram { corner, u, v } => vec![corner, corner + u, corner + u + v, corner + v],
             BoundingShape::Cuboid { center, half, axes } => {
-                let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let corner = |i| center + axes * (half * DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
-                (0..8).map(corner).collect()
+                Aabb { min: -half, max: half }.corners().map(|p| center + axes * p).into()
             }
         }
     }
 
-    /// The corners of the box around it along the axes: lowest and highest coordinates.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    /// The box around it along the axes.
+    pub fn bounds(&self) -> Aabb {
         let (center, extent) = match *self {
             BoundingShape::Ball { center, radius } => (center, DVec3::splat(radius)),
             BoundingShape::Parallelogram { corner, u, v } => (corner + 0.5 * (u + v), 0.5 * (u.abs() + v.abs())),
             BoundingShape::Cuboid { center, half, axes } => (center, half_extent_of(half, &axes)),
         };
-        (center - extent, center + extent)
+        Aabb { min: center - extent, max: center + extent }
+    }
+}
+
+impl From<Aabb> for BoundingShape {
+    fn from(around: Aabb) -> BoundingShape {
+        let half = 0.5 * (around.max - around.min);
+        BoundingShape::Cuboid { center: around.center(), half, axes: DMat3::IDENTITY }
     }
 }
 

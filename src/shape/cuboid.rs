@@ -14,7 +14,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "cuboid",
     word: "box",
     sizes: &[("a side", "")],
-    table: table!(cuboids of data::Cuboid, "boxes"),
+    table: table!(cuboids of data::Cuboid, light, "boxes"),
     boundary: Some(Boundary { name: "cuboid", is_convex: true, words: "a" }),
     covered: 1.0,
     has_parts: false,
@@ -77,17 +77,8 @@ impl Geometry for Cuboid {
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Cuboid { min, max } = *self;
         let d = (max - min) * at.scale();
-        vec![Emitter {
-            code,
-            instance: data::NO_INSTANCE,
-            area: 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x),
-            around: Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p))),
-            normal: None,
-        }]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.cuboids[index].light = light;
+        let around = Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p)));
+        vec![Emitter::of_body(code, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), around, None)]
     }
 
     fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {

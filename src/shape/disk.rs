@@ -17,7 +17,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "disk",
     word: "disk",
     sizes: &[("a diameter", "radius")],
-    table: table!(disks of data::Quad, "disks"),
+    table: table!(disks of data::Quad, light, "disks"),
     boundary: None,
     // The square inside.
     covered: FRAC_1_SQRT_2,
@@ -75,17 +75,8 @@ impl Geometry for Disk {
     }
 
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
-        vec![Emitter {
-            code,
-            instance: data::NO_INSTANCE,
-            area: PI * (self.radius * at.scale()).powi(2),
-            around: self.bounds(at),
-            normal: Some(at.to_world.vector(self.normal)),
-        }]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.disks[index].light = light;
+        let area = PI * (self.radius * at.scale()).powi(2);
+        vec![Emitter::of_body(code, area, self.bounds(at), Some(at.to_world.vector(self.normal)))]
     }
 
     fn faces(&self, at: &ObjectTransform, corners: u32, add: &mut dyn FnMut(&[DVec3])) {

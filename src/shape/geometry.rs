@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::bounding_shape::BoundingShape;
 use super::space::{Aabb, ObjectTransform};
-use crate::data::Tables;
+use crate::data::{NO_INSTANCE, Tables};
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -52,6 +52,8 @@ pub struct Table {
     /// Bytes of an element.
     pub stride: usize,
     pub bytes: fn(&Tables) -> &[u8],
+    /// The member of an element that says which is its first light among all lights.
+    pub light: fn(&mut Tables, usize) -> &mut u32,
 }
 
 impl Table {
@@ -63,12 +65,13 @@ impl Table {
 
 /// The `Table` of a member of `Tables`, with the same name.
 macro_rules! table {
-    ($member:ident of $element:ty, $why:literal) => {
+    ($member:ident of $element:ty, $light:ident, $why:literal) => {
         $crate::shape::geometry::Table {
             name: stringify!($member),
             why: $why,
             stride: size_of::<$element>(),
             bytes: |tables| bytemuck::cast_slice(&tables.$member),
+            light: |tables, index| &mut tables.$member[index].$light,
         }
     };
 }
@@ -108,6 +111,13 @@ pub struct Emitter {
     pub normal: Option<DVec3>,
 }
 
+impl Emitter {
+    /// A surface that is no triangle.
+    pub fn of_body(code: u32, area: f64, around: Aabb, normal: Option<DVec3>) -> Emitter {
+        Emitter { code, instance: NO_INSTANCE, area, around, normal }
+    }
+}
+
 /// What every shape implements on the host.
 pub trait Geometry {
     /// Checks its numbers, each of which is in its own range.
@@ -124,9 +134,6 @@ pub trait Geometry {
 
     /// The lights that it consists of; `index` is its index in its table, and `code` its code.
     fn emitters(&self, at: &ObjectTransform, index: u32, code: u32, layout: MeshLayout) -> Vec<Emitter>;
-
-    /// Writes into its element the index of its first light among all lights, or `NOT_SAMPLED`.
-    fn set_light(&self, tables: &mut Tables, index: usize, layout: MeshLayout, light: u32);
 
     /// Calls `add` with flat convex polygons that cover what is seen of it from the origin of the space. From their fronts, their corners are
     /// counter-clockwise. A round one has so many corners. A shape that is huge for the origin may have none.

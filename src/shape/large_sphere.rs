@@ -20,7 +20,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "large_sphere",
     word: sphere::KIND.word,
     sizes: sphere::KIND.sizes,
-    table: table!(large_spheres of data::LargeSphere, "spheres that are large against their distance from the camera"),
+    table: table!(large_spheres of data::LargeSphere, light, "spheres that are large against their distance from the camera"),
     boundary: Some(Boundary { name: "large_sphere", is_convex: true, words: "a" }),
     covered: 1.0,
     has_parts: false,
@@ -127,10 +127,6 @@ impl Geometry for LargeSphere {
 
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![self.sphere.emitter(at, code)]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.large_spheres[index].light = light;
     }
 
     fn faces(&self, _: &ObjectTransform, _: u32, _: &mut dyn FnMut(&[DVec3])) {}

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 use super::bounding_shape::BoundingShape;
 use super::geometry::{Boundary, Element, Emitter, Geometry, MeshLayout, ShapeKind, table};
 use super::space::{Aabb, ObjectTransform, binary_exponent, error_bound, exp2, padded};
-use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, Tables, f32s, primitive_code};
+use crate::data::{self, KIND_TRIANGLE, Tables, f32s, primitive_code};
 use crate::error::Result;
 use crate::source::ValuePath;
 
@@ -18,7 +18,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "triangle",
     word: "mesh",
     sizes: &[("a size", "")],
-    table: table!(instances of data::Instance, "where meshes stand"),
+    table: table!(instances of data::Instance, to_light, "where meshes stand"),
     boundary: Some(Boundary { name: "mesh", is_convex: false, words: "a closed" }),
     covered: 0.0,
     has_parts: true,
@@ -66,6 +66,14 @@ impl Mesh {
     /// The number in its file of the face that a triangle is part of, counted from 0.
     pub fn face(&self, triangle: usize) -> u32 {
         self.faces.get(triangle).copied().unwrap_or(triangle as u32)
+    }
+
+    /// A set of its texture coordinates.
+    pub fn uvs_of(&self, set: u32) -> &[Vec2] {
+        match set.checked_sub(1) {
+            None => &self.uvs,
+            Some(further) => self.further_uvs.get(further as usize).map_or(&[], Vec::as_slice),
+        }
     }
 
     /// The smallest box around it.
@@ -196,13 +204,6 @@ impl<'a> Geometry for &'a MeshShape<'a> {
             }
         };
         (layout.first_face..).zip(&self.mesh.triangles).map(face).collect()
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, layout: MeshLayout, light: u32) {
-        tables.instances[index].to_light = match light {
-            NOT_SAMPLED => NOT_SAMPLED,
-            _ => light.wrapping_sub(layout.first_face),
-        };
     }
 
     fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {

@@ -14,7 +14,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "quad",
     word: "quad",
     sizes: &[("an edge", "u"), ("an edge", "v")],
-    table: table!(quads of data::Quad, "quads"),
+    table: table!(quads of data::Quad, light, "quads"),
     boundary: None,
     covered: 1.0,
     has_parts: true,
@@ -82,17 +82,9 @@ impl Geometry for Quad {
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         let Quad { corner, u, v } = *self;
         let corners = [corner, corner + u, corner + v, corner + u + v];
-        vec![Emitter {
-            code,
-            instance: data::NO_INSTANCE,
-            area: u.cross(v).length() * at.scale() * at.scale(),
-            around: Aabb::around(corners.map(|p| at.point(p))),
-            normal: Some(at.to_world.vector(u).cross(at.to_world.vector(v))),
-        }]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.quads[index].light = light;
+        let area = u.cross(v).length() * at.scale() * at.scale();
+        let normal = at.to_world.vector(u).cross(at.to_world.vector(v));
+        vec![Emitter::of_body(code, area, Aabb::around(corners.map(|p| at.point(p))), Some(normal))]
     }
 
     fn faces(&self, at: &ObjectTransform, _: u32, add: &mut dyn FnMut(&[DVec3])) {

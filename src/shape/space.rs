@@ -48,8 +48,13 @@ pub struct Aabb {
 impl Aabb {
     /// The smallest one around points.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Aabb {
+        Aabb::around_all(points.into_iter().map(|p| Aabb { min: p, max: p }))
+    }
+
+    /// The smallest one around others.
+    pub fn around_all(all: impl IntoIterator<Item = Aabb>) -> Aabb {
         let nothing = Aabb { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        points.into_iter().fold(nothing, |around, p| around.union(Aabb { min: p, max: p }))
+        all.into_iter().fold(nothing, Aabb::union)
     }
 
     pub fn union(self, other: Aabb) -> Aabb {
@@ -58,6 +63,12 @@ impl Aabb {
 
     pub fn center(&self) -> DVec3 {
         0.5 * self.min + 0.5 * self.max
+    }
+
+    /// Half the surface area.
+    pub fn half_area(&self) -> f64 {
+        let d = self.max - self.min;
+        d.x * d.y + d.y * d.z + d.z * d.x
     }
 
     pub fn corners(&self) -> [DVec3; 8] {

@@ -17,7 +17,7 @@ pub const KIND: ShapeKind = ShapeKind {
     shader: "sphere",
     word: "sphere",
     sizes: &[("a radius", "radius")],
-    table: table!(spheres of data::Sphere, "spheres"),
+    table: table!(spheres of data::Sphere, light, "spheres"),
     boundary: Some(Boundary { name: "sphere", is_convex: true, words: "a" }),
     covered: 1.0,
     has_parts: false,
@@ -36,7 +36,7 @@ impl Sphere {
         let extent = DVec3::splat(radius);
         let area = 4.0 * PI * radius.powi(2);
         let around = Aabb::around([middle - extent, middle + extent]);
-        Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }
+        Emitter::of_body(code, area, around, None)
     }
 }
 
@@ -64,10 +64,6 @@ impl Geometry for Sphere {
 
     fn emitters(&self, at: &ObjectTransform, _: u32, code: u32, _: MeshLayout) -> Vec<Emitter> {
         vec![self.emitter(at, code)]
-    }
-
-    fn set_light(&self, tables: &mut Tables, index: usize, _: MeshLayout, light: u32) {
-        tables.spheres[index].light = light;
     }
 
     /// The disk within the circle at which lines from the origin touch the sphere.

@@ -7,10 +7,8 @@ use crate::error::Result;
 use glam::DVec3;
 
 pub const NUMBER: &str = "a number";
-pub const COLOUR: &str = "a colour: (r, g, b)";
 pub const PATH: &str = "a file's path in quotes";
 pub const POINT: &str = "a point: (x, y, z)";
-pub const VECTOR: &str = "a vector: (x, y, z)";
 /// The words in error messages for an expected texture.
 pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
 
@@ -48,8 +46,8 @@ impl Takes {
             }
             Takes::Integer(least, most) => format!("a whole number from {least} to {most}"),
             Takes::Point => POINT.to_owned(),
-            Takes::Vector => VECTOR.to_owned(),
-            Takes::Colour(_) => COLOUR.to_owned(),
+            Takes::Vector => "a vector: (x, y, z)".to_owned(),
+            Takes::Colour(_) => "a colour: (r, g, b)".to_owned(),
             Takes::Texture(_) => TEXTURE.to_owned(),
             Takes::Varying(range) => format!("{NUMBER} {range}, or a texture such as Image(path: .., channel: G)"),
             Takes::Other(words) => (*words).to_owned(),
@@ -79,11 +77,6 @@ pub struct Field {
 }
 
 impl Field {
-    /// A field that must be given. Its declaration has its name and its meaning.
-    pub const fn taking(takes: Takes) -> Field {
-        Field { name: "", takes, default: "", about: "" }
-    }
-
     /// The field with a name and a meaning, unless it has its own.
     pub const fn named(self, name: &'static str, about: &'static str) -> Field {
         let name = if self.name.is_empty() { name } else { self.name };
@@ -121,42 +114,25 @@ impl Field {
     }
 }
 
-pub const fn number(range: Range, unit: &'static str) -> Field {
-    Field::taking(Takes::Number(range, unit))
+/// Declares fields that must be given, by what they take. A field's declaration has its name and its meaning.
+macro_rules! fields {
+    ($($name:ident($($given:ident: $type:ty),*) => $takes:expr;)*) => {
+        $(pub const fn $name($($given: $type),*) -> Field {
+            Field { name: "", takes: $takes, default: "", about: "" }
+        })*
+    };
 }
 
-pub const fn integer(least: u32, most: u32) -> Field {
-    Field::taking(Takes::Integer(least, most))
-}
-
-pub const fn point() -> Field {
-    Field::taking(Takes::Point)
-}
-
-pub const fn vector() -> Field {
-    Field::taking(Takes::Vector)
-}
-
-pub const fn colour(channel: Range) -> Field {
-    Field::taking(Takes::Colour(channel))
-}
-
-pub const fn texture(channel: Range) -> Field {
-    Field::taking(Takes::Texture(channel))
-}
-
-/// A number that may vary over a surface.
-pub const fn varying(range: Range) -> Field {
-    Field::taking(Takes::Varying(range))
-}
-
-pub const fn flag() -> Field {
-    Field::taking(Takes::Other("true or false"))
-}
-
-/// Anything else, in words.
-pub const fn other(words: &'static str) -> Field {
-    Field::taking(Takes::Other(words))
+fields! {
+    number(range: Range, unit: &'static str) => Takes::Number(range, unit);
+    integer(least: u32, most: u32) => Takes::Integer(least, most);
+    point() => Takes::Point;
+    vector() => Takes::Vector;
+    colour(channel: Range) => Takes::Colour(channel);
+    texture(channel: Range) => Takes::Texture(channel);
+    varying(range: Range) => Takes::Varying(range);
+    flag() => Takes::Other("true or false");
+    other(words: &'static str) => Takes::Other(words);
 }
 
 /// A value of a field. Only numbers have ranges that are checked as they stand.

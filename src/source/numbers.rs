@@ -93,10 +93,6 @@ impl fmt::Display for Range {
     }
 }
 
-pub fn vector(at: &ValuePath, v: DVec3) -> Result<()> {
-    Range::ANY.check_each(at, "", v)
-}
-
 /// Whether two directions are parallel, whatever their lengths.
 pub fn parallel(a: DVec3, b: DVec3) -> bool {
     let unit = |v: DVec3| (v / v.abs().max_element()).normalize();

@@ -38,7 +38,7 @@ impl Span {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Node {
     /// The value itself, without its key.
     value: Span,
@@ -66,7 +66,8 @@ pub struct Mismatch {
 pub struct Spans {
     nodes: Vec<Node>,
     children: Vec<Id>,
-    root: Option<Id>,
+    /// The value of the complete text; `None` if there are only spaces and comments.
+    pub root: Option<Id>,
     /// The innermost bracket that the text never closes.
     pub unclosed_bracket: Option<u32>,
     /// The first bracket that is closed by one of another kind, or that closes none.
@@ -93,11 +94,6 @@ impl Spans {
         };
         scanner.run();
         scanner.spans
-    }
-
-    /// The value of the complete text; `None` if there are only spaces and comments.
-    pub fn root(&self) -> Option<Id> {
-        self.root
     }
 
     /// The value at the end of the path. If the text lacks it, the innermost value on the path.
@@ -165,15 +161,15 @@ impl Spans {
     }
 
     pub fn value(&self, id: Id) -> Span {
-        self.node(id).map(|node| node.value).unwrap_or_default()
+        self.node(id).value
     }
 
     pub fn key(&self, id: Id) -> Span {
-        self.node(id).map(|node| node.key).unwrap_or_default()
+        self.node(id).key
     }
 
     pub fn parent(&self, id: Id) -> Option<Id> {
-        self.node(id)?.parent
+        self.node(id).parent
     }
 
     /// The start of the value's key, or of the value if it has no key.
@@ -183,28 +179,25 @@ impl Spans {
     }
 
     pub fn children(&self, id: Id) -> &[Id] {
-        self.node(id)
-            .and_then(|node| {
-                let first = node.first as usize;
-                self.children.get(first..first + node.count as usize)
-            })
-            .unwrap_or(&[])
+        let Node { first, count, .. } = self.node(id);
+        self.children.get(first as usize..(first + count) as usize).unwrap_or(&[])
     }
 
     /// The name before the value's bracket, or "".
     pub fn name<'t>(&self, text: &'t str, id: Id) -> &'t str {
-        self.node(id).map_or("", |node| field_name(slice(text, node.name)))
+        field_name(slice(text, self.node(id).name))
     }
 
     /// The end of the name before the value's bracket; the value's start if there is no name.
     pub fn name_end(&self, id: Id) -> u32 {
-        self.node(id).map_or(0, |node| node.name.end.max(node.value.start))
+        let node = self.node(id);
+        node.name.end.max(node.value.start)
     }
 
     /// The content of a variant: the number in `Scale(2)`; the value itself in `Sphere(radius: 2)` and `Rgb(1, 1, 1)`.
     fn inside(&self, id: Id) -> Id {
-        match (self.node(id), self.children(id)) {
-            (Some(node), &[only]) if !node.name.is_empty() && self.key(only).is_empty() => only,
+        match self.children(id) {
+            &[only] if !self.node(id).name.is_empty() && self.key(only).is_empty() => only,
             _ => id,
         }
     }
@@ -213,8 +206,9 @@ impl Spans {
         self.children(id).iter().copied().find(|&child| matches(self.key(child)))
     }
 
-    fn node(&self, id: Id) -> Option<&Node> {
-        self.nodes.get(id as usize)
+    /// A value of this tree; nothing for any other number.
+    fn node(&self, id: Id) -> Node {
+        self.nodes.get(id as usize).copied().unwrap_or_default()
     }
 }
 

@@ -8,6 +8,7 @@ use gpu_rt::data::{
     KIND_DELTA_LIGHT, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light, MAX_PRIMITIVES, PRIMITIVE_KIND_SHIFT,
 };
 use gpu_rt::flatten::{DeviceScene, flatten};
+use gpu_rt::gpu::link::reason_of;
 use gpu_rt::options::RenderOptions;
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
@@ -93,7 +94,7 @@ fn flattened((from, to): (i32, i32), background: &str, materials: &str, objects:
 fn kernel(flat: &DeviceScene) -> Kernel {
     let plan = plan_of(&flat.features);
     let lights = flat.features.quantities.lights.to_string();
-    assert!(plan.reason("several_lights").is_some(), "the light tree chooses one");
+    assert!(reason_of(&plan.facts, "several_lights").is_some(), "the light tree chooses one");
     Kernel::with("test/light_choice", &Setup { plan, values: &[("lights", &*lights)], ..Setup::default() })
 }
 

@@ -231,7 +231,7 @@ fn all_sampled() -> Features {
     let rows = "roughness metallic multiscatter specular specular_share transmission coat coat_roughness coat_normal \
                 sheen sheen_roughness anisotropy iridescence iridescence_thickness diffuse_transmission diffuse_transmission_share dispersion";
     let surfaces = varying(surfaces, &rows.split(' ').collect::<Vec<_>>());
-    let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
+    let lit = delta_lit(lit(with_media(smooth(surfaces), all(&BOUNDARIES), true), all(PRIMITIVES), true), true);
     with_extension(covered(emissive(coloured(lit, true, true))), "normal")
 }
 
@@ -323,7 +323,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         }
     }
     // Media in every set of boundaries, without anything else to hit, and beside each primitive.
-    for boundaries in 1..=all(BOUNDARIES) {
+    for boundaries in 1..=all(&BOUNDARIES) {
         found.push(with_media(features(0, 0, 0, SOLID, false), boundaries, false));
         found
             .extend((0..PRIMITIVES.len()).map(|i| with_media(features(1 << i, 3, 0, SOLID, false), boundaries, false)));
@@ -334,9 +334,9 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         for turn in [false, true] {
             let nothing = features(0, 0, 0, background, false);
             let nothing = if turn { turned(nothing) } else { nothing };
-            found.extend((1..=all(BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false)));
+            found.extend((1..=all(&BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false)));
             if background == IMAGE {
-                let media = (1..=all(BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false));
+                let media = (1..=all(&BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false));
                 found.extend(media.map(|media| lit(media, 0, true)));
             }
             found.push(nothing);
@@ -351,7 +351,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for emitters in [0].into_iter().chain(shapes.iter().copied()) {
         let surfaces = features(emitters.max(1), materials, 0, IMAGE, false);
         found.extend([lit(surfaces.clone(), emitters, true), lit(surfaces.clone(), emitters.max(1), false)]);
-        found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
+        found.push(lit(with_media(surfaces, 1 + emitters % all(&BOUNDARIES), false), emitters.max(1), false));
     }
     // Numbers that vary, of one kind of material and of all, with each of them alone.
     for kind in ["roughness", "metallic"] {
@@ -450,7 +450,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             let beside = paned(features(set, materials, 0, SOLID, false), set);
             found.extend([few(alone.clone()), delta_lit(few(beside), true)]);
         }
-        found.extend([lit(full.clone(), set, true), lit(with_media(full, all(BOUNDARIES), false), set, false)]);
+        found.extend([lit(full.clone(), set, true), lit(with_media(full, all(&BOUNDARIES), false), set, false)]);
         found.extend([with_media(alone.clone(), 1, false), alone, mapped]);
     }
     // Lights without size alone, with every material and in media, and beside each kind of light.
@@ -480,7 +480,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend(all.map(|features| moving(features, set > 1)));
         found.push(moving(lit(with_extension(own, "normal"), set, true), false));
     }
-    for boundaries in 1..=all(BOUNDARIES) {
+    for boundaries in 1..=all(&BOUNDARIES) {
         found.push(moving(with_media(features(0, 0, 1, SOLID, false), boundaries, true), false));
     }
     let still = features(1, 1, 0, SOLID, true);
@@ -496,7 +496,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     let mut beside: Vec<_> =
         shapes.iter().map(|set| lit(features(*set, materials, 0, IMAGE, false), *set, true)).collect();
     beside.extend(pairs.iter().map(|set| features(1, *set, 0, SOLID, false)));
-    beside.extend((1..=all(BOUNDARIES)).map(|set| with_media(features(1, 1, 0, SOLID, false), set, false)));
+    beside.extend((1..=all(&BOUNDARIES)).map(|set| with_media(features(1, 1, 0, SOLID, false), set, false)));
     beside.extend([everything(), many_lights(everything())]);
     found.extend(beside.into_iter().map(|features| (features, approximate_all())));
     // Every filter, beside the least and everything.

@@ -67,23 +67,18 @@ struct Source<'a> {
     w: f64,
 }
 
-fn corners((low, high): (DVec3, DVec3)) -> Vec<DVec3> {
-    let select = |i: usize, axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
-    (0..8).map(|i| DVec3::new(select(i, 0), select(i, 1), select(i, 2))).collect()
-}
-
 pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
     let mut worst = Worst::default();
     let finder = search.finder;
-    let motions = finder.primitives.iter().map(|primitive| &primitive.motion);
-    let motions = motions.chain(finder.media.iter().map(|medium| &medium.motion));
+    let motions = finder.bodies().map(|(_, _, motion)| motion);
     let mut motions = motions.chain(finder.lights.iter().map(|light| &light.motion));
     // The ways of moving objects are not known.
     if !search.is_lit || !search.scene.camera.moving.is_empty() || motions.any(|motion| !motion.is_empty()) {
         return worst;
     }
     let surfaces = search.bodies().filter(|body| body.role.light);
-    let surfaces = surfaces.map(|body| Source { object: body.object, corners: corners(body.bounds.bounds()), w: 1.0 });
+    let surfaces =
+        surfaces.map(|body| Source { object: body.object, corners: body.bounds.bounds().corners().into(), w: 1.0 });
     let without_size = finder.lights.iter().map(|MovingLight { object, light, .. }| match light.position {
         Some(at) => Source { object, corners: vec![at - search.view.eye], w: 1.0 },
         None => Source { object, corners: vec![-light.cone().0], w: 0.0 },
@@ -110,22 +105,20 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
             tests = left;
             // The boxes around what is before the face and what is behind it, where a light at infinity has no place.
             let lens = DVec3::splat(search.view.lens_radius());
-            let (mut before, mut behind) = (vec![-lens, lens], Vec::new());
+            let (mut before, mut behind) = (vec![Aabb { min: -lens, max: lens }], Vec::new());
             for body in search.bodies().chain(search.boundaries()).filter(|body| !is_own(body.object)) {
-                let (low, high) = body.bounds.bounds();
-                let is_behind = corners((low, high)).into_iter().all(|p| face.height(p) < 0.0);
-                if is_behind { &mut behind } else { &mut before }.extend([low, high]);
+                let around = body.bounds.bounds();
+                let is_behind = around.corners().into_iter().all(|p| face.height(p) < 0.0);
+                if is_behind { &mut behind } else { &mut before }.push(around);
             }
             // The other sides of a box are behind the one.
-            behind.extend(wall.bounds.corners().into_iter().filter(|p| face.height(*p) < -STANDS * search.extent));
-            let around = |points: Vec<DVec3>| {
-                let Aabb { min, max } = Aabb::around(points);
-                corners((min, max))
-            };
-            let before = around(before);
+            let sides = wall.bounds.corners().into_iter().filter(|p| face.height(*p) < -STANDS * search.extent);
+            behind.extend(sides.map(|p| Aabb { min: p, max: p }));
+            let before = Aabb::around_all(before).corners();
             let stands = before.iter().all(|p| face.height(*p) >= -STANDS * search.extent);
             let is_cut_off = |p: DVec3, w: f64| before.iter().all(|before| face.is_between(*before, p, w));
-            let cuts_off = behind.is_empty() || around(behind).into_iter().all(|p| is_cut_off(p, 1.0));
+            let cuts_off =
+                behind.is_empty() || Aabb::around_all(behind).corners().into_iter().all(|p| is_cut_off(p, 1.0));
             if !stands || !cuts_off {
                 continue;
             }
@@ -135,7 +128,7 @@ pub fn search<'a>(search: &Search<'a>) -> Worst<'a> {
                      that: move the light to the front, or remove it",
                     wall.word()
                 );
-                worst.add(0.0, || Diagnostic { object: source.object, field: "", message, other: Some(wall.object) });
+                worst.add(0.0, || Diagnostic { other: Some(wall.object), ..Diagnostic::of(source.object, message) });
             }
             if worst.count > 0 {
                 return worst;

@@ -10,7 +10,7 @@ use super::search::{Diagnostic, OTHER, Role, Search, U, Worst};
 use super::within::{Within, is_outside_in_front};
 use crate::flatten::finder::MovingLight;
 use crate::scene::Object;
-use crate::shape::{BoundingShape, normal};
+use crate::shape::{Aabb, BoundingShape, normal};
 
 /// The most lights that the search tests.
 const MOST_LIGHTS: usize = 4096;
@@ -31,23 +31,23 @@ fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
         return worst;
     }
     let lens = DVec3::splat(search.view.lens_radius());
-    let (mut low, mut high, mut rounded) = (-lens, lens, lens);
+    let (mut all, mut rounded) = (Aabb { min: -lens, max: lens }, lens);
     for body in search.bodies().chain(search.boundaries()) {
-        let (l, h) = body.bounds.bounds();
-        (low, high) = (low.min(l), high.max(h));
+        let own = body.bounds.bounds();
+        all = all.union(own);
         // Of a large sphere, the rounding near the camera counts, not that of its far side.
         if body.shape.large_sphere().is_none() {
-            rounded = rounded.max(l.abs().max(h.abs()));
+            rounded = rounded.max(own.min.abs().max(own.max.abs()));
         }
     }
     for body in search.bodies().filter(|body| is_one_sided(&body.role) && body.shape.fills_bounding_shape()) {
         let BoundingShape::Parallelogram { corner, u, v } = body.bounds else { continue };
         let n = normal(u, v);
-        let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
+        let farthest = DVec3::select(n.cmpge(DVec3::ZERO), all.max, all.min);
         if n.dot(farthest - corner) <= 8.0 * U * n.abs().dot(rounded) {
             let message = "this light emits to one side, and the whole scene is on its other side: turn it round (exchange a quad's u and v, \
                            reverse a disk's normal), or make it two_sided";
-            worst.add(0.0, || diagnostic(body.object, message.to_string()));
+            worst.add(0.0, || Diagnostic::of(body.object, message));
         }
     }
     worst
@@ -72,7 +72,7 @@ fn astray<'a>(search: &Search<'a>) -> Worst<'a> {
         if !bodies.any(|body| may_light(at - eye, axis, angle, &body.bounds)) {
             let message = "no object is in the cone of this light, so that it lights nothing: aim it with towards, or widen its outer \
                            angle";
-            worst.add(0.0, || diagnostic(object, message.to_string()));
+            worst.add(0.0, || Diagnostic::of(object, message));
         }
     }
     worst
@@ -130,14 +130,14 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
             let message = format!(
                 "the camera is inside this {word}, which emits outwards only: its inside is black. Make it two_sided"
             );
-            outwards.add(0.0, || diagnostic(wall.object, message));
+            outwards.add(0.0, || Diagnostic::of(wall.object, message));
         }
         if camera_is_inside && lights.is_empty() {
             let message = format!(
                 "the camera is inside this opaque {word}, and no light is: the image is black. Move the camera out of it, open it, or put \
                  a light inside"
             );
-            rooms.add(0.0, || diagnostic(wall.object, message));
+            rooms.add(0.0, || Diagnostic::of(wall.object, message));
         }
         if !camera_is_inside && !camera_is_outside {
             continue;
@@ -158,14 +158,10 @@ fn enclosed<'a>(search: &Search<'a>) -> [Worst<'a>; 3] {
                         "no path reaches this light: the opaque {word} at {OTHER} encloses {inner}, and the {outer} is outside: remove \
                          the light, or open the {word}"
                     );
-                    Diagnostic { other: Some(wall.object), ..diagnostic(light.object, message) }
+                    Diagnostic { other: Some(wall.object), ..Diagnostic::of(light.object, message) }
                 });
             }
         }
     }
     [outwards, hidden, rooms]
-}
-
-fn diagnostic(object: &Object, message: String) -> Diagnostic<'_> {
-    Diagnostic { object, field: "", message, other: None }
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::flatten::finder::{Finder, Primitive};
 use crate::flatten::view::View;
 use crate::material::Emitted;
+use crate::printable::and_more;
 use crate::scene::{Material, Object, Scene};
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, ObjectTransform, RenderSpace, Shape};
@@ -114,6 +115,13 @@ pub struct Diagnostic<'a> {
     pub other: Option<&'a Object>,
 }
 
+impl<'a> Diagnostic<'a> {
+    /// A warning about an object.
+    pub fn of(object: &'a Object, message: impl Into<String>) -> Diagnostic<'a> {
+        Diagnostic { object, field: "", message: message.into(), other: None }
+    }
+}
+
 /// A placeholder in messages for the location of the other object.
 pub const OTHER: &str = "{other}";
 
@@ -141,11 +149,7 @@ impl<'a> Worst<'a> {
     pub fn text(self, scene: &Scene) -> Option<String> {
         let (_, Diagnostic { object, field, message, other }) = self.worst?;
         let other = other.map_or(String::new(), |other| scene.location_of(other).to_string());
-        let more = match self.count {
-            1 => String::new(),
-            count => format!(" (and {} more like it)", count - 1),
-        };
-        let message = message.replace(OTHER, &other) + &more;
+        let message = message.replace(OTHER, &other) + &and_more(self.count - 1);
         let mut text = None;
         scene.visit_objects(&mut |at, visited| {
             if std::ptr::eq(visited, object) {
@@ -179,7 +183,7 @@ pub fn coincidence<'a>(first: &Body<'a>, second: &Body<'a>, gap: f64, bound: f64
         "{what} touches the {} at {OTHER}, which {apart}: {consequence}: set them more than {limit} apart, {remedy}",
         other.word()
     );
-    Diagnostic { object: at.object, field: "", message, other: Some(other.object) }
+    Diagnostic { other: Some(other.object), ..Diagnostic::of(at.object, message) }
 }
 
 /// A number rounded to four digits.

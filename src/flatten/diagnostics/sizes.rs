@@ -40,7 +40,7 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
                     short(far),
                     short(size / LEAST_LIGHT)
                 );
-                Diagnostic { object: body.object, field: "", message, other: None }
+                Diagnostic::of(body.object, message)
             });
         }
     }
@@ -57,7 +57,7 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
                     short(limit),
                     short(1.0 / limit)
                 );
-                Diagnostic { object: medium.object, field: "density", message, other: None }
+                Diagnostic { field: "density", ..Diagnostic::of(medium.object, message) }
             });
         }
     }
@@ -99,5 +99,5 @@ fn unresolved<'a>(body: &Body<'a>, which: usize, size: f64, limit: f64) -> Diagn
     );
     // The size of a medium is in its boundary.
     let field = if matches!(body.object, Object::Medium { .. }) { "boundary" } else { field };
-    Diagnostic { object: body.object, field, message, other: None }
+    Diagnostic { field, ..Diagnostic::of(body.object, message) }
 }

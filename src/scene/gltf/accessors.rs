@@ -20,6 +20,13 @@ pub struct Extent {
 
 pub const ALL: Extent = Extent { from: 0, zeros: 0 };
 
+/// The elements of an accessor as f64, by the type of its numbers.
+macro_rules! numbers {
+    ($kind:ident, $file:ident, $index:ident, $extent:ident; $($name:ident $type:ty),*) => {
+        match $kind { $(DataType::$name => $file.numbers::<$type, _>($index, $extent)),* }
+    };
+}
+
 impl File {
     pub fn accessor(&self, index: Index<Accessor>) -> Option<&Accessor> {
         self.root().get(index)
@@ -44,27 +51,15 @@ impl File {
             3 => Dimensions::Vec3,
             _ => Dimensions::Vec4,
         };
-        match self.kind(index, shape)? {
-            DataType::I8 => self.numbers::<[i8; N], _>(index, extent),
-            DataType::U8 => self.numbers::<[u8; N], _>(index, extent),
-            DataType::I16 => self.numbers::<[i16; N], _>(index, extent),
-            DataType::U16 => self.numbers::<[u16; N], _>(index, extent),
-            DataType::U32 => self.numbers::<[u32; N], _>(index, extent),
-            DataType::F32 => self.numbers::<[f32; N], _>(index, extent),
-        }
+        let kind = self.kind(index, shape)?;
+        numbers! { kind, self, index, extent; I8 [i8; N], U8 [u8; N], I16 [i16; N], U16 [u16; N], U32 [u32; N], F32 [f32; N] }
     }
 
     /// Numbers, from one of them on.
     pub fn scalars(&self, index: Index<Accessor>, from: usize) -> Result<Elements<'_, f64>, String> {
         let extent = Extent { from, ..ALL };
-        match self.kind(index, Dimensions::Scalar)? {
-            DataType::I8 => self.numbers::<i8, _>(index, extent),
-            DataType::U8 => self.numbers::<u8, _>(index, extent),
-            DataType::I16 => self.numbers::<i16, _>(index, extent),
-            DataType::U16 => self.numbers::<u16, _>(index, extent),
-            DataType::U32 => self.numbers::<u32, _>(index, extent),
-            DataType::F32 => self.numbers::<f32, _>(index, extent),
-        }
+        let kind = self.kind(index, Dimensions::Scalar)?;
+        numbers! { kind, self, index, extent; I8 i8, U8 u8, I16 i16, U16 u16, U32 u32, F32 f32 }
     }
 
     /// Matrices, by columns.

@@ -8,7 +8,7 @@ use gltf::json::Index;
 use gltf::json::accessor::Accessor;
 
 use super::accessors::{ALL, Extent};
-use super::channels::{Interpolation, Sampler};
+use super::channels::{Interpolation, Property, Sampler};
 use super::interpolate::{Position, locate, value};
 use super::nodes::{Animated, Pose};
 use super::{File, GltfError, Result};
@@ -16,27 +16,6 @@ use crate::printable::{counted, quote};
 
 /// The most keys of all samplers. A time is searched among all keys of a sampler.
 const MOST_KEYS: u64 = 1 << 28;
-
-/// The property of a node that a channel moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Property {
-    Translation,
-    Rotation,
-    Scale,
-    Weights,
-}
-
-impl Property {
-    fn of(path: &str) -> Option<Property> {
-        match path {
-            "translation" => Some(Property::Translation),
-            "rotation" => Some(Property::Rotation),
-            "scale" => Some(Property::Scale),
-            "weights" => Some(Property::Weights),
-            _ => None,
-        }
-    }
-}
 
 impl File {
     /// The pose at a time, or the rest pose.
@@ -62,9 +41,10 @@ impl File {
             let mut moved_before = None;
             for (index, channel) in animation.channels.iter().enumerate() {
                 let at = format!("animations[{number}].channels[{index}]");
-                pointers += usize::from(channel.target.path == "pointer");
-                let target = channel.target.node.zip(Property::of(&channel.target.path));
-                let Some((node, property)) = target else { continue };
+                let property = channel.target.path;
+                pointers += usize::from(property == Property::Pointer);
+                let is_read = !matches!(property, Property::Pointer | Property::Other);
+                let Some(node) = channel.target.node.filter(|_| is_read) else { continue };
                 let sampler = animation.samplers.get(channel.sampler).ok_or_else(|| {
                     GltfError::new(format!("{at}.sampler"), format!("there is no sampler {}", channel.sampler))
                 })?;
@@ -176,5 +156,6 @@ fn set(animated: &mut Animated, property: Property, value: &[f64]) {
         Property::Scale => animated.scale = three(),
         Property::Rotation => animated.rotation = <[f32; 4]>::try_from(rounded.as_slice()).ok(),
         Property::Weights => animated.weights = Some(rounded),
+        Property::Pointer | Property::Other => {}
     }
 }

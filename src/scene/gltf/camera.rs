@@ -70,16 +70,8 @@ impl File {
             return Err(GltfError::new(format!("nodes[{}]", scene_node.index), "its camera has no direction"));
         }
         let names = [scene_node.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();
-        let camera = Camera {
-            look_from: translation,
-            look_at: translation + forward * translation.length().max(1.0),
-            up,
-            vertical_fov: yfov.to_degrees(),
-            aperture: 0.0,
-            focus_distance: None,
-            shutter: (0.0, 0.0),
-            moving: Vec::new(),
-        };
+        let look_at = translation + forward * translation.length().max(1.0);
+        let camera = Camera::pinhole(translation, look_at, up, yfov.to_degrees());
         Ok(Some(View { names, camera, image: image(aspect) }))
     }
 }
@@ -93,15 +85,6 @@ pub fn framing(Aabb { min: low, max: high }: Aabb) -> (Camera, ImageSize) {
     };
     let radius = if radius > 0.0 { radius } else { 1.0 };
     let distance = radius / (0.5 * FOV).to_radians().sin();
-    let camera = Camera {
-        look_from: middle + distance * DVec3::new(0.5, 0.35, 1.0).normalize(),
-        look_at: middle,
-        up: DVec3::Y,
-        vertical_fov: FOV,
-        aperture: 0.0,
-        focus_distance: None,
-        shutter: (0.0, 0.0),
-        moving: Vec::new(),
-    };
-    (camera, image(ASPECT))
+    let look_from = middle + distance * DVec3::new(0.5, 0.35, 1.0).normalize();
+    (Camera::pinhole(look_from, middle, DVec3::Y, FOV), image(ASPECT))
 }

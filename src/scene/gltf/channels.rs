@@ -24,7 +24,21 @@ pub struct Channel {
 pub struct Target {
     /// A channel without a node is ignored, as glTF says, unless an extension says otherwise.
     pub node: Option<usize>,
-    pub path: String,
+    pub path: Property,
+}
+
+/// The property of a node that a channel moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Property {
+    Translation,
+    Rotation,
+    Scale,
+    Weights,
+    /// Any, by KHR_animation_pointer.
+    Pointer,
+    #[serde(other)]
+    Other,
 }
 
 /// Keys: their times, and the values at these.

@@ -8,6 +8,7 @@ use gltf::json::mesh::Primitive;
 
 use super::camera::View;
 use super::deformation::has_more_joints;
+use super::error::in_primitive;
 use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::instances::{self, MOST_INSTANCES, has_instances, has_unread_instances};
@@ -17,7 +18,7 @@ use super::{File, GltfError, Result, is_read};
 use crate::guard::guarded;
 use crate::printable::quote;
 use crate::scene::gltf_path::Part;
-use crate::scene::nearest::nearest;
+use crate::scene::nearest::{meant, one_of};
 use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
@@ -68,13 +69,14 @@ impl Contents {
         let chosen = match name {
             None => self.views.first(),
             Some(name) => {
+                const MOST: usize = 10;
                 let is_it = |view: &&View| view.names.iter().any(|known| known == name);
-                let known = || self.views.iter().flat_map(|view| &view.names).map(String::as_str);
-                let found = self.views.iter().find(is_it);
-                found.map(Some).ok_or_else(|| {
-                    let meant =
-                        nearest(name, known()).map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
-                    format!("--camera: there is no camera {name:?}: {}{meant}", one_of(known()))
+                let mut known: Vec<&str> = self.views.iter().flat_map(|view| &view.names).map(String::as_str).collect();
+                known.dedup();
+                let known = || known.iter().copied();
+                self.views.iter().find(is_it).map(Some).ok_or_else(|| {
+                    let names = one_of(known().take(MOST), "the file has no perspective camera with a name");
+                    format!("--camera: there is no camera {name:?}: {names}{}", meant(name, known()))
                 })?
             }
         };
@@ -85,18 +87,6 @@ impl Contents {
     pub fn has_lights(&self) -> bool {
         self.objects.iter().any(|object| object.delta_light().is_some())
     }
-}
-
-/// "expected one of ..."
-fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const MOST: usize = 10;
-    let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
-    names.dedup();
-    if names.is_empty() {
-        return "the file has no perspective camera with a name".to_owned();
-    }
-    names.truncate(MOST);
-    format!("expected one of {}", names.join(", "))
 }
 
 /// The smallest box around transformed meshes.
@@ -269,20 +259,12 @@ impl Deviations {
         if without_triangles > 0 {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
-        let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        for (is_there, note) in [
-            (
-                primitives().any(has_more_joints),
-                "meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count",
-            ),
-            (
-                self.has_range,
-                "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit",
-            ),
-        ] {
-            if is_there {
-                notes.push(note.to_owned());
-            }
+        if root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(has_more_joints) {
+            notes.push("meshes: JOINTS_2 and later are not read: only 8 joints of a vertex count".to_owned());
+        }
+        if self.has_range {
+            let note = "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit";
+            notes.push(note.to_owned());
         }
         notes
     }
@@ -357,24 +339,22 @@ impl Materials<'_> {
             colors: of_this.iter().any(|primitive| self.file.is_coloured(primitive)),
             alpha: !is_opaque && of_this.iter().any(|primitive| self.file.has_vertex_alpha(primitive)),
         };
-        let (own, material) = match index {
-            Some(index) if index >= self.file.root().materials.len() => {
-                let at = format!("meshes[{mesh}].primitives[{primitive}].material");
-                return Err(GltfError::new(at, format!("there is no material {index}")));
+        let (own, material) = match (index, given) {
+            (Some(index), None) => {
+                return Err(in_primitive((mesh, primitive), ".material", format!("there is no material {index}")));
             }
-            Some(index) => {
+            (Some(index), Some(given)) => {
                 let mut notes = Vec::new();
-                let material = self.file.material(index, self.path, of_vertices, glass, &mut notes)?;
+                let material = self.file.material((index, given), self.path, of_vertices, glass, &mut notes)?;
                 notes.extend(self.note_of_glass(index, glass));
                 notes.retain(|note| self.reported.insert(note.clone()));
                 contents.notes.extend(notes);
-                let own = self.file.root().materials.get(index).and_then(|given| given.name.clone());
-                let own = own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}"));
+                let own = given.name.clone().filter(|name| !name.is_empty()).unwrap_or(format!("material {index}"));
                 let has_other = self.names.contains_key(&(Some(index), !glass.is_solid));
                 let body = if glass.is_solid { "solid" } else { "pane" };
                 (if has_other { format!("{own} ({body})") } else { own }, material)
             }
-            None => {
+            (None, _) => {
                 let of_blender = self.file.blender().is_some();
                 let note = "meshes: those without a material are grey plastic, as Blender renders them";
                 contents.notes.extend(of_blender.then(|| note.to_owned()));

@@ -10,6 +10,7 @@ use gltf::json::skin::Skin;
 use gltf::json::validation::Checked;
 
 use super::accessors::{ALL, Elements, Extent};
+use super::error::in_primitive;
 use super::nodes::{Pose, SceneNode};
 use super::{File, GltfError, Result};
 
@@ -181,8 +182,7 @@ impl File {
             }
         });
         if let Some((attribute, reason)) = bad {
-            let at = format!("meshes[{mesh}].primitives[{number}].attributes.{attribute}_0");
-            return Err(GltfError::new(at, reason));
+            return Err(in_primitive((mesh, number), &format!(".attributes.{attribute}_0"), reason));
         }
         Ok(Box::new(influences()?.map(move |of_vertex| blended(&of_vertex, joints))))
     }
@@ -192,9 +192,7 @@ impl File {
         let primitive = self.primitive(mesh, number)?;
         let vertices = self.vertex_count(primitive);
         let of = |name: &str, semantic: fn(u32) -> Semantic, set: u32| {
-            let wrong = |reason: String| {
-                GltfError::new(format!("meshes[{mesh}].primitives[{number}].attributes.{name}_{set}"), reason)
-            };
+            let wrong = |reason| in_primitive((mesh, number), &format!(".attributes.{name}_{set}"), reason);
             let index = attribute(primitive, semantic(set))
                 .ok_or_else(|| wrong("it is missing: each vertex of a skin has joints and weights".to_owned()))?;
             let found = self.accessor(index).map_or(vertices, |accessor| accessor.count.0);
@@ -234,9 +232,7 @@ impl File {
         let targets = primitive.targets.iter().flatten().zip(&deformation.weights).enumerate();
         for (target, (given, &weight)) in targets.filter(|(_, (_, weight))| **weight != 0.0) {
             let Some(index) = delta(given) else { continue };
-            let wrong = |reason: String| {
-                GltfError::new(format!("meshes[{mesh}].primitives[{number}].targets[{target}].{name}"), reason)
-            };
+            let wrong = |reason| in_primitive((mesh, number), &format!(".targets[{target}].{name}"), reason);
             let accessor = self.accessor(index);
             // All of its elements are zero.
             if accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none()) {

@@ -1,9 +1,8 @@
 //! What is wrong with a glTF file.
 
-use std::fmt;
-
 /// What is wrong with a file, and where in its JSON: `materials[2].pbrMetallicRoughness.baseColorTexture.index`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{at}{}{reason}", if at.is_empty() { "" } else { ": " })]
 pub struct GltfError {
     /// Empty if all of the file is wrong.
     pub at: String,
@@ -18,17 +17,13 @@ impl GltfError {
     }
 }
 
+/// What is wrong with a part of a primitive.
+pub fn in_primitive((mesh, number): (usize, usize), part: &str, reason: impl Into<String>) -> GltfError {
+    GltfError::new(format!("meshes[{mesh}].primitives[{number}]{part}"), reason)
+}
+
 impl From<String> for GltfError {
     fn from(reason: String) -> GltfError {
         GltfError { at: String::new(), reason }
-    }
-}
-
-impl fmt::Display for GltfError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self.at.is_empty() {
-            true => f.write_str(&self.reason),
-            false => write!(f, "{}: {}", self.at, self.reason),
-        }
     }
 }

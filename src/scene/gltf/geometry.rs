@@ -9,6 +9,7 @@ use gltf::json::validation::Checked;
 
 use super::accessors::{ALL, Elements};
 use super::deformation::{Deformation, NORMAL, POSITION, TANGENT};
+use super::error::in_primitive;
 use super::material::{UvTransform, is_opaque};
 use super::nodes::SceneNode;
 use super::{File, GltfError, Result};
@@ -129,8 +130,8 @@ impl File {
         let Some(index) = self.complete_attribute(self.primitive(mesh, primitive)?, Semantic::TexCoords(set)) else {
             return Ok(None);
         };
-        let at = || format!("meshes[{mesh}].primitives[{primitive}].attributes.TEXCOORD_{set}");
-        let uvs = self.elements::<2>(index, ALL).map_err(|reason| GltfError::new(at(), reason))?;
+        let wrong = |reason| in_primitive((mesh, primitive), &format!(".attributes.TEXCOORD_{set}"), reason);
+        let uvs = self.elements::<2>(index, ALL).map_err(wrong)?;
         Ok(Some(uvs.map(|uv| placing.in_mesh(uv))))
     }
 
@@ -143,15 +144,12 @@ impl File {
     ) -> Result<()> {
         let given = self.primitive(mesh, primitive)?;
         let Some(&index) = given.attributes.get(&Checked::Valid(Semantic::Tangents)) else { return Ok(()) };
-        let at = format!("meshes[{mesh}].primitives[{primitive}].attributes.TANGENT");
+        let wrong = |reason: String| in_primitive((mesh, primitive), ".attributes.TANGENT", reason);
         let (found, expected) = (self.accessor(index).map_or(0, |accessor| accessor.count.0), draft.positions.len());
         if found != expected as u64 {
-            return Err(GltfError::new(
-                at,
-                format!("expected a tangent for each of {expected} vertices, found {found}"),
-            ));
+            return Err(wrong(format!("expected a tangent for each of {expected} vertices, found {found}")));
         }
-        let tangents = self.elements::<4>(index, ALL).map_err(|reason| GltfError::new(&at, reason))?;
+        let tangents = self.elements::<4>(index, ALL).map_err(wrong)?;
         let mut morphed = self.morph((mesh, primitive), deformation, TANGENT)?;
         let transforms = self.transforms((mesh, primitive), deformation)?;
         let transformed = tangents.zip(transforms).map(|([x, y, z, w], to_scene)| {
@@ -219,15 +217,13 @@ impl File {
         placing: &UvTransform,
         draft: &mut Draft,
     ) -> Result<()> {
-        let wrong =
-            |field: &str, reason: String| GltfError::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
+        let wrong = |part: &str, reason: String| in_primitive((mesh, number), part, reason);
         let primitive = self.primitive(mesh, number)?;
         if !has_triangles(primitive) {
             return Ok(());
         }
         let first = draft.positions.len();
         self.add_faces((mesh, number), deformation, draft)?;
-        let end = draft.positions.len();
         let attribute = |semantic| self.complete_attribute(primitive, semantic);
         let normals = attribute(Semantic::Normals).map(|index| self.elements::<3>(index, ALL)).transpose();
         let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
@@ -245,43 +241,35 @@ impl File {
         if let Some(alphas) = alphas {
             draft.add_alphas(first, alphas)?;
         }
-        if normals.is_some() || !draft.normals.is_empty() {
+        if let Some(normals) = normals {
             draft.normals.resize(first, Vec3::NAN);
-            if let Some(normals) = normals {
-                let mut morphed = self.morph((mesh, number), deformation, NORMAL)?;
-                let transforms = self.transforms((mesh, number), deformation)?;
-                for (vertex, (normal, to_scene)) in normals.map(DVec3::from_array).zip(transforms).enumerate() {
-                    if !normal.is_finite() {
-                        draft.bad_normal.get_or_insert_with(|| {
-                            let reason = format!("expected finite numbers, found {normal} at vertex {vertex}");
-                            wrong(".attributes.NORMAL", reason).to_string()
-                        });
-                    }
-                    draft.normals.push(deformation.normal(&to_scene, morphed(normal)).as_vec3());
+            let mut morphed = self.morph((mesh, number), deformation, NORMAL)?;
+            let transforms = self.transforms((mesh, number), deformation)?;
+            for (vertex, (normal, to_scene)) in normals.map(DVec3::from_array).zip(transforms).enumerate() {
+                if !normal.is_finite() {
+                    draft.bad_normal.get_or_insert_with(|| {
+                        let reason = format!("expected finite numbers, found {normal} at vertex {vertex}");
+                        wrong(".attributes.NORMAL", reason).to_string()
+                    });
                 }
+                draft.normals.push(deformation.normal(&to_scene, morphed(normal)).as_vec3());
             }
-            draft.normals.resize(end, Vec3::NAN);
         }
-        if uvs.is_some() || !draft.uvs.is_empty() {
+        if let Some(uvs) = uvs {
             draft.uvs.resize(first, Vec2::NAN);
-            if let Some(uvs) = uvs {
-                draft.uvs.extend(uvs);
-                let bad = draft.uvs.iter().enumerate().skip(first).find(|(_, uv)| !uv.is_finite());
-                if let Some((vertex, uv)) = bad.filter(|_| draft.bad_uv.is_none()) {
-                    let at = format!("meshes[{mesh}].primitives[{number}].attributes.TEXCOORD_{}", placing.set);
-                    let vertex = vertex - first;
-                    draft.bad_uv = Some(format!("{at}: expected finite numbers, found {uv} at vertex {vertex}"));
-                }
+            draft.uvs.extend(uvs);
+            let bad = draft.uvs.iter().skip(first).enumerate().find(|(_, uv)| !uv.is_finite());
+            if let Some((vertex, uv)) = bad.filter(|_| draft.bad_uv.is_none()) {
+                let reason = format!("expected finite numbers, found {uv} at vertex {vertex}");
+                draft.bad_uv = Some(wrong(&format!(".attributes.TEXCOORD_{}", placing.set), reason).to_string());
             }
-            draft.uvs.resize(end, Vec2::NAN);
         }
         Ok(())
     }
 
     /// Adds a primitive's triangles with the positions of its vertices; points and lines have none.
     fn add_faces(&self, (mesh, number): (usize, usize), deformation: &Deformation, draft: &mut Draft) -> Result<()> {
-        let wrong =
-            |field: &str, reason: String| GltfError::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
+        let wrong = |part: &str, reason: String| in_primitive((mesh, number), part, reason);
         let primitive = self.primitive(mesh, number)?;
         let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
             return Ok(());
@@ -308,7 +296,7 @@ impl File {
         let mut held = [0; 2];
         for (at, index) in corners.enumerate() {
             if index >= count {
-                let face = draft.next_face();
+                let face = draft.face_count;
                 return Err(wrong(
                     ".indices",
                     format!(

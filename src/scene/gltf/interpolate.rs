@@ -111,13 +111,10 @@ mod tests {
     /// f64 values of magnitude 1 after some ten roundings of 1.1e-16.
     const ROUNDING: f64 = 4e-15;
 
-    fn read(elements: &[Vec<f64>]) -> impl Fn(usize) -> Result<Vec<f64>, String> {
-        |index| elements.get(index).cloned().ok_or_else(|| format!("there is no element {index}"))
-    }
-
     fn at(interpolation: Interpolation, times: &[f64], elements: &[Vec<f64>], time: f64) -> Vec<f64> {
         let position = locate(times.iter().copied(), time).unwrap();
-        value(interpolation, position, elements[0].len() == 4, read(elements)).unwrap()
+        let element = |index| elements.get(index).cloned().ok_or(format!("there is no element {index}"));
+        value(interpolation, position, elements[0].len() == 4, element).unwrap()
     }
 
     /// The largest difference of two values.
@@ -201,14 +198,8 @@ mod tests {
             assert!(difference(&found, &one(cubic(1.25))) > 0.1, "{found:?}");
         }
         // Rotations are unit quaternions.
-        let turn = [
-            vec![0.0; 4],
-            vec![0.0, 0.0, 0.0, 1.0],
-            vec![0.0; 4],
-            vec![0.0; 4],
-            vec![1.0, 0.0, 0.0, 0.0],
-            vec![0.0; 4],
-        ];
+        let [rest, from, to] = [[0.0; 4], [0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0]];
+        let turn = [rest, from, rest, rest, to, rest].map(Vec::from);
         let found = at(Interpolation::CubicSpline, &[0.0, 1.0], &turn, 0.5);
         assert!(difference(&found, &[FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]) < ROUNDING, "{found:?}");
     }

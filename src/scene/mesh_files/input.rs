@@ -7,7 +7,7 @@ const TELL_EVERY: usize = 1 << 20;
 
 /// The rest of a file. Taking from it reports progress.
 pub struct Input<'a> {
-    rest: &'a [u8],
+    pub rest: &'a [u8],
     total: usize,
     /// The number of bytes that are left at the next report of progress.
     tell_at: usize,
@@ -18,10 +18,6 @@ impl<'a> Input<'a> {
     pub fn new(bytes: &'a [u8], tell: &'a mut dyn FnMut(usize)) -> Input<'a> {
         let total = bytes.len();
         Input { rest: bytes, total, tell_at: total.saturating_sub(TELL_EVERY), tell }
-    }
-
-    pub fn rest(&self) -> &'a [u8] {
-        self.rest
     }
 
     /// The next `count` bytes; none if there are fewer.

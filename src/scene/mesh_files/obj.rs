@@ -39,7 +39,7 @@ pub struct Contents {
 }
 
 pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
-    let Contents { parts, libraries } = read(input, draft.room(), false)?;
+    let Contents { parts, libraries } = read(input, draft.room, false)?;
     if let Some(part) = parts.into_iter().next() {
         *draft = part.draft;
     }
@@ -54,7 +54,7 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
 
 /// Reads a file as one part, or as one for each material. All parts together may take `room` bytes.
 pub fn read(input: &mut Input, room: usize, by_material: bool) -> Result<Contents, String> {
-    let bytes = input.rest();
+    let bytes = input.rest;
     let lists = Lists::new(bytes)?;
     let totals = lists.counts();
     let mut left = lists.left;
@@ -72,10 +72,10 @@ pub fn read(input: &mut Input, room: usize, by_material: bool) -> Result<Content
             libraries.push((rest_of(&lines.line), line));
         } else if name == b"usemtl" && by_material {
             let name = rest_of(&lines.line);
-            let room = parts.get(current).map_or(0, |part| part.draft.room());
+            let room = parts.get(current).map_or(0, |part| part.draft.room);
             current = *by_name.entry(name.clone()).or_insert(parts.len());
             match parts.get_mut(current) {
-                Some(part) => part.draft.set_room(room),
+                Some(part) => part.draft.room = room,
                 None => parts.push(new_part(Some((name, line)), room)),
             }
         } else if name == b"f" {
@@ -114,7 +114,7 @@ pub fn read(input: &mut Input, room: usize, by_material: bool) -> Result<Content
         part.draft.normals.truncate(if has_normals { usize::MAX } else { 0 });
     }
     if by_material {
-        parts.retain(|part| part.draft.next_face() > 0);
+        parts.retain(|part| part.draft.face_count > 0);
     }
     if let Some(part) = parts.first_mut().filter(|_| lists.have_colours) {
         part.draft.warnings.push("the colours of its vertices are not read: save it as .ply or .glb".to_owned());

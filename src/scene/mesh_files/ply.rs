@@ -88,7 +88,7 @@ fn header(text: &str) -> Result<PlyHeader, String> {
 fn payload(text: &str, header: &PlyHeader, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
     // The crate expects white space after every number in text.
     let end: &[u8] = if header.format == PlyFormat::Ascii { b"\n" } else { b"" };
-    let rows = input.rest();
+    let rows = input.rest;
     let mut reader = PlyReader::from_reader(text.as_bytes().chain(&mut *input).chain(end))
         .map_err(|DeserializeError(error)| error.to_string())?;
     for element in &header.elem_defs {
@@ -114,7 +114,7 @@ fn payload(text: &str, header: &PlyHeader, input: &mut Input, draft: &mut Draft)
         }
         // Text is read byte by byte, so that the wrong word is the last one.
         drop(reader);
-        let read = rows.get(..rows.len() - input.rest().len()).unwrap_or_default();
+        let read = rows.get(..rows.len() - input.rest.len()).unwrap_or_default();
         let word = read.trim_ascii_end().rsplit(u8::is_ascii_whitespace).next().unwrap_or_default();
         return in_row(
             row,

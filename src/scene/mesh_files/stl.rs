@@ -14,7 +14,7 @@ const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
 pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
-    let bytes = input.rest();
+    let bytes = input.rest;
     // Some programs begin a binary file with the word of a text.
     let is_text = bytes.starts_with(b"solid") && bytes.iter().take(HEADER).all(|byte| byte.is_ascii() && *byte != 0);
     let count = bytes.get(HEADER - 4..HEADER).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
@@ -34,7 +34,7 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
             }
             draft.reserve(count.unwrap_or_default() as usize);
             input.take(HEADER);
-            while input.rest().len() > rest
+            while input.rest.len() > rest
                 && let Some(triangle) = input.take(TRIANGLE)
             {
                 // A normal comes first, which the corners give too.

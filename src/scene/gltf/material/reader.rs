@@ -15,7 +15,7 @@ use crate::lobe::To;
 use crate::material::MOST_IOR;
 use crate::printable::quote;
 use crate::scene::gltf::lobes;
-use crate::scene::gltf::{File, GltfError, Result, decimal};
+use crate::scene::gltf::{File, Result, decimal};
 use crate::scene::types::{
     Colour, Conductor, Dielectric, DiffuseLight, Lambertian, Material, Pbr, RoughDielectric, Texture, ThinDielectric,
 };
@@ -67,14 +67,12 @@ impl File {
     /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
     pub fn material(
         &self,
-        index: usize,
+        (index, given): (usize, &Given),
         path: &str,
         of_vertices: OfVertices,
         glass: Glass,
         notes: &mut Vec<String>,
     ) -> Result<Material> {
-        let given = self.root().materials.get(index);
-        let given = given.ok_or_else(|| GltfError::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
         lobes::check(given, &at)?;
         let mut reader = Reader { file: self, given, at, path, placings: placings(given), found: Vec::new() };
