@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::data::{Rgb, luminance};
 use crate::error::{Error, Result};
-use library::{FILE, Failure, Library, MAJOR};
+use library::{FILE, Library, MAJOR};
 
 /// Names the folder of the library where no option does.
 pub const VARIABLE: &str = "OIDN_DIR";
@@ -39,15 +39,8 @@ impl Denoiser {
             Some(folder) => in_folder(folder)?,
             None => OsString::from(FILE),
         };
-        Library::load(&file).map(Denoiser).map_err(|failure| {
-            let name = file.display();
-            Error::Denoiser(match failure {
-                Failure::NotLoaded(reason) => format!("{name}: it cannot be loaded: {reason}. {}", how_to_get_it()),
-                Failure::NotUsable(reason) => {
-                    format!("{name}: it cannot be used as Open Image Denoise {MAJOR}: {reason}. {}", how_to_get_it())
-                }
-            })
-        })
+        let failed = |reason| Error::Denoiser(format!("{}: {reason}. {}", file.display(), how_to_get_it()));
+        Library::load(&file).map(Denoiser).map_err(failed)
     }
 
     /// Its name and version.

@@ -20,13 +20,13 @@ use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
+pub use bound::Bound;
 pub use channels::{device_bytes, record_bytes};
 pub use error::ErrorEstimate;
-pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
+pub use totals::{HiddenLight, Rejected, Totals};
 pub use verdict::Verdict;
 pub use words::{sample_variance_of, word_names};
 
-use bound::Bound;
 use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
@@ -55,7 +55,7 @@ const MAX_EXPONENT: i32 = 300;
 pub struct Film {
     exponent: i32,
     sampler: Sampler,
-    bound: Bound,
+    pub bound: Bound,
     /// The part of the image that the pixels are of.
     frame: Frame,
     pixels: Vec<Pixel>,
@@ -104,23 +104,13 @@ impl Film {
         Ok(Film { exponent, sampler, bound, frame, pixels, channels, totals })
     }
 
-    /// Adds channels of `--aov` to an empty film. `space` maps the kernels' space to the scene's.
+    /// Adds to an empty film the channels of `--aov`, and the sums of the splats of light paths if it is to have them. `space` maps the kernels'
+    /// space to the scene's.
     ///
     /// # Errors
     /// `Error::Usage` if memory does not hold them.
-    pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
-        let channels = Channels::new(self.pixels.len(), aovs, space, self.channels.light_paths)?;
-        Ok(Film { channels, ..self })
-    }
-
-    /// Sets whether an empty film has sums of the splats of light paths. By default it has none.
-    ///
-    /// # Errors
-    /// `Error::Usage` if memory does not hold them.
-    pub fn with_light_paths(self, light_paths: bool) -> Result<Film> {
-        let Channels { aovs, space, .. } = &self.channels;
-        let channels = Channels::new(self.pixels.len(), aovs, *space, light_paths)?;
-        Ok(Film { channels, ..self })
+    pub fn with_channels(self, aovs: &Aovs, space: SceneSpace, light_paths: bool) -> Result<Film> {
+        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space, light_paths)?, ..self })
     }
 
     /// Whether it has sums of the splats of light paths.

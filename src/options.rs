@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use clap::{Arg, ArgMatches, Command};
 
 use crate::aov::{Aovs, ChannelNames, SeenSurface};
 use crate::bvh::Quality;
 use crate::data::{RUN_LENGTH, Sampler};
-use crate::job::{MOST_SAMPLES, Size};
 
 /// The options of a render, without its scene and its job. The default is that of the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -294,8 +293,6 @@ pub struct OptionSpec {
     pub trade_off: &'static str,
     /// How its value gets into [`RenderOptions`]; `None` for an option that a command has by itself.
     reading: Option<Reading>,
-    /// How the command line takes an option that is not in [`RenderOptions`].
-    own: Option<fn(Arg) -> Arg>,
     /// Whether `--help` leaves it out.
     is_hidden: bool,
 }
@@ -380,9 +377,6 @@ impl OptionSpec {
         let arg = Arg::new(self.name).long(self.name).help_heading(self.class.heading());
         let arg = arg.help(self.about).long_help(self.help());
         let arg = arg.hide(self.is_hidden);
-        if let Some(own) = self.own {
-            return own(arg);
-        }
         let Some(Reading { read, takes, .. }) = self.reading else { return arg };
         let arg = match takes {
             Takes::Words(words) => arg.value_name("WORD").value_parser(PossibleValuesParser::new(words())),
@@ -396,39 +390,6 @@ impl OptionSpec {
         }
     }
 }
-
-/// An option of the table that only some commands have, as a group of one argument: `None` where it is not given.
-macro_rules! argument {
-    ($name:ident, $setting:ident, $value:ty) => {
-        #[derive(Clone, Copy, Debug, Default)]
-        pub struct $name(pub Option<$value>);
-
-        impl clap::Args for $name {
-            fn augment_args(command: Command) -> Command {
-                command.arg($setting.arg())
-            }
-
-            fn augment_args_for_update(command: Command) -> Command {
-                $name::augment_args(command)
-            }
-        }
-
-        impl clap::FromArgMatches for $name {
-            fn from_arg_matches(matches: &ArgMatches) -> Result<$name, clap::Error> {
-                Ok($name(matches.get_one($setting.name).copied()))
-            }
-
-            fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-                $name::from_arg_matches(matches).map(|found| *self = found)
-            }
-        }
-    };
-}
-
-argument!(SppArg, SPP, u32);
-argument!(SizeArg, SIZE, Size);
-argument!(MaxDepthArg, MAX_DEPTH, u32);
-argument!(DenoiseArg, DENOISE, bool);
 
 impl clap::Args for RenderOptions {
     fn augment_args(command: Command) -> Command {
@@ -483,7 +444,6 @@ pub const SPP: OptionSpec = OptionSpec {
     values: &["1", "4", "16", "64", "256"],
     class: Class::Noise,
     trade_off: "A quarter of the samples has about twice the error.",
-    own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(1..=MOST_SAMPLES))),
     ..PLAIN
 };
 
@@ -493,7 +453,6 @@ pub const SIZE: OptionSpec = OptionSpec {
     values: &["25%", "50%", "100%"],
     class: Class::Detail,
     trade_off: "Fewer pixels show less detail: each is the mean over a larger square.",
-    own: Some(|arg| arg.value_name("WxH|W|N%").value_parser(value_parser!(Size))),
     ..PLAIN
 };
 
@@ -548,7 +507,6 @@ pub const MAX_DEPTH: OptionSpec = OptionSpec {
     values: &["1", "2", "4", "8", "16"],
     class: Class::Bias,
     trade_off: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
-    own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(0..=1_000_000))),
     ..PLAIN
 };
 
@@ -624,7 +582,6 @@ pub const DENOISE: OptionSpec = OptionSpec {
     values: &[""],
     class: Class::Bias,
     trade_off: "A denoised image loses detail that looks like noise, which biases the result.",
-    own: Some(|arg| arg.action(ArgAction::SetTrue)),
     ..PLAIN
 };
 
@@ -729,7 +686,6 @@ const PLAIN: OptionSpec = OptionSpec {
     class: Class::Exact,
     trade_off: "",
     reading: None,
-    own: None,
     is_hidden: false,
 };
 

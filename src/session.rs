@@ -183,14 +183,11 @@ impl Session {
     pub fn compile_plans(&mut self, plans: &[Plan<'_>], job: &Job, observer: &mut dyn Observer) -> Result<()> {
         let pairs: Vec<_> = self.devices.iter().zip(plans).collect();
         observer.compiling(&self.devices)?;
-        let made = Renderer::new(&pairs, job, self.profile);
+        let made = Renderer::new(&pairs, job, self.profile, self.submission);
         observer.compiled();
-        let mut renderer = made?;
+        let renderer = made?;
         let kernels = plans.iter().take(1).flat_map(Plan::kernels).map(|kernel| kernel.name.clone()).collect();
         let gpu_bytes = plans.iter().flat_map(Plan::buffers).map(|buffer| buffer.allocated()).sum();
-        if let Some(time) = self.submission {
-            renderer.set_submission_time(time);
-        }
         self.ready = Some(Ready { renderer, size: job.size, kernels, gpu_bytes });
         Ok(())
     }

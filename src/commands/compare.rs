@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::console::{path_text, print_json, print_line, tell, tell_measured};
 use super::outputs::{PNG, check_name, check_outputs};
 use crate::data::SampleVariance;
 use crate::error::{Error, Result};
@@ -94,10 +94,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         None => read_exr(path),
     };
     let (mut a, mut b) = (read(&args.image)?, read(&args.reference)?);
-    for (path, image) in images.iter().zip([&a, &b]) {
-        tell_denoised(path, image);
-        tell_colours(path, image.colours.as_deref());
-    }
+    images.iter().zip([&a, &b]).for_each(|(path, image)| tell_measured(path, image));
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
     let identities = identity(&args.image).zip(identity(&args.reference));
     if identities.as_ref().is_some_and(|(a, b)| !a.is_of_scene(b)) {

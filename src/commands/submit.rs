@@ -9,13 +9,13 @@ use clap::{Args, Subcommand};
 use super::console::print_line;
 use super::outputs::{check_name, make_folder};
 use super::scene::{load, size_of};
-use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error};
+use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error, samples};
 use crate::cluster::scripts::{line, text_of};
 use crate::cluster::slurm::{Ids, Slurm, forget_tries};
 use crate::cluster::{ClusterRequest, FORMAT, Folder, MERGE, RENDER, split};
 use crate::error::{Error, Result};
-use crate::job::MOST_SAMPLES;
-use crate::options::{RenderOptions, SizeArg, SppArg};
+use crate::job::{MOST_SAMPLES, Size};
+use crate::options::{RenderOptions, SIZE, SPP};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::printable::counted;
 use crate::render::LAST_CHECK;
@@ -35,8 +35,9 @@ pub struct SlurmArgs {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub gltf: GltfArgs,
-    #[command(flatten)]
-    pub spp: SppArg,
+    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
+          help_heading = SPP.class.heading())]
+    pub spp: Option<u32>,
     /// Render until the relative error is below this with 95 % confidence, in rounds that double the samples, limited by --spp if
     /// given.
     #[arg(long, value_name = "E", value_parser = relative_error)]
@@ -56,8 +57,8 @@ pub struct SlurmArgs {
     /// Write the folder and print what would be submitted.
     #[arg(long)]
     pub dry_run: bool,
-    #[command(flatten)]
-    pub size: SizeArg,
+    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
+    pub size: Option<Size>,
     #[command(flatten)]
     pub paths: PathArgs,
     /// Write the images of parts so far at this interval [30s, 5m, …].
@@ -92,7 +93,7 @@ fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
         "checkpoint",
         "mixed_drivers",
     ];
-    own.into_iter().chain(["max-depth", "seed", "device"]).chain(RenderOptions::names())
+    own.into_iter().chain(["max_depth", "seed", "device"]).chain(RenderOptions::names())
 }
 
 /// Bytes of a pixel in an EXR with its state: 14 of a sample, 60 to 73 of 256 and 84 of 16,384 samples were measured, on several scenes.
@@ -183,9 +184,9 @@ fn absolute(path: &Path) -> Result<PathBuf> {
 fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     let scene = load(&SceneArgs { path: scene_path.to_owned(), gltf: args.gltf.clone() })?;
     let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
-    let (width, height) = size_of(&scene, args.size.0);
-    let spp = args.spp.0.unwrap_or(scene.render.samples);
-    let most = args.noise.map(|_| args.spp.0.unwrap_or(MOST_SAMPLES as u32));
+    let (width, height) = size_of(&scene, args.size);
+    let spp = args.spp.unwrap_or(scene.render.samples);
+    let most = args.noise.map(|_| args.spp.unwrap_or(MOST_SAMPLES as u32));
     let all = 0..most.unwrap_or(spp);
     let count = args.parts.unwrap_or(1);
     if count > split::runs(&all) {
@@ -254,8 +255,8 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
     add("--camera", args.gltf.camera.clone());
     add("--sky", sky);
-    add("--size", args.size.0.map(|_| format!("{width}x{height}")));
-    add("--max-depth", args.paths.max_depth.0.map(|depth| depth.to_string()));
+    add("--size", args.size.map(|_| format!("{width}x{height}")));
+    add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
     add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
     add("--device", args.paths.device.clone());
     let is_default = duration(CHECKPOINT) == Ok(args.checkpoint);

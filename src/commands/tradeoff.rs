@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, Parser};
 
-use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::console::{path_text, print_json, print_line, tell, tell_measured};
 use super::outputs::{check_name, make_folder};
 use super::render::RenderArgs;
 use super::scene::{load, name_of, stem_of};
@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::job::Size;
 use crate::metrics::error::relmse;
 use crate::metrics::estimate::Estimate;
-use crate::metrics::flip::error_map;
+use crate::metrics::flip::{self, error_map};
 use crate::options::{Class, DENOISE, MAX_DEPTH, OptionSpec, SIZE, SPP, TRADE_OFFS};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
@@ -94,8 +94,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let specs = swept_options(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {
-        tell_denoised(path, image);
-        tell_colours(path, image.colours.as_deref());
+        tell_measured(path, image);
     }
     let given = reference.as_ref().map(|image| (image.width, image.height));
     let reference = reference.map(|image| middle(image, &mut scene));
@@ -355,15 +354,15 @@ fn settings_of(scene: &Scene, specs: &[&'static OptionSpec]) -> Result<Vec<Setti
         // A flag has no value.
         let given: Vec<String> = given.into_iter().filter(|word| !word.is_empty()).collect();
         let mut args = options(&given)?;
-        let denoise = args.denoise();
+        let denoise = args.denoising.denoise;
         if denoise {
             args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
         }
-        let scale = match args.goal.size.0 {
+        let scale = match args.goal.size {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };
-        let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
+        let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
         Ok(Setting { option: spec, value: value.to_string(), options: args.options, max_depth, scale, denoise })
     };
     let mut settings = vec![setting(None, "")?];
@@ -441,14 +440,13 @@ fn pictures(
         };
         let Some(truth) = own else { break };
         let map = error_map(sweep.size.0 as usize, &block.image, &truth.image);
-        let flip = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64;
         examples.push(Example {
             setting: found.setting.name(),
             samples,
             seconds: block.seconds,
             error: truth.error_of(&block.image, weights),
             relmse: relmse(&block.image, &truth.image).unwrap_or(f64::NAN),
-            flip,
+            flip: flip::mean(&map),
             picture: png::picture(sweep.size, &block.image).unwrap_or_default(),
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),
         });

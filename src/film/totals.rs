@@ -67,9 +67,9 @@ impl std::ops::AddAssign for Totals {
 }
 
 impl Totals {
-    /// The light that max_depth cut off.
-    pub fn too_deep(&self) -> TooDeep {
-        TooDeep { paths: self.too_deep, throughput: self.too_deep_throughput as f64 / 65_536.0 }
+    /// The largest share of radiance that the paths which max_depth ended could still have added, summed.
+    pub fn cut_throughput(&self) -> f64 {
+        self.too_deep_throughput as f64 / 65_536.0
     }
 
     /// The light paths of even and of odd runs per pixel of the full image, which has this size.
@@ -81,21 +81,6 @@ impl Totals {
     pub fn hidden_light(&self) -> HiddenLight {
         let light = |[probed, found]: [u64; 2]| (probed as f64 / 16_777_216.0, found as f64 / 16_777_216.0);
         HiddenLight { bins: self.light.map(light) }
-    }
-}
-
-/// The light that max_depth cut off. The throughput of such a path is the largest share of radiance that it could still have added.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TooDeep {
-    pub paths: u64,
-    /// The sum of the largest components of their throughput, each rounded up to a multiple of 2^-16.
-    pub throughput: f64,
-}
-
-impl TooDeep {
-    /// The mean throughput of a path that was cut.
-    pub fn mean(&self) -> f64 {
-        self.throughput / self.paths.max(1) as f64
     }
 }
 

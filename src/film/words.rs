@@ -125,11 +125,6 @@ impl Film {
             sums.iter_mut().zip(sums_of(of_channels)).for_each(|(mine, sum)| *mine = mine.saturating_add(sum));
         }
     }
-
-    /// Adds the totals of another film of this image.
-    pub fn add_totals(&mut self, totals: super::Totals) {
-        self.totals += totals;
-    }
 }
 
 #[cfg(test)]

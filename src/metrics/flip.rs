@@ -12,7 +12,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::data::unit;
+use crate::data::{product, unit};
 use crate::threads::{cores, each};
 
 /// Pixels per degree of a display that is 0.7 m away and shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
@@ -28,6 +28,11 @@ const BAND: usize = 64;
 /// Each row has `width` pixels. If one image is longer, its additional pixels are ignored.
 pub fn error_map(width: usize, a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<f32> {
     Flip::new(PIXELS_PER_DEGREE).error_map(width, a, b)
+}
+
+/// The mean error over a map; 0 of an empty one.
+pub fn mean(map: &[f32]) -> f64 {
+    map.iter().copied().map(f64::from).sum::<f64>() / map.len().max(1) as f64
 }
 
 /// A filter's weights at −radius … radius.
@@ -238,10 +243,6 @@ const FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_639_419_851_975_444, -0.204_011_206_123_91, 1.057_148_977_187_533_5],
 ];
 
-fn product(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
-    matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
 /// XYZ relative to white.
 fn relative_xyz(linear: [f64; 3]) -> [f64; 3] {
     let (xyz, white) = (product(&TO_XYZ, linear), product(&TO_XYZ, [1.0; 3]));
@@ -381,10 +382,6 @@ mod tests {
     fn image(case: &Case, formula: Formula) -> Vec<[f32; 3]> {
         let pixels = (0..case.height).flat_map(|y| (0..case.width).map(move |x| (x, y)));
         pixels.map(|(x, y)| [0, 1, 2].map(|c| formula(x, y, c) as f32)).collect()
-    }
-
-    fn mean(map: &[f32]) -> f64 {
-        map.iter().copied().map(f64::from).sum::<f64>() / map.len() as f64
     }
 
     fn judge(flip: &Flip, case: &Case) -> f64 {

@@ -72,6 +72,12 @@ pub fn can_be_replaced(path: &Path) -> bool {
     !matches!(Destination::find(path), Ok(Destination::Stream))
 }
 
+/// Whether a folder of PATH has a file of this name.
+pub fn is_on_path(file: &str) -> bool {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&folders).any(|folder| folder.join(file).is_file())
+}
+
 /// The folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {

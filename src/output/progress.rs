@@ -1,6 +1,5 @@
 //! Progress on stderr: a bar on a terminal, a plain line every few seconds elsewhere. Nothing here writes to stdout.
 
-use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +9,7 @@ use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFini
 
 use crate::job::{Goal, Job};
 use crate::printable::{known_bound, one_line};
-use crate::terminal::{columns_of_stderr, fit_to_terminal};
+use crate::terminal::{columns_of_stderr, tell};
 
 /// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -144,8 +143,8 @@ impl Display {
     fn message(&self, text: &str) {
         match self {
             Display::Hidden => {}
-            Display::Bar(bar) => bar.suspend(|| print(text)),
-            Display::Lines(_) => print(text),
+            Display::Bar(bar) => bar.suspend(|| tell(text)),
+            Display::Lines(_) => tell(text),
         }
     }
 
@@ -164,7 +163,7 @@ impl Display {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
-                    print(&words(usize::MAX));
+                    tell(&words(usize::MAX));
                 }
             }
         }
@@ -196,7 +195,7 @@ impl Loading {
         match &self.display {
             Some(display) => display.message(text),
             None if self.quiet => {}
-            None => print(text),
+            None => tell(text),
         }
     }
 
@@ -216,11 +215,6 @@ impl Loading {
 /// `reading meshes/dragon.ply  12/57 MiB`
 fn describe_file(file: &Path, done: u64, total: u64) -> String {
     format!("reading {}  {}/{} MiB", file.display(), done >> 20, total.div_ceil(1 << 20))
-}
-
-/// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
-fn print(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
 }
 
 impl Progress {

@@ -214,7 +214,13 @@ impl DeviceRenderer {
     /// # Errors
     /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
     /// the numerics probe does not find.
-    pub fn new(device: &Arc<Device>, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer> {
+    pub fn new(
+        device: &Arc<Device>,
+        plan: &Plan<'_>,
+        job: &Job,
+        profile: bool,
+        submission: Option<Duration>,
+    ) -> Result<DeviceRenderer> {
         check_limits(device, plan)?;
         let tuning = plan.tuning;
         let numerics = probe::numerics(device)?;
@@ -249,7 +255,7 @@ impl DeviceRenderer {
             work: LEAST_WORK,
             fixed: tuning.bounces,
             most: 1,
-            submission: SUBMISSION,
+            submission: submission.unwrap_or(SUBMISSION),
             last_end: Instant::now(),
         };
         let settings = Settings {
@@ -323,11 +329,6 @@ impl DeviceRenderer {
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
     }
 
-    /// Sets the time that a submission should take.
-    pub fn set_submission_time(&mut self, submission: Duration) {
-        self.paces.iter_mut().for_each(|pace| pace.submission = submission);
-    }
-
     /// The seconds of the stages since the job began.
     pub fn stages(&self) -> &StageTimes {
         &self.readings.stages
@@ -384,10 +385,33 @@ impl DeviceRenderer {
     /// decides so, the last block is the one that has been started.
     fn render_tile(&mut self, blocks: Range<u32>, may_end_early: bool, shared: &SampleRange<'_, '_>) -> Result<u32> {
         let pixels = self.film.tile.len() as u32;
-        let first_block = blocks.start;
-        let end = blocks.len() as u32 * pixels;
-        let mut window =
-            Window { first_block, end, first_pixel: self.film.tile.start, pixels, begins: 1, ..Window::default() };
+        let (end, totals) = self.render_window(&blocks, pixels, PathKind::Camera, may_end_early, shared)?;
+        let rendered = blocks.start..blocks.start + end / pixels;
+        self.device.expect_done(totals.paths == u64::from(pixels) * self.samples_in(&rendered).len() as u64)?;
+        Ok(rendered.end)
+    }
+
+    /// Traces the light paths of blocks of samples, of the whole image, until every slot is idle. They add light to the pixels of the tile.
+    fn trace_light_paths(&mut self, blocks: Range<u32>, shared: &SampleRange<'_, '_>) -> Result<()> {
+        let of_block = self.light_paths_of_block();
+        let (_, totals) = self.render_window(&blocks, of_block, PathKind::Light, false, shared)?;
+        let expected = light_paths_of(&self.samples_in(&blocks), u64::from(of_block));
+        self.device.expect_done(totals.light_paths.into_iter().sum::<u64>() == expected)
+    }
+
+    /// Renders paths of a kind into the tile until every slot is idle, so many runs of each block. Returns the number of runs, and their totals.
+    /// If `may_end_early` and the caller decides so, the last block is the one that has been started. Snapshots are of camera paths alone.
+    fn render_window(
+        &mut self,
+        blocks: &Range<u32>,
+        runs_of_block: u32,
+        kind: PathKind,
+        may_end_early: bool,
+        shared: &SampleRange<'_, '_>,
+    ) -> Result<(u32, Totals)> {
+        let (first_block, end) = (blocks.start, blocks.len() as u32 * runs_of_block);
+        let (first_pixel, pixels) = (self.film.tile.start, self.film.tile.len() as u32);
+        let mut window = Window { first_block, end, first_pixel, pixels, begins: 1, ..Window::default() };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -399,24 +423,28 @@ impl DeviceRenderer {
             // If all runs have been started, a second submission might find only idle slots. Each slot takes a run in its first one.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while counters.idle < self.tuning.slots && !wants_snapshot && !to_cut && flights.len() < wanted {
-                flights.push_back(self.submit(&mut window, submitted, PathKind::Camera)?);
+                flights.push_back(self.submit(&mut window, submitted, kind)?);
                 submitted += 1;
             }
             match flights.pop_front() {
                 Some(flight) => {
                     let before = std::mem::replace(&mut counters, self.finish(flight)?);
-                    let counted = totals_since(&counters, &before);
+                    let mut counted = totals_since(&counters, &before);
+                    if first_pixel > 0 {
+                        // Every tile has the same light paths.
+                        counted.light_paths = [0; 2];
+                    }
                     self.film.received += counted;
                     match shared.state().caller.add(counted) {
-                        Next::Snapshot => wants_snapshot = true,
+                        Next::Snapshot => wants_snapshot = kind == PathKind::Camera,
                         Next::Drop => return Err(Error::Dropped),
                         _ => {}
                     }
                 }
                 None if to_cut => {
                     (to_cut, cut) = (false, true);
-                    let started = counters.next.div_ceil(pixels).max(1);
-                    window.end = window.end.min(started.saturating_mul(pixels));
+                    let started = counters.next.div_ceil(runs_of_block).max(1);
+                    window.end = window.end.min(started.saturating_mul(runs_of_block));
                     continue;
                 }
                 None if wants_snapshot => {
@@ -430,45 +458,7 @@ impl DeviceRenderer {
             }
             to_cut |= may_end_early && !cut && shared.state().ends_early();
         }
-        let rendered = first_block..first_block + window.end / pixels;
-        let paths = totals_since(&counters, &Counters::default()).paths;
-        self.device.expect_done(paths == u64::from(pixels) * self.samples_in(&rendered).len() as u64)?;
-        Ok(rendered.end)
-    }
-
-    /// Traces the light paths of blocks of samples, of the whole image, until every slot is idle. They add light to the pixels of the tile.
-    fn trace_light_paths(&mut self, blocks: Range<u32>, shared: &SampleRange<'_, '_>) -> Result<()> {
-        let tile = self.film.tile.clone();
-        let (first_block, first_pixel, pixels) = (blocks.start, tile.start, tile.len() as u32);
-        let end = blocks.len() as u32 * self.light_paths_of_block();
-        let mut window = Window { first_block, end, first_pixel, pixels, begins: 1, ..Window::default() };
-        self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
-        let mut flights: VecDeque<Flight> = VecDeque::new();
-        let mut counters = Counters::default();
-        let mut submitted = 0;
-        while counters.idle < self.tuning.slots {
-            let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
-            while flights.len() < wanted {
-                flights.push_back(self.submit(&mut window, submitted, PathKind::Light)?);
-                submitted += 1;
-            }
-            let Some(flight) = flights.pop_front() else { break };
-            let before = std::mem::replace(&mut counters, self.finish(flight)?);
-            let mut counted = totals_since(&counters, &before);
-            if first_pixel > 0 {
-                // Every tile has the same light paths.
-                counted.light_paths = [0; 2];
-            }
-            self.film.received += counted;
-            if shared.state().caller.add(counted) == Next::Drop {
-                return Err(Error::Dropped);
-            }
-        }
-        // They find only idle slots.
-        flights.into_iter().try_for_each(|flight| self.finish(flight).map(|_| ()))?;
-        let traced: u64 = totals_since(&counters, &Counters::default()).light_paths.into_iter().sum();
-        let expected = light_paths_of(&self.samples_in(&blocks), u64::from(self.light_paths_of_block()));
-        self.device.expect_done(traced == expected)
+        Ok((window.end, totals_since(&counters, &Counters::default())))
     }
 
     /// The samples that are rendered of these blocks.

@@ -44,17 +44,14 @@ pub trait Observer: Send {
 /// Follows nothing.
 impl Observer for () {}
 
-/// A function as an observer ([`following`]).
-pub struct Following<F>(F);
-
 /// Follows a render by a function that is called after each submission.
-pub fn following<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send>(follow: F) -> Following<F> {
-    Following(follow)
+pub fn following<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send>(follow: F) -> F {
+    follow
 }
 
-impl<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send> Observer for Following<F> {
+impl<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send> Observer for F {
     fn follow(&mut self, so_far: &Outcome, snapshot: Option<Snapshot<'_>>) -> Next {
-        (self.0)(so_far, snapshot)
+        self(so_far, snapshot)
     }
 }
 

@@ -28,19 +28,20 @@ pub struct Renderer {
 
 impl Renderer {
     /// Allocates the buffers of devices, and compiles their kernels, each by its plan. The image is that of one device, if their drivers round
-    /// alike.
+    /// alike. `submission` is the time that a submission should take, after which the observer is asked, if not the usual one.
     ///
     /// # Errors
     /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
     /// the numerics probe does not find.
-    pub fn new(devices: &[(&Arc<Device>, &Plan<'_>)], job: &Job, profile: bool) -> Result<Renderer> {
-        let ready = each(devices.len(), devices, |(device, plan)| DeviceRenderer::new(device, plan, job, profile));
+    pub fn new(
+        devices: &[(&Arc<Device>, &Plan<'_>)],
+        job: &Job,
+        profile: bool,
+        submission: Option<Duration>,
+    ) -> Result<Renderer> {
+        let ready =
+            each(devices.len(), devices, |(device, plan)| DeviceRenderer::new(device, plan, job, profile, submission));
         Ok(Renderer { devices: ready.into_iter().collect::<Result<_>>()? })
-    }
-
-    /// Sets the time that a submission should take, after which the observer is asked.
-    pub fn set_submission_time(&mut self, time: Duration) {
-        self.devices.iter_mut().for_each(|device| device.set_submission_time(time));
     }
 
     /// Renders until the goal is reached. The observer follows with the outcome so far; fields that are known only at the end have their defaults. The
@@ -106,11 +107,13 @@ impl Renderer {
 /// An empty film for a render of this scene, of the part of the image that the scene's settings name.
 ///
 /// # Errors
-/// As of [`Film::with_sampler`], [`Film::with_aovs`] and [`Film::with_light_paths`].
+/// As of [`Film::with_sampler`] and [`Film::with_channels`].
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
     let Settings { film_left: left, film_top: top, image_width, image_height, .. } = scene.settings;
     let frame = Frame { part: Crop { left, top, width, height }, full: (image_width, image_height) };
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?.of_part(frame);
-    let film = film.not_sampling(scene.not_sampled).with_aovs(&options.aov, scene.space)?;
-    Ok(film.with_light_paths(scene.light_paths(options).count() > 0)?.with_lamps(&scene.lamps))
+    let has_light_paths = scene.light_paths(options).count() > 0;
+    let mut film = film.with_channels(&options.aov, scene.space, has_light_paths)?.with_lamps(&scene.lamps);
+    film.bound.not_sampled = scene.not_sampled;
+    Ok(film)
 }

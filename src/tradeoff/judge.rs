@@ -9,7 +9,7 @@ use super::truth::{Distance, Truth};
 use crate::data::luminance;
 use crate::metrics::error::{RELATIVE_FLOOR, mean_luminance};
 use crate::metrics::estimate::Estimate;
-use crate::metrics::flip::error_map;
+use crate::metrics::flip::{self, error_map};
 use crate::options::Class;
 use crate::render::NOISE_LEVEL;
 
@@ -355,10 +355,7 @@ fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
 
 /// The FLIP of the first image of each number of samples.
 fn flips(subject: &Subject, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f64)> {
-    let flip = |image: &Pixels| {
-        let map = error_map(size.0 as usize, image, &truth.image);
-        map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64
-    };
+    let flip = |image: &Pixels| flip::mean(&error_map(size.0 as usize, image, &truth.image));
     let first = |(samples, blocks): (&u32, &Vec<Block>)| Some((*samples, flip(&blocks.first()?.image)));
     subject.blocks.iter().filter_map(first).collect()
 }

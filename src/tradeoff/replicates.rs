@@ -56,16 +56,8 @@ impl Weights {
         images: impl Iterator<Item = (usize, u32, &'a Pixels)>,
         floor_of: impl Fn(&[[f32; 3]]) -> f64,
     ) -> Option<Weights> {
-        let mut sums: [(Vec<[f64; 3]>, f64); FOLDS] = std::array::from_fn(|_| (Vec::new(), 0.0));
         let mut rounds = 0;
-        for (round, samples, image) in images {
-            rounds = rounds.max(round + 1);
-            let (sum, weight) = &mut sums[round % FOLDS];
-            let n = f64::from(samples);
-            sum.resize(image.len(), [0.0; 3]);
-            sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += n * f64::from(p[c])));
-            *weight += n;
-        }
+        let sums: [FoldSum; FOLDS] = sums_of_folds(images.inspect(|(round, ..)| rounds = rounds.max(round + 1)));
         let mean = |without: &[usize]| -> Option<Pixels> {
             let kept = || (0..FOLDS).filter(|fold| !without.contains(fold)).map(|fold| &sums[fold]);
             let total: f64 = kept().map(|(_, weight)| weight).sum();
@@ -96,6 +88,24 @@ impl Weights {
             folds => &folds[a % FOLDS * FOLDS + b % FOLDS],
         }
     }
+}
+
+/// The images of some rounds summed, each times its samples, and the sum of these.
+pub(super) type FoldSum = (Vec<[f64; 3]>, f64);
+
+/// The sums of images with their rounds and numbers of samples; the rounds are dealt to the folds in turn. A fold without images has no pixels.
+pub(super) fn sums_of_folds<'a, const N: usize>(
+    images: impl Iterator<Item = (usize, u32, &'a Pixels)>,
+) -> [FoldSum; N] {
+    let mut sums: [FoldSum; N] = std::array::from_fn(|_| (Vec::new(), 0.0));
+    for (round, samples, image) in images {
+        let (sum, weight) = &mut sums[round % N];
+        let n = f64::from(samples);
+        sum.resize(image.len(), [0.0; 3]);
+        sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += n * f64::from(p[c])));
+        *weight += n;
+    }
+    sums
 }
 
 /// In f64, because in f32 the weights of bright scenes would be subnormal, and those of dark ones infinite.

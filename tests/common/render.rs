@@ -278,7 +278,8 @@ pub fn render_job(
 ) -> (Film, Outcome) {
     let flat = flatten(scene, job.size, options).expect("the scene flattens");
     let film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
-    let mut film = film.not_sampling(flat.not_sampled).with_lamps(&flat.lamps);
+    let mut film = film.with_lamps(&flat.lamps);
+    film.bound.not_sampled = flat.not_sampled;
     let outcome = render_flat(flat, options, job, &mut film, change, observer);
     (film, outcome)
 }

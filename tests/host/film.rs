@@ -2,6 +2,7 @@
 
 use crate::common::film::{AddRuns, Run, Splat, to_fixed};
 use crate::common::stats::{Random, one_sample_t};
+use gpu_rt::aov::{Aovs, SceneSpace};
 use gpu_rt::data::{ODD_RUN, Sampler};
 use gpu_rt::film::{Film, Totals, UNKNOWN_VARIANCE};
 use gpu_rt::output::exr::{read_exr, write_exr};
@@ -216,7 +217,7 @@ fn variance_with_light_paths_is_unbiased() {
     for (sampler, found_error) in [(Sampler::Independent, 0.02), (Sampler::Sobol, 0.08)] {
         let mut random = Random(21);
         let film = Film::with_sampler(PIXELS / 100, 100, 0, sampler).unwrap();
-        let mut film = film.with_light_paths(true).unwrap();
+        let mut film = film.with_channels(&Aovs::default(), SceneSpace::default(), true).unwrap();
         let (mut runs, mut splats) = (Vec::new(), Vec::new());
         for number in 0..16 * PIXELS {
             let value = [random.uniform() as f32; 3];

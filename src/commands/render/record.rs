@@ -9,7 +9,7 @@ use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
 use crate::commands::denoise::Denoised;
-use crate::film::{Film, TooDeep, Totals, Verdict};
+use crate::film::{Film, Totals, Verdict};
 use crate::gpu::numerics::Numerics;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
@@ -25,8 +25,6 @@ pub struct Finish {
     pub verdict: Verdict,
     /// The result of `--noise`.
     pub noise: Option<Noise>,
-    /// The paths that max_depth cut off.
-    pub too_deep: TooDeep,
     /// Whether nothing is left to do.
     pub complete: bool,
     /// The samples of the output, if it stays as it was because they are more than this render has.
@@ -47,7 +45,6 @@ impl Finish {
             totals: film.totals(),
             verdict: film.verdict(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
             noise,
-            too_deep: film.totals().too_deep(),
             complete,
             more: None,
         }
@@ -55,7 +52,7 @@ impl Finish {
 
     /// The facts about it. `excluded` says what the stated error excludes.
     pub fn record(&self, excluded: &str) -> Map<String, Value> {
-        let Totals { paths, rays, rejected, light_paths: [even, odd], .. } = self.totals;
+        let Totals { paths, rays, rejected, too_deep, light_paths: [even, odd], .. } = self.totals;
         let names = |name: fn(&(String, String)) -> &str| self.devices.iter().map(name).collect::<Vec<_>>().join("; ");
         let Verdict { error, hidden, .. } = self.verdict;
         object(json!({
@@ -72,8 +69,8 @@ impl Finish {
             "rejected_nan": rejected.nan,
             "rejected_infinite": rejected.infinite,
             "rejected_cut": rejected.cut,
-            "cut_paths": self.too_deep.paths,
-            "cut_throughput": self.too_deep.mean(),
+            "cut_paths": too_deep,
+            "cut_throughput": self.totals.cut_throughput() / too_deep.max(1) as f64,
             "relative_error": error.map(|error| error.value),
             // JSON has no infinity: it becomes null.
             "relative_error_bound": error.map(|error| error.bound),

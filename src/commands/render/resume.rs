@@ -94,7 +94,8 @@ pub fn starting_film(
 ) -> Result<Accumulation> {
     let mut begun = match earlier {
         Some(state) => {
-            let mut film = state.film()?.not_sampling(view.not_sampled).with_lamps(&view.lamps);
+            let mut film = state.film()?.with_lamps(&view.lamps);
+            film.bound.not_sampled = view.not_sampled;
             add_film(&request.image, state, &mut film)?;
             let State { samples, checks, devices: earlier, .. } = state.clone();
             Accumulation { film, samples, checks, devices: earlier }

@@ -20,9 +20,9 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
-    let cut = finish.too_deep;
-    let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
-    if cut.paths > 0 && (args.messages.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
+    let Totals { paths, too_deep: cut, .. } = finish.totals;
+    let share = cut as f64 / paths.max(1) as f64;
+    if cut > 0 && (args.messages.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
         let most = known_bound(finish.verdict.cut).map_or(String::new(), |cut| format!(" by up to {}", percent(cut)));
         let (share, depth) = (percent(share), job.max_depth);
         tell(&format!("{share} of the paths were cut off at max_depth {depth}: the image may be too dark{most}"));
@@ -32,7 +32,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
     let ended_by_time = args.goal.time.filter(|_| {
-        let all = args.goal.spp.0.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+        let all = args.goal.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
         !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
     });
     if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {

@@ -7,11 +7,11 @@ use std::path::Path;
 use ::exr::image::write::WritableImage;
 use ::exr::image::{Encoding, Image, Layer, SpecificChannels};
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{LineOrder, SampleType};
+use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::{Header, LayerAttributes};
 
 use super::attribute::{Attribute, DENOISER, decoded, text, to_io};
-use super::read::{as_floats, find_rgb, float, note_of_colours, open, pixels_of, read_part, triple};
+use super::read::{find_rgb, float, note_of_colours, open, read_channels, triple};
 use super::write::{OF_PICTURE, sort_attributes};
 use crate::chromaticities::{Conversion, REC_709};
 use crate::data::{CHANNELS, Rgb};
@@ -75,20 +75,8 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
         Some([r?, g?, b?])
     };
     let wanted = wanted.map(|names| names.and_then(numbers));
-    let pixels = pixels_of(&header, 72)?;
     let Vec2(width, height) = header.layer_size;
-    let mut images = wanted.map(|numbers| numbers.map(|_| vec![[0.0; 3]; pixels]));
-    let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
-    read_part(opened, part, |channel, (column, line), bytes| {
-        for (numbers, image) in wanted.iter().zip(&mut images) {
-            let component = numbers.and_then(|numbers| numbers.iter().position(|number| *number == channel));
-            if let (Some(component), Some(image)) = (component, image) {
-                let row = image.iter_mut().skip(line * width + column);
-                row.zip(as_floats(types[channel], bytes)).for_each(|(pixel, value)| pixel[component] = value);
-            }
-        }
-    })?;
-    let [mut rgb, mut albedo, normal] = images;
+    let ([mut rgb, mut albedo, normal], _) = read_channels(opened, part, 72, wanted, [None; 2])?;
     let conversion = Conversion::of_file(header.shared_attributes.chromaticities);
     let colours = note_of_colours(&conversion);
     if let Ok(Some(conversion)) = conversion {

@@ -13,7 +13,7 @@ use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
 use crate::data::{LampPixel, SampleVariance, Sampler};
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals, sample_variance_of, word_names};
+use crate::film::{Bound, Film, Totals, sample_variance_of, word_names};
 use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
@@ -75,8 +75,8 @@ impl State {
             sampler: film.sampler(),
             space: film.space(),
             light_paths: film.has_light_paths(),
-            not_sampled: Some(film.not_sampled()),
-            lamps: film.lamps().to_vec(),
+            not_sampled: Some(film.bound.not_sampled),
+            lamps: film.bound.lamps.clone(),
             totals: film.totals(),
             checksum: 0,
         }
@@ -87,10 +87,10 @@ impl State {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
         // Before that was noted: the brightest of all, if lights were not sampled.
         let brightest = if self.identity.samples_lights() { 0.0 } else { 1.0 };
-        let film = film.of_part(self.frame()).not_sampling(self.not_sampled.unwrap_or(brightest));
-        let film = film.having_lamps(self.lamps.clone());
-        let film = film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())?;
-        film.with_light_paths(self.light_paths)
+        let film = film.of_part(self.frame());
+        let mut film = film.with_channels(&self.identity.aovs(), self.space.unwrap_or_default(), self.light_paths)?;
+        film.bound = Bound { not_sampled: self.not_sampled.unwrap_or(brightest), lamps: self.lamps.clone() };
+        Ok(film)
     }
 
     /// The part of the image that its pixels are of.
@@ -184,7 +184,7 @@ impl StateFile {
     /// `Error::File` where they cannot be read, or are not those that were written. The film may then have a part of them.
     pub fn add_to(self, film: &mut Film) -> Result<()> {
         let StateFile { state, path, opened, part } = self;
-        film.add_totals(state.totals);
+        film.add([], state.totals);
         let names = film.word_names();
         read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words))
             .map_err(Error::file(&path, "read"))
