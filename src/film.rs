@@ -3,6 +3,7 @@
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
 //! any order and split. It also adds the sums of squares that the error estimate needs. The host joins the device's totals here.
 
+mod accumulation;
 mod bound;
 mod channels;
 mod error;
@@ -20,6 +21,7 @@ use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
+pub use accumulation::{Accumulation, add_devices};
 pub use bound::Bound;
 pub use channels::{device_bytes, record_bytes};
 pub use error::ErrorEstimate;
@@ -53,15 +55,16 @@ const MAX_EXPONENT: i32 = 300;
 /// Memory: 160 bytes a pixel, and 16 more for each sum of further channels and of splats: 144 in all with light paths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    exponent: i32,
-    sampler: Sampler,
+    /// Scene radiance is the film's radiance times 2 to this exponent.
+    pub exponent: i32,
+    pub sampler: Sampler,
     pub bound: Bound,
     /// The part of the image that the pixels are of.
-    frame: Frame,
+    pub frame: Frame,
     pixels: Vec<Pixel>,
     /// The channels of `--aov`, and the splats of light paths.
     channels: Channels,
-    totals: Totals,
+    pub totals: Totals,
 }
 
 impl Film {
@@ -133,11 +136,6 @@ impl Film {
         Film { frame, ..self }
     }
 
-    /// The part of the image that it holds.
-    pub fn frame(&self) -> Frame {
-        self.frame
-    }
-
     /// Removes all samples.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
@@ -151,19 +149,6 @@ impl Film {
 
     pub fn height(&self) -> u32 {
         self.frame.part.height
-    }
-
-    /// Scene radiance is the film's radiance times 2 to this exponent.
-    pub fn exponent(&self) -> i32 {
-        self.exponent
-    }
-
-    pub fn sampler(&self) -> Sampler {
-        self.sampler
-    }
-
-    pub fn totals(&self) -> Totals {
-        self.totals
     }
 
     /// Adds the device's totals of pixels, each with its index (row 0 on top, `y * width + x`), and the totals `counted` of the film. Any order

@@ -8,6 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use super::Folder;
 use crate::error::Error;
+use crate::film::add_devices;
 use crate::output::exr::{Attribute, State, StateFile, attribute};
 use crate::samples::Samples;
 
@@ -121,11 +122,7 @@ impl Parts {
             _ if is_recent => Progress::UnderWay,
             _ => Progress::Stopped,
         };
-        for device in &state.devices {
-            if !self.devices.contains(device) {
-                self.devices.push(device.clone());
-            }
-        }
+        add_devices(&mut self.devices, &state.devices);
     }
 
     /// Checks that a file is of this render and holds samples of its part alone.

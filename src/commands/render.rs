@@ -97,7 +97,7 @@ fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant)
     let count = film.samples.count();
     clock.seconds.per_sample = per_sample(outcome.seconds, count.saturating_sub(request.held.unwrap_or(0)));
     let complete = rendered.is_ok() && !outcome.interrupted;
-    let mut finish = Finish::new(&film.film, &film.samples, &film.devices, outcome.noise, complete);
+    let mut finish = Finish::new(&film, outcome.noise, complete);
     let facts = session.numerics().map(|numerics| record(&request, numerics, &finish, &clock.seconds));
     if let Err(error) = rendered {
         // A device that has failed may not even tell its numerics.

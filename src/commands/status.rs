@@ -13,12 +13,11 @@ use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::cluster::parts::{Part, Parts, Progress};
 use crate::cluster::{Folder, JOB_FILE};
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::Accumulation;
 use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
 use crate::printable::counted;
-use crate::samples::Samples;
 
 #[derive(Debug, Args)]
 pub struct StatusArgs {
@@ -61,11 +60,11 @@ pub fn run(args: &StatusArgs) -> Result<()> {
         false => None,
     };
     drop(loading);
-    if let (Some(png), Some((film, _))) = (&args.png, &joined) {
+    if let (Some(png), Some(Accumulation { film, .. })) = (&args.png, &joined) {
         let size = (film.width(), film.height());
         write_png(png, size, &|index| film.developed(index).rgb, &args.view.transform())?;
     }
-    let finish = joined.as_ref().map(|(film, samples)| finish(film, samples, &parts, &folder)).filter(|_| args.error);
+    let finish = joined.as_ref().map(|joined| finish(joined, &folder)).filter(|_| args.error);
 
     let report = StatusReport::new(&folder, &parts);
     match args.json {
@@ -110,10 +109,9 @@ fn files_below(path: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// `Error::File` where the pixels of a part are damaged. The film would have a part of them.
-fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Option<(Film, Samples)>> {
+fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Option<Accumulation>> {
     let Some((_, reference)) = &parts.reference else { return Ok(None) };
-    let mut film = reference.film()?;
-    let mut samples = Samples::default();
+    let mut joined = reference.film()?;
     let count = parts.all.len().max(1) as f64;
     for number in 0..parts.all.len() {
         let mut part = parts.all[number].clone();
@@ -125,19 +123,19 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
             let is_recent = part.progress != Progress::Stopped;
             parts.add_state(&mut part, &file.state, is_recent, folder);
             if part.is_usable() {
-                file.add_to(&mut film)?;
-                samples.join(&part.samples);
+                file.add_to(&mut joined)?;
             }
         }
         parts.all[number] = part;
     }
-    Ok((!samples.is_empty()).then_some((film, samples)))
+    joined.devices.clone_from(&parts.devices);
+    Ok(Some(joined).filter(|joined| !joined.samples.is_empty()))
 }
 
 /// What the samples that are there have come to.
-fn finish(film: &Film, samples: &Samples, parts: &Parts, folder: &Folder) -> Finish {
+fn finish(joined: &Accumulation, folder: &Folder) -> Finish {
     let [start, end] = folder.request.samples;
-    Finish::new(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
+    Finish::new(joined, None, joined.samples.missing(start..end).is_empty())
 }
 
 /// What the stated error excludes, by the header of a part.

@@ -136,8 +136,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
             probe
         }
         false => Sweep::new(&device, &scene, size, seed),
-    }
-    .denoised_by(denoiser.as_ref());
+    };
+    sweep.denoiser = denoiser.as_ref();
     let size = sweep.size;
     compile(&mut sweep, settings, of_pixel * pixels_ratio(size, (1, 1)), at(MEASURING), &stop, &mut progress)?;
     let mut enough = false;
@@ -160,11 +160,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let reference = reference.map(|file| Truth::of_file(&file, size));
     let unreached = if stop() { INTERRUPTED } else { UNREACHED };
     let calibration = calibrated.as_ref().map(|found| (found.slower, found.noisier));
-    let mut at_full_size = match calibrated {
-        Some(found) => found,
-        None if size == full => FullSize::of_sweep(&sweep),
-        None => FullSize::unknown(&sweep, full),
-    };
+    let mut at_full_size = calibrated.unwrap_or_else(|| FullSize::assumed(&sweep, full));
     at_full_size.seconds_to_denoise = sweep.seconds_to_denoise(full, at(CALIBRATING))?.unwrap_or(0.0);
     let judged = judge(&mut sweep, reference.as_ref(), &at_full_size, unreached);
     if judged.measured.is_empty() && !stop() {
@@ -408,8 +404,7 @@ fn compile(
 
 /// The difference of the defaults' mean from that of a reference whose noise is unknown.
 fn against(sweep: &Sweep<'_>, truth: &Truth) -> Option<Estimate> {
-    let blocks = sweep.subjects.first()?.blocks.get(&LEVEL)?;
-    let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
+    let images = sweep.subjects.first()?.images(LEVEL);
     signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
 }
 
@@ -443,7 +438,7 @@ fn pictures(
         examples.push(Example {
             setting: found.setting.name(),
             samples,
-            seconds: block.seconds,
+            seconds: block.timed.seconds,
             error: truth.error_of(&block.image, weights),
             relmse: relmse(&block.image, &truth.image).unwrap_or(f64::NAN),
             flip: flip::mean(&map),

@@ -292,7 +292,7 @@ mod tests {
         for order in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
             assert_eq!(joined(order), all);
         }
-        assert_eq!(all.totals().light_paths, [18, 9]);
+        assert_eq!(all.totals.light_paths, [18, 9]);
         // (3 + 4.5) · (1 + 1/4) splats in (18 + 9) / 4 light paths, and 20 · (1 + 1/4) in 16 samples.
         assert_eq!(all.developed(0).rgb[0], (25.0 / 16.0 + 9.375 / 6.75) as f32);
         assert_ne!(joined([0, 1, 1]), all);
@@ -303,7 +303,7 @@ mod tests {
         // Words add up as films do.
         let mut read = film(Sampler::Sobol, &Aovs::default(), true);
         (0..2).for_each(|index| read.add_words(index, &all.words(index)));
-        read.add([], all.totals());
+        read.add([], all.totals);
         assert_eq!(read, all);
         let mut most = traced(TRACED);
         most += traced([u64::MAX, 1]);

@@ -1,11 +1,13 @@
 //! Totals over the film, in integers, which do not depend on the order.
 
+use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
 use crate::data::LIGHT_BINS;
 
 /// Samples that were left out of the image, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rejected {
     /// The device found a NaN.
@@ -25,7 +27,8 @@ impl Rejected {
 }
 
 /// Totals over the film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Totals {
     /// Camera samples, accepted or rejected.
@@ -48,21 +51,9 @@ pub struct Totals {
 impl std::ops::AddAssign for Totals {
     /// A saturating sum, which does not depend on the order either.
     fn add_assign(&mut self, other: Totals) {
-        let add = |mine: &mut u64, theirs: u64| *mine = mine.saturating_add(theirs);
-        add(&mut self.paths, other.paths);
-        add(&mut self.rays, other.rays);
-        add(&mut self.rejected.nan, other.rejected.nan);
-        add(&mut self.rejected.infinite, other.rejected.infinite);
-        add(&mut self.rejected.cut, other.rejected.cut);
-        add(&mut self.rejected.refused, other.rejected.refused);
-        add(&mut self.too_deep, other.too_deep);
-        add(&mut self.too_deep_throughput, other.too_deep_throughput);
-        for (mine, theirs) in self.light.as_flattened_mut().iter_mut().zip(other.light.as_flattened()) {
-            add(mine, *theirs);
-        }
-        for (mine, theirs) in self.light_paths.iter_mut().zip(other.light_paths) {
-            add(mine, theirs);
-        }
+        let (mine, theirs) = (std::slice::from_mut(self), [other]);
+        let numbers = bytemuck::cast_slice_mut::<_, u64>(mine).iter_mut().zip(bytemuck::cast_slice(&theirs));
+        numbers.for_each(|(mine, theirs)| *mine = mine.saturating_add(*theirs));
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::observer::Next;
 use super::outcome::totals_since;
-use super::sample_range::{PaceProbe, SampleRange};
+use super::sample_range::SampleRange;
 use super::tiles::{MOST_RUNS, Schedule, pixel_in_order, tiles};
 use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
@@ -374,11 +374,11 @@ impl DeviceRenderer {
     /// Adds the device's film to the film on the host, or drops it after a pace probe.
     fn finish_film(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
         let mut state = shared.state();
-        match state.caller.probe {
-            Some(PaceProbe { is_dropped: true }) => self.drop_film(),
-            _ => self.read_film(state.caller.film)?,
+        if state.caller.drops_film() {
+            self.drop_film();
+            return Ok(());
         }
-        Ok(())
+        self.read_film(&mut state.caller.film.film)
     }
 
     /// Renders blocks of samples of the tile, until every slot is idle. Returns one past the last block. If `may_end_early` and the caller
@@ -451,7 +451,7 @@ impl DeviceRenderer {
                     wants_snapshot = false;
                     let begin = Instant::now();
                     let mut state = shared.state();
-                    self.read_film(state.caller.film)?;
+                    self.read_film(&mut state.caller.film.film)?;
                     state.caller.notify(Some((begin, false)));
                 }
                 None => break,
@@ -521,7 +521,7 @@ impl DeviceRenderer {
     /// paths where the render has none, or the reverse.
     pub fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
         let needed = (job.size, self.film.exponent, &self.film.aovs, self.film.light_paths);
-        let found = ((film.width(), film.height()), film.exponent(), film.aovs(), film.has_light_paths());
+        let found = ((film.width(), film.height()), film.exponent, film.aovs(), film.has_light_paths());
         if found == needed {
             return Ok(());
         }

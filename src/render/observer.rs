@@ -3,10 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::accumulation::Accumulation;
 use super::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::Accumulation;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::gpu::numerics::Numerics;
@@ -62,10 +61,10 @@ pub fn stopping(stops: impl Fn() -> bool + Send) -> impl Observer {
 
 /// The film of a render that goes on.
 pub struct Snapshot<'a> {
-    pub film: &'a Film,
+    pub film: &'a Accumulation,
     /// When the device became idle for it.
     pub begin: Instant,
-    /// True if every pixel has exactly the outcome's samples.
+    /// True if every pixel has exactly the film's samples.
     pub is_complete: bool,
 }
 

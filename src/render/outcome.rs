@@ -3,13 +3,10 @@
 use super::noise::Noise;
 use crate::data::{Counters, LIGHT_BINS, LIGHT_PATHS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
 use crate::film::{Rejected, Totals};
-use crate::samples::Samples;
 
 /// The outcome of a render, apart from its film.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The samples of every pixel. While a render goes on, those of the last complete snapshot.
-    pub samples: Samples,
     pub interrupted: bool,
     /// The totals that this render has added, including those that only a device's film has so far.
     pub totals: Totals,
@@ -38,7 +35,6 @@ impl Outcome {
     /// Adds the outcome of a later render of the same film.
     pub fn join(&mut self, later: Outcome) {
         let idle = [&*self, &later].map(|outcome| outcome.profile.idle.map(|idle| idle * outcome.seconds));
-        self.samples = later.samples;
         self.interrupted |= later.interrupted;
         self.totals += later.totals;
         self.noise = later.noise.or(self.noise);

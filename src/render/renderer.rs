@@ -13,7 +13,7 @@ use super::outcome::Outcome;
 use super::sample_range::{Caller, SampleRange};
 use crate::data::Settings;
 use crate::error::Result;
-use crate::film::Film;
+use crate::film::{Accumulation, Film};
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Crop, Frame, Goal, Job};
@@ -50,8 +50,8 @@ impl Renderer {
     /// # Errors
     /// `Error::Usage` if the film has another size than the job, or another scale than the scene. `Error::Device` if a device fails; the
     /// film then has what it had after the last snapshot. `Error::Dropped` if the observer returns [`Next::Drop`](super::observer::Next::Drop).
-    pub fn run(&mut self, job: &Job, film: &mut Film, observer: &mut dyn Observer) -> Result<Outcome> {
-        self.devices.iter().try_for_each(|device| device.check_film(job, film))?;
+    pub fn run(&mut self, job: &Job, film: &mut Accumulation, observer: &mut dyn Observer) -> Result<Outcome> {
+        self.devices.iter().try_for_each(|device| device.check_film(job, &film.film))?;
         let mut outcome = Outcome::default();
         let start = Instant::now();
         let processor = ThreadTime::now();
@@ -64,7 +64,7 @@ impl Renderer {
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut caller)?,
             Goal::Noise { .. } => self.render_noise(job, &mut caller)?,
         }
-        self.read_film(film)?;
+        self.read_film(&mut film.film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
         outcome.host_seconds += processor.elapsed().as_secs_f64();
         for (name, seconds) in self.devices.iter().flat_map(|device| &device.stages().seconds) {

@@ -173,12 +173,13 @@ fn shrunk(image: &[[f32; 3]], width: u32, by: u32) -> Pixels {
 mod tests {
     use super::*;
     use crate::film::UNKNOWN_VARIANCE;
+    use crate::metrics::error::floor_of;
     use crate::tradeoff::replicates::tests::Random;
 
     const MEAN: f64 = 0.5;
 
     fn weights() -> Weights {
-        Weights::of_image(vec![[MEAN as f32; 3]; 400])
+        Weights::of_image(vec![[MEAN as f32; 3]; 400], floor_of)
     }
 
     /// An image and its variance, from two noisy halves.

@@ -129,8 +129,8 @@ fn forced() -> Vec<Cell> {
             ranges.iter().flat_map(|range| range.clone().step_by(8)).map(|first| first..first + RUN_LENGTH).collect();
         let shots = render_linked(&scene, &request, &codes, &forced_sampler(module));
         for (block, shots) in BLOCKS.iter().zip(shots.chunks(CODES as usize)) {
-            let rejected: u64 = shots.iter().map(|shot| shot.film.totals().rejected.total()).sum();
-            let paths: u64 = shots.iter().map(|shot| shot.film.totals().paths).sum();
+            let rejected: u64 = shots.iter().map(|shot| shot.film.totals.rejected.total()).sum();
+            let paths: u64 = shots.iter().map(|shot| shot.film.totals.paths).sum();
             assert_eq!(paths, 8 * 8 * u64::from(CODES * RUN_LENGTH));
             all.push(
                 cell(

@@ -558,7 +558,7 @@ fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
     assert_eq!(picture.rgb, [[1.0; 3], [0.0; 3]]);
     assert_eq!(picture.samples, [10, 0]);
     assert_eq!(picture.rejected, [6, 8]);
-    let totals = film.totals();
+    let totals = film.totals;
     assert_eq!((totals.paths, totals.rays), (24, 60));
     assert_eq!((totals.rejected.nan, totals.rejected.infinite, totals.rejected.refused), (3, 11, 0));
     assert_eq!(totals.rejected.total(), 14);
@@ -583,8 +583,8 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
             (&picture.rgb, &picture.variance, &picture.samples),
             (&expected.rgb, &expected.variance, &expected.samples)
         );
-        assert_eq!(film.totals().rejected.refused, 8, "{record:?}");
-        assert_eq!(film.totals().paths, 32);
+        assert_eq!(film.totals.rejected.refused, 8, "{record:?}");
+        assert_eq!(film.totals.paths, 32);
         assert_eq!(picture.rejected[0], 8);
     }
     // A pixel outside the image is left out.
@@ -594,7 +594,7 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
     // Finite samples whose f32 sum overflows are infinite, not refused.
     let mut film = film(2, 1, &good);
     film.add_runs(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
-    assert_eq!((film.totals().rejected.infinite, film.totals().rejected.refused), (8, 0));
+    assert_eq!((film.totals.rejected.infinite, film.totals.rejected.refused), (8, 0));
     assert_eq!(film.develop().rgb, expected.rgb);
 }
 

@@ -5,18 +5,18 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gpu_rt::data::RUN_LENGTH;
-use gpu_rt::film::Film;
+use gpu_rt::film::{Accumulation, Film};
 use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Observer, Outcome, following};
+use gpu_rt::render::{Next, Observer, following};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 use gpu_rt::session::Session;
 
 use crate::common::device::software;
-use crate::common::render::{one_pixel, render_in};
+use crate::common::render::{Outcome, one_pixel, render_in};
 
 const SIZE: (u32, u32) = (29, 21);
 
@@ -34,7 +34,7 @@ fn render(
     let options =
         |device: u32| RenderOptions { slots: Some(64 << device), bounces: Some(3), ..RenderOptions::default() };
     let flat = flatten(&scene, SIZE, &options(0)).expect("the scene flattens");
-    if film.totals().paths == 0 {
+    if film.totals.paths == 0 {
         let empty = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, options(0).sampler);
         *film = empty.expect("the film fits");
     }
@@ -76,7 +76,7 @@ fn devices_share_a_film() {
             }),
         );
         assert!(film == full, "{devices} devices, {tile:?}");
-        assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
+        assert_eq!((outcome.totals, outcome.samples), (film.totals, Samples::from(0..200)));
         assert!(calls > 0);
     }
     // That films can differ at all is seen of other samples.
@@ -96,10 +96,11 @@ fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
             &mut film,
             &mut following(|outcome, snapshot| {
                 if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                    let samples = outcome.samples.count() as u32;
-                    assert!(snapshot.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
-                    assert_eq!(snapshot.film.totals(), outcome.totals);
-                    snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
+                    let Accumulation { film, samples, .. } = snapshot.film;
+                    let count = samples.count() as u32;
+                    assert!(film.develop().samples.iter().all(|n| *n == count), "{samples:?}");
+                    assert_eq!(film.totals, outcome.totals);
+                    snapshots.push((samples.clone(), film.clone()));
                     return Next::GoOn;
                 }
                 calls += 1;

@@ -110,7 +110,7 @@ fn negative_pixels_are_exact_too() {
         });
         assert!(render(&scene(EDGE), &cut).film == full.film, "{scatter} with {slots} slots");
     }
-    let mut read = Film::with_sampler(8, 4, full.film.exponent(), full.film.sampler()).expect("it fits");
+    let mut read = Film::with_sampler(8, 4, full.film.exponent, full.film.sampler).expect("it fits");
     (0..32).for_each(|index| read.add_words(index, &full.film.words(index)));
     assert_eq!(read.develop(), full.film.develop());
 }

@@ -167,7 +167,7 @@ fn light_paths_change_no_expectation() {
         // Fewer light paths have other weights.
         for (count, seed) in [(8, 2), (1, 3)].into_iter().take(if room.objects.len() == 3 { 2 } else { 1 }) {
             let both = render(&room, &traced(count).seed(seed));
-            assert!(both.film.totals().light_paths[0] > 0, "{name}: no light path was traced");
+            assert!(both.film.totals.light_paths[0] > 0, "{name}: no light path was traced");
             agree(&format!("{name}, {count}"), &alone, &both, rounding);
         }
     }

@@ -82,7 +82,7 @@ impl Sandbox {
     fn holds_at_least(&self, least: u64) -> u64 {
         let count = read_state(&self.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
         assert!(count >= least, "{count} samples after {least}");
-        assert_eq!(self.holds("out.exr").film.totals().paths, count * 24 * 16);
+        assert_eq!(self.holds("out.exr").film.totals.paths, count * 24 * 16);
         count
     }
 
@@ -144,7 +144,14 @@ impl Held {
         });
         attributes.sort_by(|a, b| a.0.cmp(&b.0));
         let State { samples, checks, .. } = state;
-        Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), checks, attributes }
+        Held {
+            rgb: image.rgb,
+            variance: image.variance,
+            film: film.film,
+            samples: samples.to_string(),
+            checks,
+            attributes,
+        }
     }
 }
 
@@ -207,7 +214,7 @@ fn within_a_run_the_image_agrees_to_rounding() {
     let full = sandbox.holds("full.exr");
     for name in ["out.exr", "joined.exr"] {
         let held = sandbox.holds(name);
-        assert_eq!((held.samples.as_str(), held.film.totals().paths), ("0..40", full.film.totals().paths));
+        assert_eq!((held.samples.as_str(), held.film.totals.paths), ("0..40", full.film.totals.paths));
         // A run of 8 samples is summed in f32: seven roundings of 2^-24 of it, in either.
         for (a, b) in held.rgb.as_flattened().iter().zip(full.rgb.as_flattened()) {
             assert!((a - b).abs() <= 16.0 * f32::EPSILON * b.abs(), "{a} and {b}");
@@ -230,7 +237,7 @@ fn a_render_until_an_error_goes_on() {
         let mut film = state.film().expect("it fits");
         add_film(&path, &state, &mut film).expect("it is read");
         state.checks = checks;
-        write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
+        write_render(&path, &film.film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
             .expect("it is written");
         sandbox.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
         assert_eq!(sandbox.holds("out.exr").difference(&full), [""; 0], "from {end} samples");
@@ -354,7 +361,7 @@ fn drivers_are_mixed_only_on_request() {
     add_film(&path, &state, &mut film).expect("it is read");
     let attributes = read_attributes(&path).expect("it is read");
     state.devices = vec![("Some GPU".to_string(), "driver 1.0".to_string())];
-    write_render(&path, &film, &attributes, Some(&state), || Ok(())).expect("it is written");
+    write_render(&path, &film.film, &attributes, Some(&state), || Ok(())).expect("it is written");
 
     let said = sandbox.render("--spp 16 -o a.exr --resume").exits(2).stderr;
     assert!(said.contains("Some GPU (driver 1.0)") && said.contains("--mixed-drivers"), "{said}");
@@ -403,7 +410,7 @@ fn several_devices_have_the_bytes_of_one() {
         sandbox.render(&format!("--quiet {goal} -o gaps.exr --resume")).exits(0);
         sandbox.render(&format!("--quiet {goal} -o {image}")).exits(0);
         let (mut resumed, full) = (sandbox.holds("gaps.exr"), sandbox.holds(image));
-        assert!(resumed.film.totals().paths > 40 * 24 * 16);
+        assert!(resumed.film.totals.paths > 40 * 24 * 16);
         // The checks are those of the part that has been joined, and later ones.
         resumed.checks = full.checks;
         resumed.attributes.clone_from(&full.attributes);
@@ -568,7 +575,7 @@ fn damaged_states_are_refused() {
         let state = read_state(&path).ok()??;
         let mut film = state.film().ok()?;
         add_film(&path, &state, &mut film).ok()?;
-        Some(film)
+        Some(film.film)
     };
     assert!(read(&bytes).expect("it is whole") == full.film);
     let mut refused = 0;
@@ -709,7 +716,7 @@ fn ten_thousand_parts_are_joined() {
     assert_eq!((&report["parts"], &report["samples_per_pixel"]), (&PARTS.into(), &(8 * PARTS).into()));
     let held = sandbox.holds("joined.exr");
     assert_eq!(
-        (held.samples, held.film.totals().paths),
+        (held.samples, held.film.totals.paths),
         (format!("{start}..{}", ends(PARTS - 1).1), 6 * 8 * u64::from(PARTS))
     );
     // All parts have the pixels of the first one, and so has their mean.

@@ -9,7 +9,7 @@ use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
 use crate::commands::denoise::Denoised;
-use crate::film::{Film, Totals, Verdict};
+use crate::film::{Accumulation, Totals, Verdict};
 use crate::gpu::numerics::Numerics;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
@@ -32,17 +32,12 @@ pub struct Finish {
 }
 
 impl Finish {
-    pub fn new(
-        film: &Film,
-        samples: &Samples,
-        devices: &[(String, String)],
-        noise: Option<Noise>,
-        complete: bool,
-    ) -> Finish {
+    pub fn new(film: &Accumulation, noise: Option<Noise>, complete: bool) -> Finish {
+        let Accumulation { film, samples, devices, .. } = film;
         Finish {
             samples: samples.clone(),
-            devices: devices.to_vec(),
-            totals: film.totals(),
+            devices: devices.clone(),
+            totals: film.totals,
             verdict: film.verdict(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
             noise,
             complete,

@@ -15,16 +15,13 @@ use super::read::{find_rgb, float, note_of_colours, open, read_channels, triple}
 use super::write::{OF_PICTURE, sort_attributes};
 use crate::chromaticities::{Conversion, REC_709};
 use crate::data::{CHANNELS, Rgb};
+use crate::denoise::Noisy;
 use crate::error::{Error, Result};
 use crate::output::atomic;
 
 /// A picture, the layers that help to denoise it, and its header.
 pub struct NoisyFile {
-    pub size: (u32, u32),
-    /// Row 0 on top.
-    pub rgb: Vec<Rgb<f32>>,
-    pub albedo: Option<Vec<Rgb<f32>>>,
-    pub normal: Option<Vec<Rgb<f32>>>,
+    pub image: Noisy,
     /// The note for users about its colours, if they were not those of Rec. 709.
     pub colours: Option<String>,
     header: Header,
@@ -85,8 +82,8 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
         header.shared_attributes.chromaticities = Some(REC_709);
     }
     let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
-    let size = (side(width)?, side(height)?);
-    Ok(NoisyFile { size, rgb: rgb.ok_or("its channels differ in size")?, albedo, normal, colours, header })
+    let (size, rgb) = ((side(width)?, side(height)?), rgb.ok_or("its channels differ in size")?);
+    Ok(NoisyFile { image: Noisy { size, rgb, albedo, normal }, colours, header })
 }
 
 /// The channels of the layer with the likeliest of some names.

@@ -13,7 +13,7 @@ use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
 use crate::data::{LampPixel, SampleVariance, Sampler};
 use crate::error::{Error, Result};
-use crate::film::{Bound, Film, Totals, sample_variance_of, word_names};
+use crate::film::{Accumulation, Bound, Film, Totals, add_devices, sample_variance_of, word_names};
 use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
@@ -57,40 +57,35 @@ const FORMAT: u32 = 2;
 
 impl State {
     /// The state of a film.
-    pub fn new(
-        identity: Identity,
-        devices: Vec<(String, String)>,
-        film: &Film,
-        samples: Samples,
-        checks: u32,
-    ) -> State {
+    pub fn new(identity: Identity, film: &Accumulation) -> State {
+        let Accumulation { film, samples, checks, devices } = film;
         State {
             format: FORMAT,
             identity,
-            devices,
-            samples,
-            checks,
+            devices: devices.clone(),
+            samples: samples.clone(),
+            checks: *checks,
             size: (film.width(), film.height()),
-            exponent: film.exponent(),
-            sampler: film.sampler(),
+            exponent: film.exponent,
+            sampler: film.sampler,
             space: film.space(),
             light_paths: film.has_light_paths(),
             not_sampled: Some(film.bound.not_sampled),
             lamps: film.bound.lamps.clone(),
-            totals: film.totals(),
+            totals: film.totals,
             checksum: 0,
         }
     }
 
     /// An empty film for it.
-    pub fn film(&self) -> Result<Film> {
+    pub fn film(&self) -> Result<Accumulation> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
         // Before that was noted: the brightest of all, if lights were not sampled.
         let brightest = if self.identity.samples_lights() { 0.0 } else { 1.0 };
         let film = film.of_part(self.frame());
         let mut film = film.with_channels(&self.identity.aovs(), self.space.unwrap_or_default(), self.light_paths)?;
         film.bound = Bound { not_sampled: self.not_sampled.unwrap_or(brightest), lamps: self.lamps.clone() };
-        Ok(film)
+        Ok(Accumulation::empty(film))
     }
 
     /// The part of the image that its pixels are of.
@@ -178,16 +173,20 @@ impl StateFile {
         attributes_of(&self.opened)
     }
 
-    /// Adds its pixels and totals to a film of the same image. It takes memory for some rows.
+    /// Adds its samples to a film of the same image. It takes memory for some rows.
     ///
     /// # Errors
     /// `Error::File` where they cannot be read, or are not those that were written. The film may then have a part of them.
-    pub fn add_to(self, film: &mut Film) -> Result<()> {
+    pub fn add_to(self, to: &mut Accumulation) -> Result<()> {
         let StateFile { state, path, opened, part } = self;
-        film.add([], state.totals);
-        let names = film.word_names();
-        read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words))
-            .map_err(Error::file(&path, "read"))
+        to.film.add([], state.totals);
+        let names = to.film.word_names();
+        read_pixels(opened, part, &state, &names, |pixel, words| to.film.add_words(pixel, words))
+            .map_err(Error::file(&path, "read"))?;
+        to.samples.join(&state.samples);
+        to.checks = to.checks.saturating_add(state.checks);
+        add_devices(&mut to.devices, &state.devices);
+        Ok(())
     }
 
     /// The variance of the samples of each pixel, row 0 on top.
@@ -216,12 +215,12 @@ pub fn read_state(path: &Path) -> Result<Option<State>> {
     Ok(StateFile::open(path)?.map(|file| file.state))
 }
 
-/// Adds the pixels and totals of a file to a film of the same image, as [`StateFile::add_to`] does. The state is that which was read
+/// Adds the samples of a file to a film of the same image, as [`StateFile::add_to`] does. The state is that which was read
 /// before.
 ///
 /// # Errors
 /// `Error::File` where they cannot be read, or are not those of the state. The film may then have a part of them.
-pub fn add_film(path: &Path, state: &State, film: &mut Film) -> Result<()> {
+pub fn add_film(path: &Path, state: &State, film: &mut Accumulation) -> Result<()> {
     let changed = || Error::file(path, "read")("it has changed while it was read");
     let file = StateFile::open(path)?.ok_or_else(changed)?;
     StateFile { state: state.clone(), ..file }.add_to(film)

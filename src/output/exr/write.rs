@@ -74,7 +74,7 @@ pub fn write_render(
     let part = state.map(|state| StatePart::new(film, state));
     let pixel = |index| film.developed(index);
     let contents = Contents::new(&pixel, Some(film), part.is_some());
-    write_parts(path, &film.frame(), &contents, attributes, part, may)
+    write_parts(path, &film.frame, &contents, attributes, part, may)
 }
 
 /// The contents of a channel of the picture's part.
