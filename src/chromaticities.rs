@@ -39,14 +39,13 @@ fn to_xyz(of: &Chromaticities) -> DMat3 {
     primaries * DMat3::from_diagonal(primaries.inverse() * white(of))
 }
 
-/// The conversion to Rec. 709; none if these are its own. White stays white, by Bradford's adaptation.
+/// The conversion from the chromaticities of a file's header to Rec. 709; none if these are its own. A file that does not say so is taken to have
+/// them. White stays white, by Bradford's adaptation.
 ///
 /// # Errors
 /// If they are no primaries of a colour space.
-fn to_rec_709(of: Chromaticities) -> Result<Option<Conversion>, String> {
-    if is_rec_709(&of) {
-        return Ok(None);
-    }
+pub fn to_rec_709(known: Option<Chromaticities>) -> Result<Option<Conversion>, String> {
+    let Some(of) = known.filter(|of| !is_rec_709(of)) else { return Ok(None) };
     let cones = BRADFORD * white(&REC_709) / (BRADFORD * white(&of));
     let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
     let matrix = to_xyz(&REC_709).inverse() * adapted * to_xyz(&of);
@@ -71,14 +70,6 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// From the chromaticities of a file's header; none if its colours are of Rec. 709. A file that does not say so is taken to be.
-    ///
-    /// # Errors
-    /// What is wrong with its chromaticities.
-    pub fn of_file(known: Option<Chromaticities>) -> Result<Option<Conversion>, String> {
-        known.map_or(Ok(None), to_rec_709)
-    }
-
     /// A colour of Rec. 709, which has negative parts if it is outside of Rec. 709. One that is not finite stays as it is.
     pub fn convert(&self, rgb: Rgb<f32>) -> Rgb<f32> {
         match rgb.iter().all(|v| v.is_finite()) {
@@ -123,28 +114,28 @@ mod tests {
     #[test]
     fn colours_convert_as_others_convert_them() {
         // The rows of ACEScg to linear Rec. 709 by Bradford, as OpenColorIO's ACES config has them.
-        let conversion = to_rec_709(ACES_CG).unwrap().unwrap();
+        let conversion = to_rec_709(Some(ACES_CG)).unwrap().unwrap();
         close(conversion.convert([1.0, 0.0, 0.0]), [1.705_05, -0.130_26, -0.024_00], 1e-4);
         close(conversion.convert([0.0, 1.0, 0.0]), [-0.621_79, 1.140_80, -0.128_97], 1e-4);
         close(conversion.convert([0.0, 0.0, 1.0]), [-0.083_26, -0.010_55, 1.152_97], 1e-4);
         for space in [ACES_CG, ACES, XYZ] {
-            close(to_rec_709(space).unwrap().unwrap().convert([0.18; 3]), [0.18; 3], 1e-6);
+            close(to_rec_709(Some(space)).unwrap().unwrap().convert([0.18; 3]), [0.18; 3], 1e-6);
         }
     }
 
     #[test]
     fn rec_709_stays_and_no_primaries_are_refused() {
-        assert_eq!(to_rec_709(REC_709), Ok(None));
-        assert_eq!(to_rec_709(Chromaticities { white: Vec2(0.3128, 0.3290), ..REC_709 }), Ok(None));
+        assert_eq!(to_rec_709(Some(REC_709)), Ok(None));
+        assert_eq!(to_rec_709(Some(Chromaticities { white: Vec2(0.3128, 0.3290), ..REC_709 })), Ok(None));
         for broken in [
             Chromaticities { red: REC_709.green, ..REC_709 },
             Chromaticities { white: Vec2(0.3, 0.0), ..REC_709 },
             Chromaticities { blue: Vec2(f32::NAN, 0.0), ..REC_709 },
             Chromaticities { red: Vec2(f32::INFINITY, 0.0), ..REC_709 },
         ] {
-            assert!(to_rec_709(broken).is_err_and(|words| words.contains("no primaries")), "{broken:?}");
+            assert!(to_rec_709(Some(broken)).is_err_and(|words| words.contains("no primaries")), "{broken:?}");
         }
-        let conversion = to_rec_709(ACES).unwrap().unwrap();
+        let conversion = to_rec_709(Some(ACES)).unwrap().unwrap();
         assert!(conversion.convert([f32::INFINITY, 1.0, 0.0])[0].is_infinite());
     }
 }

@@ -90,14 +90,14 @@ pub fn srgb(linear: f64) -> f64 {
 }
 
 /// How the samples of a pixel are chosen: a file of shaders/sampler.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampler {
+    /// Owen-scrambled Sobol points, in two halves: even and odd runs.
+    Sobol,
     /// Each by itself.
     #[default]
     Independent,
-    /// Owen-scrambled Sobol points, in two halves: even and odd runs.
-    Sobol,
 }
 
 impl Sampler {

@@ -21,6 +21,7 @@ use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
+use crate::options::Word;
 pub use accumulation::{Accumulation, add_devices};
 pub use bound::Bound;
 pub use channels::{device_bytes, record_bytes};
@@ -164,7 +165,7 @@ impl Film {
 
     /// Adds the totals of pixels in the layout of the device's film. The indices are those of [`Film::add`].
     pub fn add_from_device(&mut self, pixels: impl IntoIterator<Item = usize>, bytes: &[u8]) {
-        if let (0, Ok(totals)) = (self.channels.count(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
+        if let (0, Ok(totals)) = (self.channels.count, bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
             return self.add(pixels.into_iter().zip(totals), Totals::default());
         }
         let each = device_bytes(&self.channels.aovs, self.channels.light_paths) as usize;
@@ -187,7 +188,7 @@ impl Film {
             let words = |film: &Film, pixels: &str| {
                 let light_paths = if film.channels.light_paths { ", with light paths" } else { "" };
                 let (width, height) = film.frame.part.size();
-                format!("{width} x {height} {pixels}2^{} ({}{light_paths})", film.exponent, film.sampler)
+                format!("{width} x {height} {pixels}2^{} ({}{light_paths})", film.exponent, film.sampler.word())
             };
             return Err(Error::Usage(format!(
                 "films of different images cannot be joined: {} and {}",

@@ -172,7 +172,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     // The stated error is that of the picture, and says nothing of other layers.
     let reliable = [&a, &b].map(|image| image.reliable().filter(|_| args.layer.is_none()));
-    words += unreliable_words(reliable);
+    words += &unreliable_words(reliable);
     match args.json {
         true => print_json(&report(args, &errors, &difference, &pixels, reliable, &words))?,
         false => print_table(&errors, &difference, &pixels, &words)?,
@@ -181,18 +181,18 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 }
 
 /// The sentence that follows the verdict if a file calls its own error unreliable.
-fn unreliable_words(reliable: [Option<bool>; 2]) -> &'static str {
+fn unreliable_words(reliable: [Option<bool>; 2]) -> String {
+    let of_one = |name| {
+        format!(
+            ". {name}'s header calls its error unreliable: {name} may lack light, and then has more error than its noise shows"
+        )
+    };
     match reliable.map(|reliable| reliable == Some(false)) {
-        [false, false] => "",
-        [true, false] => {
-            ". A's header calls its error unreliable: A may lack light, and then has more error than its noise shows"
-        }
-        [false, true] => {
-            ". B's header calls its error unreliable: B may lack light, and then has more error than its noise shows"
-        }
-        [true, true] => {
-            ". Both headers call their errors unreliable: A and B may lack light, and then have more error than their noise shows"
-        }
+        [false, false] => String::new(),
+        [true, false] => of_one("A"),
+        [false, true] => of_one("B"),
+        [true, true] => ". Both headers call their errors unreliable: A and B may lack light, and then have more error than their noise shows"
+            .to_string(),
     }
 }
 
@@ -219,14 +219,11 @@ struct Pixels {
 impl Pixels {
     fn new(a: &ExrImage, b: &ExrImage) -> Pixels {
         let broken = |rgb: &[f32; 3]| rgb.iter().any(|v| !v.is_finite());
-        let count = |image: &[[f32; 3]], is: &dyn Fn(&[f32; 3]) -> bool| image.iter().filter(|rgb| is(rgb)).count();
-        let negative = |rgb: &[f32; 3]| rgb.iter().any(|v| *v < 0.0);
+        let [of_a, of_b] = [a, b].map(|image| image.rgb.iter().filter(|rgb| broken(rgb)).count());
         let either = a.rgb.iter().zip(&b.rgb).filter(|(a, b)| broken(a) || broken(b)).count();
-        Pixels {
-            count: a.rgb.len(),
-            not_finite: [count(&a.rgb, &broken), count(&b.rgb, &broken), either],
-            negative: [count(&a.rgb, &negative), count(&b.rgb, &negative)],
-        }
+        let is_negative = |rgb: &&[f32; 3]| rgb.iter().any(|v| *v < 0.0);
+        let negative = [a, b].map(|image| image.rgb.iter().filter(is_negative).count());
+        Pixels { count: a.rgb.len(), not_finite: [of_a, of_b, either], negative }
     }
 
     fn broken_words(&self) -> String {

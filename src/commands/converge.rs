@@ -19,7 +19,7 @@ use crate::film::{Film, Verdict};
 use crate::identity::Identity;
 use crate::job::{Frame, Goal, Job};
 use crate::metrics::error as metrics;
-use crate::options::{RenderOptions, SPP};
+use crate::options::{RenderOptions, SPP, Word};
 use crate::output::atomic;
 use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
@@ -93,7 +93,10 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             ));
         }
     }
-    let own_error = error_of_reference(&reference);
+    // By its own noise, if its file holds the variance.
+    let variance = reference.known_variance();
+    let own_error =
+        variance.and_then(|v| metrics::relative_variance(v, &reference.rgb, metrics::floor_of(&reference.rgb)));
     let scene = load(&args.scene)?;
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
@@ -104,7 +107,9 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         ));
     }
     let state = read_state(&args.reference).ok().flatten();
-    let (table, plot) = outputs(args)?;
+    make_folder(&args.output, "nothing has been rendered")?;
+    let stem = stem_of(&args.scene.path).to_string_lossy();
+    let [table, plot] = ["csv", "svg"].map(|ending| args.output.join(format!("{stem}-converge.{ending}")));
     let size = (reference.width, reference.height);
     let device = Arc::new(open_device(args.paths.device.as_deref())?);
     tell_driver(&device, args.quiet);
@@ -169,19 +174,6 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         true => Err(signals.interrupted(&format!("{} holds the samples so far", table.display()))),
         false => Ok(()),
     }
-}
-
-/// The paths of the table and the plot. Creates their folder.
-fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
-    make_folder(&args.output, "nothing has been rendered")?;
-    let stem = stem_of(&args.scene.path).to_string_lossy();
-    let file = |ending: &str| args.output.join(format!("{stem}-converge.{ending}"));
-    Ok((file("csv"), file("svg")))
-}
-
-/// The relative mean square error of the reference from its own noise, if its file holds the variance.
-fn error_of_reference(reference: &ExrImage) -> Option<f64> {
-    metrics::relative_variance(reference.known_variance()?, &reference.rgb, metrics::floor_of(&reference.rgb))
 }
 
 fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Measurement> {
@@ -273,8 +265,8 @@ fn report(
             "scene": path_text(&args.scene.path),
             "reference": path_text(&args.reference),
             "device": device,
-            "integrator": args.options.integrator.to_string(),
-            "sampler": args.options.sampler.to_string(),
+            "integrator": args.options.integrator.word(),
+            "sampler": args.options.sampler.word(),
             "seed": args.paths.seed,
             "biases": biases,
             "steps": rows,

@@ -147,11 +147,8 @@ pub fn denoised_picture(png: &Path) -> Option<PathBuf> {
 
 /// The layers that the denoiser uses. It takes a normal only with an albedo.
 fn layers(noisy: &Noisy) -> Vec<&'static str> {
-    match (&noisy.albedo, &noisy.normal) {
-        (Some(_), Some(_)) => vec!["albedo", "normal"],
-        (Some(_), None) => vec!["albedo"],
-        (None, _) => vec![],
-    }
+    let all = [("albedo", &noisy.albedo), ("normal", &noisy.normal)];
+    all.into_iter().map_while(|(name, layer)| layer.as_ref().map(|_| name)).collect()
 }
 
 /// What makes the result worse than it could be.

@@ -171,10 +171,9 @@ fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
             continue;
         }
         let failed = Error::file(path, "read");
-        let mut inside = Vec::new();
-        for entry in std::fs::read_dir(path).map_err(&failed)? {
-            inside.push(entry.map_err(&failed)?.path());
-        }
+        let entries = std::fs::read_dir(path).map_err(&failed)?;
+        let inside: std::io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
+        let mut inside = inside.map_err(&failed)?;
         inside.retain(|file| file.extension().is_some_and(|ending| ending == "exr"));
         inside.sort();
         files.append(&mut inside);
@@ -205,7 +204,14 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
     let mut samples = Samples::default();
     for (number, part) in parts.iter().enumerate() {
         if let Some(range) = samples.overlap(&part.state.samples) {
-            return Err(overlap(&parts[..number], part, &range));
+            let other = parts[..number].iter().find(|other| other.state.samples.overlap(&part.state.samples).is_some());
+            return Err(Error::Usage(format!(
+                "overlap: {} and {} both have the samples {}..{}",
+                other.map_or(Path::new(""), |other| other.path).display(),
+                part.path.display(),
+                range.start,
+                range.end
+            )));
         }
         samples.join(&part.state.samples);
     }
@@ -255,16 +261,4 @@ fn fits(first: &Part<'_>, path: &Path, state: &State, mixed_drivers: bool) -> Re
         )));
     }
     Ok(())
-}
-
-fn overlap(before: &[Part<'_>], part: &Part<'_>, range: &Range<u32>) -> Error {
-    let other = before.iter().find(|other| other.state.samples.overlap(&part.state.samples).is_some());
-    let other = other.map_or(PathBuf::new(), |other| other.path.to_path_buf());
-    Error::Usage(format!(
-        "overlap: {} and {} both have the samples {}..{}",
-        other.display(),
-        part.path.display(),
-        range.start,
-        range.end
-    ))
 }

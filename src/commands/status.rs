@@ -64,7 +64,10 @@ pub fn run(args: &StatusArgs) -> Result<()> {
         let size = (film.width(), film.height());
         write_png(png, size, &|index| film.developed(index).rgb, &args.view.transform())?;
     }
-    let finish = joined.as_ref().map(|joined| finish(joined, &folder)).filter(|_| args.error);
+    let finish = joined.as_ref().filter(|_| args.error).map(|joined| {
+        let [start, end] = folder.request.samples;
+        Finish::new(joined, None, joined.samples.missing(start..end).is_empty())
+    });
 
     let report = StatusReport::new(&folder, &parts);
     match args.json {
@@ -130,12 +133,6 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
     }
     joined.devices.clone_from(&parts.devices);
     Ok(Some(joined).filter(|joined| !joined.samples.is_empty()))
-}
-
-/// What the samples that are there have come to.
-fn finish(joined: &Accumulation, folder: &Folder) -> Finish {
-    let [start, end] = folder.request.samples;
-    Finish::new(joined, None, joined.samples.missing(start..end).is_empty())
 }
 
 /// What the stated error excludes, by the header of a part.
@@ -227,21 +224,17 @@ impl StatusReport<'_> {
         }
     }
 
-    fn count(&self, is: impl Fn(&Progress) -> bool) -> usize {
-        self.parts.all.iter().filter(|part| is(&part.progress)).count()
-    }
-
-    fn under_way(&self) -> usize {
-        self.count(|progress| *progress == Progress::UnderWay)
+    fn count(&self, progress: &Progress) -> usize {
+        self.parts.all.iter().filter(|part| part.progress == *progress).count()
     }
 
     /// The parts by their states.
     fn counts(&self) -> [(&'static str, usize); 5] {
         [
-            ("done", self.count(|progress| *progress == Progress::Done)),
-            ("under way", self.under_way()),
-            ("stopped", self.count(|progress| *progress == Progress::Stopped)),
-            ("not begun", self.count(|progress| *progress == Progress::NotBegun)),
+            ("done", self.count(&Progress::Done)),
+            ("under way", self.count(&Progress::UnderWay)),
+            ("stopped", self.count(&Progress::Stopped)),
+            ("not begun", self.count(&Progress::NotBegun)),
             ("not usable", self.not_usable().count()),
         ]
     }
@@ -262,7 +255,7 @@ impl StatusReport<'_> {
         let pace = self.seconds_per_sample?;
         let under_way = self.parts.all.iter().filter(|part| part.progress == Progress::UnderWay);
         let longest = under_way.map(Part::missing).max().unwrap_or(0);
-        let shared = (self.requested - self.done) as f64 / self.under_way().max(1) as f64;
+        let shared = (self.requested - self.done) as f64 / self.count(&Progress::UnderWay).max(1) as f64;
         Some(pace * shared.max(longest as f64))
     }
 
@@ -296,7 +289,7 @@ impl StatusReport<'_> {
     }
 
     fn time_left(&self) -> String {
-        let at_a_time = match self.under_way() {
+        let at_a_time = match self.count(&Progress::UnderWay) {
             0 => "with one part at a time; none is under way".to_string(),
             1 => "with one part at a time".to_string(),
             parts => format!("with {parts} parts at a time"),

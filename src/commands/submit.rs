@@ -206,7 +206,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     };
     let path = absolute(&path)?;
     text_of(&path)?;
-    let files = Files::new(&scene)?;
+    let (copied, fixed) = files_of(&scene)?;
     if fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_some()) {
         return Err(Error::Usage(format!(
             "{}: it is not empty. Give another folder with -o, or go on with `gpu-rt submit slurm --missing`",
@@ -220,16 +220,16 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         let failed = |error| Error::file(from, "copy")(format!("{error}; {undone}"));
         fs::copy(from, to).map(|_| ()).map_err(failed)
     };
-    for (from, to) in &files.copied {
+    for (from, to) in &copied {
         copy(from, &path.join(to))?;
     }
-    for fixed in &files.fixed {
+    for fixed in &fixed {
         print_line(&format!("not copied, because the scene names it by its absolute path: {}", fixed.display()))?;
     }
     let request = ClusterRequest {
         format: FORMAT,
         version: env!("CARGO_PKG_VERSION").to_string(),
-        scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
+        scene: copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
         output: format!("{stem}.exr").into(),
         samples: [0, parts.last().map_or(0, |part| part.end)],
         noise: args.noise,
@@ -271,31 +271,23 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
     Ok(words)
 }
 
-/// The files of a scene.
-struct Files {
-    /// Each with its path in the folder: the tree is that below the folder which they have in common. The scene file is the first.
-    copied: Vec<(PathBuf, PathBuf)>,
-    /// Those that stay where they are.
-    fixed: Vec<PathBuf>,
-}
-
-impl Files {
-    fn new(scene: &Scene) -> Result<Files> {
-        let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
-        let mut absolute_paths = Vec::new();
-        for input in &moved {
-            text_of(&input.path)?;
-            if !input.path.is_file() {
-                return Err(Error::Usage(format!("{}: expected a file, which can be copied", input.path.display())));
-            }
-            absolute_paths.push(absolute(&input.path)?);
+/// The files of a scene that are copied, and those that stay where they are. The first have their paths in the folder: the tree is that below the
+/// folder which they have in common. The scene file is the first.
+fn files_of(scene: &Scene) -> Result<(Vec<(PathBuf, PathBuf)>, Vec<PathBuf>)> {
+    let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
+    let mut absolute_paths = Vec::new();
+    for input in &moved {
+        text_of(&input.path)?;
+        if !input.path.is_file() {
+            return Err(Error::Usage(format!("{}: expected a file, which can be copied", input.path.display())));
         }
-        let mut common = absolute_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
-        while !absolute_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
-        let to = |path: &PathBuf| Path::new("scene").join(path.strip_prefix(&common).unwrap_or(path));
-        let copied = moved.into_iter().map(|input| input.path).zip(absolute_paths.iter().map(to)).collect();
-        Ok(Files { copied, fixed: fixed.into_iter().map(|input| input.path).collect() })
+        absolute_paths.push(absolute(&input.path)?);
     }
+    let mut common = absolute_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
+    while !absolute_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
+    let to = |path: &PathBuf| Path::new("scene").join(path.strip_prefix(&common).unwrap_or(path));
+    let copied = moved.into_iter().map(|input| input.path).zip(absolute_paths.iter().map(to)).collect();
+    Ok((copied, fixed.into_iter().map(|input| input.path).collect()))
 }
 
 /// The folder with the parts of its next round; nothing where nothing is left to do, which is said.

@@ -18,7 +18,6 @@ use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::job::Size;
 use crate::metrics::error::relmse;
-use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::{self, error_map};
 use crate::options::{Class, DENOISE, MAX_DEPTH, OptionSpec, SIZE, SPP, TRADE_OFFS};
 use crate::output::atomic;
@@ -168,9 +167,13 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     }
     let examples = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
     let truth = reference.clone().or_else(|| Truth::pooled(&sweep, None));
-    let against_defaults = |truth: &Truth| {
-        let found = judged.against_reference;
-        found.map(|(distance, _)| distance.signed).or_else(|| against(&sweep, truth))
+    let against_defaults = |truth: &Truth| match judged.against_reference {
+        Some((distance, _)) => Some(distance.signed),
+        // The noise of the reference is unknown.
+        None => {
+            let images = sweep.subjects.first()?.images(LEVEL);
+            signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
+        }
     };
     let report = Findings {
         scene: name_of(&args.scene.path),
@@ -400,12 +403,6 @@ fn compile(
         last = begin.elapsed();
     }
     Ok(())
-}
-
-/// The difference of the defaults' mean from that of a reference whose noise is unknown.
-fn against(sweep: &Sweep<'_>, truth: &Truth) -> Option<Estimate> {
-    let images = sweep.subjects.first()?.images(LEVEL);
-    signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
 }
 
 /// Each setting's picture with the time that the defaults take for a block, until the budget is spent.

@@ -110,7 +110,7 @@ impl Film {
 
     /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
-        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.count()];
+        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.count];
         self.put_words(index, &mut words);
         words
     }

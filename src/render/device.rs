@@ -46,7 +46,10 @@ pub struct DeviceRenderer {
     /// By the kind of paths that a submission is of.
     paces: [Workload; 2],
     film: DeviceFilm,
-    readings: Readings,
+    /// One for each submission in flight.
+    readings: Vec<Feedback>,
+    /// The times of the stages since the job began.
+    pub stages: StageTimes,
 }
 
 /// The pipelines of a plan, and the layout of its settings.
@@ -117,13 +120,6 @@ struct DeviceFilm {
     is_stale: bool,
 }
 
-/// What submissions report to the host.
-struct Readings {
-    /// One for each submission in flight.
-    each: Vec<Feedback>,
-    stages: StageTimes,
-}
-
 /// What a submission reports to the host.
 struct Feedback {
     counters: Readback,
@@ -156,19 +152,16 @@ impl Pipelines {
         let bounce = match &plan.kernels.bounce {
             Bounce::Fused(kernel) => vec![stage(kernel, StageSize::Slots)?],
             Bounce::Staged(staged) => {
-                let before = std::iter::once(&staged.intersect).chain(&staged.medium);
-                let mut stages = before.map(|kernel| stage(kernel, StageSize::Slots)).collect::<Result<Vec<_>>>()?;
-                stages.extend(
-                    staged.dispatch.iter().map(|kernel| stage(kernel, StageSize::One)).collect::<Result<Vec<_>>>()?,
-                );
-                for (queue, kernel) in (0..).zip(&staged.scatter) {
-                    let size = if staged.dispatch.is_some() { StageSize::Queue(queue) } else { StageSize::Slots };
-                    stages.push(stage(kernel, size)?);
-                }
-                for kernel in staged.shadow.iter().chain([&staged.refill]) {
-                    stages.push(stage(kernel, StageSize::Slots)?);
-                }
-                stages
+                let slots = |kernel| (kernel, StageSize::Slots);
+                let scatter = (0..).zip(&staged.scatter).map(|(queue, kernel)| match staged.dispatch {
+                    Some(_) => (kernel, StageSize::Queue(queue)),
+                    None => slots(kernel),
+                });
+                let first = std::iter::once(&staged.intersect).chain(&staged.medium).map(slots);
+                let dispatch = staged.dispatch.iter().map(|kernel| (kernel, StageSize::One));
+                let last = staged.shadow.iter().chain([&staged.refill]).map(slots);
+                let all = first.chain(dispatch).chain(scatter).chain(last);
+                all.map(|(kernel, size)| stage(kernel, size)).collect::<Result<_>>()?
             }
         };
         Ok(Pipelines {
@@ -283,7 +276,8 @@ impl DeviceRenderer {
                 received: Totals::default(),
                 is_stale: false,
             },
-            readings: Readings { each: (0..IN_FLIGHT).map(reading).collect(), stages: StageTimes::default() },
+            readings: (0..IN_FLIGHT).map(reading).collect(),
+            stages: StageTimes::default(),
             tuning,
             buffers,
         };
@@ -324,14 +318,9 @@ impl DeviceRenderer {
 
     /// Prepares for another job.
     pub fn begin(&mut self, job: &Job) {
-        self.readings.stages = StageTimes::default();
+        self.stages = StageTimes::default();
         self.drop_film();
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
-    }
-
-    /// The seconds of the stages since the job began.
-    pub fn stages(&self) -> &StageTimes {
-        &self.readings.stages
     }
 
     /// Renders blocks of samples of every pixel until none are left.
@@ -475,13 +464,13 @@ impl DeviceRenderer {
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
         let Flight { submission, receipt, reading, kind, work, begun, begin } = flight;
-        let Feedback { counters, timing } = &mut self.readings.each[reading];
+        let Feedback { counters, timing } = &mut self.readings[reading];
         let bytes = size_of::<Counters>() as u64;
         let counted: Counters = counters.read(&self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
         // Each slot asks for a run in its first submission.
         self.device.expect_done(counted.receipt == receipt && counted.next >= begun)?;
         if let Some(timing) = timing {
-            timing.collect(&self.device, submission, &mut self.readings.stages)?;
+            timing.collect(&self.device, submission, &mut self.stages)?;
         }
         self.paces[kind as usize].adapt(work, begin);
         Ok(counted)
@@ -546,7 +535,7 @@ impl DeviceRenderer {
         let (slots, bounces) = self.paces[kind as usize].next(all - window.end_slot, all);
         (window.first_slot, window.end_slot) = (window.end_slot, window.end_slot + slots);
         let reading = number % IN_FLIGHT;
-        let receipt = self.readings.each[reading].counters.next_receipt();
+        let receipt = self.readings[reading].counters.next_receipt();
         (window.bounces, window.receipt) = (bounces, receipt);
         self.write("window", bytemuck::bytes_of(window))?;
         let mut encoder = self.device.encoder("pass");
@@ -562,7 +551,7 @@ impl DeviceRenderer {
             PathKind::Light => light_path.iter().chain([last]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();
-        let Feedback { counters: readback, timing } = &mut self.readings.each[reading];
+        let Feedback { counters: readback, timing } = &mut self.readings[reading];
         match timing {
             None => {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -602,7 +591,7 @@ impl DeviceRenderer {
             }
         };
         let kernels = self.kernels.bounce.len() as u32;
-        let timed = match self.readings.each.iter().any(|reading| reading.timing.is_some()) {
+        let timed = match self.readings.iter().any(|reading| reading.timing.is_some()) {
             // Without the first kernel and the last two.
             true => (MAX_PASSES as u32 - 3) / kernels,
             false => u32::MAX,

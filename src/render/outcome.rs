@@ -18,23 +18,16 @@ pub struct Outcome {
     pub first_pass: f64,
     /// Processor seconds of the threads that render, without a driver's own threads.
     pub host_seconds: f64,
-    /// The times on the device, if they were requested and the device has timestamps.
-    pub profile: Profile,
-}
-
-/// Times on the device.
-#[derive(Clone, Debug, Default)]
-pub struct Profile {
-    /// Seconds by stage.
+    /// Seconds by stage, if they were requested and the device has timestamps.
     pub stages: Vec<(String, f64)>,
-    /// The share of the time in which the device ran no kernel, 0 to 1.
+    /// The share of the time in which the device ran no kernel, 0 to 1, if that is known.
     pub idle: Option<f64>,
 }
 
 impl Outcome {
     /// Adds the outcome of a later render of the same film.
     pub fn join(&mut self, later: Outcome) {
-        let idle = [&*self, &later].map(|outcome| outcome.profile.idle.map(|idle| idle * outcome.seconds));
+        let idle = [&*self, &later].map(|outcome| outcome.idle.map(|idle| idle * outcome.seconds));
         self.interrupted |= later.interrupted;
         self.totals += later.totals;
         self.noise = later.noise.or(self.noise);
@@ -43,16 +36,16 @@ impl Outcome {
         }
         self.seconds += later.seconds;
         self.host_seconds += later.host_seconds;
-        later.profile.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
+        later.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
         let known: Vec<f64> = idle.into_iter().flatten().collect();
-        self.profile.idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
+        self.idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
     }
 
     /// Adds seconds of a stage.
     pub(super) fn add_stage(&mut self, name: &str, seconds: f64) {
-        match self.profile.stages.iter_mut().find(|(known, _)| known == name) {
+        match self.stages.iter_mut().find(|(known, _)| known == name) {
             Some((_, sum)) => *sum += seconds,
-            None => self.profile.stages.push((name.to_owned(), seconds)),
+            None => self.stages.push((name.to_owned(), seconds)),
         }
     }
 }

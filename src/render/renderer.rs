@@ -67,11 +67,11 @@ impl Renderer {
         self.read_film(&mut film.film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
         outcome.host_seconds += processor.elapsed().as_secs_f64();
-        for (name, seconds) in self.devices.iter().flat_map(|device| &device.stages().seconds) {
+        for (name, seconds) in self.devices.iter().flat_map(|device| &device.stages.seconds) {
             outcome.add_stage(name, *seconds);
         }
-        let idle: Option<Vec<f64>> = self.devices.iter().map(|device| device.stages().idle()).collect();
-        outcome.profile.idle = idle.map(|idle| idle.iter().sum::<f64>() / self.devices.len() as f64);
+        let idle: Option<Vec<f64>> = self.devices.iter().map(|device| device.stages.idle()).collect();
+        outcome.idle = idle.map(|idle| idle.iter().sum::<f64>() / self.devices.len() as f64);
         Ok(outcome)
     }
 

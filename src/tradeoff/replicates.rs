@@ -204,12 +204,13 @@ pub(super) mod tests {
     pub(in crate::tradeoff) struct Random(pub u64);
 
     impl Random {
+        pub fn uniform(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((self.0 >> 33) as f64 + 0.5) / (1u64 << 31) as f64
+        }
+
         fn normal(&mut self) -> f64 {
-            let mut uniform = || {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                ((self.0 >> 33) as f64 + 0.5) / (1u64 << 31) as f64
-            };
-            (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
+            (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
         }
 
         pub fn images(&mut self, count: usize, mean: f64, deviation: f64) -> Vec<Pixels> {

@@ -163,7 +163,7 @@ impl Effect {
     }
 }
 
-impl Sweep<'_> {
+impl<'a> Sweep<'a> {
     /// The number of seeds before a sweep's own. They are reserved for images outside the rounds.
     pub const SEEDS_BEFORE: u32 = 4;
 
@@ -177,9 +177,7 @@ impl Sweep<'_> {
         other.wrapping_sub(seed.wrapping_sub(Self::SEEDS_BEFORE))
             <= Self::SEEDS_BEFORE + (MOST_ROUNDS * LEVELS.len()) as u32
     }
-}
 
-impl<'a> Sweep<'a> {
     /// An empty sweep over images of this size.
     pub fn new(device: &'a Arc<Device>, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
         Sweep {
@@ -384,6 +382,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
+/// A render of so many samples of every pixel.
 fn job_of(size: (u32, u32), max_depth: u32, samples: u32, seed: u32) -> Job {
     Job { size, max_depth, seed, first_sample: 0, goal: Goal::Samples(samples) }
 }

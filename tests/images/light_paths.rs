@@ -187,7 +187,7 @@ fn light_paths_have_the_events_of_max_depth() {
         let by = |request: Request| request.with(|options| options.filter = filter);
         let alone = render(&room, &by(off()).seed(1));
         let both = render(&room, &by(traced(8)).sobol().seed(2));
-        agree(&filter.to_string(), &alone, &both, 1e-4);
+        agree(&format!("{filter:?}"), &alone, &both, 1e-4);
     }
 }
 

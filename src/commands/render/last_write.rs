@@ -107,9 +107,10 @@ impl<'a> LastWrite<'a> {
             if rescued.is_none() {
                 rescued = self.rescue(&mut failures);
             }
+            let reasons = failures.iter().map(Error::to_string).collect::<Vec<_>>().join("; ");
             let found = match &rescued {
                 Some(path) => self.words(path),
-                None => format!("the image cannot be written elsewhere: {}", words_of(&failures)),
+                None => format!("the image cannot be written elsewhere: {reasons}"),
             };
             let is_full = std::iter::once(&error).chain(&failures).any(|error| matches!(error, Error::NoRoom { .. }));
             let is_over = match rescued {
@@ -171,8 +172,4 @@ impl<'a> LastWrite<'a> {
             None => format!("{} holds what there was, and cannot be resumed", path.display()),
         }
     }
-}
-
-fn words_of(errors: &[Error]) -> String {
-    errors.iter().map(Error::to_string).collect::<Vec<_>>().join("; ")
 }

@@ -11,6 +11,7 @@ use crate::commands::console::{command_line, object, path_text};
 use crate::commands::denoise::Denoised;
 use crate::film::{Accumulation, Totals, Verdict};
 use crate::gpu::numerics::Numerics;
+use crate::options::Word;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
@@ -133,8 +134,8 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
         "frame": scene.frame.map(|frame| frame.number),
         "fps": scene.frame.map(|frame| frame.fps),
         "numerics": numerics,
-        "integrator": options.integrator.to_string(),
-        "sampler": options.sampler.to_string(),
+        "integrator": options.integrator.word(),
+        "sampler": options.sampler.word(),
         "seed": job.seed,
         "max_depth": job.max_depth,
         "aov": options.aov.words(),
@@ -217,7 +218,7 @@ pub fn report(
 ) -> Value {
     let (Request { args, .. }, outcome, (kernels, gpu_bytes)) = (request, &session.outcome, session.kernels());
     let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
-    let stages = || outcome.profile.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect::<Map<_, _>>();
+    let stages = || outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect::<Map<_, _>>();
     let mut report = object(json!({
         "output": path_text(&request.image),
         "width": request.job.size.0,
@@ -230,7 +231,7 @@ pub fn report(
     record.insert("seconds".to_string(), json!(seconds));
     report.extend(record);
     report.extend(object(json!({
-        "features": args.options.features.to_string(),
+        "features": args.options.features.word(),
         "software": session.devices.iter().any(|device| device.name.software),
         "paths_per_second": per_second(outcome.totals.paths),
         "rays_per_second": per_second(outcome.totals.rays),
@@ -238,7 +239,7 @@ pub fn report(
         "interrupted": outcome.interrupted,
         "time_overrun_seconds": overrun(args.goal.time, seconds.total),
         "stage_seconds": args.profile.then(stages),
-        "device_idle": outcome.profile.idle,
+        "device_idle": outcome.idle,
         "kernels": kernels,
         "gpu_bytes": gpu_bytes,
     })));

@@ -153,16 +153,12 @@ impl<'a> Request<'a> {
             }
             false => "",
         };
+        let moved = match self.args.goal.frames.is_some() && file != self.image {
+            true => format!("Move it to {}, and ", self.image.display()),
+            false => String::new(),
+        };
         let command = command_to_resume(file);
-        match self.args.goal.frames.is_some() && file != self.image {
-            true => {
-                let image = self.image.display();
-                format!(
-                    "{name} holds {count} samples per pixel. Move it to {image}, and `{command}` goes on{may_differ}"
-                )
-            }
-            false => format!("{name} holds {count} samples per pixel. `{command}` goes on{may_differ}"),
-        }
+        format!("{name} holds {count} samples per pixel. {moved}`{command}` goes on{may_differ}")
     }
 
     /// Whether the samples end within a run that the full render would have completed.

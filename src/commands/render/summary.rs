@@ -47,15 +47,12 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
         ));
     }
     if args.profile {
-        match outcome.profile.stages.is_empty() {
-            true => tell("stages: this device has no timestamps"),
-            false => outcome
-                .profile
-                .stages
-                .iter()
-                .for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
+        if outcome.stages.is_empty() {
+            tell("stages: this device has no timestamps");
         }
-        if let Some(idle) = outcome.profile.idle {
+        let stages = outcome.stages.iter();
+        stages.for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device")));
+        if let Some(idle) = outcome.idle {
             tell(&format!("the device is idle for {} of the time", percent(idle)));
         }
     }
@@ -110,19 +107,15 @@ pub fn reliability_warnings(finish: &Finish) -> impl Iterator<Item = String> {
 /// What came of a render until an error.
 pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
-    match verdict.error.and_then(|error| known_bound(error.bound)) {
+    let said = match verdict.error.and_then(|error| known_bound(error.bound)) {
         Some(bound) if !noise.reached && bound < wanted => format!(
-            "--noise {wanted} {words}: the noise is at most {}, with 95 % confidence, but light is missing that paths have not found",
+            "the noise is at most {}, with 95 % confidence, but light is missing that paths have not found",
             two_decimals(bound)
         ),
-        Some(bound) => {
-            format!(
-                "--noise {wanted} {words}: the relative error is at most {}, with 95 % confidence",
-                two_decimals(bound)
-            )
-        }
-        None => format!("--noise {wanted} {words}: too few paths find light to bound the error; give --spp or --time"),
-    }
+        Some(bound) => format!("the relative error is at most {}, with 95 % confidence", two_decimals(bound)),
+        None => "too few paths find light to bound the error; give --spp or --time".to_string(),
+    };
+    format!("--noise {wanted} {words}: {said}")
 }
 
 /// A share in percent, with two decimals as in the line of the error.

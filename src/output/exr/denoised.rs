@@ -10,10 +10,10 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::{Header, LayerAttributes};
 
-use super::attribute::{Attribute, DENOISER, decoded, text, to_io};
-use super::read::{find_rgb, float, note_of_colours, open, read_channels, triple};
+use super::attribute::{Attribute, DENOISER, attribute, decoded, text, to_io};
+use super::read::{attributes_of, find_rgb, float, note_of_colours, open, read_channels, triple};
 use super::write::{OF_PICTURE, sort_attributes};
-use crate::chromaticities::{Conversion, REC_709};
+use crate::chromaticities::{REC_709, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::denoise::Noisy;
 use crate::error::{Error, Result};
@@ -49,9 +49,8 @@ const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the
 impl NoisyFile {
     /// The denoiser that has denoised it already.
     pub fn denoiser(&self) -> Option<String> {
-        let known = self.header.own_attributes.other.iter().find(|(name, _)| decoded(name) == DENOISER);
-        known.map(|(_, value)| match Attribute::of_exr(value) {
-            Some(Attribute::Text(words)) => words,
+        attribute(&attributes_of(&self.header), DENOISER).map(|value| match value {
+            Attribute::Text(words) => words.clone(),
             _ => "unknown".to_string(),
         })
     }
@@ -74,7 +73,7 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
     let wanted = wanted.map(|names| names.and_then(numbers));
     let Vec2(width, height) = header.layer_size;
     let ([mut rgb, mut albedo, normal], _) = read_channels(opened, part, 72, wanted, [None; 2])?;
-    let conversion = Conversion::of_file(header.shared_attributes.chromaticities);
+    let conversion = to_rec_709(header.shared_attributes.chromaticities);
     let colours = note_of_colours(&conversion);
     if let Ok(Some(conversion)) = conversion {
         let of_colours = [&mut rgb, &mut albedo].into_iter().flatten().flatten();

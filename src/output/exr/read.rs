@@ -12,7 +12,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
 use super::attribute::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
-use crate::chromaticities::Conversion;
+use crate::chromaticities::{Conversion, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
@@ -102,11 +102,12 @@ pub(super) fn read_part(
 
 /// The attributes of a file's first part that this program can write, as they are.
 pub fn read_attributes(path: &Path) -> Result<Vec<(String, Attribute)>> {
-    Ok(attributes_of(&open(path).map_err(Error::file(path, "read"))?))
+    let opened = open(path).map_err(Error::file(path, "read"))?;
+    Ok(opened.headers().first().map_or(Vec::new(), attributes_of))
 }
 
-pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
-    let attributes = opened.headers().iter().take(1).flat_map(|header| &header.own_attributes.other);
+pub(super) fn attributes_of(header: &Header) -> Vec<(String, Attribute)> {
+    let attributes = header.own_attributes.other.iter();
     attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect()
 }
 
@@ -142,7 +143,7 @@ fn read_rgb(
     let is_colour = SPELLINGS
         .iter()
         .any(|names| picture.channels.iter().zip(names).all(|(channel, name)| last_part(channel) == *name));
-    let conversion = if is_colour { Conversion::of_file(header.shared_attributes.chromaticities) } else { Ok(None) };
+    let conversion = if is_colour { to_rec_709(header.shared_attributes.chromaticities) } else { Ok(None) };
     let colours = note_of_colours(&conversion);
     let conversion = conversion.unwrap_or_default();
     // The variances of other primaries would need the channels' covariance.

@@ -4,11 +4,11 @@
 
 use std::path::{Path, PathBuf};
 
-use ::exr::meta::attribute::{AttributeValue, SampleType};
+use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
-use super::attribute::{Attribute, CHECKSUM, STATE, checksum, decoded};
+use super::attribute::{Attribute, CHECKSUM, STATE, attribute_text, checksum, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
 use crate::data::{LampPixel, SampleVariance, Sampler};
@@ -109,11 +109,11 @@ impl State {
     /// The state that the part `header` describes. `picture` is the header of the first part.
     fn of_header(header: &Header, picture: &Header) -> std::result::Result<State, String> {
         let wrong = |what: &str| format!("its state is damaged: {what}");
-        let text_of = |name: &str| match value_of(header, name).and_then(Attribute::of_exr) {
-            Some(Attribute::Text(text)) => Some(text),
-            _ => None,
-        };
-        let about = text_of(STATE).ok_or_else(|| wrong("it does not say what it is of"))?;
+        let attributes = attributes_of(header);
+        let about = attribute_text(&attributes, STATE);
+        if about.is_empty() {
+            return Err(wrong("it does not say what it is of"));
+        }
         let read = serde_json::from_str::<serde_json::Value>(&about).map_err(|error| wrong(&error.to_string()))?;
         match &read["format"] {
             format if format.as_u64() == Some(u64::from(FORMAT)) => {}
@@ -123,7 +123,7 @@ impl State {
                 ));
             }
         }
-        if text_of(CHECKSUM) != Some(checksum(&about, &picture.own_attributes)) {
+        if attribute_text(&attributes, CHECKSUM) != checksum(&about, &picture.own_attributes) {
             return Err("its header is damaged: the state, or attributes of gpu-rt, are not those that were written"
                 .to_string());
         }
@@ -133,17 +133,12 @@ impl State {
     }
 }
 
-/// The value of an attribute that is not of the standard.
-fn value_of<'a>(header: &'a Header, name: &str) -> Option<&'a AttributeValue> {
-    let mut attributes = header.own_attributes.other.iter();
-    attributes.find(|(known, _)| known.as_slice() == name.as_bytes()).map(|(_, value)| value)
-}
-
 /// The number of the part that holds the state: the one that has its name or its attribute, so that damage of one of them is no file without a
 /// state, which a render would begin anew.
 fn state_part(headers: &[Header]) -> Option<usize> {
     let name = |header: &Header| header.own_attributes.layer_name.as_ref().map(decoded);
-    headers.iter().position(|header| name(header).as_deref() == Some(STATE) || value_of(header, STATE).is_some())
+    let has = |header: &Header| header.own_attributes.other.keys().any(|name| name.as_slice() == STATE.as_bytes());
+    headers.iter().position(|header| name(header).as_deref() == Some(STATE) || has(header))
 }
 
 /// An open file with a state. Its contents are consistent, even if the file is replaced meanwhile.
@@ -170,7 +165,7 @@ impl StateFile {
 
     /// The attributes of the picture.
     pub fn attributes(&self) -> Vec<(String, Attribute)> {
-        attributes_of(&self.opened)
+        self.opened.headers().first().map_or(Vec::new(), attributes_of)
     }
 
     /// Adds its samples to a film of the same image. It takes memory for some rows.
