@@ -275,11 +275,14 @@ pub struct OptionSpec {
     is_hidden: bool,
 }
 
+/// All words of an option.
+type Words = fn() -> Vec<PossibleValue>;
+
 /// How a value is parsed and written.
 #[derive(Clone, Copy, Debug)]
 struct Reading {
     /// The name of its value in `--help`, and its words, if it takes only these.
-    takes: (&'static str, Option<fn() -> Vec<PossibleValue>>),
+    takes: (&'static str, Option<Words>),
     read: fn(&mut RenderOptions, &str) -> Result<(), String>,
     /// The value; nothing where it is left to the device.
     value: fn(&RenderOptions) -> Option<String>,

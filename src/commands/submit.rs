@@ -271,9 +271,12 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
     Ok(words)
 }
 
+/// Files, each with the path of its copy.
+type Copies = Vec<(PathBuf, PathBuf)>;
+
 /// The files of a scene that are copied, and those that stay where they are. The first have their paths in the folder: the tree is that below the
 /// folder which they have in common. The scene file is the first.
-fn files_of(scene: &Scene) -> Result<(Vec<(PathBuf, PathBuf)>, Vec<PathBuf>)> {
+fn files_of(scene: &Scene) -> Result<(Copies, Vec<PathBuf>)> {
     let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
     let mut absolute_paths = Vec::new();
     for input in &moved {

@@ -219,10 +219,10 @@ fn cost_of_sample(
     // The first round also warms the machine up.
     let mut cost = None;
     for round in 1..=2 {
-        let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
+        let (begin, before) = (Instant::now(), probe.samples(0));
         probe.measure(end, round, stop, progress)?;
         // A round that the time cuts off is dropped, and may have taken an earlier one's block with it.
-        let samples = probe.samples(0).unwrap_or(0).saturating_sub(before);
+        let samples = probe.samples(0).saturating_sub(before);
         if samples > 0 {
             cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
         }

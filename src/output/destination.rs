@@ -99,10 +99,7 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 #[derive(PartialEq, Eq)]
 enum Identity {
     #[cfg(unix)]
-    Inode {
-        device: u64,
-        inode: u64,
-    },
+    Inode(u64, u64),
     Path(PathBuf),
 }
 
@@ -123,7 +120,7 @@ fn identity(path: &Path) -> Option<Identity> {
 fn identity_of_existing(_: &Path, metadata: &Metadata) -> Option<Identity> {
     use std::os::unix::fs::{FileTypeExt, MetadataExt};
     let is_device = metadata.file_type().is_char_device();
-    (!is_device).then(|| Identity::Inode { device: metadata.dev(), inode: metadata.ino() })
+    (!is_device).then(|| Identity::Inode(metadata.dev(), metadata.ino()))
 }
 
 #[cfg(not(unix))]

@@ -155,7 +155,8 @@ mod tests {
     #[test]
     fn neutral_and_filmic_agree_with_what_is_published() {
         assert_eq!(neutral([0.0; 3]), [0.0; 3]);
-        let cases: [(fn(Rgb<f64>) -> Rgb<f64>, f64, Rgb<f64>, Rgb<f64>); 6] = [
+        type Case = (fn(Rgb<f64>) -> Rgb<f64>, f64, Rgb<f64>, Rgb<f64>);
+        let cases: [Case; 6] = [
             (neutral, 1e-14, [0.5, 0.3, 0.18], [0.46, 0.26, 0.14]),
             (neutral, 1e-14, [0.5, 0.3, 0.04], [0.47, 0.27, 0.01]),
             (

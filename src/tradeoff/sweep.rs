@@ -366,10 +366,9 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The samples per pixel in all blocks of a subject; none before the first block.
-    pub fn samples(&self, subject: usize) -> Option<u32> {
-        let blocks = &self.subjects.get(subject)?.blocks;
-        Some(blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()).filter(|samples| *samples > 0)
+    /// The samples per pixel in all blocks of a subject.
+    pub fn samples(&self, subject: usize) -> u32 {
+        self.subjects[subject].blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()
     }
 
     /// The expected time of a block, from the times of earlier ones.

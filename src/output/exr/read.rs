@@ -164,16 +164,18 @@ fn read_rgb(
     Ok(ExrImage { width, height, rgb, colours, variance, samples, rejected, attributes })
 }
 
+/// The values of all pixels: of triples of channels, and of channels of whole numbers.
+type Planes<const N: usize> = ([Option<Vec<Rgb<f32>>>; N], [Option<Vec<u32>>; 2]);
+
 /// Reads triples of channels of a part as floats, and channels of whole numbers; nothing where there is no channel. Row 0 is on top. A triple that
 /// names a channel three times is grey. `bytes` are those that each pixel may need.
-#[expect(clippy::type_complexity)]
 pub(super) fn read_channels<const N: usize>(
     opened: Opened,
     part: usize,
     bytes: usize,
     triples: [Option<[usize; 3]>; N],
     counts: [Option<usize>; 2],
-) -> std::result::Result<([Option<Vec<Rgb<f32>>>; N], [Option<Vec<u32>>; 2]), String> {
+) -> std::result::Result<Planes<N>, String> {
     let header = &opened.headers()[part];
     let (width, pixels) = (header.layer_size.0, pixels_of(header, bytes)?);
     let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
