@@ -271,7 +271,7 @@ fn measure_denoised(path: &'static str, budget: &str, denoiser: &Denoiser, folde
         return Err(format!("{scene}: {}", output.status).into());
     }
     let layer = vec![[0.5; 3]; full.0 as usize * full.1 as usize];
-    let noisy = Noisy { size: full, rgb: &layer, albedo: Some(&layer), normal: Some(&layer) };
+    let noisy = Noisy { size: full, rgb: layer.clone(), albedo: Some(layer.clone()), normal: Some(layer) };
     let mut seconds = f64::INFINITY;
     for _ in 0..TIMED {
         let begin = Instant::now();

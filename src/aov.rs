@@ -40,7 +40,7 @@ const WORDS: [(&str, Aov); 8] = [
 ];
 
 /// Of which surface the albedo and the normal are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum SeenSurface {
     /// Mirrors and clear glass are passed.
     #[default]
@@ -50,7 +50,7 @@ pub enum SeenSurface {
 }
 
 /// How an image file names the channels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum ChannelNames {
     #[default]
     Plain,
@@ -202,11 +202,6 @@ impl Aovs {
         self.sums().flat_map(|sum| sum.components().iter().map(move |name| (sum, format!("{}.{name}", sum.name()))))
     }
 
-    /// The names of the sums by components.
-    pub fn sum_names(&self) -> impl Iterator<Item = String> {
-        self.sum_components().map(|(_, name)| name)
-    }
-
     /// The channels of an image file.
     pub fn channels(&self) -> Vec<Channel> {
         let of_aov = |aov: &Aov| {
@@ -248,28 +243,18 @@ impl Aovs {
 }
 
 /// From render space, in which the kernels measure lengths and directions, to the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneSpace {
     /// The camera, in scene units.
-    eye: DVec3,
+    pub eye: DVec3,
     /// The axes of render space, in the world's.
-    axes: DMat3,
+    pub axes: DMat3,
     /// A length of the scene is that of render space times 2 to this power.
     pub exponent: i32,
 }
 
-impl Default for SceneSpace {
-    fn default() -> SceneSpace {
-        SceneSpace { eye: DVec3::ZERO, axes: DMat3::IDENTITY, exponent: 0 }
-    }
-}
-
 impl SceneSpace {
-    pub fn new(eye: DVec3, axes: DMat3, exponent: i32) -> SceneSpace {
-        SceneSpace { eye, axes, exponent }
-    }
-
     pub fn length(&self, length: f64) -> f64 {
         length * 2f64.powi(self.exponent)
     }
@@ -308,7 +293,7 @@ mod tests {
                 WORDS.iter().enumerate().filter(|(number, _)| set >> number & 1 == 1).map(|(_, word)| word.1);
             let mut aovs = Aovs::default();
             aovs.set(requested.collect());
-            let names: Vec<String> = aovs.sum_names().collect();
+            let names: Vec<String> = aovs.sum_components().map(|(_, name)| name).collect();
             assert_eq!(names.len(), aovs.count());
             for sum in Sum::ALL {
                 match aovs.first_sum(sum) {

@@ -39,6 +39,23 @@ fn to_xyz(of: &Chromaticities) -> DMat3 {
     primaries * DMat3::from_diagonal(primaries.inverse() * white(of))
 }
 
+/// The conversion from the chromaticities of a file's header to Rec. 709; none if these are its own. A file that does not say so is taken to have
+/// them. White stays white, by Bradford's adaptation.
+///
+/// # Errors
+/// If they are no primaries of a colour space.
+pub fn to_rec_709(known: Option<Chromaticities>) -> Result<Option<Conversion>, String> {
+    let Some(of) = known.filter(|of| !is_rec_709(of)) else { return Ok(None) };
+    let cones = BRADFORD * white(&REC_709) / (BRADFORD * white(&of));
+    let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
+    let matrix = to_xyz(&REC_709).inverse() * adapted * to_xyz(&of);
+    // No primaries in use come near this; those on a line, or a white of no light, are beyond it or no numbers.
+    match matrix.to_cols_array().iter().all(|v| v.abs() < 1e3) {
+        true => Ok(Some(Conversion { of, matrix })),
+        false => Err(format!("its chromaticities are no primaries of colours: {}", words(&of))),
+    }
+}
+
 fn words(given: &Chromaticities) -> String {
     let of = |Vec2(x, y): Vec2<f32>| format!("({x}, {y})");
     let Chromaticities { red, green, blue, white } = *given;
@@ -53,23 +70,6 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// From the chromaticities of a file's header; none if its colours are of Rec. 709. A file that does not say so is taken to be. White
-    /// stays white, by Bradford's adaptation.
-    ///
-    /// # Errors
-    /// If they are no primaries of a colour space.
-    pub fn of_file(known: Option<Chromaticities>) -> Result<Option<Conversion>, String> {
-        let Some(of) = known.filter(|known| !is_rec_709(known)) else { return Ok(None) };
-        let cones = BRADFORD * white(&REC_709) / (BRADFORD * white(&of));
-        let adapted = BRADFORD.inverse() * DMat3::from_diagonal(cones) * BRADFORD;
-        let matrix = to_xyz(&REC_709).inverse() * adapted * to_xyz(&of);
-        // No primaries in use come near this; those on a line, or a white of no light, are beyond it or no numbers.
-        match matrix.to_cols_array().iter().all(|v| v.abs() < 1e3) {
-            true => Ok(Some(Conversion { of, matrix })),
-            false => Err(format!("its chromaticities are no primaries of colours: {}", words(&of))),
-        }
-    }
-
     /// A colour of Rec. 709, which has negative parts if it is outside of Rec. 709. One that is not finite stays as it is.
     pub fn convert(&self, rgb: Rgb<f32>) -> Rgb<f32> {
         match rgb.iter().all(|v| v.is_finite()) {
@@ -98,10 +98,6 @@ mod tests {
     const ACES: Chromaticities = space([(0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.077), (0.32168, 0.33767)]);
     const XYZ: Chromaticities = space([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (1.0 / 3.0, 1.0 / 3.0)]);
 
-    fn to_rec_709(of: Chromaticities) -> Result<Option<Conversion>, String> {
-        Conversion::of_file(Some(of))
-    }
-
     fn close(found: Rgb<f32>, expected: Rgb<f32>, error: f32) {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= error), "{found:?}, expected {expected:?}");
     }
@@ -109,28 +105,28 @@ mod tests {
     #[test]
     fn colours_convert_as_others_convert_them() {
         // The rows of ACEScg to linear Rec. 709 by Bradford, as OpenColorIO's ACES config has them.
-        let conversion = to_rec_709(ACES_CG).unwrap().unwrap();
+        let conversion = to_rec_709(Some(ACES_CG)).unwrap().unwrap();
         close(conversion.convert([1.0, 0.0, 0.0]), [1.705_05, -0.130_26, -0.024_00], 1e-4);
         close(conversion.convert([0.0, 1.0, 0.0]), [-0.621_79, 1.140_80, -0.128_97], 1e-4);
         close(conversion.convert([0.0, 0.0, 1.0]), [-0.083_26, -0.010_55, 1.152_97], 1e-4);
         for space in [ACES_CG, ACES, XYZ] {
-            close(to_rec_709(space).unwrap().unwrap().convert([0.18; 3]), [0.18; 3], 1e-6);
+            close(to_rec_709(Some(space)).unwrap().unwrap().convert([0.18; 3]), [0.18; 3], 1e-6);
         }
     }
 
     #[test]
     fn rec_709_stays_and_no_primaries_are_refused() {
-        assert_eq!(to_rec_709(REC_709), Ok(None));
-        assert_eq!(to_rec_709(Chromaticities { white: Vec2(0.3128, 0.3290), ..REC_709 }), Ok(None));
+        assert_eq!(to_rec_709(Some(REC_709)), Ok(None));
+        assert_eq!(to_rec_709(Some(Chromaticities { white: Vec2(0.3128, 0.3290), ..REC_709 })), Ok(None));
         for broken in [
             Chromaticities { red: REC_709.green, ..REC_709 },
             Chromaticities { white: Vec2(0.3, 0.0), ..REC_709 },
             Chromaticities { blue: Vec2(f32::NAN, 0.0), ..REC_709 },
             Chromaticities { red: Vec2(f32::INFINITY, 0.0), ..REC_709 },
         ] {
-            assert!(to_rec_709(broken).is_err_and(|words| words.contains("no primaries")), "{broken:?}");
+            assert!(to_rec_709(Some(broken)).is_err_and(|words| words.contains("no primaries")), "{broken:?}");
         }
-        let conversion = to_rec_709(ACES).unwrap().unwrap();
+        let conversion = to_rec_709(Some(ACES)).unwrap().unwrap();
         assert!(conversion.convert([f32::INFINITY, 1.0, 0.0])[0].is_infinite());
     }
 }

@@ -1,13 +1,13 @@
 //! The arguments that several commands have, and the parsers of their values.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
 
 use crate::job::MOST_SAMPLES;
-use crate::options::MaxDepthArg;
+use crate::options::MAX_DEPTH;
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::scene::Thin;
 
@@ -59,14 +59,17 @@ pub struct GltfArgs {
     pub fps: Option<f64>,
 }
 
+/// A number in a range; `expected` says what that is.
+fn number(text: &str, range: RangeInclusive<f64>, expected: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|number| range.contains(number)).ok_or_else(|| format!("expected {expected}"))
+}
+
 fn frame_number(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.abs() <= 1e9);
-    number.ok_or_else(|| "expected the number of a frame, such as 12".to_owned())
+    number(text, -1e9..=1e9, "the number of a frame, such as 12")
 }
 
 fn frames_per_second(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| (1e-3..=1e6).contains(number));
-    number.ok_or_else(|| "expected a positive number of frames, such as 24".to_owned())
+    number(text, 1e-3..=1e6, "a positive number of frames, such as 24")
 }
 
 fn on_or_off(text: &str) -> Result<bool, String> {
@@ -91,8 +94,9 @@ pub const GLTF: &str = "Scenes that are glTF";
 /// Which paths are traced, and where.
 #[derive(Clone, Debug, Args)]
 pub struct PathArgs {
-    #[command(flatten)]
-    pub max_depth: MaxDepthArg,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
+          help = MAX_DEPTH.about, long_help = MAX_DEPTH.help(), help_heading = MAX_DEPTH.class.heading())]
+    pub max_depth: Option<u32>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
@@ -121,23 +125,26 @@ impl ViewArgs {
     }
 }
 
+/// Parses the number of samples of `--spp`.
+pub fn samples() -> impl clap::builder::TypedValueParser<Value = u32> {
+    clap::value_parser!(u32).range(1..=MOST_SAMPLES)
+}
+
+/// A range of whole numbers, A..B with A < B.
+fn range(text: &str) -> Option<Range<u32>> {
+    let (from, to) = text.split_once("..")?;
+    Some(from.trim().parse().ok()?..to.trim().parse().ok()?).filter(|range| !range.is_empty())
+}
+
 /// Parses a range of samples such as 0..64.
 pub fn sample_range(text: &str) -> Result<Range<u32>, String> {
-    let expected = || format!("expected A..B with A < B <= {MOST_SAMPLES}, such as 0..64");
-    let (from, to) = text.split_once("..").ok_or_else(expected)?;
-    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| expected());
-    let (from, to) = (number(from)?, number(to)?);
-    match from < to && i64::from(to) <= MOST_SAMPLES {
-        true => Ok(from..to),
-        false => Err(expected()),
-    }
+    let known = range(text).filter(|range| i64::from(range.end) <= MOST_SAMPLES);
+    known.ok_or_else(|| format!("expected A..B with A < B <= {MOST_SAMPLES}, such as 0..64"))
 }
 
 /// Parses a range of frames such as 1..49.
 pub fn frame_range(text: &str) -> Result<Range<u32>, String> {
-    let range = text.split_once("..").and_then(|(from, to)| Some(from.trim().parse().ok()?..to.trim().parse().ok()?));
-    let expected = || "expected A..B with A < B, such as 1..49 for the frames 1 to 48".to_owned();
-    range.filter(|range: &Range<u32>| range.start < range.end).ok_or_else(expected)
+    range(text).ok_or_else(|| "expected A..B with A < B, such as 1..49 for the frames 1 to 48".to_owned())
 }
 
 /// Parses a time such as 30s.
@@ -157,15 +164,9 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 
 /// Parses the error of `--noise`.
 pub fn relative_error(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(error) if (1e-6..=1.0).contains(&error) => Ok(error),
-        _ => Err("expected a relative error from 0.000001 to 1, such as 0.01 for 1 %".to_string()),
-    }
+    number(text, 1e-6..=1.0, "a relative error from 0.000001 to 1, such as 0.01 for 1 %")
 }
 
 fn exposure(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
-        _ => Err("expected a number of stops from -100 to 100".to_string()),
-    }
+    number(text, -100.0..=100.0, "a number of stops from -100 to 100")
 }

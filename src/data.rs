@@ -74,6 +74,11 @@ pub fn f32s(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
+/// A matrix, by its rows, times a vector.
+pub fn product(rows: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+    rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
 /// Clamped to 0..1; 0 of a NaN.
 pub fn unit(value: f64) -> f64 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
@@ -85,14 +90,14 @@ pub fn srgb(linear: f64) -> f64 {
 }
 
 /// How the samples of a pixel are chosen: a file of shaders/sampler.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampler {
+    /// Owen-scrambled Sobol points, in two halves: even and odd runs.
+    Sobol,
     /// Each by itself.
     #[default]
     Independent,
-    /// Owen-scrambled Sobol points, in two halves: even and odd runs.
-    Sobol,
 }
 
 impl Sampler {

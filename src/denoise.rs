@@ -7,21 +7,21 @@ use std::path::{Path, PathBuf};
 
 use crate::data::{Rgb, luminance};
 use crate::error::{Error, Result};
-use library::{FILE, Failure, Library, MAJOR};
+use library::{FILE, Library, MAJOR};
 
 /// Names the folder of the library where no option does.
 pub const VARIABLE: &str = "OIDN_DIR";
 
 /// An image with noise, row 0 on top, and what is known of its surfaces. All have the same size.
-#[derive(Clone, Copy, Debug)]
-pub struct Noisy<'a> {
+#[derive(Debug)]
+pub struct Noisy {
     pub size: (u32, u32),
     /// Linear radiance.
-    pub rgb: &'a [Rgb<f32>],
+    pub rgb: Vec<Rgb<f32>>,
     /// The albedo of the first rough surface, from 0 to 1, with its own noise.
-    pub albedo: Option<&'a [Rgb<f32>]>,
+    pub albedo: Option<Vec<Rgb<f32>>>,
     /// The normal there, with its own noise. The library takes it only with an albedo.
-    pub normal: Option<&'a [Rgb<f32>]>,
+    pub normal: Option<Vec<Rgb<f32>>>,
 }
 
 /// The library, ready for use. It runs on the processor: that is everywhere, takes a second, and needs no memory of the GPU that renders.
@@ -39,15 +39,8 @@ impl Denoiser {
             Some(folder) => in_folder(folder)?,
             None => OsString::from(FILE),
         };
-        Library::load(&file).map(Denoiser).map_err(|failure| {
-            let name = file.display();
-            Error::Denoiser(match failure {
-                Failure::NotLoaded(reason) => format!("{name}: it cannot be loaded: {reason}. {}", how_to_get_it()),
-                Failure::NotUsable(reason) => {
-                    format!("{name}: it cannot be used as Open Image Denoise {MAJOR}: {reason}. {}", how_to_get_it())
-                }
-            })
-        })
+        let failed = |reason| Error::Denoiser(format!("{}: {reason}. {}", file.display(), how_to_get_it()));
+        Library::load(&file).map(Denoiser).map_err(failed)
     }
 
     /// Its name and version.
@@ -62,18 +55,19 @@ impl Denoiser {
     ///
     /// # Errors
     /// `Error::Denoiser` with the library's words.
-    pub fn denoise(&self, noisy: &Noisy<'_>) -> Result<Vec<Rgb<f32>>> {
+    pub fn denoise(&self, noisy: &Noisy) -> Result<Vec<Rgb<f32>>> {
         let size = (noisy.size.0 as usize, noisy.size.1 as usize);
         let failed = |reason: String| Error::Denoiser(format!("{} has failed: {reason}", self.name()));
         let clean = |name, image: &[Rgb<f32>]| {
             let image = finite(image, |v| v);
             self.0.filter(size, &[(name, &image)], &[]).map_err(failed)
         };
-        let albedo = noisy.albedo.map(|image| clean(c"albedo", image)).transpose()?;
-        let normal = noisy.normal.filter(|_| albedo.is_some()).map(|image| clean(c"normal", image)).transpose()?;
+        let albedo = noisy.albedo.as_ref().map(|image| clean(c"albedo", image)).transpose()?;
+        let normal =
+            noisy.normal.as_ref().filter(|_| albedo.is_some()).map(|image| clean(c"normal", image)).transpose()?;
         // The library takes darkness below 1e-8 for black. A factor of a power of two makes the result independent of the unit of radiance.
-        let scale = scale_of(noisy.rgb);
-        let rgb = finite(noisy.rgb, |v| (f64::from(v.max(0.0)) * scale) as f32);
+        let scale = scale_of(&noisy.rgb);
+        let rgb = finite(&noisy.rgb, |v| (f64::from(v.max(0.0)) * scale) as f32);
         let mut images = vec![(c"color", rgb.as_slice())];
         images.extend(albedo.iter().map(|image| (c"albedo", image.as_slice())));
         images.extend(normal.iter().map(|image| (c"normal", image.as_slice())));

@@ -3,6 +3,7 @@
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
 //! any order and split. It also adds the sums of squares that the error estimate needs. The host joins the device's totals here.
 
+mod accumulation;
 mod bound;
 mod channels;
 mod error;
@@ -20,13 +21,15 @@ use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
+use crate::options::Word;
+pub use accumulation::{Accumulation, add_devices};
+pub use bound::Bound;
 pub use channels::{device_bytes, record_bytes};
 pub use error::ErrorEstimate;
-pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
+pub use totals::{HiddenLight, Rejected, Totals};
 pub use verdict::Verdict;
 pub use words::{sample_variance_of, word_names};
 
-use bound::Bound;
 use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
@@ -53,15 +56,16 @@ const MAX_EXPONENT: i32 = 300;
 /// Memory: 160 bytes a pixel, and 16 more for each sum of further channels and of splats: 144 in all with light paths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    exponent: i32,
-    sampler: Sampler,
-    bound: Bound,
+    /// Scene radiance is the film's radiance times 2 to this exponent.
+    pub exponent: i32,
+    pub sampler: Sampler,
+    pub bound: Bound,
     /// The part of the image that the pixels are of.
-    frame: Frame,
+    pub frame: Frame,
     pixels: Vec<Pixel>,
     /// The channels of `--aov`, and the splats of light paths.
     channels: Channels,
-    totals: Totals,
+    pub totals: Totals,
 }
 
 impl Film {
@@ -104,23 +108,13 @@ impl Film {
         Ok(Film { exponent, sampler, bound, frame, pixels, channels, totals })
     }
 
-    /// Adds channels of `--aov` to an empty film. `space` maps the kernels' space to the scene's.
+    /// Adds to an empty film the channels of `--aov`, and the sums of the splats of light paths if it is to have them. `space` maps the kernels'
+    /// space to the scene's.
     ///
     /// # Errors
     /// `Error::Usage` if memory does not hold them.
-    pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
-        let channels = Channels::new(self.pixels.len(), aovs, space, self.channels.light_paths)?;
-        Ok(Film { channels, ..self })
-    }
-
-    /// Sets whether an empty film has sums of the splats of light paths. By default it has none.
-    ///
-    /// # Errors
-    /// `Error::Usage` if memory does not hold them.
-    pub fn with_light_paths(self, light_paths: bool) -> Result<Film> {
-        let Channels { aovs, space, .. } = &self.channels;
-        let channels = Channels::new(self.pixels.len(), aovs, *space, light_paths)?;
-        Ok(Film { channels, ..self })
+    pub fn with_channels(self, aovs: &Aovs, space: SceneSpace, light_paths: bool) -> Result<Film> {
+        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space, light_paths)?, ..self })
     }
 
     /// Whether it has sums of the splats of light paths.
@@ -143,11 +137,6 @@ impl Film {
         Film { frame, ..self }
     }
 
-    /// The part of the image that it holds.
-    pub fn frame(&self) -> Frame {
-        self.frame
-    }
-
     /// Removes all samples.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
@@ -163,19 +152,6 @@ impl Film {
         self.frame.part.height
     }
 
-    /// Scene radiance is the film's radiance times 2 to this exponent.
-    pub fn exponent(&self) -> i32 {
-        self.exponent
-    }
-
-    pub fn sampler(&self) -> Sampler {
-        self.sampler
-    }
-
-    pub fn totals(&self) -> Totals {
-        self.totals
-    }
-
     /// Adds the device's totals of pixels, each with its index (row 0 on top, `y * width + x`), and the totals `counted` of the film. Any order
     /// and any split into calls gives the same film. A pixel outside the image is ignored.
     pub fn add<'a>(&mut self, pixels: impl IntoIterator<Item = (usize, &'a PixelTotals)>, counted: Totals) {
@@ -189,7 +165,7 @@ impl Film {
 
     /// Adds the totals of pixels in the layout of the device's film. The indices are those of [`Film::add`].
     pub fn add_from_device(&mut self, pixels: impl IntoIterator<Item = usize>, bytes: &[u8]) {
-        if let (0, Ok(totals)) = (self.channels.count(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
+        if let (0, Ok(totals)) = (self.channels.count, bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
             return self.add(pixels.into_iter().zip(totals), Totals::default());
         }
         let each = device_bytes(&self.channels.aovs, self.channels.light_paths) as usize;
@@ -212,7 +188,7 @@ impl Film {
             let words = |film: &Film, pixels: &str| {
                 let light_paths = if film.channels.light_paths { ", with light paths" } else { "" };
                 let (width, height) = film.frame.part.size();
-                format!("{width} x {height} {pixels}2^{} ({}{light_paths})", film.exponent, film.sampler)
+                format!("{width} x {height} {pixels}2^{} ({}{light_paths})", film.exponent, film.sampler.word())
             };
             return Err(Error::Usage(format!(
                 "films of different images cannot be joined: {} and {}",

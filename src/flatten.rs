@@ -111,7 +111,8 @@ pub fn flatten_with(
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
-    let to_scene = SceneSpace::new(camera.look_from, view.to_space.rotation.transpose(), length_exponent);
+    let to_scene =
+        SceneSpace { eye: camera.look_from, axes: view.to_space.rotation.transpose(), exponent: length_exponent };
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
     if brightest == 0.0 {

@@ -5,13 +5,10 @@ use std::sync::Arc;
 use crate::error::{Error, Result};
 use crate::film::Picture;
 use crate::gpu::device::{Adapters, Device};
-use crate::job::{Frame, Goal, Job, MOST_SAMPLES};
+use crate::job::{Frame, Goal, Job, MOST_SAMPLES, MOST_SIDE};
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 use crate::session::Session;
-
-/// The longest side of an image, in pixels.
-const LONGEST_SIDE: u32 = 1 << 16;
 
 /// What to render, where it is not what the scene says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,9 +30,9 @@ pub struct RenderSettings {
 pub fn render_scene(scene: &Scene, settings: &RenderSettings) -> Result<Picture> {
     let size = settings.size.unwrap_or((scene.image.width, scene.image.height));
     let samples = settings.samples.unwrap_or(scene.render.samples);
-    if [size.0, size.1].iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
+    if [size.0, size.1].iter().any(|side| !(1..=MOST_SIDE).contains(side)) {
         let (width, height) = size;
-        return Err(Error::Usage(format!("expected sides from 1 to {LONGEST_SIDE} pixels, found {width} x {height}")));
+        return Err(Error::Usage(format!("expected sides from 1 to {MOST_SIDE} pixels, found {width} x {height}")));
     }
     if !(1..=MOST_SAMPLES).contains(&i64::from(samples)) {
         return Err(Error::Usage(format!("expected from 1 to {MOST_SAMPLES} samples, found {samples}")));

@@ -73,7 +73,7 @@ impl Crop {
 }
 
 /// The longest side of an image, in pixels.
-const MOST_SIDE: u32 = 65_536;
+pub const MOST_SIDE: u32 = 65_536;
 
 /// The size of an image: in pixels, or relative to the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,13 +4,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use clap::builder::{PossibleValue, PossibleValuesParser, Resettable};
+use clap::{Arg, ArgMatches, Command, ValueEnum};
 
 use crate::aov::{Aovs, ChannelNames, SeenSurface};
 use crate::bvh::Quality;
 use crate::data::{RUN_LENGTH, Sampler};
-use crate::job::{MOST_SAMPLES, Size};
 
 /// The options of a render, without its scene and its job. The default is that of the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,76 +99,59 @@ impl RenderOptions {
 }
 
 /// An option whose values are words.
-trait Words: Copy + PartialEq + 'static {
-    /// All values, as the command line spells them.
-    const WORDS: &'static [(&'static str, Self)];
-
-    fn word(self) -> String {
-        let known = Self::WORDS.iter().find(|(_, value)| *value == self);
-        known.map_or(String::new(), |(word, _)| (*word).to_string())
+pub trait Word: ValueEnum {
+    /// How the command line spells it.
+    fn word(&self) -> String {
+        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_string())
     }
 
     fn read(text: &str) -> Result<Self, String> {
-        let known = Self::WORDS.iter().find(|(word, _)| *word == text);
-        known.map(|(_, value)| *value).ok_or_else(|| "expected another word".to_string())
+        Self::from_str(text, false).map_err(|_| "expected another word".to_string())
+    }
+
+    /// All words, without help of their own.
+    fn all() -> Vec<PossibleValue> {
+        let values = Self::value_variants().iter().filter_map(Self::to_possible_value);
+        values.map(|value| value.help(Resettable::Reset)).collect()
     }
 }
 
-/// Declares an enum whose values are words, or the words of one that stands elsewhere.
-macro_rules! words {
-    ($(#[$meta:meta])* enum $name:ident { $($(#[$about:meta])* $variant:ident = $word:literal,)* }) => {
-        $(#[$meta])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name { $($(#[$about])* $variant,)* }
-        words!($name { $($variant = $word,)* });
-    };
-    ($name:ident { $($variant:ident = $word:literal,)* }) => {
-        impl Words for $name {
-            const WORDS: &'static [(&'static str, Self)] = &[$(($word, $name::$variant)),*];
-        }
+impl<W: ValueEnum> Word for W {}
 
-        impl Display for $name {
-            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str(&self.word())
-            }
-        }
-    };
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
 }
 
-words!(
-    enum Switch {
-        On = "on",
-        Off = "off",
-    }
-);
-words!(
-    /// How paths find light.
-    enum Integrator {
-        /// BSDF sampling and light sampling, combined by multiple importance sampling.
-        Mis = "mis",
-        /// BSDF sampling only.
-        Bsdf = "bsdf",
-    }
-);
-words!(
-    /// What a pixel is the mean over: how samples are spread around its middle.
-    enum Filter {
-        /// Uniform over its square.
-        Box = "box",
-        /// A tent two pixels wide.
-        Tent = "tent",
-        /// A Gaussian of half a pixel, cut off at 1.5 pixels.
-        Gauss = "gauss",
-        /// The cubic of Mitchell and Netravali, four pixels wide, with negative lobes.
-        Mitchell = "mitchell",
-    }
-);
-words!(
-    enum Fresnel {
-        Exact = "exact",
-        Schlick = "schlick",
-    }
-);
+/// How paths find light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    /// BSDF sampling and light sampling, combined by multiple importance sampling.
+    Mis,
+    /// BSDF sampling only.
+    Bsdf,
+}
+
+/// What a pixel is the mean over: how samples are spread around its middle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Filter {
+    /// Uniform over its square.
+    Box,
+    /// A tent two pixels wide.
+    Tent,
+    /// A Gaussian of half a pixel, cut off at 1.5 pixels.
+    Gauss,
+    /// The cubic of Mitchell and Netravali, four pixels wide, with negative lobes.
+    Mitchell,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Fresnel {
+    Exact,
+    Schlick,
+}
+
 /// The light paths of a run of eight samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightPaths {
@@ -213,36 +195,31 @@ impl Display for LightPaths {
     }
 }
 
-words!(
-    enum Precision {
-        Strict = "strict",
-        Fast = "fast",
-    }
-);
-words!(
-    /// What kernels are linked with. The image is the same.
-    enum FeatureSet {
-        /// Just what the scene requires.
-        Scene = "scene",
-        /// Everything that a scene can require.
-        All = "all",
-    }
-);
-words!(
-    /// How the stages of a bounce are linked into kernels. The image does not depend on it.
-    enum Scatter {
-        /// Intersect, scatter and refill in one kernel that does several bounces a dispatch.
-        Fused = "fused",
-        /// A kernel a stage; scatter is one kernel for all materials, an invocation a slot.
-        Linked = "linked",
-        /// A kernel a stage, and of scatter a kernel and a queue for each material.
-        Queues = "queues",
-    }
-);
-words!(SeenSurface { Rough = "rough", First = "first", });
-words!(ChannelNames { Plain = "plain", Blender = "blender", });
-words!(Sampler { Sobol = "sobol", Independent = "independent", });
-words!(Quality { Medium = "medium", Best = "best", });
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Precision {
+    Strict,
+    Fast,
+}
+
+/// What kernels are linked with. The image is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FeatureSet {
+    /// Just what the scene requires.
+    Scene,
+    /// Everything that a scene can require.
+    All,
+}
+
+/// How the stages of a bounce are linked into kernels. The image does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Scatter {
+    /// Intersect, scatter and refill in one kernel that does several bounces a dispatch.
+    Fused,
+    /// A kernel a stage; scatter is one kernel for all materials, an invocation a slot.
+    Linked,
+    /// A kernel a stage, and of scatter a kernel and a queue for each material.
+    Queues,
+}
 
 /// What an option's values other than the default give up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -294,33 +271,28 @@ pub struct OptionSpec {
     pub trade_off: &'static str,
     /// How its value gets into [`RenderOptions`]; `None` for an option that a command has by itself.
     reading: Option<Reading>,
-    /// How the command line takes an option that is not in [`RenderOptions`].
-    own: Option<fn(Arg) -> Arg>,
     /// Whether `--help` leaves it out.
     is_hidden: bool,
 }
 
+/// All words of an option.
+type Words = fn() -> Vec<PossibleValue>;
+
 /// How a value is parsed and written.
 #[derive(Clone, Copy, Debug)]
 struct Reading {
-    /// Its words, or the name of its value in `--help`.
-    takes: Takes,
+    /// The name of its value in `--help`, and its words, if it takes only these.
+    takes: (&'static str, Option<Words>),
     read: fn(&mut RenderOptions, &str) -> Result<(), String>,
     /// The value; nothing where it is left to the device.
     value: fn(&RenderOptions) -> Option<String>,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Takes {
-    Words(fn() -> Vec<&'static str>),
-    Text(&'static str),
 }
 
 /// The reading of a field of [`RenderOptions`] whose values are words.
 macro_rules! word {
     ($($field:ident).+: $type:ty) => {
         Some(Reading {
-            takes: Takes::Words(|| <$type>::WORDS.iter().map(|(word, _)| *word).collect()),
+            takes: ("WORD", Some(<$type>::all)),
             read: |options, text| <$type>::read(text).map(|value| options.$($field).+ = value),
             value: |options| Some(options.$($field).+.word()),
         })
@@ -331,7 +303,7 @@ macro_rules! word {
 macro_rules! number {
     ($field:ident: $range:expr) => {
         Some(Reading {
-            takes: Takes::Text("N"),
+            takes: ("N", None),
             read: |options, text| number(text, $range).map(|value| options.$field = Some(value)),
             value: |options| options.$field.map(|value| value.to_string()),
         })
@@ -380,15 +352,11 @@ impl OptionSpec {
         let arg = Arg::new(self.name).long(self.name).help_heading(self.class.heading());
         let arg = arg.help(self.about).long_help(self.help());
         let arg = arg.hide(self.is_hidden);
-        if let Some(own) = self.own {
-            return own(arg);
-        }
-        let Some(Reading { read, takes, .. }) = self.reading else { return arg };
-        let arg = match takes {
-            Takes::Words(words) => arg.value_name("WORD").value_parser(PossibleValuesParser::new(words())),
-            Takes::Text(name) => arg
-                .value_name(name)
-                .value_parser(move |text: &str| read(&mut RenderOptions::default(), text).map(|()| text.to_string())),
+        let Some(Reading { read, takes: (name, words), .. }) = self.reading else { return arg };
+        let check = move |text: &str| read(&mut RenderOptions::default(), text).map(|()| text.to_string());
+        let arg = match words {
+            Some(words) => arg.value_name(name).value_parser(PossibleValuesParser::new(words())),
+            None => arg.value_name(name).value_parser(check),
         };
         match self.default {
             Some(default) => arg.default_value(default),
@@ -396,39 +364,6 @@ impl OptionSpec {
         }
     }
 }
-
-/// An option of the table that only some commands have, as a group of one argument: `None` where it is not given.
-macro_rules! argument {
-    ($name:ident, $setting:ident, $value:ty) => {
-        #[derive(Clone, Copy, Debug, Default)]
-        pub struct $name(pub Option<$value>);
-
-        impl clap::Args for $name {
-            fn augment_args(command: Command) -> Command {
-                command.arg($setting.arg())
-            }
-
-            fn augment_args_for_update(command: Command) -> Command {
-                $name::augment_args(command)
-            }
-        }
-
-        impl clap::FromArgMatches for $name {
-            fn from_arg_matches(matches: &ArgMatches) -> Result<$name, clap::Error> {
-                Ok($name(matches.get_one($setting.name).copied()))
-            }
-
-            fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-                $name::from_arg_matches(matches).map(|found| *self = found)
-            }
-        }
-    };
-}
-
-argument!(SppArg, SPP, u32);
-argument!(SizeArg, SIZE, Size);
-argument!(MaxDepthArg, MAX_DEPTH, u32);
-argument!(DenoiseArg, DENOISE, bool);
 
 impl clap::Args for RenderOptions {
     fn augment_args(command: Command) -> Command {
@@ -483,7 +418,6 @@ pub const SPP: OptionSpec = OptionSpec {
     values: &["1", "4", "16", "64", "256"],
     class: Class::Noise,
     trade_off: "A quarter of the samples has about twice the error.",
-    own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(1..=MOST_SAMPLES))),
     ..PLAIN
 };
 
@@ -493,7 +427,6 @@ pub const SIZE: OptionSpec = OptionSpec {
     values: &["25%", "50%", "100%"],
     class: Class::Detail,
     trade_off: "Fewer pixels show less detail: each is the mean over a larger square.",
-    own: Some(|arg| arg.value_name("WxH|W|N%").value_parser(value_parser!(Size))),
     ..PLAIN
 };
 
@@ -530,36 +463,12 @@ pub const SAMPLER: OptionSpec = OptionSpec {
     ..PLAIN
 };
 
-pub const FILTER: OptionSpec = OptionSpec {
-    name: "filter",
-    about: "The reconstruction filter: `box` is the pixel's square, `tent` is 2 pixels wide, `gauss` 3, `mitchell` 4.",
-    values: &["box", "tent", "gauss", "mitchell"],
-    default: Some("box"),
-    class: Class::Look,
-    trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where the filter is negative, \
-                pixels beside a bright edge may be too. Wide filters overlap, but neighbouring pixels have independent noise.",
-    reading: word!(filter: Filter),
-    ..PLAIN
-};
-
 pub const MAX_DEPTH: OptionSpec = OptionSpec {
     name: "max-depth",
     about: "The most scattering events per path [default: the scene's].",
     values: &["1", "2", "4", "8", "16"],
     class: Class::Bias,
     trade_off: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
-    own: Some(|arg| arg.value_name("N").value_parser(value_parser!(u32).range(0..=1_000_000))),
-    ..PLAIN
-};
-
-pub const FRESNEL: OptionSpec = OptionSpec {
-    name: "fresnel",
-    about: "Fresnel reflectance of dielectrics: exact, or Schlick's approximation.",
-    values: &["exact", "schlick"],
-    default: Some("exact"),
-    class: Class::Bias,
-    trade_off: "`schlick` biases the result: reflectances are off by up to 0.04 at an index of 1.5, 0.2 at 1.1, and 1 next to an index of 1.",
-    reading: word!(fresnel: Fresnel),
     ..PLAIN
 };
 
@@ -571,7 +480,7 @@ pub const CLAMP: OptionSpec = OptionSpec {
     class: Class::Bias,
     trade_off: "A limit biases the result: bright rare paths, such as caustics, lose the radiance above it.",
     reading: Some(Reading {
-        takes: Takes::Text("off|N"),
+        takes: ("off|N", None),
         read: |options, text| clamp_limit(text).map(|limit| options.clamp = limit),
         value: |options| Some(options.clamp.map_or("off".to_string(), |limit| limit.to_string())),
     }),
@@ -587,32 +496,10 @@ pub const LIGHT_PATHS: OptionSpec = OptionSpec {
     class: Class::Noise,
     trade_off: "They find caustics, and take time from the other paths.",
     reading: Some(Reading {
-        takes: Takes::Text("auto|off|N"),
+        takes: ("auto|off|N", None),
         read: |options, text| LightPaths::read(text).map(|paths| options.light_paths = paths),
         value: |options| Some(options.light_paths.to_string()),
     }),
-    ..PLAIN
-};
-
-pub const PRECISION: OptionSpec = OptionSpec {
-    name: "precision",
-    about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
-    values: &["strict", "fast"],
-    default: Some("strict"),
-    class: Class::Numerics,
-    trade_off: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
-    reading: word!(precision: Precision),
-    ..PLAIN
-};
-
-pub const BUILD: OptionSpec = OptionSpec {
-    name: "build",
-    about: "The quality of the BVH: build time against traversal time.",
-    values: &["medium", "best"],
-    default: Some("medium"),
-    class: Class::Exact,
-    trade_off: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
-    reading: word!(build: Quality),
     ..PLAIN
 };
 
@@ -624,7 +511,6 @@ pub const DENOISE: OptionSpec = OptionSpec {
     values: &[""],
     class: Class::Bias,
     trade_off: "A denoised image loses detail that looks like noise, which biases the result.",
-    own: Some(|arg| arg.action(ArgAction::SetTrue)),
     ..PLAIN
 };
 
@@ -636,12 +522,49 @@ pub const TRADE_OFFS: &[&OptionSpec] = &[
     &ROULETTE,
     &LIGHT_PATHS,
     &MAX_DEPTH,
-    &FRESNEL,
+    &OptionSpec {
+        name: "fresnel",
+        about: "Fresnel reflectance of dielectrics: exact, or Schlick's approximation.",
+        values: &["exact", "schlick"],
+        default: Some("exact"),
+        class: Class::Bias,
+        trade_off: "`schlick` biases the result: reflectances are off by up to 0.04 at an index of 1.5, 0.2 at 1.1, and 1 next to an index of 1.",
+        reading: word!(fresnel: Fresnel),
+        ..PLAIN
+    },
     &CLAMP,
-    &BUILD,
-    &PRECISION,
+    &OptionSpec {
+        name: "build",
+        about: "The quality of the BVH: build time against traversal time.",
+        values: &["medium", "best"],
+        default: Some("medium"),
+        class: Class::Exact,
+        trade_off: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
+        reading: word!(build: Quality),
+        ..PLAIN
+    },
+    &OptionSpec {
+        name: "precision",
+        about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
+        values: &["strict", "fast"],
+        default: Some("strict"),
+        class: Class::Numerics,
+        trade_off: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
+        reading: word!(precision: Precision),
+        ..PLAIN
+    },
     &SIZE,
-    &FILTER,
+    &OptionSpec {
+        name: "filter",
+        about: "The reconstruction filter: `box` is the pixel's square, `tent` is 2 pixels wide, `gauss` 3, `mitchell` 4.",
+        values: &["box", "tent", "gauss", "mitchell"],
+        default: Some("box"),
+        class: Class::Look,
+        trade_off: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where the filter is negative, \
+                    pixels beside a bright edge may be too. Wide filters overlap, but neighbouring pixels have independent noise.",
+        reading: word!(filter: Filter),
+        ..PLAIN
+    },
 ];
 
 pub const AOV: OptionSpec = OptionSpec {
@@ -649,7 +572,7 @@ pub const AOV: OptionSpec = OptionSpec {
     about: "Further channels of the EXR, with commas between: `albedo`, `normal`, `depth`, `position`, `object`, `material`, `direct`, `indirect`.",
     class: Class::Channels,
     reading: Some(Reading {
-        takes: Takes::Text("LIST"),
+        takes: ("LIST", None),
         read: |options, text| Aovs::parse(text).map(|list| options.aov.set(list)),
         value: |options| options.aov.words(),
     }),
@@ -703,9 +626,9 @@ const TUNING: &[&OptionSpec] = &[
         about: "How the stages of a bounce become kernels: one kernel for all; one per stage; or one per stage, with a scatter kernel \
                 and a queue per material [default: by the device, the scene and the number of paths].",
         reading: Some(Reading {
-            takes: Takes::Words(|| Scatter::WORDS.iter().map(|(word, _)| *word).collect()),
+            takes: ("WORD", Some(Scatter::all)),
             read: |options, text| Scatter::read(text).map(|scatter| options.scatter = Some(scatter)),
-            value: |options| options.scatter.map(Words::word),
+            value: |options| options.scatter.as_ref().map(Word::word),
         }),
         ..PLAIN
     },
@@ -729,7 +652,6 @@ const PLAIN: OptionSpec = OptionSpec {
     class: Class::Exact,
     trade_off: "",
     reading: None,
-    own: None,
     is_hidden: false,
 };
 

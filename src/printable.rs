@@ -21,8 +21,13 @@ pub fn percent(share: f64) -> String {
     if value > 0.0 && value < 0.01 {
         return "less than 0.01 %".to_owned();
     }
-    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 2.0) } else { 0.0 };
-    format!("{value:.*} %", decimals as usize)
+    two_digits(value, 2.0) + " %"
+}
+
+/// A number with two significant digits, but at most so many decimals.
+pub fn two_digits(value: f64, most: f64) -> String {
+    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, most) } else { 0.0 };
+    format!("{value:.*}", decimals as usize)
 }
 
 /// An upper bound of a share of light, or of an error relative to light; `None` if it says nothing, because it is all of the light or more.

@@ -21,8 +21,7 @@ mod renderer;
 mod sample_range;
 mod tiles;
 
-pub use accumulation::Accumulation;
 pub use noise::{FIRST_CHECK, LAST_CHECK, NOISE_LEVEL, Noise, check_error, level_after, samples_at_check};
-pub use observer::{Following, Next, Observer, Snapshot, following, stopping};
+pub use observer::{Next, Observer, Snapshot, following, stopping};
 pub use outcome::Outcome;
 pub use renderer::{Renderer, empty_film};

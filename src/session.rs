@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
+use crate::film::Accumulation;
 use crate::flatten::{DeviceScene, Hierarchies, flatten_with};
 use crate::gpu::device::{Adapters, Device};
 use crate::gpu::numerics::Numerics;
@@ -11,7 +12,7 @@ use crate::gpu::probe::numerics;
 use crate::job::{Frame, Job};
 use crate::options::RenderOptions;
 use crate::plan::Plan;
-use crate::render::{Accumulation, Observer, Outcome, Renderer, empty_film};
+use crate::render::{Observer, Outcome, Renderer, empty_film};
 use crate::scene::Scene;
 use crate::threads::join;
 
@@ -145,10 +146,10 @@ impl Session {
         for job in &jobs {
             observer.begin(job, film, self.numerics()?);
             let Some(Ready { renderer, .. }) = &mut self.ready else { return Ok(()) };
-            let done = renderer.run(job, &mut film.film, observer)?;
-            film.samples.join(&done.samples);
-            film.checks = done.noise.map_or(film.checks, |noise| noise.checks);
-            self.outcome.join(done);
+            let before = film.samples.clone();
+            // A device that has failed has kept back what it rendered last.
+            let done = renderer.run(job, film, observer).inspect_err(|_| film.samples = before);
+            self.outcome.join(done?);
             if self.outcome.interrupted {
                 break;
             }
@@ -183,14 +184,11 @@ impl Session {
     pub fn compile_plans(&mut self, plans: &[Plan<'_>], job: &Job, observer: &mut dyn Observer) -> Result<()> {
         let pairs: Vec<_> = self.devices.iter().zip(plans).collect();
         observer.compiling(&self.devices)?;
-        let made = Renderer::new(&pairs, job, self.profile);
+        let made = Renderer::new(&pairs, job, self.profile, self.submission);
         observer.compiled();
-        let mut renderer = made?;
+        let renderer = made?;
         let kernels = plans.iter().take(1).flat_map(Plan::kernels).map(|kernel| kernel.name.clone()).collect();
         let gpu_bytes = plans.iter().flat_map(Plan::buffers).map(|buffer| buffer.allocated()).sum();
-        if let Some(time) = self.submission {
-            renderer.set_submission_time(time);
-        }
         self.ready = Some(Ready { renderer, size: job.size, kernels, gpu_bytes });
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Text for terminals: without characters that control them, and broken at words where it is wider than they are.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 
 use textwrap::{Options, WordSeparator, WordSplitter};
 
@@ -49,6 +49,11 @@ pub fn fit_to_terminal(text: &str, columns: Option<usize>) -> String {
         textwrap::wrap(line, options).join("\n")
     });
     lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Prints a line on stderr as a terminal shows it. A closed stderr is not an error; `eprintln` would panic.
+pub fn tell(text: &str) {
+    let _ = writeln!(io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use glam::Vec3A;
 use super::bounds::Bounds;
 
 /// The trade-off between the time of the build and the time of the walks. It does not change the image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Quality {
     #[default]
     Medium,

@@ -8,6 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use super::Folder;
 use crate::error::Error;
+use crate::film::add_devices;
 use crate::output::exr::{Attribute, State, StateFile, attribute};
 use crate::samples::Samples;
 
@@ -60,13 +61,8 @@ pub struct Parts {
     pub devices: Vec<(String, String)>,
 }
 
-/// The contents of a header.
-struct PartHeader {
-    state: State,
-    seconds_per_sample: Option<f64>,
-    /// When the file was written.
-    written: SystemTime,
-}
+/// The contents of a header: the state, the seconds for one sample of every pixel, and when the file was written.
+type PartHeader = (State, Option<f64>, SystemTime);
 
 impl Parts {
     /// Reads the headers of the parts. A file is called under way if it was written in the `recent` time. `watch` is called with the number
@@ -80,7 +76,7 @@ impl Parts {
         }
         let states: Vec<(&Path, &State)> = headers
             .iter()
-            .filter_map(|(header, path, _)| Some((path.as_path(), &header.as_ref().ok()?.as_ref()?.state)))
+            .filter_map(|(header, path, _)| Some((path.as_path(), &header.as_ref().ok()?.as_ref()?.0)))
             .collect();
         let reference = most_common(&states).map(|(path, state)| (path.to_owned(), state.clone()));
 
@@ -96,11 +92,11 @@ impl Parts {
             match header {
                 Ok(None) => {}
                 Err(why) => part.progress = Progress::NotUsable(why),
-                Ok(Some(header)) => {
+                Ok(Some((state, seconds_per_sample, written))) => {
                     // A clock that is ahead of this one makes the file look as if it were of the future.
-                    let is_recent = header.written.elapsed().unwrap_or(Duration::ZERO) <= recent;
-                    part.seconds_per_sample = header.seconds_per_sample;
-                    parts.add_state(&mut part, &header.state, is_recent, folder);
+                    let is_recent = written.elapsed().unwrap_or(Duration::ZERO) <= recent;
+                    part.seconds_per_sample = seconds_per_sample;
+                    parts.add_state(&mut part, &state, is_recent, folder);
                 }
             }
             parts.all.push(part);
@@ -121,11 +117,7 @@ impl Parts {
             _ if is_recent => Progress::UnderWay,
             _ => Progress::Stopped,
         };
-        for device in &state.devices {
-            if !self.devices.contains(device) {
-                self.devices.push(device.clone());
-            }
-        }
+        add_devices(&mut self.devices, &state.devices);
     }
 
     /// Checks that a file is of this render and holds samples of its part alone.
@@ -162,7 +154,7 @@ fn read_header(path: &Path) -> Result<Option<PartHeader>, String> {
             _ => None,
         };
         let written = metadata.modified().map_err(|error| error.to_string())?;
-        Ok(Some(PartHeader { state: file.state, seconds_per_sample, written }))
+        Ok(Some((file.state, seconds_per_sample, written)))
     };
     // Over a network, a file that is replaced while it is read may become an error.
     read().or_else(|_| read())

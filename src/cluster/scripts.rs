@@ -65,14 +65,11 @@ fn after_space(words: &[String]) -> String {
     words.iter().map(|word| format!(" {}", line(std::slice::from_ref(word)))).collect()
 }
 
-/// The names of shell variables with their values, each on its line.
-fn variables(values: &[(&str, &str)]) -> String {
-    values.iter().map(|(name, value)| format!("{name}={}\n", quoted(value))).collect()
-}
-
-/// The beginning of each script, for the program at this path.
+/// The beginning of each script, for the program at this path: shell variables with their values, each on its line.
 fn beginning(folder: &Folder, program: &Path, values: &[(&str, &str)]) -> Result<String> {
-    let values = variables(&[("folder", text_of(&folder.path)?), ("gpu_rt", text_of(program)?)]) + &variables(values);
+    let own = [("folder", text_of(&folder.path)?), ("gpu_rt", text_of(program)?)];
+    let values = own.iter().chain(values).map(|(name, value)| format!("{name}={}\n", quoted(value)));
+    let values: String = values.collect();
     Ok(format!("#!/bin/sh\n{values}gpu_rt=${{GPU_RT:-$gpu_rt}}\n"))
 }
 

@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use super::scripts::{line, text_of};
 use super::{Folder, LOG, MERGE, RENDER};
 use crate::error::{Error, Result};
+use crate::output::destination::is_on_path;
 
 /// The tasks of an array if the cluster does not report its limit: Slurm's default.
 const TASKS: u32 = 1001;
@@ -24,19 +25,13 @@ pub struct Ids {
     pub merge: String,
 }
 
-/// Where this machine has a command.
-fn has(command: &str) -> bool {
-    let folders = std::env::var_os("PATH").unwrap_or_default();
-    std::env::split_paths(&folders).any(|folder| folder.join(command).is_file())
-}
-
 impl Slurm {
     /// Finds the cluster of this machine.
     ///
     /// # Errors
     /// `Error::File` where there is no sbatch, unless nothing is to be submitted.
     pub fn find(dry_run: bool) -> Result<Slurm> {
-        let there = has("sbatch");
+        let there = is_on_path("sbatch");
         if !there && !dry_run {
             return Err(Error::file("sbatch", "run")(
                 "it is not on the PATH. Run this on a machine that can submit to Slurm; or add --dry-run, which writes the folder and its \

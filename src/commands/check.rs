@@ -23,33 +23,26 @@ pub struct CheckArgs {
 
 /// Reads, validates and flattens the scene, links its kernels, and compares its buffers with the limits of this machine's device.
 pub fn run(args: &CheckArgs) -> Result<()> {
-    match examine(args) {
-        Ok((primitives, warnings)) => {
-            if args.json {
-                let file = path_text(&args.scene.path);
-                print_json(&json!({"scene": file, "valid": true, "primitives": primitives, "warnings": warnings}))?;
-            } else {
-                warnings.iter().try_for_each(|warning| print_line(&format!("warning: {warning}")))?;
-                let warned = match warnings.len() {
-                    0 => "no warnings".to_string(),
-                    number => counted(number as u64, "warning"),
-                };
-                let primitives = counted(primitives as u64, "primitive");
-                print_line(&format!("{}: valid, {primitives}, {warned}", args.scene.path.display()))?;
-            }
-            Ok(())
+    let (found, file) = (examine(args), path_text(&args.scene.path));
+    match (&found, args.json) {
+        (Ok((primitives, warnings)), true) => {
+            print_json(&json!({"scene": file, "valid": true, "primitives": primitives, "warnings": warnings}))?;
         }
-        Err(error) => {
-            if args.json {
-                let errors: Vec<_> = error.each().iter().map(describe).collect();
-                let first = errors.first();
-                print_json(
-                    &json!({"scene": path_text(&args.scene.path), "valid": false, "error": first, "errors": errors}),
-                )?;
-            }
-            Err(error)
+        (Ok((primitives, warnings)), false) => {
+            warnings.iter().try_for_each(|warning| print_line(&format!("warning: {warning}")))?;
+            let warned = match warnings.len() {
+                0 => "no warnings".to_string(),
+                number => counted(number as u64, "warning"),
+            };
+            print_line(&format!("{file}: valid, {}, {warned}", counted(*primitives as u64, "primitive")))?;
         }
+        (Err(error), true) => {
+            let errors: Vec<_> = error.each().iter().map(describe).collect();
+            print_json(&json!({"scene": file, "valid": false, "error": errors.first(), "errors": errors}))?;
+        }
+        (Err(_), false) => {}
     }
+    found.map(|_| ())
 }
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::console::{path_text, print_json, print_line, tell, tell_measured};
 use super::outputs::{PNG, check_name, check_outputs};
 use crate::data::SampleVariance;
 use crate::error::{Error, Result};
@@ -94,10 +94,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         None => read_exr(path),
     };
     let (mut a, mut b) = (read(&args.image)?, read(&args.reference)?);
-    for (path, image) in images.iter().zip([&a, &b]) {
-        tell_denoised(path, image);
-        tell_colours(path, image.colours.as_deref());
-    }
+    images.iter().zip([&a, &b]).for_each(|(path, image)| tell_measured(path, image));
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
     let identities = identity(&args.image).zip(identity(&args.reference));
     if identities.as_ref().is_some_and(|(a, b)| !a.is_of_scene(b)) {
@@ -175,7 +172,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     // The stated error is that of the picture, and says nothing of other layers.
     let reliable = [&a, &b].map(|image| image.reliable().filter(|_| args.layer.is_none()));
-    words += unreliable_words(reliable);
+    words += &unreliable_words(reliable);
     match args.json {
         true => print_json(&report(args, &errors, &difference, &pixels, reliable, &words))?,
         false => print_table(&errors, &difference, &pixels, &words)?,
@@ -184,18 +181,18 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 }
 
 /// The sentence that follows the verdict if a file calls its own error unreliable.
-fn unreliable_words(reliable: [Option<bool>; 2]) -> &'static str {
+fn unreliable_words(reliable: [Option<bool>; 2]) -> String {
+    let of_one = |name| {
+        format!(
+            ". {name}'s header calls its error unreliable: {name} may lack light, and then has more error than its noise shows"
+        )
+    };
     match reliable.map(|reliable| reliable == Some(false)) {
-        [false, false] => "",
-        [true, false] => {
-            ". A's header calls its error unreliable: A may lack light, and then has more error than its noise shows"
-        }
-        [false, true] => {
-            ". B's header calls its error unreliable: B may lack light, and then has more error than its noise shows"
-        }
-        [true, true] => {
-            ". Both headers call their errors unreliable: A and B may lack light, and then have more error than their noise shows"
-        }
+        [false, false] => String::new(),
+        [true, false] => of_one("A"),
+        [false, true] => of_one("B"),
+        [true, true] => ". Both headers call their errors unreliable: A and B may lack light, and then have more error than their noise shows"
+            .to_string(),
     }
 }
 
@@ -222,14 +219,11 @@ struct Pixels {
 impl Pixels {
     fn new(a: &ExrImage, b: &ExrImage) -> Pixels {
         let broken = |rgb: &[f32; 3]| rgb.iter().any(|v| !v.is_finite());
-        let count = |image: &[[f32; 3]], is: &dyn Fn(&[f32; 3]) -> bool| image.iter().filter(|rgb| is(rgb)).count();
-        let negative = |rgb: &[f32; 3]| rgb.iter().any(|v| *v < 0.0);
+        let [of_a, of_b] = [a, b].map(|image| image.rgb.iter().filter(|rgb| broken(rgb)).count());
         let either = a.rgb.iter().zip(&b.rgb).filter(|(a, b)| broken(a) || broken(b)).count();
-        Pixels {
-            count: a.rgb.len(),
-            not_finite: [count(&a.rgb, &broken), count(&b.rgb, &broken), either],
-            negative: [count(&a.rgb, &negative), count(&b.rgb, &negative)],
-        }
+        let is_negative = |rgb: &&[f32; 3]| rgb.iter().any(|v| *v < 0.0);
+        let negative = [a, b].map(|image| image.rgb.iter().filter(is_negative).count());
+        Pixels { count: a.rgb.len(), not_finite: [of_a, of_b, either], negative }
     }
 
     fn broken_words(&self) -> String {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::gpu::device::Device;
 use crate::output::progress::Loading;
+use crate::printable::counted;
 
 /// How often the progress is shown.
 const TICK: Duration = Duration::from_millis(200);
@@ -46,8 +47,7 @@ impl Drop for Compiling {
 
 /// `compiling 3 of 5 kernels, 12 s`, of which two are ready.
 fn words(ready: usize, all: usize, time: Duration) -> String {
-    let kernels = if all == 1 { "kernel" } else { "kernels" };
-    format!("compiling {} of {all} {kernels}, {} s", (ready + 1).min(all), time.as_secs())
+    format!("compiling {} of {}, {} s", (ready + 1).min(all), counted(all as u64, "kernel"), time.as_secs())
 }
 
 #[cfg(test)]

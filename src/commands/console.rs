@@ -10,7 +10,8 @@ use crate::error::{Error, Result};
 use crate::output::exr::ExrImage;
 use crate::output::stdout;
 use crate::printable::printable;
-use crate::terminal::{columns_of_stderr, columns_of_stdout, fit_to_terminal};
+pub use crate::terminal::tell;
+use crate::terminal::{columns_of_stdout, fit_to_terminal};
 
 /// The command line as it was typed, as the shell reads it. The folder of the program is left out.
 pub fn command_line() -> String {
@@ -55,14 +56,16 @@ fn words_to_resume(words: Vec<String>, image: String) -> Vec<String> {
     kept
 }
 
-/// Warns of an image that is denoised, where errors are measured: those of its pixels are not independent.
-pub fn tell_denoised(path: &Path, image: &ExrImage) {
+/// Tells where the colours of an image with which errors are measured were converted, and warns if it is denoised: errors of its pixels are then
+/// not independent.
+pub fn tell_measured(path: &Path, image: &ExrImage) {
     if let Some(denoiser) = image.denoiser() {
         let name = path.display();
         tell(&format!(
             "warning: {name} is denoised ({denoiser}): it is biased, and its pixels share errors, so that intervals are too narrow"
         ));
     }
+    tell_colours(path, image.colours.as_deref());
 }
 
 /// Tells where the colours of an image were converted.
@@ -108,11 +111,6 @@ fn flushed(written: std::io::Result<()>) -> Result<()> {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::file("stdout", "write")(error)),
         _ => Ok(()),
     }
-}
-
-/// Prints a line on stderr as a terminal shows it. A closed stderr is not an error.
-pub fn tell(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
 }
 
 /// The entries of a JSON object.

@@ -8,18 +8,18 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::console::{path_text, print_json, print_line, tell, tell_measured};
 use super::outputs::{check_name, make_folder};
 use super::scene::{load, name_of, stem_of, tell_biases};
 use super::signals::Signals;
 use super::target::{open_device, tell_driver};
-use crate::cli::{PathArgs, SceneArgs, duration};
+use crate::cli::{PathArgs, SceneArgs, duration, samples};
 use crate::error::{Error, Result};
 use crate::film::{Film, Verdict};
 use crate::identity::Identity;
 use crate::job::{Frame, Goal, Job};
 use crate::metrics::error as metrics;
-use crate::options::{RenderOptions, SppArg};
+use crate::options::{RenderOptions, SPP, Word};
 use crate::output::atomic;
 use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
@@ -37,8 +37,9 @@ pub struct ConvergeArgs {
     /// The folder for SCENE-converge.csv and SCENE-converge.svg; created if missing.
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
-    #[command(flatten)]
-    pub spp: SppArg,
+    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
+          help_heading = SPP.class.heading())]
+    pub spp: Option<u32>,
     /// Stop before a doubling of the samples would exceed this time [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
@@ -84,8 +85,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     check_name(&args.output, "a folder")?;
     let reference = read_exr(&args.reference)?;
     if !args.quiet {
-        tell_denoised(&args.reference, &reference);
-        tell_colours(&args.reference, reference.colours.as_deref());
+        tell_measured(&args.reference, &reference);
         if reference.reliable() == Some(false) {
             tell(&format!(
                 "warning: the header of {} calls its error unreliable: it may lack light, and then has more error than its noise shows",
@@ -93,9 +93,12 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             ));
         }
     }
-    let own_error = error_of_reference(&reference);
+    // By its own noise, if its file holds the variance.
+    let variance = reference.known_variance();
+    let own_error =
+        variance.and_then(|v| metrics::relative_variance(v, &reference.rgb, metrics::floor_of(&reference.rgb)));
     let scene = load(&args.scene)?;
-    let biases = tell_biases(&args.options, args.paths.max_depth.0, &scene, args.quiet);
+    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
             "warning: {} was also rendered with seed {}. The two images share noise, which hides error; give another --seed",
@@ -104,13 +107,15 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         ));
     }
     let state = read_state(&args.reference).ok().flatten();
-    let (table, plot) = outputs(args)?;
+    make_folder(&args.output, "nothing has been rendered")?;
+    let stem = stem_of(&args.scene.path).to_string_lossy();
+    let [table, plot] = ["csv", "svg"].map(|ending| args.output.join(format!("{stem}-converge.{ending}")));
     let size = (reference.width, reference.height);
     let device = Arc::new(open_device(args.paths.device.as_deref())?);
     tell_driver(&device, args.quiet);
 
-    let end = args.spp.0.unwrap_or(scene.render.samples);
-    let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
+    let end = args.spp.unwrap_or(scene.render.samples);
+    let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
     if !args.quiet
         && state.is_some_and(|state| {
@@ -169,19 +174,6 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         true => Err(signals.interrupted(&format!("{} holds the samples so far", table.display()))),
         false => Ok(()),
     }
-}
-
-/// The paths of the table and the plot. Creates their folder.
-fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
-    make_folder(&args.output, "nothing has been rendered")?;
-    let stem = stem_of(&args.scene.path).to_string_lossy();
-    let file = |ending: &str| args.output.join(format!("{stem}-converge.{ending}"));
-    Ok((file("csv"), file("svg")))
-}
-
-/// The relative mean square error of the reference from its own noise, if its file holds the variance.
-fn error_of_reference(reference: &ExrImage) -> Option<f64> {
-    metrics::relative_variance(reference.known_variance()?, &reference.rgb, metrics::floor_of(&reference.rgb))
 }
 
 fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Measurement> {
@@ -273,8 +265,8 @@ fn report(
             "scene": path_text(&args.scene.path),
             "reference": path_text(&args.reference),
             "device": device,
-            "integrator": args.options.integrator.to_string(),
-            "sampler": args.options.sampler.to_string(),
+            "integrator": args.options.integrator.word(),
+            "sampler": args.options.sampler.word(),
             "seed": args.paths.seed,
             "biases": biases,
             "steps": rows,

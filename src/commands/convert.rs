@@ -32,18 +32,18 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     let (from, to) = (&args.scene, &args.output);
     check_name(from, "a .glb or .gltf file")?;
     check_name(to, "a scene file")?;
-    let refuse = |reason: String| Err(Error::Usage(format!("{}: {reason}; nothing has been written", to.display())));
+    let refused = |reason: String| Error::Usage(format!("{}: {reason}; nothing has been written", to.display()));
     let check_inputs = |inputs: Vec<&PathBuf>| match inputs.iter().find(|input| same_file(to, input)) {
-        Some(input) => refuse(format!("it would overwrite the input {}: give another name with -o", input.display())),
+        Some(input) => {
+            Err(refused(format!("it would overwrite the input {}: give another name with -o", input.display())))
+        }
         None => Ok(()),
     };
     if to.extension().is_none_or(|ending| ending != "ron") {
-        return refuse("expected a name that ends in .ron, with -o".to_owned());
+        return Err(refused("expected a name that ends in .ron, with -o".to_owned()));
     }
-    let destination = match writable::check(to) {
-        Ok(destination) => destination,
-        Err(reason) => return refuse(format!("cannot write: {reason}. Give another name with -o")),
-    };
+    let not_writable = |reason| refused(format!("cannot write: {reason}. Give another name with -o"));
+    let destination = writable::check(to).map_err(not_writable)?;
     check_inputs(args.gltf.sky.iter().chain([from]).collect())?;
     // A pipe or a device is not overwritten.
     let may = || match &destination {
@@ -52,7 +52,7 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
         }
         _ => Ok(()),
     };
-    may().or_else(refuse)?;
+    may().map_err(refused)?;
     let mut assets = Assets::default();
     let scene = convert(from, &args.gltf, to, &mut assets)?;
     // Also the files that the scene names: their names may end in .ron.

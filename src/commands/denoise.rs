@@ -13,7 +13,7 @@ use crate::cli::{OIDN, ViewArgs};
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
 use crate::output::destination::can_be_replaced;
-use crate::output::exr::{NoisyFile, read_noisy, write_denoised};
+use crate::output::exr::{read_noisy, write_denoised};
 use crate::output::png::write_png;
 use crate::output::view_transform::ViewTransform;
 
@@ -105,20 +105,19 @@ fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised
     }
     if !quiet {
         tell_colours(image, noisy.colours.as_deref());
-        warnings(&noisy).into_iter().for_each(|words| tell(&format!("warning: {name}: {words}")));
+        warnings(&noisy.image).into_iter().for_each(|words| tell(&format!("warning: {name}: {words}")));
     }
     let begin = Instant::now();
-    let NoisyFile { size, rgb, albedo, normal, .. } = &noisy;
-    let rgb = denoiser.denoise(&Noisy { size: *size, rgb, albedo: albedo.as_deref(), normal: normal.as_deref() })?;
+    let rgb = denoiser.denoise(&noisy.image)?;
     let seconds = begin.elapsed().as_secs_f64();
-    let layers = layers(&noisy);
+    let (size, layers) = (noisy.image.size, layers(&noisy.image));
     let words = match layers.as_slice() {
         [] => denoiser.name(),
         layers => format!("{}, with {}", denoiser.name(), layers.join(" and ")),
     };
     write_denoised(exr, &noisy, &rgb, &words)?;
     if let Some(png) = png {
-        write_png(png, *size, &|index| rgb[index], view)?;
+        write_png(png, size, &|index| rgb[index], view)?;
     }
     if !quiet {
         tell("warning: denoising biases the result: the error of the denoised image is not known");
@@ -132,7 +131,7 @@ fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised
         biases: ["denoise"],
         seconds,
     };
-    Ok((denoised, *size))
+    Ok((denoised, size))
 }
 
 /// The name of the denoised image: NAME.denoised.exr of NAME.exr.
@@ -147,16 +146,13 @@ pub fn denoised_picture(png: &Path) -> Option<PathBuf> {
 }
 
 /// The layers that the denoiser uses. It takes a normal only with an albedo.
-fn layers(noisy: &NoisyFile) -> Vec<&'static str> {
-    match (&noisy.albedo, &noisy.normal) {
-        (Some(_), Some(_)) => vec!["albedo", "normal"],
-        (Some(_), None) => vec!["albedo"],
-        (None, _) => vec![],
-    }
+fn layers(noisy: &Noisy) -> Vec<&'static str> {
+    let all = [("albedo", &noisy.albedo), ("normal", &noisy.normal)];
+    all.into_iter().map_while(|(name, layer)| layer.as_ref().map(|_| name)).collect()
 }
 
 /// What makes the result worse than it could be.
-fn warnings(noisy: &NoisyFile) -> Vec<String> {
+fn warnings(noisy: &Noisy) -> Vec<String> {
     let mut found = Vec::new();
     if layers(noisy).len() < 2 {
         let missing = match (&noisy.albedo, &noisy.normal) {

@@ -67,18 +67,15 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
             limits.max_storage_buffers_per_shader_stage,
             limits.max_compute_invocations_per_workgroup,
         ))?;
-        match found {
-            Ok(found) if args.verbose => {
-                words(found).iter().chain(&lacking(found)).try_for_each(|line| print_line(&format!("   {line}")))?
+        let lines = match found {
+            Ok(found) if args.verbose => [words(found), lacking(found)].concat(),
+            Ok(found) if found.lacking().next().is_none() => {
+                vec!["numerics: good for all kernels (--verbose lists the findings)".to_string()]
             }
-            Ok(found) => match lacking(found) {
-                lacking if lacking.is_empty() => {
-                    print_line("   numerics: good for all kernels (--verbose lists the findings)")?
-                }
-                lacking => lacking.iter().try_for_each(|line| print_line(&format!("   {line}")))?,
-            },
-            Err(error) => print_line(&format!("   numerics: {error}"))?,
-        }
+            Ok(found) => lacking(found),
+            Err(error) => vec![format!("numerics: {error}")],
+        };
+        lines.iter().try_for_each(|line| print_line(&format!("   {line}")))?;
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use super::render::{Finish, attributes_of, error_words, excluded, noise_words, r
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::Accumulation;
 use crate::output::exr::{State, StateFile, add_film, attribute_text, read_state, write_render};
 use crate::output::progress::Loading;
 use crate::printable::counted;
@@ -56,26 +56,26 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     let mut loading = Loading::new(args.quiet);
     let parts = parts_of(args, &paths, &mut loading)?;
     let Some(first) = parts.first() else { return Err(Error::Usage("no part is there".to_string())) };
-    let mut film = first.state.film()?;
-    let mut joined = Joined::default();
+    let mut joined = Joined { count: 0, film: first.state.film()?, noise: None };
     for (number, part) in parts.iter().enumerate() {
         loading.show(&format!("joining {}", part.path.display()), number as f64 / parts.len() as f64);
-        add_film(part.path, &part.state, &mut film)?;
-        joined.add(part);
+        add_film(part.path, &part.state, &mut joined.film)?;
+        joined.count += 1;
         if let Some(error) = args.noise
-            && joined.check(&parts, part, &film, error)?
+            && joined.check(&parts, part, error)?
         {
             break;
         }
     }
     drop(loading);
 
-    let Joined { count, samples, devices, checks, noise } = &joined;
+    let Joined { count, film, noise } = &joined;
+    let samples = &film.samples;
     let complete = samples.ranges().len() == 1;
     // The parts have the same request; the results are those of the joined image.
     let mut attributes = StateFile::open(first.path)?.map(|file| file.attributes()).unwrap_or_default();
     let biases = attribute_text(&attributes, "gpu-rt:biases");
-    let finish = Finish::new(&film, samples, devices, *noise, complete);
+    let finish = Finish::new(film, *noise, complete);
     let mut record = finish.record(&excluded(&biases));
     record.insert("command".to_string(), json!(command_line()));
     if let (Some(error), Some(noise)) = (args.noise, noise) {
@@ -88,8 +88,8 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
     });
     attributes.extend(attributes_of(&record));
-    let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *checks);
-    write_render(&args.output, &film, &attributes, Some(&state), || Ok(()))?;
+    let state = State::new(first.state.identity.clone(), film);
+    write_render(&args.output, &film.film, &attributes, Some(&state), || Ok(()))?;
 
     let ends =
         parts[..*count].iter().flat_map(|part| part.state.samples.ranges()).flat_map(|range| [range.start, range.end]);
@@ -113,8 +113,8 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         let mut report = object(json!({
             "output": path_text(&args.output),
             "parts": count,
-            "width": film.width(),
-            "height": film.height(),
+            "width": film.film.width(),
+            "height": film.film.height(),
             "samples_per_pixel": samples.count(),
         }));
         report.extend(record);
@@ -129,38 +129,25 @@ struct Part<'a> {
 }
 
 /// The parts that have been joined.
-#[derive(Default)]
 struct Joined {
     /// Their number.
     count: usize,
-    samples: Samples,
-    devices: Vec<(String, String)>,
-    checks: u32,
+    film: Accumulation,
     noise: Option<Noise>,
 }
 
 impl Joined {
-    fn add(&mut self, part: &Part<'_>) {
-        self.count += 1;
-        self.samples.join(&part.state.samples);
-        self.checks = self.checks.saturating_add(part.state.checks);
-        for device in &part.state.devices {
-            if !self.devices.contains(device) {
-                self.devices.push(device.clone());
-            }
-        }
-    }
-
     /// Checks the error where `render --noise` does. Returns whether that render would end here.
     ///
     /// # Errors
     /// `Error::Usage` where the part goes on beyond such a number of samples.
-    fn check(&mut self, parts: &[Part<'_>], part: &Part<'_>, film: &Film, error: f64) -> Result<bool> {
+    fn check(&mut self, parts: &[Part<'_>], part: &Part<'_>, error: f64) -> Result<bool> {
+        let Accumulation { film, samples: joined, checks: all_checks, .. } = &mut self.film;
         let checks = self.noise.map_or(0, |noise| noise.checks);
-        let samples = self.samples.range().end - self.samples.range().start;
+        let samples = joined.range().end - joined.range().start;
         let aim = samples_at_check(checks);
         let last = self.count == parts.len();
-        if samples > aim || self.samples.ranges().len() > 1 {
+        if samples > aim || joined.ranges().len() > 1 {
             return Err(Error::Usage(format!(
                 "{}: --noise checks the error at {aim} samples, and this part goes on beyond: end it there",
                 part.path.display()
@@ -168,8 +155,7 @@ impl Joined {
         }
         if samples == aim || last {
             let (noise, ends) = check_error(film, samples, checks, error);
-            self.noise = Some(noise);
-            self.checks = noise.checks;
+            (self.noise, *all_checks) = (Some(noise), noise.checks);
             return Ok(ends);
         }
         Ok(false)
@@ -185,10 +171,9 @@ fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
             continue;
         }
         let failed = Error::file(path, "read");
-        let mut inside = Vec::new();
-        for entry in std::fs::read_dir(path).map_err(&failed)? {
-            inside.push(entry.map_err(&failed)?.path());
-        }
+        let entries = std::fs::read_dir(path).map_err(&failed)?;
+        let inside: std::io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
+        let mut inside = inside.map_err(&failed)?;
         inside.retain(|file| file.extension().is_some_and(|ending| ending == "exr"));
         inside.sort();
         files.append(&mut inside);
@@ -219,7 +204,14 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
     let mut samples = Samples::default();
     for (number, part) in parts.iter().enumerate() {
         if let Some(range) = samples.overlap(&part.state.samples) {
-            return Err(overlap(&parts[..number], part, &range));
+            let other = parts[..number].iter().find(|other| other.state.samples.overlap(&part.state.samples).is_some());
+            return Err(Error::Usage(format!(
+                "overlap: {} and {} both have the samples {}..{}",
+                other.map_or(Path::new(""), |other| other.path).display(),
+                part.path.display(),
+                range.start,
+                range.end
+            )));
         }
         samples.join(&part.state.samples);
     }
@@ -269,16 +261,4 @@ fn fits(first: &Part<'_>, path: &Path, state: &State, mixed_drivers: bool) -> Re
         )));
     }
     Ok(())
-}
-
-fn overlap(before: &[Part<'_>], part: &Part<'_>, range: &Range<u32>) -> Error {
-    let other = before.iter().find(|other| other.state.samples.overlap(&part.state.samples).is_some());
-    let other = other.map_or(PathBuf::new(), |other| other.path.to_path_buf());
-    Error::Usage(format!(
-        "overlap: {} and {} both have the samples {}..{}",
-        other.display(),
-        part.path.display(),
-        range.start,
-        range.end
-    ))
 }

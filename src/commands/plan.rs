@@ -12,7 +12,8 @@ use super::target::{Target, open_device, planned};
 use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::probe::numerics;
-use crate::options::{RenderOptions, SizeArg};
+use crate::job::Size;
+use crate::options::{RenderOptions, SIZE};
 use crate::output::atomic;
 use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
 
@@ -27,8 +28,8 @@ pub struct PlanArgs {
     /// path state and constants. With --json: list this kernel only.
     #[arg(long, value_name = "KERNEL")]
     pub why: Option<String>,
-    #[command(flatten)]
-    pub size: SizeArg,
+    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
+    pub size: Option<Size>,
     /// The device whose sizes to plan for.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
@@ -43,7 +44,7 @@ pub struct PlanArgs {
 pub fn run(args: &PlanArgs) -> Result<()> {
     args.wgsl.iter().try_for_each(|path| check_name(path, "a folder"))?;
     let scene = load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, args.size.0, &args.options)?;
+    let (size, flat) = flatten_for(&scene, args.size, &args.options)?;
     let target = Target::find(args.device.as_deref())?;
     let plan = planned(&scene, size, &flat, &target, &args.options)?;
     let mut report = Report::new(&plan, &target.limits);

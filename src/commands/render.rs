@@ -43,7 +43,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         return watch::watch(args, start, render);
     }
     let mut args = args.clone();
-    if args.denoise() {
+    if args.denoising.denoise {
         args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
     }
     if let Some(frames) = args.goal.frames.clone() {
@@ -61,7 +61,7 @@ fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant)
     let mut request = Request::new(args, scene, start)?;
     // --quiet leaves them to the report and the image's header.
     series.tell_warnings(&request.warnings, quiet);
-    tell_biases(&args.options, args.paths.max_depth.0, scene, quiet || series.is_at_later_frame());
+    tell_biases(&args.options, args.paths.max_depth, scene, quiet || series.is_at_later_frame());
     series.begin();
     let denoising = denoising_of(args, &request.image)?;
     clock.seconds.load = clock.lap();
@@ -97,7 +97,7 @@ fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant)
     let count = film.samples.count();
     clock.seconds.per_sample = per_sample(outcome.seconds, count.saturating_sub(request.held.unwrap_or(0)));
     let complete = rendered.is_ok() && !outcome.interrupted;
-    let mut finish = Finish::new(&film.film, &film.samples, &film.devices, outcome.noise, complete);
+    let mut finish = Finish::new(&film, outcome.noise, complete);
     let facts = session.numerics().map(|numerics| record(&request, numerics, &finish, &clock.seconds));
     if let Err(error) = rendered {
         // A device that has failed may not even tell its numerics.

@@ -13,12 +13,11 @@ use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::cluster::parts::{Part, Parts, Progress};
 use crate::cluster::{Folder, JOB_FILE};
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::Accumulation;
 use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
 use crate::printable::counted;
-use crate::samples::Samples;
 
 #[derive(Debug, Args)]
 pub struct StatusArgs {
@@ -61,11 +60,14 @@ pub fn run(args: &StatusArgs) -> Result<()> {
         false => None,
     };
     drop(loading);
-    if let (Some(png), Some((film, _))) = (&args.png, &joined) {
+    if let (Some(png), Some(Accumulation { film, .. })) = (&args.png, &joined) {
         let size = (film.width(), film.height());
         write_png(png, size, &|index| film.developed(index).rgb, &args.view.transform())?;
     }
-    let finish = joined.as_ref().map(|(film, samples)| finish(film, samples, &parts, &folder)).filter(|_| args.error);
+    let finish = joined.as_ref().filter(|_| args.error).map(|joined| {
+        let [start, end] = folder.request.samples;
+        Finish::new(joined, None, joined.samples.missing(start..end).is_empty())
+    });
 
     let report = StatusReport::new(&folder, &parts);
     match args.json {
@@ -110,10 +112,9 @@ fn files_below(path: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// `Error::File` where the pixels of a part are damaged. The film would have a part of them.
-fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Option<(Film, Samples)>> {
+fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Option<Accumulation>> {
     let Some((_, reference)) = &parts.reference else { return Ok(None) };
-    let mut film = reference.film()?;
-    let mut samples = Samples::default();
+    let mut joined = reference.film()?;
     let count = parts.all.len().max(1) as f64;
     for number in 0..parts.all.len() {
         let mut part = parts.all[number].clone();
@@ -125,19 +126,13 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
             let is_recent = part.progress != Progress::Stopped;
             parts.add_state(&mut part, &file.state, is_recent, folder);
             if part.is_usable() {
-                file.add_to(&mut film)?;
-                samples.join(&part.samples);
+                file.add_to(&mut joined)?;
             }
         }
         parts.all[number] = part;
     }
-    Ok((!samples.is_empty()).then_some((film, samples)))
-}
-
-/// What the samples that are there have come to.
-fn finish(film: &Film, samples: &Samples, parts: &Parts, folder: &Folder) -> Finish {
-    let [start, end] = folder.request.samples;
-    Finish::new(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
+    joined.devices.clone_from(&parts.devices);
+    Ok(Some(joined).filter(|joined| !joined.samples.is_empty()))
 }
 
 /// What the stated error excludes, by the header of a part.
@@ -229,21 +224,17 @@ impl StatusReport<'_> {
         }
     }
 
-    fn count(&self, is: impl Fn(&Progress) -> bool) -> usize {
-        self.parts.all.iter().filter(|part| is(&part.progress)).count()
-    }
-
-    fn under_way(&self) -> usize {
-        self.count(|progress| *progress == Progress::UnderWay)
+    fn count(&self, progress: &Progress) -> usize {
+        self.parts.all.iter().filter(|part| part.progress == *progress).count()
     }
 
     /// The parts by their states.
     fn counts(&self) -> [(&'static str, usize); 5] {
         [
-            ("done", self.count(|progress| *progress == Progress::Done)),
-            ("under way", self.under_way()),
-            ("stopped", self.count(|progress| *progress == Progress::Stopped)),
-            ("not begun", self.count(|progress| *progress == Progress::NotBegun)),
+            ("done", self.count(&Progress::Done)),
+            ("under way", self.count(&Progress::UnderWay)),
+            ("stopped", self.count(&Progress::Stopped)),
+            ("not begun", self.count(&Progress::NotBegun)),
             ("not usable", self.not_usable().count()),
         ]
     }
@@ -264,7 +255,7 @@ impl StatusReport<'_> {
         let pace = self.seconds_per_sample?;
         let under_way = self.parts.all.iter().filter(|part| part.progress == Progress::UnderWay);
         let longest = under_way.map(Part::missing).max().unwrap_or(0);
-        let shared = (self.requested - self.done) as f64 / self.under_way().max(1) as f64;
+        let shared = (self.requested - self.done) as f64 / self.count(&Progress::UnderWay).max(1) as f64;
         Some(pace * shared.max(longest as f64))
     }
 
@@ -298,7 +289,7 @@ impl StatusReport<'_> {
     }
 
     fn time_left(&self) -> String {
-        let at_a_time = match self.under_way() {
+        let at_a_time = match self.count(&Progress::UnderWay) {
             0 => "with one part at a time; none is under way".to_string(),
             1 => "with one part at a time".to_string(),
             parts => format!("with {parts} parts at a time"),

@@ -9,13 +9,13 @@ use clap::{Args, Subcommand};
 use super::console::print_line;
 use super::outputs::{check_name, make_folder};
 use super::scene::{load, size_of};
-use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error};
+use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error, samples};
 use crate::cluster::scripts::{line, text_of};
 use crate::cluster::slurm::{Ids, Slurm, forget_tries};
 use crate::cluster::{ClusterRequest, FORMAT, Folder, MERGE, RENDER, split};
 use crate::error::{Error, Result};
-use crate::job::MOST_SAMPLES;
-use crate::options::{RenderOptions, SizeArg, SppArg};
+use crate::job::{MOST_SAMPLES, Size};
+use crate::options::{RenderOptions, SIZE, SPP};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::printable::counted;
 use crate::render::LAST_CHECK;
@@ -35,8 +35,9 @@ pub struct SlurmArgs {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub gltf: GltfArgs,
-    #[command(flatten)]
-    pub spp: SppArg,
+    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
+          help_heading = SPP.class.heading())]
+    pub spp: Option<u32>,
     /// Render until the relative error is below this with 95 % confidence, in rounds that double the samples, limited by --spp if
     /// given.
     #[arg(long, value_name = "E", value_parser = relative_error)]
@@ -56,8 +57,8 @@ pub struct SlurmArgs {
     /// Write the folder and print what would be submitted.
     #[arg(long)]
     pub dry_run: bool,
-    #[command(flatten)]
-    pub size: SizeArg,
+    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
+    pub size: Option<Size>,
     #[command(flatten)]
     pub paths: PathArgs,
     /// Write the images of parts so far at this interval [30s, 5m, …].
@@ -92,7 +93,7 @@ fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
         "checkpoint",
         "mixed_drivers",
     ];
-    own.into_iter().chain(["max-depth", "seed", "device"]).chain(RenderOptions::names())
+    own.into_iter().chain(["max_depth", "seed", "device"]).chain(RenderOptions::names())
 }
 
 /// Bytes of a pixel in an EXR with its state: 14 of a sample, 60 to 73 of 256 and 84 of 16,384 samples were measured, on several scenes.
@@ -183,9 +184,9 @@ fn absolute(path: &Path) -> Result<PathBuf> {
 fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     let scene = load(&SceneArgs { path: scene_path.to_owned(), gltf: args.gltf.clone() })?;
     let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
-    let (width, height) = size_of(&scene, args.size.0);
-    let spp = args.spp.0.unwrap_or(scene.render.samples);
-    let most = args.noise.map(|_| args.spp.0.unwrap_or(MOST_SAMPLES as u32));
+    let (width, height) = size_of(&scene, args.size);
+    let spp = args.spp.unwrap_or(scene.render.samples);
+    let most = args.noise.map(|_| args.spp.unwrap_or(MOST_SAMPLES as u32));
     let all = 0..most.unwrap_or(spp);
     let count = args.parts.unwrap_or(1);
     if count > split::runs(&all) {
@@ -205,7 +206,7 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     };
     let path = absolute(&path)?;
     text_of(&path)?;
-    let files = Files::new(&scene)?;
+    let (copied, fixed) = files_of(&scene)?;
     if fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_some()) {
         return Err(Error::Usage(format!(
             "{}: it is not empty. Give another folder with -o, or go on with `gpu-rt submit slurm --missing`",
@@ -219,16 +220,16 @@ fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
         let failed = |error| Error::file(from, "copy")(format!("{error}; {undone}"));
         fs::copy(from, to).map(|_| ()).map_err(failed)
     };
-    for (from, to) in &files.copied {
+    for (from, to) in &copied {
         copy(from, &path.join(to))?;
     }
-    for fixed in &files.fixed {
+    for fixed in &fixed {
         print_line(&format!("not copied, because the scene names it by its absolute path: {}", fixed.display()))?;
     }
     let request = ClusterRequest {
         format: FORMAT,
         version: env!("CARGO_PKG_VERSION").to_string(),
-        scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
+        scene: copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
         output: format!("{stem}.exr").into(),
         samples: [0, parts.last().map_or(0, |part| part.end)],
         noise: args.noise,
@@ -254,8 +255,8 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
     add("--camera", args.gltf.camera.clone());
     add("--sky", sky);
-    add("--size", args.size.0.map(|_| format!("{width}x{height}")));
-    add("--max-depth", args.paths.max_depth.0.map(|depth| depth.to_string()));
+    add("--size", args.size.map(|_| format!("{width}x{height}")));
+    add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
     add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
     add("--device", args.paths.device.clone());
     let is_default = duration(CHECKPOINT) == Ok(args.checkpoint);
@@ -270,31 +271,26 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
     Ok(words)
 }
 
-/// The files of a scene.
-struct Files {
-    /// Each with its path in the folder: the tree is that below the folder which they have in common. The scene file is the first.
-    copied: Vec<(PathBuf, PathBuf)>,
-    /// Those that stay where they are.
-    fixed: Vec<PathBuf>,
-}
+/// Files, each with the path of its copy.
+type Copies = Vec<(PathBuf, PathBuf)>;
 
-impl Files {
-    fn new(scene: &Scene) -> Result<Files> {
-        let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
-        let mut absolute_paths = Vec::new();
-        for input in &moved {
-            text_of(&input.path)?;
-            if !input.path.is_file() {
-                return Err(Error::Usage(format!("{}: expected a file, which can be copied", input.path.display())));
-            }
-            absolute_paths.push(absolute(&input.path)?);
+/// The files of a scene that are copied, and those that stay where they are. The first have their paths in the folder: the tree is that below the
+/// folder which they have in common. The scene file is the first.
+fn files_of(scene: &Scene) -> Result<(Copies, Vec<PathBuf>)> {
+    let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
+    let mut absolute_paths = Vec::new();
+    for input in &moved {
+        text_of(&input.path)?;
+        if !input.path.is_file() {
+            return Err(Error::Usage(format!("{}: expected a file, which can be copied", input.path.display())));
         }
-        let mut common = absolute_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
-        while !absolute_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
-        let to = |path: &PathBuf| Path::new("scene").join(path.strip_prefix(&common).unwrap_or(path));
-        let copied = moved.into_iter().map(|input| input.path).zip(absolute_paths.iter().map(to)).collect();
-        Ok(Files { copied, fixed: fixed.into_iter().map(|input| input.path).collect() })
+        absolute_paths.push(absolute(&input.path)?);
     }
+    let mut common = absolute_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
+    while !absolute_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
+    let to = |path: &PathBuf| Path::new("scene").join(path.strip_prefix(&common).unwrap_or(path));
+    let copied = moved.into_iter().map(|input| input.path).zip(absolute_paths.iter().map(to)).collect();
+    Ok((copied, fixed.into_iter().map(|input| input.path).collect()))
 }
 
 /// The folder with the parts of its next round; nothing where nothing is left to do, which is said.

@@ -6,6 +6,7 @@ use crate::flatten::DeviceScene;
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
 use crate::job::{Goal, Job};
 use crate::options::RenderOptions;
+use crate::output::destination::is_on_path;
 use crate::plan::Plan;
 use crate::scene::Scene;
 
@@ -65,7 +66,7 @@ pub fn tell_driver(device: &Device, quiet: bool) {
             device.name
         ));
     }
-    if device.name.backend == wgpu::Backend::Dx12.to_string() && !is_on_path("dxcompiler.dll") {
+    if device.name.backend == wgpu::Backend::Dx12.to_string() && !is_at_hand("dxcompiler.dll") {
         tell(
             "warning: without dxcompiler.dll, DirectX 12 compiles kernels by an old compiler, which takes minutes or fails. Put \
              dxcompiler.dll of Microsoft's DirectXShaderCompiler beside the program, or choose a device of Vulkan",
@@ -74,8 +75,6 @@ pub fn tell_driver(device: &Device, quiet: bool) {
 }
 
 /// Whether a file is in the program's folder or in one of PATH.
-fn is_on_path(file: &str) -> bool {
-    let own = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.to_path_buf()));
-    let listed = std::env::var_os("PATH").unwrap_or_default();
-    own.into_iter().chain(std::env::split_paths(&listed)).any(|folder| folder.join(file).is_file())
+fn is_at_hand(file: &str) -> bool {
+    std::env::current_exe().is_ok_and(|program| program.with_file_name(file).is_file()) || is_on_path(file)
 }

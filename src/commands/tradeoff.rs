@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, Parser};
 
-use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::console::{path_text, print_json, print_line, tell, tell_measured};
 use super::outputs::{check_name, make_folder};
 use super::render::RenderArgs;
 use super::scene::{load, name_of, stem_of};
@@ -18,8 +18,7 @@ use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::job::Size;
 use crate::metrics::error::relmse;
-use crate::metrics::estimate::Estimate;
-use crate::metrics::flip::error_map;
+use crate::metrics::flip::{self, error_map};
 use crate::options::{Class, DENOISE, MAX_DEPTH, OptionSpec, SIZE, SPP, TRADE_OFFS};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
@@ -94,8 +93,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let specs = swept_options(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {
-        tell_denoised(path, image);
-        tell_colours(path, image.colours.as_deref());
+        tell_measured(path, image);
     }
     let given = reference.as_ref().map(|image| (image.width, image.height));
     let reference = reference.map(|image| middle(image, &mut scene));
@@ -137,8 +135,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
             probe
         }
         false => Sweep::new(&device, &scene, size, seed),
-    }
-    .denoised_by(denoiser.as_ref());
+    };
+    sweep.denoiser = denoiser.as_ref();
     let size = sweep.size;
     compile(&mut sweep, settings, of_pixel * pixels_ratio(size, (1, 1)), at(MEASURING), &stop, &mut progress)?;
     let mut enough = false;
@@ -161,11 +159,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let reference = reference.map(|file| Truth::of_file(&file, size));
     let unreached = if stop() { INTERRUPTED } else { UNREACHED };
     let calibration = calibrated.as_ref().map(|found| (found.slower, found.noisier));
-    let mut at_full_size = match calibrated {
-        Some(found) => found,
-        None if size == full => FullSize::of_sweep(&sweep),
-        None => FullSize::unknown(&sweep, full),
-    };
+    let mut at_full_size = calibrated.unwrap_or_else(|| FullSize::assumed(&sweep, full));
     at_full_size.seconds_to_denoise = sweep.seconds_to_denoise(full, at(CALIBRATING))?.unwrap_or(0.0);
     let judged = judge(&mut sweep, reference.as_ref(), &at_full_size, unreached);
     if judged.measured.is_empty() && !stop() {
@@ -173,9 +167,13 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     }
     let examples = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
     let truth = reference.clone().or_else(|| Truth::pooled(&sweep, None));
-    let against_defaults = |truth: &Truth| {
-        let found = judged.against_reference;
-        found.map(|(distance, _)| distance.signed).or_else(|| against(&sweep, truth))
+    let against_defaults = |truth: &Truth| match judged.against_reference {
+        Some((distance, _)) => Some(distance.signed),
+        // The noise of the reference is unknown.
+        None => {
+            let images = sweep.subjects.first()?.images(LEVEL);
+            signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
+        }
     };
     let report = Findings {
         scene: name_of(&args.scene.path),
@@ -221,10 +219,10 @@ fn cost_of_sample(
     // The first round also warms the machine up.
     let mut cost = None;
     for round in 1..=2 {
-        let (begin, before) = (Instant::now(), probe.samples(0).unwrap_or(0));
+        let (begin, before) = (Instant::now(), probe.samples(0));
         probe.measure(end, round, stop, progress)?;
         // A round that the time cuts off is dropped, and may have taken an earlier one's block with it.
-        let samples = probe.samples(0).unwrap_or(0).saturating_sub(before);
+        let samples = probe.samples(0).saturating_sub(before);
         if samples > 0 {
             cost = Some(begin.elapsed().as_secs_f64() / f64::from(samples));
         }
@@ -355,15 +353,15 @@ fn settings_of(scene: &Scene, specs: &[&'static OptionSpec]) -> Result<Vec<Setti
         // A flag has no value.
         let given: Vec<String> = given.into_iter().filter(|word| !word.is_empty()).collect();
         let mut args = options(&given)?;
-        let denoise = args.denoise();
+        let denoise = args.denoising.denoise;
         if denoise {
             args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
         }
-        let scale = match args.goal.size.0 {
+        let scale = match args.goal.size {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };
-        let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
+        let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
         Ok(Setting { option: spec, value: value.to_string(), options: args.options, max_depth, scale, denoise })
     };
     let mut settings = vec![setting(None, "")?];
@@ -407,13 +405,6 @@ fn compile(
     Ok(())
 }
 
-/// The difference of the defaults' mean from that of a reference whose noise is unknown.
-fn against(sweep: &Sweep<'_>, truth: &Truth) -> Option<Estimate> {
-    let blocks = sweep.subjects.first()?.blocks.get(&LEVEL)?;
-    let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
-    signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
-}
-
 /// Each setting's picture with the time that the defaults take for a block, until the budget is spent.
 fn pictures(
     sweep: &mut Sweep<'_>,
@@ -441,14 +432,13 @@ fn pictures(
         };
         let Some(truth) = own else { break };
         let map = error_map(sweep.size.0 as usize, &block.image, &truth.image);
-        let flip = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64;
         examples.push(Example {
             setting: found.setting.name(),
             samples,
-            seconds: block.seconds,
+            seconds: block.timed.seconds,
             error: truth.error_of(&block.image, weights),
             relmse: relmse(&block.image, &truth.image).unwrap_or(f64::NAN),
-            flip,
+            flip: flip::mean(&map),
             picture: png::picture(sweep.size, &block.image).unwrap_or_default(),
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),
         });

@@ -81,27 +81,21 @@ pub struct Library {
     pub version: String,
 }
 
-/// Why there is no library.
-pub enum Failure {
-    /// The system did not load it, for this reason.
-    NotLoaded(String),
-    /// The file is not Open Image Denoise, or the library does not work here, for this reason.
-    NotUsable(String),
-}
-
 impl Library {
-    /// Loads the file at a path, or of a name by the system's rules.
-    pub fn load(file: &OsStr) -> Result<Library, Failure> {
+    /// Loads the file at a path, or of a name by the system's rules. The error is a reason in words.
+    pub fn load(file: &OsStr) -> Result<Library, String> {
+        let not_usable = |reason| format!("it cannot be used as Open Image Denoise {MAJOR}: {reason}");
         // SAFETY: loading a library runs its code, so it has to be the library that its name says. The user installed it, or names its folder.
-        let library = unsafe { Loaded::new(file) }.map_err(|error| Failure::NotLoaded(reason(&error)))?;
+        let library =
+            unsafe { Loaded::new(file) }.map_err(|error| format!("it cannot be loaded: {}", reason(&error)))?;
         // The library is never unloaded: its threads outlive its devices, and its functions stay valid.
         let library = ManuallyDrop::new(library);
         // SAFETY: a library with all of these functions is Open Image Denoise. Those of version 1 lack some of them.
-        let functions = unsafe { Functions::load(&library) }.map_err(Failure::NotUsable)?;
+        let functions = unsafe { Functions::load(&library) }.map_err(not_usable)?;
         // SAFETY: the number is one of OIDNDeviceType. The device may be null.
         let device = unsafe { (functions.new_device)(CPU) };
         if device.is_null() {
-            return Err(Failure::NotUsable(error_of(&functions, device)));
+            return Err(not_usable(error_of(&functions, device)));
         }
         // SAFETY: the device is not null, and the names end with a zero byte.
         let number = |name: &CStr| unsafe { (functions.device_int)(device, name.as_ptr()) };
@@ -110,12 +104,11 @@ impl Library {
         // From here on, every return releases the device.
         let library = Library { functions, device, version: format!("{major}.{minor}.{patch}") };
         if major != MAJOR {
-            return Err(Failure::NotUsable(format!("it has version {}, expected {MAJOR}", library.version)));
+            return Err(not_usable(format!("it has version {}, expected {MAJOR}", library.version)));
         }
         // SAFETY: the device is not null.
         unsafe { (library.functions.commit_device)(library.device) };
-        library.check().map_err(Failure::NotUsable)?;
-        Ok(library)
+        library.check().map_err(not_usable).map(|()| library)
     }
 
     /// Runs the filter for ray tracing: the images by their names, all of one size, and the parameters that are true. The error is a reason
@@ -163,10 +156,7 @@ impl Library {
     }
 
     fn check(&self) -> Result<(), String> {
-        match error(&self.functions, self.device) {
-            None => Ok(()),
-            Some(words) => Err(words),
-        }
+        error(&self.functions, self.device).map_or(Ok(()), Err)
     }
 }
 

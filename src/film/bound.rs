@@ -3,7 +3,7 @@
 use crate::data::LampPixel;
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Bound {
+pub struct Bound {
     /// The largest radiance, in device units, of what the paths do not sample as a light: they find it by BSDF sampling alone.
     pub not_sampled: f64,
     /// The pixels that lamps cover in part.

@@ -18,7 +18,7 @@ pub(super) struct Channels {
     /// Whether the sums of splats follow those of `--aov`.
     pub light_paths: bool,
     /// The number of sums of a pixel.
-    count: usize,
+    pub count: usize,
     /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`], but for the squares of splats; `i128::MAX` for a sum
     /// that has left its range.
     sums: Vec<i128>,
@@ -63,7 +63,9 @@ pub(super) fn count(aovs: &Aovs, light_paths: bool) -> usize {
 /// The names of these sums, in their order.
 pub(super) fn names(aovs: &Aovs, light_paths: bool) -> impl Iterator<Item = String> {
     let splats = ["light_even", "light_odd", "light_squares"].into_iter().filter(move |_| light_paths);
-    aovs.sum_names().chain(splats.flat_map(|name| CHANNELS.map(|channel| format!("{name}.{channel}"))))
+    aovs.sum_components()
+        .map(|(_, name)| name)
+        .chain(splats.flat_map(|name| CHANNELS.map(|channel| format!("{name}.{channel}"))))
 }
 
 /// Whether a sum of a pixel has left its range on the device. Sums from the last bit on share it.
@@ -97,11 +99,6 @@ impl Channels {
 
     pub fn clear(&mut self) {
         self.sums.fill(0);
-    }
-
-    /// The number of sums of a pixel.
-    pub fn count(&self) -> usize {
-        self.count
     }
 
     pub fn add(&mut self, other: &Channels) {

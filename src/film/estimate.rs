@@ -154,8 +154,7 @@ mod tests {
     fn film(sampler: Sampler, aovs: &Aovs, light_paths: bool) -> Film {
         let film = Film::with_sampler(2, 1, 0, sampler).expect("it is small");
         let film = film.of_part(Frame { part: Crop { left: 0, top: 1, width: 2, height: 1 }, full: FULL });
-        let film = film.with_aovs(aovs, SceneSpace::default()).expect("they fit");
-        film.with_light_paths(light_paths).expect("they fit")
+        film.with_channels(aovs, SceneSpace::default(), light_paths).expect("they fit")
     }
 
     /// A pixel as the device has it: eight samples in two runs, the sums of even runs, of odd ones, the squares, and further sums.
@@ -254,7 +253,6 @@ mod tests {
         for sampler in [Sampler::Sobol, Sampler::Independent] {
             let aovs = Aovs::default();
             let mut plain = film(sampler, &aovs, false);
-            assert_eq!(plain, film(sampler, &aovs, true).with_light_paths(false).expect("it is small"));
             let odd = [[0.1, 0.7, 1e-9], [0.3, 0.2, 5.0], [0.01, 1e-20, 3.0]];
             let pixels = [pixel(CAMERA, &[], 0), pixel(odd, &[], 0)];
             plain.add_from_device([0, 1], &pixels.concat());
@@ -294,7 +292,7 @@ mod tests {
         for order in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
             assert_eq!(joined(order), all);
         }
-        assert_eq!(all.totals().light_paths, [18, 9]);
+        assert_eq!(all.totals.light_paths, [18, 9]);
         // (3 + 4.5) · (1 + 1/4) splats in (18 + 9) / 4 light paths, and 20 · (1 + 1/4) in 16 samples.
         assert_eq!(all.developed(0).rgb[0], (25.0 / 16.0 + 9.375 / 6.75) as f32);
         assert_ne!(joined([0, 1, 1]), all);
@@ -305,7 +303,7 @@ mod tests {
         // Words add up as films do.
         let mut read = film(Sampler::Sobol, &Aovs::default(), true);
         (0..2).for_each(|index| read.add_words(index, &all.words(index)));
-        read.add_totals(all.totals());
+        read.add([], all.totals);
         assert_eq!(read, all);
         let mut most = traced(TRACED);
         most += traced([u64::MAX, 1]);
@@ -317,9 +315,6 @@ mod tests {
         let mut aovs = Aovs::default();
         aovs.set(vec![Aov::Direct, Aov::Indirect]);
         let mut film = film(Sampler::Sobol, &aovs, true);
-        let other = Film::with_sampler(2, 1, 0, Sampler::Sobol).expect("it is small").of_part(film.frame());
-        let other = other.with_light_paths(true).expect("they fit");
-        assert_eq!(film, other.with_aovs(&aovs, SceneSpace::default()).expect("they fit"));
         let direct = [8.0, 4.0, 20.0].map(|sum| fixed(sum, SUM_FRACTION));
         film.add_from_device([1], &pixel(CAMERA, &[direct.to_vec(), splats(SPLATS)].concat(), 0));
         film.add([], traced(TRACED));

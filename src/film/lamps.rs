@@ -22,7 +22,7 @@ pub(super) struct LampErrors {
 
 impl Film {
     /// Sets the pixels that lamps cover in part, by those of the full image.
-    pub fn with_lamps(self, of_full_image: &[LampPixel]) -> Film {
+    pub fn with_lamps(mut self, of_full_image: &[LampPixel]) -> Film {
         let (part, (width, _)) = (self.frame.part, self.frame.full);
         let own = |lamp: &LampPixel| {
             let column = (lamp.pixel % width).checked_sub(part.left).filter(|column| *column < part.width)?;
@@ -38,18 +38,8 @@ impl Film {
             lamps.iter_mut().for_each(|lamp| lamp.count *= count);
             lamps.sort_by_key(|lamp| lamp.pixel);
         }
-        self.having_lamps(lamps)
-    }
-
-    /// Sets the pixels that lamps cover in part, by its own indices.
-    pub fn having_lamps(mut self, lamps: Vec<LampPixel>) -> Film {
         self.bound.lamps = lamps;
         self
-    }
-
-    /// The pixels that lamps cover in part.
-    pub fn lamps(&self) -> &[LampPixel] {
-        &self.bound.lamps
     }
 
     /// The squared relative errors of pixels in which few samples see a lamp; `floor` is that of the relative error.
@@ -64,7 +54,7 @@ impl Film {
     pub(super) fn errors_of_lamps(&self, floor: f64) -> LampErrors {
         let visible = self.visible_lamps();
         let mut errors = LampErrors::default();
-        for lamp in self.lamps() {
+        for lamp in &self.bound.lamps {
             let estimate = self.estimate(lamp.pixel as usize);
             let (samples, share) = (estimate.pixel.samples() as f64, f64::from(lamp.share));
             if samples == 0.0 || share * samples >= FEW {
@@ -98,7 +88,7 @@ impl Film {
     /// of a Poisson variable by its value n is n + 2 √n + 3.
     fn visible_lamps(&self) -> BTreeMap<u32, f64> {
         let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
-        for lamp in self.lamps() {
+        for lamp in &self.bound.lamps {
             let estimate = self.estimate(lamp.pixel as usize);
             let (samples, count) = (estimate.pixel.samples() as f64, f64::from(lamp.count));
             let of_lamp = (luminance(lamp.square.map(f64::from)) / f64::from(lamp.share)).sqrt();
@@ -158,17 +148,17 @@ mod tests {
         let film = film([0; 100]);
         let own = film.error_estimate(0.05).expect("it has light");
         let share = 0.01f32;
-        let with = film.clone().having_lamps(vec![lamp(7, share)]).error_estimate(0.05).expect("it has light");
+        let with = film.clone().with_lamps(&[lamp(7, share)]).error_estimate(0.05).expect("it has light");
         let lacks = f64::from(share * RADIANCE);
         let missing = (lacks / (1.0 + lacks)).powi(2) / 1.01;
         let expected = (own.bound.powi(2) + missing / 100.0).sqrt();
         assert!((with.bound / expected - 1.0).abs() < 0.02, "{with:?} {own:?} {expected}");
         assert_eq!((with.value, with.reliable), (own.value, false));
         // If it were a small part of the error, that would be reliable.
-        let little = film.clone().having_lamps(vec![lamp(7, 0.0004)]).error_estimate(0.05).expect("it has light");
+        let little = film.clone().with_lamps(&[lamp(7, 0.0004)]).error_estimate(0.05).expect("it has light");
         assert!(little.reliable && little.bound > own.bound, "{little:?} {own:?}");
         // Where many samples see it, their variance is measured.
-        assert_eq!(film.having_lamps(vec![lamp(7, 0.6)]).error_estimate(0.05), Some(own));
+        assert_eq!(film.with_lamps(&[lamp(7, 0.6)]).error_estimate(0.05), Some(own));
     }
 
     /// The rest of a lamp that few samples have seen is missing; nothing if they are enough.
@@ -177,7 +167,7 @@ mod tests {
         let with = |seen: u32| {
             let mut all = [0; 100];
             all[7] = seen;
-            let film = film(all).having_lamps(vec![lamp(7, 3.0 / 16.0)]);
+            let film = film(all).with_lamps(&[lamp(7, 3.0 / 16.0)]);
             film.errors_of_lamps(0.01).missing
         };
         let missing = [0, 1, 2, 3, 4].map(with);
@@ -195,7 +185,7 @@ mod tests {
         let with = |seen: u32| {
             let mut all = [0; 100];
             all[7] = seen;
-            let film = film(all).having_lamps(vec![lamp(7, 0.01)]);
+            let film = film(all).with_lamps(&[lamp(7, 0.01)]);
             film.errors_of_lamps(0.01)
         };
         for seen in [1, 2, 4] {
@@ -217,9 +207,9 @@ mod tests {
     #[test]
     fn a_lamp_that_is_hidden_is_not_missing() {
         let film = film([0; 100]);
-        let few = film.clone().having_lamps(vec![lamp(7, 0.1)]).errors_of_lamps(0.01).missing;
-        let lamps = (7..40).map(|pixel| lamp(pixel, if pixel == 7 { 0.1 } else { 0.9 })).collect();
-        let hidden = film.having_lamps(lamps).errors_of_lamps(0.01).missing;
+        let few = film.clone().with_lamps(&[lamp(7, 0.1)]).errors_of_lamps(0.01).missing;
+        let lamps: Vec<_> = (7..40).map(|pixel| lamp(pixel, if pixel == 7 { 0.1 } else { 0.9 })).collect();
+        let hidden = film.with_lamps(&lamps).errors_of_lamps(0.01).missing;
         assert!(few > 0.5 && hidden < 0.1 * few, "{few} {hidden}");
     }
 
@@ -228,15 +218,15 @@ mod tests {
         let frame = Frame { part: Crop { left: 2, top: 1, width: 3, height: 2 }, full: (10, 5) };
         let film = Film::new(3, 2, 0).expect("it is small").of_part(frame);
         let lamps: Vec<LampPixel> = [1, 11, 12, 14, 15, 22, 32].map(|pixel| lamp(pixel, 0.5)).to_vec();
-        let own: Vec<u32> = film.with_lamps(&lamps).lamps().iter().map(|lamp| lamp.pixel).collect();
+        let own: Vec<u32> = film.with_lamps(&lamps).bound.lamps.iter().map(|lamp| lamp.pixel).collect();
         assert_eq!(own, [0, 2, 3]);
         // Some stand for all.
         let film = Film::new(100, 100, 0).expect("it is small");
         let lamps: Vec<LampPixel> = (0..5000).map(|pixel| lamp(2 * pixel, 0.5)).collect();
         let film = film.with_lamps(&lamps);
-        let count: f32 = film.lamps().iter().map(|lamp| lamp.count).sum();
-        let left: f32 = film.lamps().iter().filter(|lamp| lamp.pixel < 5000).map(|lamp| lamp.count).sum();
-        assert_eq!((film.lamps().len(), count), (MOST_PIXELS, 5000.0));
+        let count: f32 = film.bound.lamps.iter().map(|lamp| lamp.count).sum();
+        let left: f32 = film.bound.lamps.iter().filter(|lamp| lamp.pixel < 5000).map(|lamp| lamp.count).sum();
+        assert_eq!((film.bound.lamps.len(), count), (MOST_PIXELS, 5000.0));
         assert!((left - 2500.0).abs() < 50.0, "{left}");
     }
 

@@ -1,11 +1,13 @@
 //! Totals over the film, in integers, which do not depend on the order.
 
+use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
 use crate::data::LIGHT_BINS;
 
 /// Samples that were left out of the image, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rejected {
     /// The device found a NaN.
@@ -25,7 +27,8 @@ impl Rejected {
 }
 
 /// Totals over the film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Totals {
     /// Camera samples, accepted or rejected.
@@ -48,28 +51,16 @@ pub struct Totals {
 impl std::ops::AddAssign for Totals {
     /// A saturating sum, which does not depend on the order either.
     fn add_assign(&mut self, other: Totals) {
-        let add = |mine: &mut u64, theirs: u64| *mine = mine.saturating_add(theirs);
-        add(&mut self.paths, other.paths);
-        add(&mut self.rays, other.rays);
-        add(&mut self.rejected.nan, other.rejected.nan);
-        add(&mut self.rejected.infinite, other.rejected.infinite);
-        add(&mut self.rejected.cut, other.rejected.cut);
-        add(&mut self.rejected.refused, other.rejected.refused);
-        add(&mut self.too_deep, other.too_deep);
-        add(&mut self.too_deep_throughput, other.too_deep_throughput);
-        for (mine, theirs) in self.light.as_flattened_mut().iter_mut().zip(other.light.as_flattened()) {
-            add(mine, *theirs);
-        }
-        for (mine, theirs) in self.light_paths.iter_mut().zip(other.light_paths) {
-            add(mine, theirs);
-        }
+        let (mine, theirs) = (std::slice::from_mut(self), [other]);
+        let numbers = bytemuck::cast_slice_mut::<_, u64>(mine).iter_mut().zip(bytemuck::cast_slice(&theirs));
+        numbers.for_each(|(mine, theirs)| *mine = mine.saturating_add(*theirs));
     }
 }
 
 impl Totals {
-    /// The light that max_depth cut off.
-    pub fn too_deep(&self) -> TooDeep {
-        TooDeep { paths: self.too_deep, throughput: self.too_deep_throughput as f64 / 65_536.0 }
+    /// The largest share of radiance that the paths which max_depth ended could still have added, summed.
+    pub fn cut_throughput(&self) -> f64 {
+        self.too_deep_throughput as f64 / 65_536.0
     }
 
     /// The light paths of even and of odd runs per pixel of the full image, which has this size.
@@ -81,21 +72,6 @@ impl Totals {
     pub fn hidden_light(&self) -> HiddenLight {
         let light = |[probed, found]: [u64; 2]| (probed as f64 / 16_777_216.0, found as f64 / 16_777_216.0);
         HiddenLight { bins: self.light.map(light) }
-    }
-}
-
-/// The light that max_depth cut off. The throughput of such a path is the largest share of radiance that it could still have added.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TooDeep {
-    pub paths: u64,
-    /// The sum of the largest components of their throughput, each rounded up to a multiple of 2^-16.
-    pub throughput: f64,
-}
-
-impl TooDeep {
-    /// The mean throughput of a path that was cut.
-    pub fn mean(&self) -> f64 {
-        self.throughput / self.paths.max(1) as f64
     }
 }
 

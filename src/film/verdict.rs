@@ -21,26 +21,15 @@ pub struct Verdict {
 }
 
 impl Film {
-    /// Sets the largest radiance, in device units, of what the paths do not sample as a light, and find by BSDF sampling alone. By default it is 0.
-    pub fn not_sampling(mut self, radiance: f64) -> Film {
-        self.bound.not_sampled = radiance;
-        self
-    }
-
-    /// The largest radiance, in device units, of what the paths do not sample as a light.
-    pub fn not_sampled(&self) -> f64 {
-        self.bound.not_sampled
-    }
-
     /// The film's error and the light that it may lack. Each bound is wrong with the probability `level`.
     pub fn verdict(&self, level: f64) -> Verdict {
         let light = self.mean_radiance() * self.totals.paths as f64;
         let share = if light > 0.0 { 1.0 / light } else { 0.0 };
         // A path carries at most the largest radiance of what is not sampled. If k such paths are expected, the probability of none is e^-k.
-        let unfound = level.recip().ln() * self.not_sampled() * share;
+        let unfound = level.recip().ln() * self.bound.not_sampled * share;
         let (error, hidden) = (self.error_estimate(level), self.totals.hidden_light().times(share));
         // The brightest emitter is below 2 in device units.
-        Verdict { error, hidden, unfound, cut: 2.0 * self.totals.too_deep().throughput * share }
+        Verdict { error, hidden, unfound, cut: 2.0 * self.totals.cut_throughput() * share }
     }
 }
 

@@ -110,7 +110,7 @@ impl Film {
 
     /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
-        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.count()];
+        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.count];
         self.put_words(index, &mut words);
         words
     }
@@ -124,11 +124,6 @@ impl Film {
         if let Some(sums) = self.channels.of_mut(index) {
             sums.iter_mut().zip(sums_of(of_channels)).for_each(|(mine, sum)| *mine = mine.saturating_add(sum));
         }
-    }
-
-    /// Adds the totals of another film of this image.
-    pub fn add_totals(&mut self, totals: super::Totals) {
-        self.totals += totals;
     }
 }
 

@@ -12,7 +12,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::data::unit;
+use crate::data::{product, unit};
 use crate::threads::{cores, each};
 
 /// Pixels per degree of a display that is 0.7 m away and shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
@@ -28,6 +28,11 @@ const BAND: usize = 64;
 /// Each row has `width` pixels. If one image is longer, its additional pixels are ignored.
 pub fn error_map(width: usize, a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<f32> {
     Flip::new(PIXELS_PER_DEGREE).error_map(width, a, b)
+}
+
+/// The mean error over a map; 0 of an empty one.
+pub fn mean(map: &[f32]) -> f64 {
+    map.iter().copied().map(f64::from).sum::<f64>() / map.len().max(1) as f64
 }
 
 /// A filter's weights at −radius … radius.
@@ -238,10 +243,6 @@ const FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_639_419_851_975_444, -0.204_011_206_123_91, 1.057_148_977_187_533_5],
 ];
 
-fn product(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
-    matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
 /// XYZ relative to white.
 fn relative_xyz(linear: [f64; 3]) -> [f64; 3] {
     let (xyz, white) = (product(&TO_XYZ, linear), product(&TO_XYZ, [1.0; 3]));
@@ -292,15 +293,8 @@ mod tests {
 
     type Formula = fn(u32, u32, u32) -> f64;
 
-    struct Case {
-        name: &'static str,
-        width: u32,
-        height: u32,
-        a: Formula,
-        b: Formula,
-        /// FLIP's mean at 67.02 and at 40 pixels per degree.
-        expected: [f64; 2],
-    }
+    /// A name, the size, two images, and FLIP's mean at 67.02 and at 40 pixels per degree.
+    type Case = (&'static str, (u32, u32), Formula, Formula, [f64; 2]);
 
     /// Image pairs with the results of the authors' program: the Python package flip-evaluator 1.7, `evaluate(b, a,
     /// "LDR")` of both images clamped to 0..1 and sRGB-encoded, in f32.
@@ -308,67 +302,59 @@ mod tests {
         fn is(condition: bool) -> f64 {
             f64::from(u8::from(condition))
         }
-        let case =
-            |name, (width, height), a: Formula, b: Formula, expected| Case { name, width, height, a, b, expected };
         vec![
-            case("greys", (16, 12), |_, _, _| 0.2, |_, _, _| 0.25, [0.183_409_259, 0.183_414_042]),
-            case(
+            ("greys", (16, 12), |_, _, _| 0.2, |_, _, _| 0.25, [0.183_409_259, 0.183_414_042]),
+            (
                 "one pixel",
                 (1, 1),
                 |_, _, c| [0.8, 0.1, 0.1][c as usize],
                 |_, _, c| [0.1, 0.7, 0.2][c as usize],
                 [0.966_336_131, 0.966_338_754],
             ),
-            case(
+            (
                 "smaller than the kernels",
                 (5, 3),
                 |x, y, c| f64::from(x + 2 * y + c) / 12.0,
                 u,
                 [0.637_499_511, 0.628_626_227],
             ),
-            case(
+            (
                 "an edge one pixel on",
                 (64, 48),
                 |x, _, _| 0.1 + 0.8 * is(x < 30),
                 |x, _, _| 0.1 + 0.8 * is(x < 31),
                 [0.036_943_890, 0.030_516_259],
             ),
-            case(
+            (
                 "one bright pixel",
                 (33, 47),
                 |_, _, _| 0.18,
                 |x, y, _| 0.18 + 0.82 * is((x, y) == (16, 20)),
                 [0.003_057_978, 0.002_217_335],
             ),
-            case(
+            (
                 "a gradient with noise",
                 (60, 40),
                 |x, y, _| f64::from(x + y) / 100.0,
                 |x, y, c| f64::from(x + y) / 100.0 + 0.2 * (u(x, y, c) - 0.5),
                 [0.108_580_463, 0.160_722_345],
             ),
-            case(
-                "a row",
-                (128, 1),
-                |x, y, c| u(x / 4, y, c),
-                |x, y, c| u(x / 4, y, c + 3),
-                [0.822_098_672, 0.852_280_200],
-            ),
-            case(
+            ("a row", (128, 1), |x, y, c| u(x / 4, y, c), |x, y, c| u(x / 4, y, c + 3), [0.822_098_672, 0.852_280_200]),
+            (
                 "a checker and its grey",
                 (31, 31),
                 |x, y, _| is((x + y) % 2 == 1),
                 |_, _, _| 0.5,
                 [0.011_324_214, 0.141_627_967],
             ),
-            case(
+            (
                 "green and blue",
                 (40, 30),
                 |x, _, c| is(c == if x < 25 { 1 } else { 2 }),
                 |_, y, c| is(c == if y < 9 { 2 } else { 1 }),
                 [0.654_371_977, 0.582_783_759],
             ),
-            case(
+            (
                 "beyond black and white",
                 (50, 37),
                 |x, y, c| 0.5 + 1.2 * (0.31 * f64::from(x) + f64::from(c)).sin() * (0.17 * f64::from(y)).cos(),
@@ -378,17 +364,13 @@ mod tests {
         ]
     }
 
-    fn image(case: &Case, formula: Formula) -> Vec<[f32; 3]> {
-        let pixels = (0..case.height).flat_map(|y| (0..case.width).map(move |x| (x, y)));
+    fn image((width, height): (u32, u32), formula: Formula) -> Vec<[f32; 3]> {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         pixels.map(|(x, y)| [0, 1, 2].map(|c| formula(x, y, c) as f32)).collect()
     }
 
-    fn mean(map: &[f32]) -> f64 {
-        map.iter().copied().map(f64::from).sum::<f64>() / map.len() as f64
-    }
-
-    fn judge(flip: &Flip, case: &Case) -> f64 {
-        mean(&flip.error_map(case.width as usize, &image(case, case.a), &image(case, case.b)))
+    fn judge(flip: &Flip, &(_, size, a, b, _): &Case) -> f64 {
+        mean(&flip.error_map(size.0 as usize, &image(size, a), &image(size, b)))
     }
 
     const TOLERANCE: f64 = 1e-4;
@@ -397,9 +379,10 @@ mod tests {
     fn flip_agrees_with_the_program_of_its_authors() {
         for case in cases() {
             let found = [PIXELS_PER_DEGREE, 40.0].map(|density| judge(&Flip::new(density), &case));
-            for (found, expected) in found.into_iter().zip(case.expected) {
-                println!("{}: {found:.6}, theirs {expected:.6}, off by {:.1e}", case.name, found - expected);
-                assert!((found - expected).abs() < TOLERANCE, "{}: {found}, expected {expected}", case.name);
+            let (name, .., expected) = case;
+            for (found, expected) in found.into_iter().zip(expected) {
+                println!("{name}: {found:.6}, theirs {expected:.6}, off by {:.1e}", found - expected);
+                assert!((found - expected).abs() < TOLERANCE, "{name}: {found}, expected {expected}");
             }
         }
     }
@@ -407,8 +390,7 @@ mod tests {
     /// Negative control: the test detects another density, and a FLIP without edges or without points.
     #[test]
     fn a_wrong_flip_is_found() {
-        let found =
-            |wrong: &Flip| cases().iter().filter(|c| (judge(wrong, c) - c.expected[0]).abs() > TOLERANCE).count();
+        let found = |wrong: &Flip| cases().iter().filter(|c| (judge(wrong, c) - c.4[0]).abs() > TOLERANCE).count();
         assert_eq!(found(&Flip::new(PIXELS_PER_DEGREE)), 0);
         // Uniform images and single pixels give the same result at any density.
         assert!(found(&Flip::new(PIXELS_PER_DEGREE * 1.05)) >= 7);
@@ -424,8 +406,8 @@ mod tests {
 
     #[test]
     fn flip_is_symmetric_and_zero_for_equal_images() {
-        let case = &cases()[9];
-        let (a, b) = (image(case, case.a), image(case, case.b));
+        let (_, size, a, b, _) = cases()[9];
+        let (a, b) = (image(size, a), image(size, b));
         assert_eq!(error_map(50, &a, &b), error_map(50, &b, &a));
         assert_eq!(mean(&error_map(50, &a, &a)), 0.0);
         let (nan, black) = (vec![[f32::NAN; 3]; 6], vec![[0.0; 3]; 6]);

@@ -157,7 +157,7 @@ fn probability(p: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::difference::ErrorSource;
+    use crate::metrics::difference::{ErrorSource, Means};
     use crate::metrics::estimate::Estimate;
 
     fn estimate(value: f64, error: f64) -> MeanDifference {
@@ -178,40 +178,47 @@ mod tests {
 
     #[test]
     fn verdicts_say_where_and_by_how_much_images_differ() {
-        assert_eq!(verdict(&nothing()), "A differs by noise only, p = 0.41: less than 0.01 would be a difference");
-        assert_eq!(
-            verdict(&Difference { identical: true, ..nothing() }),
-            "A differs by noise only, p = 1: the images are identical"
-        );
-        let mut darker = nothing();
-        darker.means[0] = (estimate(-0.006, 0.000_5), 1e-30);
-        assert_eq!(verdict(&darker), "A is darker by 1.20 ± 0.20 %");
+        let of_mean = |mean: MeanDifference, p: f64| {
+            let mut difference = nothing();
+            difference.means[0] = (mean, p);
+            difference
+        };
+        let darker = of_mean(estimate(-0.006, 0.000_5), 1e-30);
         let tile =
             Local { tile: [16, 32, 16, 15], quantity: Quantity::Red, estimate: estimate(0.05, 0.003), p: 3.21e-8 };
-        darker.local = Some(tile);
-        assert_eq!(verdict(&darker), "A is darker by 1.20 ± 0.20 %, most clearly around pixel (24, 39)");
-        let expected = "A is brighter by 10.0 ± 1.2 % in red around pixel (24, 39), p = 3e-8; the mean of the image is within noise";
-        assert_eq!(verdict(&Difference { local: Some(tile), ..nothing() }), expected);
         let mut coloured = nothing();
         coloured.means[1] = (estimate(0.005, 0.000_1), 1e-9);
         coloured.means[3] = (estimate(-0.02, 0.001), 1e-9);
-        assert_eq!(verdict(&coloured), "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue");
-        // If few pixels hold most of the noise, the verdict is about the others.
-        let mut ruled = nothing();
-        ruled.rest = Some((2, darker.means));
-        assert_eq!(verdict(&ruled), "A is darker by 1.20 ± 0.20 % without the 2 pixels that hold most of the noise");
-        ruled.rest = Some((1, coloured.means));
-        let expected = "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue without the pixel that holds most of the noise";
-        assert_eq!(verdict(&ruled), expected);
-        // There are no percentages of a black reference, and single pixels have no error.
-        let mut black = nothing();
-        black.means[0] = (MeanDifference { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
-        assert_eq!(verdict(&black), "A is brighter by 0.0200 ± 0.0020");
-        black.means[0] = (MeanDifference { reference: 0.0, ..estimate(0.02, f64::INFINITY) }, 1.0);
-        assert_eq!(
-            verdict(&black),
-            "A is brighter by 0.020; it may be noise, because so few pixels do not show their error"
-        );
+        let without = |pixels: usize, means: Means| Difference { rest: Some((pixels, means)), ..nothing() };
+        let on_black = |error: f64| MeanDifference { reference: 0.0, ..estimate(0.02, error) };
+        for (difference, words) in [
+            (nothing(), "A differs by noise only, p = 0.41: less than 0.01 would be a difference"),
+            (Difference { identical: true, ..nothing() }, "A differs by noise only, p = 1: the images are identical"),
+            (darker.clone(), "A is darker by 1.20 ± 0.20 %"),
+            (
+                Difference { local: Some(tile), ..darker.clone() },
+                "A is darker by 1.20 ± 0.20 %, most clearly around pixel (24, 39)",
+            ),
+            (
+                Difference { local: Some(tile), ..nothing() },
+                "A is brighter by 10.0 ± 1.2 % in red around pixel (24, 39), p = 3e-8; the mean of the image is within noise",
+            ),
+            (coloured.clone(), "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue"),
+            // If few pixels hold most of the noise, the verdict is about the others.
+            (without(2, darker.means), "A is darker by 1.20 ± 0.20 % without the 2 pixels that hold most of the noise"),
+            (
+                without(1, coloured.means),
+                "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue without the pixel that holds most of the noise",
+            ),
+            // There are no percentages of a black reference, and single pixels have no error.
+            (of_mean(on_black(0.001), 1e-9), "A is brighter by 0.0200 ± 0.0020"),
+            (
+                of_mean(on_black(f64::INFINITY), 1.0),
+                "A is brighter by 0.020; it may be noise, because so few pixels do not show their error",
+            ),
+        ] {
+            assert_eq!(verdict(&difference), words);
+        }
     }
 
     #[test]

@@ -108,6 +108,13 @@ mod tests {
         replace(path, |file| file.write_all(text.as_bytes()))
     }
 
+    /// A folder, and the path of a file in it.
+    fn folder_and_path() -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        (folder, path)
+    }
+
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> =
             fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -117,8 +124,7 @@ mod tests {
 
     #[test]
     fn a_failure_leaves_the_old_file_and_nothing_else() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (folder, path) = folder_and_path();
         write_text(&path, "old").unwrap();
         let error = replace(&path, |file| {
             file.write_all(b"half of the ne")?;
@@ -132,8 +138,7 @@ mod tests {
 
     #[test]
     fn a_file_that_may_not_be_replaced_stays() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (folder, path) = folder_and_path();
         write_text(&path, "better").unwrap();
         let refused = replace_if(&path, |file| file.write_all(b"new"), || Err("it is better".to_owned()));
         assert_eq!(refused.unwrap_err().to_string(), format!("{}: cannot write: it is better", path.display()));
@@ -165,8 +170,7 @@ mod tests {
 
     #[test]
     fn readers_find_the_old_file_until_the_new_one_is_complete() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (folder, path) = folder_and_path();
         write_text(&path, "old, and longer").unwrap();
         replace(&path, |file| {
             file.write_all(b"new")?;
@@ -212,8 +216,7 @@ mod tests {
     #[test]
     fn a_replaced_file_keeps_its_mode_and_owner() {
         use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (_folder, path) = folder_and_path();
         for mode in [0o640, 0o600, 0o444, 0o666] {
             fs::write(&path, "old").unwrap();
             let _ = chown(&path, Some(12345), Some(12345));

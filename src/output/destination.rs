@@ -72,6 +72,12 @@ pub fn can_be_replaced(path: &Path) -> bool {
     !matches!(Destination::find(path), Ok(Destination::Stream))
 }
 
+/// Whether a folder of PATH has a file of this name.
+pub fn is_on_path(file: &str) -> bool {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&folders).any(|folder| folder.join(file).is_file())
+}
+
 /// The folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -93,10 +99,7 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 #[derive(PartialEq, Eq)]
 enum Identity {
     #[cfg(unix)]
-    Inode {
-        device: u64,
-        inode: u64,
-    },
+    Inode(u64, u64),
     Path(PathBuf),
 }
 
@@ -117,7 +120,7 @@ fn identity(path: &Path) -> Option<Identity> {
 fn identity_of_existing(_: &Path, metadata: &Metadata) -> Option<Identity> {
     use std::os::unix::fs::{FileTypeExt, MetadataExt};
     let is_device = metadata.file_type().is_char_device();
-    (!is_device).then(|| Identity::Inode { device: metadata.dev(), inode: metadata.ino() })
+    (!is_device).then(|| Identity::Inode(metadata.dev(), metadata.ino()))
 }
 
 #[cfg(not(unix))]

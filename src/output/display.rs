@@ -38,19 +38,13 @@ struct Outbox {
     end: Option<io::Result<()>>,
 }
 
-/// An image as the viewer knows it.
-struct Canvas {
-    name: String,
-    size: (u32, u32),
-}
-
 impl Display {
     /// Has the viewer at `HOST:PORT` show a black image of this name and size.
     pub fn open(address: String, name: String, size: (u32, u32)) -> Display {
         let shared = Arc::<Shared>::default();
         let theirs = shared.clone();
         let send = move || {
-            let end = theirs.send_all(&address, &Canvas { name, size });
+            let end = theirs.send_all(&address, &name, size);
             theirs.change(|state| state.end = Some(end));
         };
         if let Err(error) = Builder::new().name("display".to_owned()).spawn(send) {
@@ -107,49 +101,46 @@ impl Shared {
     }
 
     /// Sends each image that comes.
-    fn send_all(&self, address: &str, canvas: &Canvas) -> io::Result<()> {
+    fn send_all(&self, address: &str, name: &str, (width, height): (u32, u32)) -> io::Result<()> {
         let socket = connect(address)?;
         socket.set_write_timeout(Some(PATIENCE))?;
         let mut client = TevClient::wrap(socket);
-        let (width, height) = canvas.size;
         // An image that the viewer has by this name is replaced.
         client.send(PacketCreateImage {
-            image_name: &canvas.name,
+            image_name: name,
             grab_focus: true,
             width,
             height,
             channel_names: &CHANNELS,
         })?;
         while let Some(image) = self.next() {
-            canvas.send(&mut client, &image)?;
+            send(&mut client, name, width, &image)?;
         }
         Ok(())
     }
 }
 
-impl Canvas {
-    /// Sends an image in bands of whole rows.
-    fn send(&self, client: &mut TevClient, image: &[f32]) -> io::Result<()> {
-        let row = CHANNELS.len() * self.size.0.max(1) as usize;
-        let mut y = 0;
-        for band in image.chunks(row * (MOST_NUMBERS / row).max(1)) {
-            let height = (band.len() / row) as u32;
-            client.send(PacketUpdateImage {
-                image_name: &self.name,
-                grab_focus: false,
-                channel_names: &CHANNELS,
-                channel_offsets: &[0, 1, 2],
-                channel_strides: &[3; 3],
-                x: 0,
-                y,
-                width: self.size.0,
-                height,
-                data: band,
-            })?;
-            y += height;
-        }
-        Ok(())
+/// Sends an image of a name and a width in bands of whole rows.
+fn send(client: &mut TevClient, image_name: &str, width: u32, image: &[f32]) -> io::Result<()> {
+    let row = CHANNELS.len() * width.max(1) as usize;
+    let mut y = 0;
+    for band in image.chunks(row * (MOST_NUMBERS / row).max(1)) {
+        let height = (band.len() / row) as u32;
+        client.send(PacketUpdateImage {
+            image_name,
+            grab_focus: false,
+            channel_names: &CHANNELS,
+            channel_offsets: &[0, 1, 2],
+            channel_strides: &[3; 3],
+            x: 0,
+            y,
+            width,
+            height,
+            data: band,
+        })?;
+        y += height;
     }
+    Ok(())
 }
 
 /// A connection to the first of the host's addresses that answers.

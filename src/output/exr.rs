@@ -7,7 +7,7 @@ mod state;
 mod write;
 
 pub use attribute::{Attribute, DENOISER, attribute, attribute_text};
-pub use denoised::{NoisyFile, read_noisy, write_denoised};
+pub use denoised::{read_noisy, write_denoised};
 pub use read::{ExrImage, read_attributes, read_exr, read_layer};
 pub use state::{State, StateFile, add_film, read_state};
 pub use write::{write_exr, write_render};
@@ -25,6 +25,13 @@ mod tests {
 
     use super::*;
     use crate::film::{Picture, UNKNOWN_VARIANCE};
+
+    /// A folder, and the path of a file in it.
+    fn folder_and_path() -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        (folder, path)
+    }
 
     /// All kinds of values that a film can produce, over the full range of f32.
     fn picture() -> Picture {
@@ -53,8 +60,7 @@ mod tests {
 
     #[test]
     fn an_image_is_read_back_bit_for_bit() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (_folder, path) = folder_and_path();
         let picture = picture();
         write_exr(&path, &picture, &attributes()).unwrap();
         let read = read_exr(&path).unwrap();
@@ -76,8 +82,7 @@ mod tests {
 
     #[test]
     fn the_same_picture_gives_the_same_bytes() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (_folder, path) = folder_and_path();
         let mut tall = Picture { width: 64, height: 300, ..Picture::default() };
         tall.rgb = (0..64 * 300).map(|i| [i as f32, 1.0 / i as f32, 0.5].map(|v| v.min(1e9))).collect();
         tall.variance = tall.rgb.clone();
@@ -96,8 +101,7 @@ mod tests {
     #[test]
     fn rows_run_from_top_to_bottom() {
         // Row 0 is also first in the file, with y growing downwards: other readers show it at the top.
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (_folder, path) = folder_and_path();
         write_exr(&path, &picture(), &[]).unwrap();
         let header = &MetaData::read_from_file(&path, true).unwrap().headers[0];
         assert_eq!(header.line_order, LineOrder::Increasing);
@@ -120,37 +124,28 @@ mod tests {
     #[test]
     fn files_of_others_are_read() {
         use ::exr::prelude::f16;
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (_folder, path) = folder_and_path();
         let half = |a: f32, b: f32| FlatSamples::F16(vec![f16::from_f32(a), f16::from_f32(b)]);
         let float = |a: f32, b: f32| FlatSamples::F32(vec![a, b]);
         let expected = [[1.0, 3.0, 5.0], [2.0, 4.0, f32::INFINITY]];
 
-        write_channels(
-            &path,
-            vec![vec![
-                ("R", half(1.0, 2.0)),
-                ("G", float(3.0, 4.0)),
-                ("B", half(5.0, f32::INFINITY)),
-                ("A", half(1.0, 1.0)),
-            ]],
-        );
+        let (red, green, blue) = (half(1.0, 2.0), float(3.0, 4.0), half(5.0, f32::INFINITY));
+        write_channels(&path, vec![vec![("R", red), ("G", green), ("B", blue), ("A", half(1.0, 1.0))]]);
         let read = read_exr(&path).unwrap();
         assert_eq!(read.rgb, expected);
         assert_eq!((read.variance, read.samples, read.rejected), (None, None, None));
+        let read = |layers| {
+            write_channels(&path, layers);
+            read_exr(&path).map(|image| image.rgb).map_err(|error| error.to_string())
+        };
 
         // The picture is in the second part, after one of depth; then in a named layer.
         let rgb = |prefix: &'static [&'static str; 3]| {
             vec![(prefix[0], float(1.0, 2.0)), (prefix[1], float(3.0, 4.0)), (prefix[2], float(5.0, f32::INFINITY))]
         };
-        write_channels(&path, vec![vec![("Z", float(0.0, 0.0))], rgb(&["R", "G", "B"])]);
-        assert_eq!(read_exr(&path).unwrap().rgb, expected);
-        write_channels(&path, vec![rgb(&["a.b.R", "a.b.G", "a.b.B"])]);
-        assert_eq!(read_exr(&path).unwrap().rgb, expected);
-
-        for names in [&["r", "g", "b"], &["Main.red", "Main.green", "Main.blue"]] {
-            write_channels(&path, vec![rgb(names)]);
-            assert_eq!(read_exr(&path).unwrap().rgb, expected, "{names:?}");
+        assert_eq!(read(vec![vec![("Z", float(0.0, 0.0))], rgb(&["R", "G", "B"])]).unwrap(), expected);
+        for names in [&["a.b.R", "a.b.G", "a.b.B"], &["r", "g", "b"], &["Main.red", "Main.green", "Main.blue"]] {
+            assert_eq!(read(vec![rgb(names)]).unwrap(), expected, "{names:?}");
         }
 
         // Other layers are present, in any order of names; then the picture is ambiguous.
@@ -161,32 +156,26 @@ mod tests {
             (rgb(&["C.R", "C.G", "C.B"]), &["A.R", "A.G", "A.B"]),
             (rgb(&["View.Combined.R", "View.Combined.G", "View.Combined.B"]), &["View.AO.R", "View.AO.G", "View.AO.B"]),
         ] {
-            write_channels(&path, vec![[picture, other(names)].concat()]);
-            assert_eq!(read_exr(&path).unwrap().rgb, expected, "{names:?}");
+            assert_eq!(read(vec![[picture, other(names)].concat()]).unwrap(), expected, "{names:?}");
         }
-        write_channels(&path, vec![[other(&["N.R", "N.G", "N.B"]), other(&["A.R", "A.G", "A.B"])].concat()]);
-        let message = read_exr(&path).unwrap_err().to_string();
+        let message = read(vec![[other(&["N.R", "N.G", "N.B"]), other(&["A.R", "A.G", "A.B"])].concat()]).unwrap_err();
         assert!(
             message.contains("which of its layers is the picture? It has part 0.A, part 0.N; expected"),
             "{message}"
         );
-        write_channels(&path, vec![other(&["R", "G", "B"]), other(&["R", "G", "B"])]);
-        assert!(read_exr(&path).unwrap_err().to_string().contains("It has part 0, part 1; expected"));
+        let message = read(vec![other(&["R", "G", "B"]), other(&["R", "G", "B"])]).unwrap_err();
+        assert!(message.contains("It has part 0, part 1; expected"), "{message}");
 
         // A luminance is grey, but not beside chroma, and not before colours.
         let y = |name: &'static str| vec![(name, half(0.5, -2.0))];
         let grey = [[0.5; 3], [-2.0; 3]];
         for name in ["Y", "beauty.Y"] {
-            write_channels(&path, vec![y(name)]);
-            assert_eq!(read_exr(&path).unwrap().rgb, grey, "{name}");
+            assert_eq!(read(vec![y(name)]).unwrap(), grey, "{name}");
         }
-        write_channels(&path, vec![[y("Y"), y("RY"), y("BY")].concat()]);
-        assert!(read_exr(&path).unwrap_err().to_string().contains("it has BY, RY, Y"));
-        write_channels(&path, vec![y("Y"), rgb(&["R", "G", "B"])]);
-        assert_eq!(read_exr(&path).unwrap().rgb, expected);
+        assert!(read(vec![[y("Y"), y("RY"), y("BY")].concat()]).unwrap_err().contains("it has BY, RY, Y"));
+        assert_eq!(read(vec![y("Y"), rgb(&["R", "G", "B"])]).unwrap(), expected);
 
-        write_channels(&path, vec![vec![("Z", half(1.0, 2.0)), ("R", FlatSamples::U32(vec![1, 2]))]]);
-        let message = read_exr(&path).unwrap_err().to_string();
+        let message = read(vec![vec![("Z", half(1.0, 2.0)), ("R", FlatSamples::U32(vec![1, 2]))]]).unwrap_err();
         assert!(
             message.contains("a.exr: cannot read: expected channels R, G and B, or Y")
                 && message.contains("it has R, Z"),
@@ -196,8 +185,7 @@ mod tests {
 
     #[test]
     fn damaged_files_are_errors() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (folder, path) = folder_and_path();
         assert!(read_exr(&path).unwrap_err().to_string().contains("a.exr: cannot read: "));
         assert!(read_exr(folder.path()).is_err());
         write_exr(&path, &picture(), &attributes()).unwrap();
@@ -218,8 +206,7 @@ mod tests {
 
     #[test]
     fn attributes_that_cannot_be_written_are_errors_and_leave_no_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let (folder, path) = folder_and_path();
         for name in ["", "channels", "compression", &"x".repeat(256)] {
             assert!(write_exr(&path, &picture(), &[(name.into(), Attribute::Int(1))]).is_err(), "{name}");
         }

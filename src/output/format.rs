@@ -11,17 +11,11 @@ pub enum Format {
 }
 
 impl Format {
-    fn ending(self) -> &'static str {
+    /// Its ending, and its name.
+    fn names(self) -> (&'static str, &'static str) {
         match self {
-            Format::Exr => "exr",
-            Format::Png => "png",
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Format::Exr => "an EXR",
-            Format::Png => "a PNG",
+            Format::Exr => ("exr", "an EXR"),
+            Format::Png => ("png", "a PNG"),
         }
     }
 }
@@ -33,10 +27,10 @@ impl Format {
 /// Why the name is none of one of these formats, and a name that is.
 pub fn format_of(path: &Path, formats: &[Format]) -> Result<Format, String> {
     let names = || {
-        let name = |format: &Format| path.with_extension(format.ending()).display().to_string();
+        let name = |format: &Format| path.with_extension(format.names().0).display().to_string();
         formats.iter().map(name).collect::<Vec<_>>().join(" or ")
     };
-    let wanted = || formats.iter().map(|format| format.words()).collect::<Vec<_>>().join(" or ");
+    let wanted = || formats.iter().map(|format| format.names().1).collect::<Vec<_>>().join(" or ");
     if is_standard(path) {
         return match formats.contains(&Format::Png) {
             true => Ok(Format::Png),
@@ -46,7 +40,7 @@ pub fn format_of(path: &Path, formats: &[Format]) -> Result<Format, String> {
     let ending = path.extension().map(|ending| ending.to_string_lossy());
     let known = [Format::Exr, Format::Png];
     let named =
-        known.into_iter().find(|format| ending.as_ref().is_some_and(|e| e.eq_ignore_ascii_case(format.ending())));
+        known.into_iter().find(|format| ending.as_ref().is_some_and(|e| e.eq_ignore_ascii_case(format.names().0)));
     match (named, &ending) {
         (Some(named), _) if formats.contains(&named) => Ok(named),
         (Some(_), _) => Err(format!("this is {}: give {}", wanted(), names())),

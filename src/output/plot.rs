@@ -37,18 +37,11 @@ pub struct Plot<'a> {
 }
 
 impl Width {
-    /// The width, and the height without the legend, which is below the curves.
-    fn pixels(self) -> (u32, u32) {
+    /// The width, the height without the legend, which is below the curves, and the columns of the legend.
+    fn layout(self) -> (u32, u32, usize) {
         match self {
-            Width::Wide => (900, 540),
-            Width::Narrow => (450, 400),
-        }
-    }
-
-    fn legend_columns(self) -> usize {
-        match self {
-            Width::Wide => 3,
-            Width::Narrow => 1,
+            Width::Wide => (900, 540, 3),
+            Width::Narrow => (450, 400, 1),
         }
     }
 }
@@ -79,8 +72,8 @@ const COLOURS: [RGBColor; 10] = [
 /// `Error::Usage` if no curve has a point.
 pub fn svg(plot: &Plot<'_>) -> Result<String> {
     let mut text = String::new();
-    let rows = plot.curves.len().div_ceil(plot.width.legend_columns()) as u32;
-    let (width, height) = plot.width.pixels();
+    let (width, height, columns) = plot.width.layout();
+    let rows = plot.curves.len().div_ceil(columns) as u32;
     let size = (width, height + rows * LEGEND_ROW + LEGEND_ROW / 2);
     let drawn = draw(plot, &SVGBackend::with_string(&mut text, size).into_drawing_area());
     drawn.map_err(|error| Error::Usage(format!("the plot cannot be drawn: {error}")))?;
@@ -119,7 +112,7 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
         ends.0 / 1.5..ends.1 * 1.5
     };
     area.fill(&WHITE)?;
-    let (width, height) = plot.width.pixels();
+    let (width, height, columns) = plot.width.layout();
     let (above, below) = area.split_vertically(height);
     let mut builder = ChartBuilder::on(&above);
     if !plot.title.is_empty() {
@@ -150,7 +143,6 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
             }
         }
         chart.draw_series(shown(&curve.marks).into_iter().map(|mark| Circle::new(mark, 4, colour.filled())))?;
-        let columns = plot.width.legend_columns();
         let column = width as usize / columns * (i % columns);
         let (x, y) = (column as i32 + 24, (i / columns) as i32 * LEGEND_ROW as i32 + LEGEND_ROW as i32 / 2);
         below.draw(&PathElement::new([(x, y), (x + 24, y)], line))?;

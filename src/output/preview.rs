@@ -42,16 +42,9 @@ pub struct Preview {
     protocol: Protocol,
     size: (usize, usize),
     view: ViewTransform,
-    drawn: Option<Drawn>,
-}
-
-/// The state of the terminal at the last drawing. If it has changed, the image no longer stands where it was drawn.
-#[derive(Clone, Copy, PartialEq)]
-struct Drawn {
-    /// The columns and rows of the terminal.
-    window: (usize, usize),
-    /// The lines that have been printed below.
-    lines: usize,
+    /// The columns and rows of the terminal at the last drawing, and the lines that had been printed below. If they have changed, the image no
+    /// longer stands where it was drawn.
+    drawn: Option<((usize, usize), usize)>,
 }
 
 impl Preview {
@@ -65,7 +58,7 @@ impl Preview {
     pub fn show(&mut self, rgb: &dyn Fn(usize) -> Rgb<f32>, progress: &Progress) {
         let window = size_of_stderr();
         let Some(cells) = fitting(self.size, window) else { return };
-        let drawn = Some(Drawn { window, lines: progress.lines() });
+        let drawn = Some((window, progress.lines()));
         let text = self.text(rgb, cells, drawn == self.drawn);
         self.drawn = drawn;
         // A terminal that is gone does not end a render.

@@ -1,6 +1,5 @@
 //! Progress on stderr: a bar on a terminal, a plain line every few seconds elsewhere. Nothing here writes to stdout.
 
-use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -9,8 +8,8 @@ use std::time::{Duration, Instant};
 use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle, WeakProgressBar};
 
 use crate::job::{Goal, Job};
-use crate::printable::{known_bound, one_line};
-use crate::terminal::{columns_of_stderr, fit_to_terminal};
+use crate::printable::{known_bound, one_line, two_digits};
+use crate::terminal::{columns_of_stderr, tell};
 
 /// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -110,120 +109,7 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
-}
 
-/// The bar that was shown last.
-static LAST_BAR: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
-
-/// Removes the bar, if one is shown, before the program ends without its owner.
-pub fn remove_bar() {
-    let last = LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(bar) = last.as_ref().and_then(WeakProgressBar::upgrade) {
-        bar.finish_and_clear();
-    }
-}
-
-/// Whether stderr is a terminal, and not a dumb one.
-pub fn is_terminal() -> bool {
-    !ProgressDrawTarget::stderr().is_hidden()
-}
-
-impl Display {
-    fn for_stderr(now: Instant) -> Display {
-        let target = ProgressDrawTarget::stderr();
-        // Indicatif hides the bar if stderr is not a terminal, or a dumb one.
-        if target.is_hidden() {
-            return Display::Lines(Mutex::new(now));
-        }
-        let style = ProgressStyle::with_template(TEMPLATE).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), target);
-        Display::Bar(bar.with_style(style).with_finish(ProgressFinish::AndClear))
-    }
-
-    /// Prints a line above the bar.
-    fn message(&self, text: &str) {
-        match self {
-            Display::Hidden => {}
-            Display::Bar(bar) => bar.suspend(|| print(text)),
-            Display::Lines(_) => print(text),
-        }
-    }
-
-    /// Shows the share of the work that is done, 0 to 1, and the words, which get the columns that there are for them.
-    fn show(&self, share: f64, words: impl FnOnce(usize) -> String) {
-        match self {
-            Display::Hidden => {}
-            Display::Bar(bar) => {
-                *LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.downgrade());
-                bar.set_position((share * BAR_STEPS as f64) as u64);
-                let columns = columns_of_stderr().unwrap_or(usize::MAX);
-                bar.set_message(one_line(&words(columns.saturating_sub(BAR))).into_owned());
-            }
-            Display::Lines(last) => {
-                // A poisoned lock still holds a time.
-                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-                if last.elapsed() >= LINE_INTERVAL {
-                    *last = Instant::now();
-                    print(&words(usize::MAX));
-                }
-            }
-        }
-    }
-}
-
-/// Shows the progress of reading the scene's files, or of other work of a known length. The bar appears if the work
-/// takes longer than a moment. Dropping it removes the bar.
-pub struct Loading {
-    quiet: bool,
-    start: Instant,
-    /// None until the moment is over.
-    display: Option<Display>,
-}
-
-impl Loading {
-    /// Starts the clock. `quiet` shows nothing at all.
-    pub fn new(quiet: bool) -> Loading {
-        Loading { quiet, start: Instant::now(), display: None }
-    }
-
-    /// Shows the current work, and the share of it that is done.
-    pub fn show(&mut self, words: &str, share: f64) {
-        self.show_with(share, || words.to_string());
-    }
-
-    /// Prints a line above the bar, unless quiet.
-    pub fn message(&self, text: &str) {
-        match &self.display {
-            Some(display) => display.message(text),
-            None if self.quiet => {}
-            None => print(text),
-        }
-    }
-
-    /// Reports that `done` of the `total` bytes of a file are read. May be called as often as is convenient.
-    pub fn update(&mut self, file: &Path, done: u64, total: u64) {
-        self.show_with(done as f64 / total.max(1) as f64, || describe_file(file, done, total));
-    }
-
-    fn show_with(&mut self, share: f64, words: impl FnOnce() -> String) {
-        if self.quiet || self.start.elapsed() < MOMENT {
-            return;
-        }
-        self.display.get_or_insert_with(|| Display::for_stderr(self.start)).show(share, |_| words());
-    }
-}
-
-/// `reading meshes/dragon.ply  12/57 MiB`
-fn describe_file(file: &Path, done: u64, total: u64) -> String {
-    format!("reading {}  {}/{} MiB", file.display(), done >> 20, total.div_ceil(1 << 20))
-}
-
-/// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
-fn print(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", fit_to_terminal(text, columns_of_stderr()));
-}
-
-impl Progress {
     /// The share of the work that is done, 0 to 1.
     fn share(&self, status: &Status, elapsed: Duration) -> f64 {
         let samples = status.samples_per_pixel as f64;
@@ -290,6 +176,106 @@ impl Progress {
     }
 }
 
+/// The bar that was shown last.
+static LAST_BAR: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
+
+/// Removes the bar, if one is shown, before the program ends without its owner.
+pub fn remove_bar() {
+    let last = LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(bar) = last.as_ref().and_then(WeakProgressBar::upgrade) {
+        bar.finish_and_clear();
+    }
+}
+
+/// Whether stderr is a terminal, and not a dumb one.
+pub fn is_terminal() -> bool {
+    !ProgressDrawTarget::stderr().is_hidden()
+}
+
+impl Display {
+    fn for_stderr(now: Instant) -> Display {
+        let target = ProgressDrawTarget::stderr();
+        // Indicatif hides the bar if stderr is not a terminal, or a dumb one.
+        if target.is_hidden() {
+            return Display::Lines(Mutex::new(now));
+        }
+        let style = ProgressStyle::with_template(TEMPLATE).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), target);
+        Display::Bar(bar.with_style(style).with_finish(ProgressFinish::AndClear))
+    }
+
+    /// Prints a line above the bar.
+    fn message(&self, text: &str) {
+        match self {
+            Display::Hidden => {}
+            Display::Bar(bar) => bar.suspend(|| tell(text)),
+            Display::Lines(_) => tell(text),
+        }
+    }
+
+    /// Shows the share of the work that is done, 0 to 1, and the words, which get the columns that there are for them.
+    fn show(&self, share: f64, words: impl FnOnce(usize) -> String) {
+        match self {
+            Display::Hidden => {}
+            Display::Bar(bar) => {
+                *LAST_BAR.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.downgrade());
+                bar.set_position((share * BAR_STEPS as f64) as u64);
+                let columns = columns_of_stderr().unwrap_or(usize::MAX);
+                bar.set_message(one_line(&words(columns.saturating_sub(BAR))).into_owned());
+            }
+            Display::Lines(last) => {
+                // A poisoned lock still holds a time.
+                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+                if last.elapsed() >= LINE_INTERVAL {
+                    *last = Instant::now();
+                    tell(&words(usize::MAX));
+                }
+            }
+        }
+    }
+}
+
+/// Shows the progress of reading the scene's files, or of other work of a known length. The bar appears if the work
+/// takes longer than a moment. Dropping it removes the bar.
+pub struct Loading {
+    start: Instant,
+    /// None until the moment is over.
+    display: Option<Display>,
+}
+
+impl Loading {
+    /// Starts the clock. `quiet` shows nothing at all.
+    pub fn new(quiet: bool) -> Loading {
+        Loading { start: Instant::now(), display: quiet.then_some(Display::Hidden) }
+    }
+
+    /// Shows the current work, and the share of it that is done.
+    pub fn show(&mut self, words: &str, share: f64) {
+        self.show_with(share, || words.to_string());
+    }
+
+    /// Prints a line above the bar, unless quiet.
+    pub fn message(&self, text: &str) {
+        self.display.as_ref().map_or_else(|| tell(text), |display| display.message(text));
+    }
+
+    /// Reports that `done` of the `total` bytes of a file are read. May be called as often as is convenient.
+    pub fn update(&mut self, file: &Path, done: u64, total: u64) {
+        self.show_with(done as f64 / total.max(1) as f64, || describe_file(file, done, total));
+    }
+
+    fn show_with(&mut self, share: f64, words: impl FnOnce() -> String) {
+        if self.start.elapsed() >= MOMENT {
+            self.display.get_or_insert_with(|| Display::for_stderr(self.start)).show(share, |_| words());
+        }
+    }
+}
+
+/// `reading meshes/dragon.ply  12/57 MiB`
+fn describe_file(file: &Path, done: u64, total: u64) -> String {
+    format!("reading {}  {}/{} MiB", file.display(), done >> 20, total.div_ceil(1 << 20))
+}
+
 impl Until {
     /// Why the render goes on: what its error is below, what it is to be below, and what else it waits for.
     fn describe(&self, wanted: f64) -> String {
@@ -303,13 +289,7 @@ impl Until {
 }
 
 fn percent(share: f64) -> String {
-    two_digits(100.0 * share)
-}
-
-/// A number with two significant digits, but at most 4 decimals.
-fn two_digits(value: f64) -> String {
-    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 4.0) } else { 0.0 };
-    format!("{value:.*}", decimals as usize)
+    two_digits(100.0 * share, 4.0)
 }
 
 #[cfg(test)]
@@ -396,10 +376,11 @@ mod tests {
         for quiet in [true, false] {
             let mut loading = Loading::new(quiet);
             loading.update(Path::new("a"), 0, 0);
-            assert!(loading.display.is_none(), "nothing is shown before a moment is over");
+            let is_hidden = |loading: &Loading| matches!(loading.display, None | Some(Display::Hidden));
+            assert!(is_hidden(&loading), "nothing is shown before a moment is over");
             loading.start = long_ago;
             loading.update(Path::new("a"), 0, 0);
-            assert_eq!(loading.display.is_none(), quiet);
+            assert_eq!(is_hidden(&loading), quiet);
         }
     }
 
@@ -414,7 +395,7 @@ mod tests {
             (321.0, "321"),
             (9.99, "10.0"),
         ] {
-            assert_eq!(two_digits(value), text);
+            assert_eq!(two_digits(value, 4.0), text);
         }
     }
 

@@ -135,18 +135,14 @@ pub fn remove_stale(target: &Path) {
     let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()) && is_stale(entry));
     for path in files.map(|entry| entry.path()) {
         // The lock is held until the file is gone: its writer may be about to take it.
-        if let Ok(file) = open(&path)
+        // A network file system locks only files that can be written to.
+        if let Ok(file) = OpenOptions::new().read(true).write(true).open(&path)
             && file.try_lock().is_ok()
         {
             // Another process may have removed it too.
             let _ = fs::remove_file(&path);
         }
     }
-}
-
-/// A network file system locks only files that can be written to.
-fn open(path: &Path) -> io::Result<File> {
-    OpenOptions::new().read(true).write(true).open(path)
 }
 
 /// How the names of temporary files for `target` begin. A hash stands for its name, which may be as long as names can be.

@@ -1,36 +1,13 @@
-//! A film with what is known of its samples.
+//! What is left of a job for a film.
 
 use std::ops::Range;
 
 use super::noise::{Noise, check_error, samples_at_check};
-use crate::film::Film;
+use crate::film::Accumulation;
 use crate::job::{Goal, Job};
 use crate::samples::Samples;
 
-/// A film that renders add samples to.
-#[derive(Clone, Debug)]
-pub struct Accumulation {
-    pub film: Film,
-    /// The samples that each pixel has.
-    pub samples: Samples,
-    /// How often a render until an error has compared the error with the requested one.
-    pub checks: u32,
-    /// The devices and drivers that have rendered it.
-    pub devices: Vec<(String, String)>,
-}
-
 impl Accumulation {
-    /// A film without samples.
-    pub fn empty(film: Film) -> Accumulation {
-        Accumulation { film, samples: Samples::default(), checks: 0, devices: Vec::new() }
-    }
-
-    /// Removes all samples.
-    pub fn clear(&mut self) {
-        self.film.clear();
-        (self.samples, self.checks) = (Samples::default(), 0);
-    }
-
     /// The result of the last check of this film, if it ended a render until an error.
     pub fn noise_reached(&self, job: &Job) -> Option<Noise> {
         let Goal::Noise { error, .. } = job.goal else { return None };

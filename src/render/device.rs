@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::observer::Next;
 use super::outcome::totals_since;
-use super::sample_range::{PaceProbe, SampleRange};
+use super::sample_range::SampleRange;
 use super::tiles::{MOST_RUNS, Schedule, pixel_in_order, tiles};
 use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
@@ -46,7 +46,10 @@ pub struct DeviceRenderer {
     /// By the kind of paths that a submission is of.
     paces: [Workload; 2],
     film: DeviceFilm,
-    readings: Readings,
+    /// One for each submission in flight.
+    readings: Vec<Feedback>,
+    /// The times of the stages since the job began.
+    pub stages: StageTimes,
 }
 
 /// The pipelines of a plan, and the layout of its settings.
@@ -117,13 +120,6 @@ struct DeviceFilm {
     is_stale: bool,
 }
 
-/// What submissions report to the host.
-struct Readings {
-    /// One for each submission in flight.
-    each: Vec<Feedback>,
-    stages: StageTimes,
-}
-
 /// What a submission reports to the host.
 struct Feedback {
     counters: Readback,
@@ -156,19 +152,16 @@ impl Pipelines {
         let bounce = match &plan.kernels.bounce {
             Bounce::Fused(kernel) => vec![stage(kernel, StageSize::Slots)?],
             Bounce::Staged(staged) => {
-                let before = std::iter::once(&staged.intersect).chain(&staged.medium);
-                let mut stages = before.map(|kernel| stage(kernel, StageSize::Slots)).collect::<Result<Vec<_>>>()?;
-                stages.extend(
-                    staged.dispatch.iter().map(|kernel| stage(kernel, StageSize::One)).collect::<Result<Vec<_>>>()?,
-                );
-                for (queue, kernel) in (0..).zip(&staged.scatter) {
-                    let size = if staged.dispatch.is_some() { StageSize::Queue(queue) } else { StageSize::Slots };
-                    stages.push(stage(kernel, size)?);
-                }
-                for kernel in staged.shadow.iter().chain([&staged.refill]) {
-                    stages.push(stage(kernel, StageSize::Slots)?);
-                }
-                stages
+                let slots = |kernel| (kernel, StageSize::Slots);
+                let scatter = (0..).zip(&staged.scatter).map(|(queue, kernel)| match staged.dispatch {
+                    Some(_) => (kernel, StageSize::Queue(queue)),
+                    None => slots(kernel),
+                });
+                let first = std::iter::once(&staged.intersect).chain(&staged.medium).map(slots);
+                let dispatch = staged.dispatch.iter().map(|kernel| (kernel, StageSize::One));
+                let last = staged.shadow.iter().chain([&staged.refill]).map(slots);
+                let all = first.chain(dispatch).chain(scatter).chain(last);
+                all.map(|(kernel, size)| stage(kernel, size)).collect::<Result<_>>()?
             }
         };
         Ok(Pipelines {
@@ -214,7 +207,13 @@ impl DeviceRenderer {
     /// # Errors
     /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
     /// the numerics probe does not find.
-    pub fn new(device: &Arc<Device>, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<DeviceRenderer> {
+    pub fn new(
+        device: &Arc<Device>,
+        plan: &Plan<'_>,
+        job: &Job,
+        profile: bool,
+        submission: Option<Duration>,
+    ) -> Result<DeviceRenderer> {
         check_limits(device, plan)?;
         let tuning = plan.tuning;
         let numerics = probe::numerics(device)?;
@@ -249,7 +248,7 @@ impl DeviceRenderer {
             work: LEAST_WORK,
             fixed: tuning.bounces,
             most: 1,
-            submission: SUBMISSION,
+            submission: submission.unwrap_or(SUBMISSION),
             last_end: Instant::now(),
         };
         let settings = Settings {
@@ -277,7 +276,8 @@ impl DeviceRenderer {
                 received: Totals::default(),
                 is_stale: false,
             },
-            readings: Readings { each: (0..IN_FLIGHT).map(reading).collect(), stages: StageTimes::default() },
+            readings: (0..IN_FLIGHT).map(reading).collect(),
+            stages: StageTimes::default(),
             tuning,
             buffers,
         };
@@ -318,19 +318,9 @@ impl DeviceRenderer {
 
     /// Prepares for another job.
     pub fn begin(&mut self, job: &Job) {
-        self.readings.stages = StageTimes::default();
+        self.stages = StageTimes::default();
         self.drop_film();
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
-    }
-
-    /// Sets the time that a submission should take.
-    pub fn set_submission_time(&mut self, submission: Duration) {
-        self.paces.iter_mut().for_each(|pace| pace.submission = submission);
-    }
-
-    /// The seconds of the stages since the job began.
-    pub fn stages(&self) -> &StageTimes {
-        &self.readings.stages
     }
 
     /// Renders blocks of samples of every pixel until none are left.
@@ -373,21 +363,44 @@ impl DeviceRenderer {
     /// Adds the device's film to the film on the host, or drops it after a pace probe.
     fn finish_film(&mut self, shared: &SampleRange<'_, '_>) -> Result<()> {
         let mut state = shared.state();
-        match state.caller.probe {
-            Some(PaceProbe { is_dropped: true }) => self.drop_film(),
-            _ => self.read_film(state.caller.film)?,
+        if state.caller.drops_film() {
+            self.drop_film();
+            return Ok(());
         }
-        Ok(())
+        self.read_film(&mut state.caller.film.film)
     }
 
     /// Renders blocks of samples of the tile, until every slot is idle. Returns one past the last block. If `may_end_early` and the caller
     /// decides so, the last block is the one that has been started.
     fn render_tile(&mut self, blocks: Range<u32>, may_end_early: bool, shared: &SampleRange<'_, '_>) -> Result<u32> {
         let pixels = self.film.tile.len() as u32;
-        let first_block = blocks.start;
-        let end = blocks.len() as u32 * pixels;
-        let mut window =
-            Window { first_block, end, first_pixel: self.film.tile.start, pixels, begins: 1, ..Window::default() };
+        let (end, totals) = self.render_window(&blocks, pixels, PathKind::Camera, may_end_early, shared)?;
+        let rendered = blocks.start..blocks.start + end / pixels;
+        self.device.expect_done(totals.paths == u64::from(pixels) * self.samples_in(&rendered).len() as u64)?;
+        Ok(rendered.end)
+    }
+
+    /// Traces the light paths of blocks of samples, of the whole image, until every slot is idle. They add light to the pixels of the tile.
+    fn trace_light_paths(&mut self, blocks: Range<u32>, shared: &SampleRange<'_, '_>) -> Result<()> {
+        let of_block = self.light_paths_of_block();
+        let (_, totals) = self.render_window(&blocks, of_block, PathKind::Light, false, shared)?;
+        let expected = light_paths_of(&self.samples_in(&blocks), u64::from(of_block));
+        self.device.expect_done(totals.light_paths.into_iter().sum::<u64>() == expected)
+    }
+
+    /// Renders paths of a kind into the tile until every slot is idle, so many runs of each block. Returns the number of runs, and their totals.
+    /// If `may_end_early` and the caller decides so, the last block is the one that has been started. Snapshots are of camera paths alone.
+    fn render_window(
+        &mut self,
+        blocks: &Range<u32>,
+        runs_of_block: u32,
+        kind: PathKind,
+        may_end_early: bool,
+        shared: &SampleRange<'_, '_>,
+    ) -> Result<(u32, Totals)> {
+        let (first_block, end) = (blocks.start, blocks.len() as u32 * runs_of_block);
+        let (first_pixel, pixels) = (self.film.tile.start, self.film.tile.len() as u32);
+        let mut window = Window { first_block, end, first_pixel, pixels, begins: 1, ..Window::default() };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let mut flights: VecDeque<Flight> = VecDeque::new();
         let mut counters = Counters::default();
@@ -399,76 +412,42 @@ impl DeviceRenderer {
             // If all runs have been started, a second submission might find only idle slots. Each slot takes a run in its first one.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while counters.idle < self.tuning.slots && !wants_snapshot && !to_cut && flights.len() < wanted {
-                flights.push_back(self.submit(&mut window, submitted, PathKind::Camera)?);
+                flights.push_back(self.submit(&mut window, submitted, kind)?);
                 submitted += 1;
             }
             match flights.pop_front() {
                 Some(flight) => {
                     let before = std::mem::replace(&mut counters, self.finish(flight)?);
-                    let counted = totals_since(&counters, &before);
+                    let mut counted = totals_since(&counters, &before);
+                    if first_pixel > 0 {
+                        // Every tile has the same light paths.
+                        counted.light_paths = [0; 2];
+                    }
                     self.film.received += counted;
                     match shared.state().caller.add(counted) {
-                        Next::Snapshot => wants_snapshot = true,
+                        Next::Snapshot => wants_snapshot = kind == PathKind::Camera,
                         Next::Drop => return Err(Error::Dropped),
                         _ => {}
                     }
                 }
                 None if to_cut => {
                     (to_cut, cut) = (false, true);
-                    let started = counters.next.div_ceil(pixels).max(1);
-                    window.end = window.end.min(started.saturating_mul(pixels));
+                    let started = counters.next.div_ceil(runs_of_block).max(1);
+                    window.end = window.end.min(started.saturating_mul(runs_of_block));
                     continue;
                 }
                 None if wants_snapshot => {
                     wants_snapshot = false;
                     let begin = Instant::now();
                     let mut state = shared.state();
-                    self.read_film(state.caller.film)?;
+                    self.read_film(&mut state.caller.film.film)?;
                     state.caller.notify(Some((begin, false)));
                 }
                 None => break,
             }
             to_cut |= may_end_early && !cut && shared.state().ends_early();
         }
-        let rendered = first_block..first_block + window.end / pixels;
-        let paths = totals_since(&counters, &Counters::default()).paths;
-        self.device.expect_done(paths == u64::from(pixels) * self.samples_in(&rendered).len() as u64)?;
-        Ok(rendered.end)
-    }
-
-    /// Traces the light paths of blocks of samples, of the whole image, until every slot is idle. They add light to the pixels of the tile.
-    fn trace_light_paths(&mut self, blocks: Range<u32>, shared: &SampleRange<'_, '_>) -> Result<()> {
-        let tile = self.film.tile.clone();
-        let (first_block, first_pixel, pixels) = (blocks.start, tile.start, tile.len() as u32);
-        let end = blocks.len() as u32 * self.light_paths_of_block();
-        let mut window = Window { first_block, end, first_pixel, pixels, begins: 1, ..Window::default() };
-        self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
-        let mut flights: VecDeque<Flight> = VecDeque::new();
-        let mut counters = Counters::default();
-        let mut submitted = 0;
-        while counters.idle < self.tuning.slots {
-            let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
-            while flights.len() < wanted {
-                flights.push_back(self.submit(&mut window, submitted, PathKind::Light)?);
-                submitted += 1;
-            }
-            let Some(flight) = flights.pop_front() else { break };
-            let before = std::mem::replace(&mut counters, self.finish(flight)?);
-            let mut counted = totals_since(&counters, &before);
-            if first_pixel > 0 {
-                // Every tile has the same light paths.
-                counted.light_paths = [0; 2];
-            }
-            self.film.received += counted;
-            if shared.state().caller.add(counted) == Next::Drop {
-                return Err(Error::Dropped);
-            }
-        }
-        // They find only idle slots.
-        flights.into_iter().try_for_each(|flight| self.finish(flight).map(|_| ()))?;
-        let traced: u64 = totals_since(&counters, &Counters::default()).light_paths.into_iter().sum();
-        let expected = light_paths_of(&self.samples_in(&blocks), u64::from(self.light_paths_of_block()));
-        self.device.expect_done(traced == expected)
+        Ok((window.end, totals_since(&counters, &Counters::default())))
     }
 
     /// The samples that are rendered of these blocks.
@@ -485,13 +464,13 @@ impl DeviceRenderer {
     /// Waits for a submission, and returns its counters.
     fn finish(&mut self, flight: Flight) -> Result<Counters> {
         let Flight { submission, receipt, reading, kind, work, begun, begin } = flight;
-        let Feedback { counters, timing } = &mut self.readings.each[reading];
+        let Feedback { counters, timing } = &mut self.readings[reading];
         let bytes = size_of::<Counters>() as u64;
         let counted: Counters = counters.read(&self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
         // Each slot asks for a run in its first submission.
         self.device.expect_done(counted.receipt == receipt && counted.next >= begun)?;
         if let Some(timing) = timing {
-            timing.collect(&self.device, submission, &mut self.readings.stages)?;
+            timing.collect(&self.device, submission, &mut self.stages)?;
         }
         self.paces[kind as usize].adapt(work, begin);
         Ok(counted)
@@ -531,7 +510,7 @@ impl DeviceRenderer {
     /// paths where the render has none, or the reverse.
     pub fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
         let needed = (job.size, self.film.exponent, &self.film.aovs, self.film.light_paths);
-        let found = ((film.width(), film.height()), film.exponent(), film.aovs(), film.has_light_paths());
+        let found = ((film.width(), film.height()), film.exponent, film.aovs(), film.has_light_paths());
         if found == needed {
             return Ok(());
         }
@@ -556,7 +535,7 @@ impl DeviceRenderer {
         let (slots, bounces) = self.paces[kind as usize].next(all - window.end_slot, all);
         (window.first_slot, window.end_slot) = (window.end_slot, window.end_slot + slots);
         let reading = number % IN_FLIGHT;
-        let receipt = self.readings.each[reading].counters.next_receipt();
+        let receipt = self.readings[reading].counters.next_receipt();
         (window.bounces, window.receipt) = (bounces, receipt);
         self.write("window", bytemuck::bytes_of(window))?;
         let mut encoder = self.device.encoder("pass");
@@ -572,7 +551,7 @@ impl DeviceRenderer {
             PathKind::Light => light_path.iter().chain([last]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();
-        let Feedback { counters: readback, timing } = &mut self.readings.each[reading];
+        let Feedback { counters: readback, timing } = &mut self.readings[reading];
         match timing {
             None => {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -612,7 +591,7 @@ impl DeviceRenderer {
             }
         };
         let kernels = self.kernels.bounce.len() as u32;
-        let timed = match self.readings.each.iter().any(|reading| reading.timing.is_some()) {
+        let timed = match self.readings.iter().any(|reading| reading.timing.is_some()) {
             // Without the first kernel and the last two.
             true => (MAX_PASSES as u32 - 3) / kernels,
             false => u32::MAX,

@@ -10,7 +10,6 @@ use crate::data::RUN_LENGTH;
 use crate::error::Result;
 use crate::film::Totals;
 use crate::job::{Goal, Job};
-use crate::samples::Samples;
 
 /// A run of every pixel that takes less time than this is completed, even after the deadline.
 const SHORT_RUN: Duration = Duration::from_secs(2);
@@ -38,7 +37,7 @@ impl Renderer {
     fn probe_pace(&mut self, most: &Range<u32>, deadline: Instant, caller: &mut Caller<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
         // In a film that goes on with an earlier render, the one would cut a run in two.
-        let goes_on = caller.film.totals().paths > 0;
+        let goes_on = caller.film.film.totals.paths > 0;
         caller.probe = Some(PaceProbe { is_dropped: goes_on });
         self.render_samples(most.start..most.start + 1, caller)?;
         caller.probe = None;
@@ -54,7 +53,6 @@ impl Renderer {
             caller.film.clear();
         }
         caller.outcome.totals = Totals::default();
-        caller.outcome.samples = Samples::default();
         if interrupted && goes_on {
             return Ok(None);
         }
@@ -142,10 +140,10 @@ impl Renderer {
             if caller.outcome.interrupted {
                 return Ok(());
             }
-            self.read_film(caller.film)?;
+            self.read_film(&mut caller.film.film)?;
             let ends;
-            (noise, ends) = check_error(caller.film, done - begun, noise.checks, error);
-            caller.outcome.noise = Some(noise);
+            (noise, ends) = check_error(&caller.film.film, done - begun, noise.checks, error);
+            (caller.outcome.noise, caller.film.checks) = (Some(noise), noise.checks);
             if ends || done < end || done == most.end {
                 return Ok(());
             }

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::accumulation::Accumulation;
 use super::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::Accumulation;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::gpu::numerics::Numerics;
@@ -44,17 +43,14 @@ pub trait Observer: Send {
 /// Follows nothing.
 impl Observer for () {}
 
-/// A function as an observer ([`following`]).
-pub struct Following<F>(F);
-
 /// Follows a render by a function that is called after each submission.
-pub fn following<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send>(follow: F) -> Following<F> {
-    Following(follow)
+pub fn following<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send>(follow: F) -> F {
+    follow
 }
 
-impl<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send> Observer for Following<F> {
+impl<F: FnMut(&Outcome, Option<Snapshot<'_>>) -> Next + Send> Observer for F {
     fn follow(&mut self, so_far: &Outcome, snapshot: Option<Snapshot<'_>>) -> Next {
-        (self.0)(so_far, snapshot)
+        self(so_far, snapshot)
     }
 }
 
@@ -65,10 +61,10 @@ pub fn stopping(stops: impl Fn() -> bool + Send) -> impl Observer {
 
 /// The film of a render that goes on.
 pub struct Snapshot<'a> {
-    pub film: &'a Film,
+    pub film: &'a Accumulation,
     /// When the device became idle for it.
     pub begin: Instant,
-    /// True if every pixel has exactly the outcome's samples.
+    /// True if every pixel has exactly the film's samples.
     pub is_complete: bool,
 }
 

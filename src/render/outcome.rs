@@ -3,13 +3,10 @@
 use super::noise::Noise;
 use crate::data::{Counters, LIGHT_BINS, LIGHT_PATHS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
 use crate::film::{Rejected, Totals};
-use crate::samples::Samples;
 
 /// The outcome of a render, apart from its film.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The samples of every pixel. While a render goes on, those of the last complete snapshot.
-    pub samples: Samples,
     pub interrupted: bool,
     /// The totals that this render has added, including those that only a device's film has so far.
     pub totals: Totals,
@@ -21,24 +18,16 @@ pub struct Outcome {
     pub first_pass: f64,
     /// Processor seconds of the threads that render, without a driver's own threads.
     pub host_seconds: f64,
-    /// The times on the device, if they were requested and the device has timestamps.
-    pub profile: Profile,
-}
-
-/// Times on the device.
-#[derive(Clone, Debug, Default)]
-pub struct Profile {
-    /// Seconds by stage.
+    /// Seconds by stage, if they were requested and the device has timestamps.
     pub stages: Vec<(String, f64)>,
-    /// The share of the time in which the device ran no kernel, 0 to 1.
+    /// The share of the time in which the device ran no kernel, 0 to 1, if that is known.
     pub idle: Option<f64>,
 }
 
 impl Outcome {
     /// Adds the outcome of a later render of the same film.
     pub fn join(&mut self, later: Outcome) {
-        let idle = [&*self, &later].map(|outcome| outcome.profile.idle.map(|idle| idle * outcome.seconds));
-        self.samples = later.samples;
+        let idle = [&*self, &later].map(|outcome| outcome.idle.map(|idle| idle * outcome.seconds));
         self.interrupted |= later.interrupted;
         self.totals += later.totals;
         self.noise = later.noise.or(self.noise);
@@ -47,16 +36,16 @@ impl Outcome {
         }
         self.seconds += later.seconds;
         self.host_seconds += later.host_seconds;
-        later.profile.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
+        later.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
         let known: Vec<f64> = idle.into_iter().flatten().collect();
-        self.profile.idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
+        self.idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
     }
 
     /// Adds seconds of a stage.
     pub(super) fn add_stage(&mut self, name: &str, seconds: f64) {
-        match self.profile.stages.iter_mut().find(|(known, _)| known == name) {
+        match self.stages.iter_mut().find(|(known, _)| known == name) {
             Some((_, sum)) => *sum += seconds,
-            None => self.profile.stages.push((name.to_owned(), seconds)),
+            None => self.stages.push((name.to_owned(), seconds)),
         }
     }
 }

@@ -13,7 +13,7 @@ use super::outcome::Outcome;
 use super::sample_range::{Caller, SampleRange};
 use crate::data::Settings;
 use crate::error::Result;
-use crate::film::Film;
+use crate::film::{Accumulation, Film};
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Crop, Frame, Goal, Job};
@@ -28,19 +28,20 @@ pub struct Renderer {
 
 impl Renderer {
     /// Allocates the buffers of devices, and compiles their kernels, each by its plan. The image is that of one device, if their drivers round
-    /// alike.
+    /// alike. `submission` is the time that a submission should take, after which the observer is asked, if not the usual one.
     ///
     /// # Errors
     /// `Error::Device` if a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on arithmetic that
     /// the numerics probe does not find.
-    pub fn new(devices: &[(&Arc<Device>, &Plan<'_>)], job: &Job, profile: bool) -> Result<Renderer> {
-        let ready = each(devices.len(), devices, |(device, plan)| DeviceRenderer::new(device, plan, job, profile));
+    pub fn new(
+        devices: &[(&Arc<Device>, &Plan<'_>)],
+        job: &Job,
+        profile: bool,
+        submission: Option<Duration>,
+    ) -> Result<Renderer> {
+        let ready =
+            each(devices.len(), devices, |(device, plan)| DeviceRenderer::new(device, plan, job, profile, submission));
         Ok(Renderer { devices: ready.into_iter().collect::<Result<_>>()? })
-    }
-
-    /// Sets the time that a submission should take, after which the observer is asked.
-    pub fn set_submission_time(&mut self, time: Duration) {
-        self.devices.iter_mut().for_each(|device| device.set_submission_time(time));
     }
 
     /// Renders until the goal is reached. The observer follows with the outcome so far; fields that are known only at the end have their defaults. The
@@ -49,8 +50,8 @@ impl Renderer {
     /// # Errors
     /// `Error::Usage` if the film has another size than the job, or another scale than the scene. `Error::Device` if a device fails; the
     /// film then has what it had after the last snapshot. `Error::Dropped` if the observer returns [`Next::Drop`](super::observer::Next::Drop).
-    pub fn run(&mut self, job: &Job, film: &mut Film, observer: &mut dyn Observer) -> Result<Outcome> {
-        self.devices.iter().try_for_each(|device| device.check_film(job, film))?;
+    pub fn run(&mut self, job: &Job, film: &mut Accumulation, observer: &mut dyn Observer) -> Result<Outcome> {
+        self.devices.iter().try_for_each(|device| device.check_film(job, &film.film))?;
         let mut outcome = Outcome::default();
         let start = Instant::now();
         let processor = ThreadTime::now();
@@ -63,14 +64,14 @@ impl Renderer {
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut caller)?,
             Goal::Noise { .. } => self.render_noise(job, &mut caller)?,
         }
-        self.read_film(film)?;
+        self.read_film(&mut film.film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
         outcome.host_seconds += processor.elapsed().as_secs_f64();
-        for (name, seconds) in self.devices.iter().flat_map(|device| &device.stages().seconds) {
+        for (name, seconds) in self.devices.iter().flat_map(|device| &device.stages.seconds) {
             outcome.add_stage(name, *seconds);
         }
-        let idle: Option<Vec<f64>> = self.devices.iter().map(|device| device.stages().idle()).collect();
-        outcome.profile.idle = idle.map(|idle| idle.iter().sum::<f64>() / self.devices.len() as f64);
+        let idle: Option<Vec<f64>> = self.devices.iter().map(|device| device.stages.idle()).collect();
+        outcome.idle = idle.map(|idle| idle.iter().sum::<f64>() / self.devices.len() as f64);
         Ok(outcome)
     }
 
@@ -106,11 +107,13 @@ impl Renderer {
 /// An empty film for a render of this scene, of the part of the image that the scene's settings name.
 ///
 /// # Errors
-/// As of [`Film::with_sampler`], [`Film::with_aovs`] and [`Film::with_light_paths`].
+/// As of [`Film::with_sampler`] and [`Film::with_channels`].
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
     let Settings { film_left: left, film_top: top, image_width, image_height, .. } = scene.settings;
     let frame = Frame { part: Crop { left, top, width, height }, full: (image_width, image_height) };
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?.of_part(frame);
-    let film = film.not_sampling(scene.not_sampled).with_aovs(&options.aov, scene.space)?;
-    Ok(film.with_light_paths(scene.light_paths(options).count() > 0)?.with_lamps(&scene.lamps))
+    let has_light_paths = scene.light_paths(options).count() > 0;
+    let mut film = film.with_channels(&options.aov, scene.space, has_light_paths)?.with_lamps(&scene.lamps);
+    film.bound.not_sampled = scene.not_sampled;
+    Ok(film)
 }

@@ -7,12 +7,12 @@ use std::time::Instant;
 use super::observer::{Next, Observer, Snapshot};
 use super::outcome::Outcome;
 use super::tiles::Schedule;
-use crate::film::{Film, Totals};
+use crate::film::{Accumulation, Totals};
 use crate::job::{blocks, samples_of};
 
 /// The caller of a render: its film, its outcome so far, and who follows.
 pub struct Caller<'a> {
-    pub film: &'a mut Film,
+    pub film: &'a mut Accumulation,
     pub observer: &'a mut dyn Observer,
     pub start: Instant,
     pub outcome: &'a mut Outcome,
@@ -38,6 +38,11 @@ impl Caller<'_> {
         self.wants_complete |= next == Next::CompleteSnapshot;
         self.outcome.interrupted |= next == Next::Stop;
         next
+    }
+
+    /// Whether what is rendered now is not added to the film.
+    pub fn drops_film(&self) -> bool {
+        self.probe.is_some_and(|probe| probe.is_dropped)
     }
 
     /// Adds the totals of a submission, and returns the caller's decision.
@@ -126,7 +131,9 @@ impl<'a, 'b> SampleRange<'a, 'b> {
             let index = state.left.partition_point(|blocks| blocks.start < rest.start);
             state.left.insert(index, rest);
         }
-        state.caller.outcome.samples.add(samples_of(&rendered, &self.samples));
+        if !state.caller.drops_film() {
+            state.caller.film.samples.add(samples_of(&rendered, &self.samples));
+        }
         state.caller.wants_complete
     }
 

@@ -6,6 +6,7 @@ use super::pace::median;
 use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
 use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Stop, Sweep, coarsened};
 use crate::error::Result;
+use crate::metrics::error::floor_of;
 use crate::metrics::estimate::Estimate;
 
 /// The most pixels of an image. More pixels would not change the findings about the settings.
@@ -36,21 +37,12 @@ pub struct FullSize {
 }
 
 impl FullSize {
-    /// The ratios of a sweep that is itself at full size.
-    pub fn of_sweep(sweep: &Sweep<'_>) -> FullSize {
-        let images = sweep.subjects.first().map_or(Vec::new(), |defaults| defaults.images(LEVEL));
-        FullSize { slower: 1.0, noisier: 1.0, size: sweep.size, images, seconds_to_denoise: 0.0 }
-    }
-
-    /// The ratios if the full size was not measured: the time is assumed to grow with the number of pixels.
-    pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> FullSize {
-        FullSize {
-            slower: pixels_ratio(size, sweep.size),
-            noisier: 1.0,
-            size,
-            images: Vec::new(),
-            seconds_to_denoise: 0.0,
-        }
+    /// The ratios if the full size was not measured: the time is assumed to grow with the number of pixels. If the sweep itself is of this size,
+    /// it has the images.
+    pub fn assumed(sweep: &Sweep<'_>, size: (u32, u32)) -> FullSize {
+        let defaults = sweep.subjects.first().filter(|_| size == sweep.size);
+        let images = defaults.map_or(Vec::new(), |defaults| defaults.images(LEVEL));
+        FullSize { slower: pixels_ratio(size, sweep.size), noisier: 1.0, size, images, seconds_to_denoise: 0.0 }
     }
 
     /// The bias of the mean, and the squared bias of the pixels, of an image with smaller sides. The expectation of a
@@ -58,7 +50,7 @@ impl FullSize {
     /// nothing else is rendered. Images of another size would have another bias, because edges cover a larger share of
     /// a smaller image.
     pub fn lost_detail(&self, share: f64) -> Option<(Estimate, Estimate)> {
-        let weights = Weights::of_rounds(self.images.iter().enumerate().map(|(i, image)| (i, 1, image)))?;
+        let weights = Weights::of_rounds(self.images.iter().enumerate().map(|(i, image)| (i, 1, image)), floor_of)?;
         let coarse: Vec<Pixels> = self.images.iter().map(|image| coarsened(image, self.size, share)).collect();
         let signed = signed_bias(&coarse, &self.images, &weights.image)?;
         Some((signed, squared_bias(&coarse, &self.images, &weights, 1)?))
@@ -85,7 +77,7 @@ pub fn calibrate(sweep: &mut Sweep<'_>, full: (u32, u32), until: Instant, stop: 
     let sweep_seed = sweep.seed;
     let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
     let Some(block) = defaults.blocks_of(LEVEL).last() else { return Ok(None) };
-    let (compiling, setting, of_small) = (defaults.seconds_compile, defaults.setting.clone(), block.seconds);
+    let (compiling, setting, of_small) = (defaults.seconds_compile, defaults.setting.clone(), block.timed.seconds);
     let left = || until.saturating_duration_since(Instant::now()).as_secs_f64();
     // A pixel of a large image takes less time than one of a small image. One sample measures how much.
     let of_sample = of_small / f64::from(LEVEL) * pixels_ratio(full, sweep.size);
@@ -99,7 +91,7 @@ pub fn calibrate(sweep: &mut Sweep<'_>, full: (u32, u32), until: Instant, stop: 
     // The largest number of samples that there is time for.
     let fitting = |samples: &u32| {
         let small = of_small * (1.0 + f64::from(*samples) / f64::from(LEVEL));
-        f64::from(FEWEST_ROUNDS as u32) * (sample.seconds * f64::from(*samples) + small) <= left()
+        f64::from(FEWEST_ROUNDS as u32) * (sample.timed.seconds * f64::from(*samples) + small) <= left()
     };
     let samples = (0..u32::BITS).map(|halved| MOST_SAMPLES >> halved).take_while(|samples| *samples > 0).find(fitting);
     let Some(samples) = samples else { return Ok(None) };
@@ -111,12 +103,12 @@ pub fn calibrate(sweep: &mut Sweep<'_>, full: (u32, u32), until: Instant, stop: 
         let Some(timed) = sweep.image(0, LEVEL, seed, stop)? else { return Ok(None) };
         let Some(full) = large.image(0, samples, seed, stop)? else { return Ok(None) };
         let Some(small) = sweep.image(0, samples, seed, stop)? else { return Ok(None) };
-        slower.push(full.seconds / f64::from(samples) / (timed.seconds / f64::from(LEVEL)));
+        slower.push(full.timed.seconds / f64::from(samples) / (timed.timed.seconds / f64::from(LEVEL)));
         at_small.push(small.image);
         at_full_size.push(full.image);
     }
     let noise_of = |images: &[Pixels]| {
-        let weights = Weights::of_rounds(images.iter().enumerate().map(|(i, image)| (i, samples, image)))?;
+        let weights = Weights::of_rounds(images.iter().enumerate().map(|(i, image)| (i, samples, image)), floor_of)?;
         noise(images, &weights, 1)
     };
     let noisier = noise_of(&at_full_size).zip(noise_of(&at_small)).map_or(1.0, |(full, small)| ratio(full, small));

@@ -7,9 +7,9 @@ use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squa
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::data::luminance;
-use crate::metrics::error::{RELATIVE_FLOOR, mean_luminance};
+use crate::metrics::error::{RELATIVE_FLOOR, floor_of, mean_luminance};
 use crate::metrics::estimate::Estimate;
-use crate::metrics::flip::error_map;
+use crate::metrics::flip::{self, error_map};
 use crate::options::Class;
 use crate::render::NOISE_LEVEL;
 
@@ -251,7 +251,8 @@ fn measure(
     full_size: &FullSize,
     unreached: &str,
 ) -> Vec<(usize, Measured)> {
-    let seconds = sweep.subjects.iter().map(|subject| subject.blocks_of(LEVEL).iter().map(Block::timed).collect());
+    let seconds =
+        sweep.subjects.iter().map(|subject| subject.blocks_of(LEVEL).iter().map(|block| block.timed).collect());
     let seconds: Vec<Vec<Timed>> = seconds.collect();
     let timed: Vec<usize> = (0..seconds.len()).filter(|&i| seconds[i].len() >= FEWEST_ROUNDS).collect();
     let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>(), &sweep.clock).into_iter();
@@ -309,16 +310,16 @@ fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<(Weights, Wei
         let images = blocks.iter().enumerate();
         images.map(move |(i, block)| (i * rounds_between(samples), samples, &block.image))
     });
-    let own = Weights::of_rounds(blocks.clone())?;
-    let fixed = || Weights::with_floor(blocks, |_| RELATIVE_FLOOR);
+    let own = Weights::of_rounds(blocks.clone(), floor_of)?;
+    let fixed = || Weights::of_rounds(blocks, |_| RELATIVE_FLOOR);
     let Some(reference) = reference else { return Some((own, fixed()?)) };
     let errors = reference.error(&own).zip(Truth::of_subject(sweep, 0).and_then(|truth| truth.error(&own)));
     let noisier = errors.is_some_and(|(reference, own)| reference > own);
     match noisier {
         true => Some((own, fixed()?)),
         false => {
-            let of_reference = |floor| Weights::of_image_with(reference.image.clone(), floor);
-            Some((Weights::of_image(reference.image.clone()), of_reference(RELATIVE_FLOOR)))
+            let image = || reference.image.clone();
+            Some((Weights::of_image(image(), floor_of), Weights::of_image(image(), |_| RELATIVE_FLOOR)))
         }
     }
 }
@@ -355,10 +356,7 @@ fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
 
 /// The FLIP of the first image of each number of samples.
 fn flips(subject: &Subject, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f64)> {
-    let flip = |image: &Pixels| {
-        let map = error_map(size.0 as usize, image, &truth.image);
-        map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64
-    };
+    let flip = |image: &Pixels| flip::mean(&error_map(size.0 as usize, image, &truth.image));
     let first = |(samples, blocks): (&u32, &Vec<Block>)| Some((*samples, flip(&blocks.first()?.image)));
     subject.blocks.iter().filter_map(first).collect()
 }
@@ -481,7 +479,7 @@ mod tests {
         let share = |i: usize| [0.2126, 0.7152, 0.0722][i % 3];
         let mean_luminance = |of: &dyn Fn(usize) -> f64| 3.0 * mean(&|i| share(i) * of(i));
         let luminance = mean_luminance(&|i| values[i]);
-        let weights = Weights::of_image(weights);
+        let weights = Weights::of_image(weights, floor_of);
         let of_pixel = |i: usize| values[i] * values[i] + weights.floor;
         let biases: [&dyn Fn(usize) -> f64; 3] =
             [&|i| share(i) * of_pixel(i), &|i| if i == 17 { -1.0 } else { 0.0 }, &|i| (i as f64).sin() - 0.1];
@@ -503,13 +501,13 @@ mod tests {
     /// ln(1/level) paths cannot be distinguished from one that has it; a setting that misses more can.
     #[test]
     fn light_that_few_paths_bring_may_be_missed() {
-        let weights = Weights::of_image(vec![[0.05; 3]; 100]);
+        let weights = Weights::of_image(vec![[0.05; 3]; 100], floor_of);
         let (of_mean, of_squares) = unmet(800.0, 10, 0.01, &weights);
         let light = 0.01f64.recip().ln() * 800.0 / 16_000.0;
         // The floor is 0.01 times the square of the mean luminance.
         assert!((of_mean * 0.05 / light - 1.0).abs() < 1e-6 && (of_squares / (5.0 * light / 0.05) - 1.0).abs() < 1e-6);
         let missing = |share: f64| Estimate { value: -share * of_mean, error: 0.0, degrees: 9.0 }.beyond(of_mean);
         assert_eq!((missing(0.9).p(), missing(1.1).p()), (1.0, 0.0));
-        assert_eq!(unmet(1.0, 10, 0.01, &Weights::of_image(vec![[0.0; 3]; 4])).0, 0.0);
+        assert_eq!(unmet(1.0, 10, 0.01, &Weights::of_image(vec![[0.0; 3]; 4], floor_of)).0, 0.0);
     }
 }

@@ -95,10 +95,11 @@ fn quantile(values: &[f64], share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tradeoff::replicates::tests::Random;
 
     /// A machine whose speed changes: uniform numbers that are the same in every run of the test.
     struct Machine {
-        state: u64,
+        random: Random,
         now: f64,
         /// How much slower it is, and until when.
         load: f64,
@@ -107,22 +108,17 @@ mod tests {
 
     impl Machine {
         fn new(seed: u64) -> Machine {
-            Machine { state: seed, now: 0.0, load: 1.0, until: 0.0 }
-        }
-
-        fn uniform(&mut self) -> f64 {
-            self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((self.state >> 33) as f64 + 0.5) / (1u64 << 31) as f64
+            Machine { random: Random(seed), now: 0.0, load: 1.0, until: 0.0 }
         }
 
         /// Renders a block that takes so many seconds on the idle machine, with a jitter of 4 %. A load of up to 80 % comes and goes, and stays
         /// for `stays` seconds at a time.
         fn block(&mut self, seconds: f64, stays: f64) -> Timed {
             if self.now >= self.until {
-                self.load = if self.uniform() < 0.5 { 1.0 } else { 1.0 + 0.8 * self.uniform() };
-                self.until = self.now - stays * self.uniform().ln();
+                self.load = if self.random.uniform() < 0.5 { 1.0 } else { 1.0 + 0.8 * self.random.uniform() };
+                self.until = self.now - stays * self.random.uniform().ln();
             }
-            let took = seconds * self.load * (1.0 + 0.04 * (self.uniform() - 0.5));
+            let took = seconds * self.load * (1.0 + 0.04 * (self.random.uniform() - 0.5));
             let at = self.now + 0.5 * took;
             self.now += took;
             Timed { at, seconds: took }

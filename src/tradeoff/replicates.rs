@@ -5,7 +5,7 @@
 //! halves). Pixels that lose light count even if others gain the same amount. The noise of one replicate is half the squared
 //! difference of two.
 
-use crate::metrics::error::{floor_of, mean_luminance};
+use crate::metrics::error::mean_luminance;
 use crate::metrics::estimate::Estimate;
 
 /// An image of linear radiance, with row 0 at the top.
@@ -36,36 +36,18 @@ const FOLDS: usize = 5;
 
 impl Weights {
     /// Weights from an image that contains no replicate.
-    pub fn of_image(image: Pixels) -> Weights {
+    pub fn of_image(image: Pixels, floor_of: impl Fn(&[[f32; 3]]) -> f64) -> Weights {
         let floor = floor_of(&image);
-        Weights::of_image_with(image, floor)
-    }
-
-    /// The weights with another floor.
-    pub fn of_image_with(image: Pixels, floor: f64) -> Weights {
         Weights { of_folds: vec![inverse(&image, floor)], image, floor }
     }
 
     /// Weights from images with their rounds and numbers of samples. None if there are no images.
-    pub fn of_rounds<'a>(images: impl Iterator<Item = (usize, u32, &'a Pixels)>) -> Option<Weights> {
-        Weights::with_floor(images, floor_of)
-    }
-
-    /// The weights with another floor.
-    pub fn with_floor<'a>(
+    pub fn of_rounds<'a>(
         images: impl Iterator<Item = (usize, u32, &'a Pixels)>,
         floor_of: impl Fn(&[[f32; 3]]) -> f64,
     ) -> Option<Weights> {
-        let mut sums: [(Vec<[f64; 3]>, f64); FOLDS] = std::array::from_fn(|_| (Vec::new(), 0.0));
         let mut rounds = 0;
-        for (round, samples, image) in images {
-            rounds = rounds.max(round + 1);
-            let (sum, weight) = &mut sums[round % FOLDS];
-            let n = f64::from(samples);
-            sum.resize(image.len(), [0.0; 3]);
-            sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += n * f64::from(p[c])));
-            *weight += n;
-        }
+        let sums: [FoldSum; FOLDS] = sums_of_folds(images.inspect(|(round, ..)| rounds = rounds.max(round + 1)));
         let mean = |without: &[usize]| -> Option<Pixels> {
             let kept = || (0..FOLDS).filter(|fold| !without.contains(fold)).map(|fold| &sums[fold]);
             let total: f64 = kept().map(|(_, weight)| weight).sum();
@@ -96,6 +78,24 @@ impl Weights {
             folds => &folds[a % FOLDS * FOLDS + b % FOLDS],
         }
     }
+}
+
+/// The images of some rounds summed, each times its samples, and the sum of these.
+pub(super) type FoldSum = (Vec<[f64; 3]>, f64);
+
+/// The sums of images with their rounds and numbers of samples; the rounds are dealt to the folds in turn. A fold without images has no pixels.
+pub(super) fn sums_of_folds<'a, const N: usize>(
+    images: impl Iterator<Item = (usize, u32, &'a Pixels)>,
+) -> [FoldSum; N] {
+    let mut sums: [FoldSum; N] = std::array::from_fn(|_| (Vec::new(), 0.0));
+    for (round, samples, image) in images {
+        let (sum, weight) = &mut sums[round % N];
+        let n = f64::from(samples);
+        sum.resize(image.len(), [0.0; 3]);
+        sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += n * f64::from(p[c])));
+        *weight += n;
+    }
+    sums
 }
 
 /// In f64, because in f32 the weights of bright scenes would be subnormal, and those of dark ones infinite.
@@ -198,17 +198,19 @@ pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::metrics::error::floor_of;
 
     /// Noise of a standard deviation about a value, the same in every run of the test.
     pub(in crate::tradeoff) struct Random(pub u64);
 
     impl Random {
+        pub fn uniform(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((self.0 >> 33) as f64 + 0.5) / (1u64 << 31) as f64
+        }
+
         fn normal(&mut self) -> f64 {
-            let mut uniform = || {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                ((self.0 >> 33) as f64 + 0.5) / (1u64 << 31) as f64
-            };
-            (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
+            (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
         }
 
         pub fn images(&mut self, count: usize, mean: f64, deviation: f64) -> Vec<Pixels> {
@@ -226,7 +228,7 @@ pub(super) mod tests {
     }
 
     fn reference() -> Weights {
-        Weights::of_image(mean())
+        Weights::of_image(mean(), floor_of)
     }
 
     /// The number of times that the interval of an estimate holds the truth.
@@ -304,8 +306,9 @@ pub(super) mod tests {
     #[test]
     fn rare_bright_pixels_are_no_bias() {
         const VALUE: f64 = 0.2;
-        let weights_of =
-            |all: &[Pixels]| Weights::of_rounds(all.iter().enumerate().map(|(i, image)| (i, 16, image))).unwrap();
+        let weights_of = |all: &[Pixels]| {
+            Weights::of_rounds(all.iter().enumerate().map(|(i, image)| (i, 16, image)), floor_of).unwrap()
+        };
         let (mut apart, mut together) = (0, 0);
         for seed in 0..200 {
             let mut random = Random(1000 + seed);
@@ -328,7 +331,7 @@ pub(super) mod tests {
                 .map(|(a, b)| a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect())
                 .collect();
             let mean = weights_of(&joined).image;
-            together += u32::from(alarm(&Weights::of_image(mean)));
+            together += u32::from(alarm(&Weights::of_image(mean, floor_of)));
         }
         // The expected number is 2.5 % of 200 = 5; more than 14 occur once in 3,000 times.
         assert!(apart <= 14 && together > 100, "{apart}, and weighed by themselves {together}");
@@ -339,7 +342,8 @@ pub(super) mod tests {
         let image = |value: f32| -> Pixels { vec![[value; 3]] };
         for count in [3usize, 7, 12] {
             let all: Vec<Pixels> = (0..count).map(|i| image(2f32.powi(i as i32))).collect();
-            let weights = |all: &[Pixels]| Weights::of_rounds(all.iter().enumerate().map(|(i, p)| (i, 4, p))).unwrap();
+            let weights =
+                |all: &[Pixels]| Weights::of_rounds(all.iter().enumerate().map(|(i, p)| (i, 4, p)), floor_of).unwrap();
             let usual = weights(&all);
             for (a, b) in (0..count).flat_map(|a| (0..count).map(move |b| (a, b))) {
                 let mut other = all.clone();
@@ -348,6 +352,6 @@ pub(super) mod tests {
                 assert!(weights(&other).image != usual.image);
             }
         }
-        assert!(Weights::of_rounds(std::iter::empty()).is_none());
+        assert!(Weights::of_rounds(std::iter::empty(), floor_of).is_none());
     }
 }

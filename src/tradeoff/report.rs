@@ -107,14 +107,9 @@ pub fn class_name(class: Class) -> &'static str {
     }
 }
 
-/// A target as `1e-2`.
-fn target_name(target: f64) -> String {
-    format!("{target:e}")
-}
-
 /// A target in words, with the relative error that `render` would state of it.
 fn target_words(target: f64) -> String {
-    format!("a relative MSE of {} ({:.1} %)", target_name(target), 100.0 * target.sqrt())
+    format!("a relative MSE of {target:e} ({:.1} %)", 100.0 * target.sqrt())
 }
 
 /// A mean square error with two digits. It may be below 0 after the noise of the reference is subtracted.
@@ -136,12 +131,6 @@ pub fn time_text(seconds: Option<f64>) -> String {
         Some(s) if s >= 1e-3 => format!("{:.0} ms", 1e3 * s),
         Some(s) => format!("{:.0} µs", 1e6 * s),
     }
-}
-
-/// The efficiency relative to that of the defaults, or a dash if there is no noise.
-fn efficiency_text(measured: &Measured, defaults: f64) -> String {
-    let ratio = measured.efficiency() / defaults;
-    if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
 }
 
 /// The exponent of the noise, with its interval unless it is known.
@@ -408,7 +397,7 @@ impl Findings {
 
     /// The cells of the tables, below [`HEADINGS`].
     pub fn cells(&self, measured: &Measured) -> [String; HEADINGS.len()] {
-        let defaults = self.measured.first().map_or(1.0, Measured::efficiency);
+        let efficiency = measured.efficiency() / self.measured.first().map_or(1.0, Measured::efficiency);
         let [coarse, middle, fine] = measured.times.map(time_text);
         [
             measured.setting.name(),
@@ -423,7 +412,8 @@ impl Findings {
             seconds_text(measured),
             format!("{:.3}", measured.model.noise.noise),
             exponent_text(measured),
-            efficiency_text(measured, defaults),
+            // Without noise there is none.
+            if efficiency.is_finite() { format!("{efficiency:.2}") } else { "-".to_string() },
         ]
     }
 
@@ -464,7 +454,7 @@ impl Findings {
         for row in &mut rows {
             for (i, target) in TARGETS.into_iter().enumerate() {
                 let seconds = row["seconds_to"][i]["seconds"].clone();
-                row[format!("seconds_to_{}", target_name(target))] = seconds;
+                row[format!("seconds_to_{target:e}")] = seconds;
             }
             row["device"] = json!(self.device);
             row["driver"] = json!(self.driver);

@@ -10,13 +10,13 @@ use crate::aov::Aov;
 use crate::data;
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::{Accumulation, Film};
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Frame, Goal, Job};
 use crate::options::{Class, LightPaths, OptionSpec, RenderOptions};
 use crate::plan::{Plan, Tuning};
-use crate::render::{Accumulation, stopping};
+use crate::render::stopping;
 use crate::scene::Scene;
 use crate::session::Session;
 
@@ -80,16 +80,8 @@ impl Setting {
 #[derive(Clone, Debug)]
 pub struct Block {
     pub image: Pixels,
-    /// Only the time of the passes, without denoising, whose time does not grow with the samples.
-    pub seconds: f64,
-    /// The middle of that time, in seconds since the sweep began.
-    pub at: f64,
-}
-
-impl Block {
-    pub fn timed(&self) -> Timed {
-        Timed { at: self.at, seconds: self.seconds }
-    }
+    /// Only the time of the passes, since the sweep began, without denoising, whose time does not grow with the samples.
+    pub timed: Timed,
 }
 
 /// A setting under measurement.
@@ -97,7 +89,6 @@ pub struct Subject {
     pub setting: Setting,
     session: Session,
     film: Accumulation,
-    size: (u32, u32),
     /// The time to build its hierarchies and to compile its kernels.
     pub seconds_compile: f64,
     /// The blocks for each number of samples per pixel, in the order of the rounds. The n-th blocks of all subjects
@@ -134,7 +125,7 @@ pub struct Sweep<'a> {
     device: &'a Arc<Device>,
     scene: &'a Scene,
     /// Without it, settings that denoise are not measured.
-    denoiser: Option<&'a Denoiser>,
+    pub denoiser: Option<&'a Denoiser>,
     pub seed: u32,
     /// The number of rounds that all subjects have.
     rounds: usize,
@@ -172,7 +163,7 @@ impl Effect {
     }
 }
 
-impl Sweep<'_> {
+impl<'a> Sweep<'a> {
     /// The number of seeds before a sweep's own. They are reserved for images outside the rounds.
     pub const SEEDS_BEFORE: u32 = 4;
 
@@ -186,9 +177,7 @@ impl Sweep<'_> {
         other.wrapping_sub(seed.wrapping_sub(Self::SEEDS_BEFORE))
             <= Self::SEEDS_BEFORE + (MOST_ROUNDS * LEVELS.len()) as u32
     }
-}
 
-impl<'a> Sweep<'a> {
     /// An empty sweep over images of this size.
     pub fn new(device: &'a Arc<Device>, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
         Sweep {
@@ -204,11 +193,6 @@ impl<'a> Sweep<'a> {
             clock: Vec::new(),
             defaults: None,
         }
-    }
-
-    /// The sweep with a denoiser, which settings that denoise need.
-    pub fn denoised_by(self, denoiser: Option<&'a Denoiser>) -> Sweep<'a> {
-        Sweep { denoiser, ..self }
     }
 
     /// Compiles a setting; the first must be the defaults. A setting that changes nothing in this scene, or that the
@@ -250,7 +234,7 @@ impl<'a> Sweep<'a> {
         }
         let begin = Instant::now();
         let size = scaled(self.size, setting.scale);
-        let job = self.job(size, setting.max_depth, LEVEL, 0);
+        let job = job_of(size, setting.max_depth, LEVEL, 0);
         // What is measured here is to hold for renders that are longer.
         let mut options = setting.options.clone();
         options.scatter.get_or_insert(Tuning::scatter_of_long_renders(self.device.class()));
@@ -269,7 +253,6 @@ impl<'a> Sweep<'a> {
             session,
             total: film.film.clone(),
             film,
-            size,
             seconds_compile: begin.elapsed().as_secs_f64(),
             blocks: BTreeMap::new(),
         };
@@ -277,16 +260,11 @@ impl<'a> Sweep<'a> {
         Ok(Some(subject))
     }
 
-    fn job(&self, size: (u32, u32), max_depth: u32, samples: u32, seed: u32) -> Job {
-        Job { size, max_depth, seed, first_sample: 0, goal: Goal::Samples(samples) }
-    }
-
     /// Renders an image of one subject and enlarges it to the size of the sweep; none if the render was interrupted.
     pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: Stop<'_>) -> Result<Option<Block>> {
-        let Subject { size, setting, .. } = &self.subjects[subject];
-        let job = self.job(*size, setting.max_depth, samples, seed);
-        let full_size = self.size;
-        let Subject { session, film, size, setting, .. } = &mut self.subjects[subject];
+        let Subject { session, film, setting, .. } = &mut self.subjects[subject];
+        let size = scaled(self.size, setting.scale);
+        let job = job_of(size, setting.max_depth, samples, seed);
         film.clear();
         let begin = self.began.elapsed().as_secs_f64();
         session.render(&job, film, &mut stopping(stop))?;
@@ -296,10 +274,10 @@ impl<'a> Sweep<'a> {
         let (film, seconds) = (&film.film, session.outcome.seconds);
         let at = begin + 0.5 * seconds;
         let image = match self.denoiser.filter(|_| setting.denoise) {
-            Some(denoiser) => Layers::from_film(film).denoised(denoiser, *size)?,
+            Some(denoiser) => denoiser.denoise(&layers_of(film))?,
             None => film.develop().rgb,
         };
-        Ok(Some(Block { image: enlarged(&image, *size, full_size), seconds, at }))
+        Ok(Some(Block { image: enlarged(&image, size, self.size), timed: Timed { at, seconds } }))
     }
 
     /// The seconds that denoising an image of some size takes; none if no setting denoises. They do not depend on what the image shows. It is timed
@@ -307,13 +285,13 @@ impl<'a> Sweep<'a> {
     pub fn seconds_to_denoise(&self, size: (u32, u32), until: Instant) -> Result<Option<f64>> {
         let Some(subject) = self.subjects.iter().find(|subject| subject.setting.denoise) else { return Ok(None) };
         let Some(denoiser) = self.denoiser else { return Ok(None) };
-        let Layers { rgb, albedo, normal } = Layers::from_film(&subject.film.film);
-        let [rgb, albedo, normal] = [rgb, albedo, normal].map(|layer| enlarged(&layer, subject.size, size));
-        let layers = Layers { rgb, albedo, normal };
+        let Noisy { size: own, rgb, albedo, normal } = layers_of(&subject.film.film);
+        let enlarged = |layer: Pixels| enlarged(&layer, own, size);
+        let layers = Noisy { size, rgb: enlarged(rgb), albedo: albedo.map(enlarged), normal: normal.map(enlarged) };
         let mut least = f64::INFINITY;
         for _ in 0..TIMED {
             let begin = Instant::now();
-            layers.denoised(denoiser, size)?;
+            denoiser.denoise(&layers)?;
             least = least.min(begin.elapsed().as_secs_f64());
             if Instant::now() > until {
                 break;
@@ -351,14 +329,14 @@ impl<'a> Sweep<'a> {
                     }
                     if is_timed && (is_last || position % BLOCKS_A_CLOCK == 0) {
                         let Some(block) = self.image(0, level, seed, stop)? else { return Ok(()) };
-                        self.clock.push(block.timed());
+                        self.clock.push(block.timed);
                     }
                     if is_last {
                         break;
                     }
                     let Some(block) = self.image(subject, level, seed, stop)? else { return Ok(()) };
                     if subject == 0 && level == LEVEL {
-                        self.clock.push(block.timed());
+                        self.clock.push(block.timed);
                     }
                     let Subject { blocks, total, film, .. } = &mut self.subjects[subject];
                     total.merge(&film.film)?;
@@ -388,50 +366,42 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The samples per pixel in all blocks of a subject; none before the first block.
-    pub fn samples(&self, subject: usize) -> Option<u32> {
-        let blocks = &self.subjects.get(subject)?.blocks;
-        Some(blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()).filter(|samples| *samples > 0)
+    /// The samples per pixel in all blocks of a subject.
+    pub fn samples(&self, subject: usize) -> u32 {
+        self.subjects[subject].blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()
     }
 
     /// The expected time of a block, from the times of earlier ones.
     fn expected(&self, subject: usize, level: u32) -> Duration {
         let mut known = self.subjects[subject].blocks.iter().filter_map(|(samples, blocks)| {
             let last = blocks.last()?;
-            Some(last.seconds * f64::from(level) / f64::from(*samples))
+            Some(last.timed.seconds * f64::from(level) / f64::from(*samples))
         });
         Duration::from_secs_f64(known.next_back().unwrap_or(0.0))
     }
+}
+
+/// A render of so many samples of every pixel.
+fn job_of(size: (u32, u32), max_depth: u32, samples: u32, seed: u32) -> Job {
+    Job { size, max_depth, seed, first_sample: 0, goal: Goal::Samples(samples) }
 }
 
 /// The number of times that denoising is timed. The smallest time counts, because other load on the machine only adds to it.
 const TIMED: u32 = 3;
 
 /// The picture and the two layers that help to denoise it.
-struct Layers {
-    rgb: Pixels,
-    albedo: Pixels,
-    normal: Pixels,
-}
-
-impl Layers {
-    fn from_film(film: &Film) -> Layers {
-        let channels = film.aovs().channels();
-        let layer = |aov: Aov| -> Pixels {
-            let component = |index: usize, c: usize| {
-                let found = channels.iter().find(|channel| channel.aov == aov && channel.component == c);
-                found.map_or(0.0, |channel| film.channel(index, channel))
-            };
-            let pixels = film.width() as usize * film.height() as usize;
-            (0..pixels).map(|index| std::array::from_fn(|c| component(index, c))).collect()
+fn layers_of(film: &Film) -> Noisy {
+    let channels = film.aovs().channels();
+    let size = (film.width(), film.height());
+    let layer = |aov: Aov| -> Option<Pixels> {
+        let component = |index: usize, c: usize| {
+            let found = channels.iter().find(|channel| channel.aov == aov && channel.component == c);
+            found.map_or(0.0, |channel| film.channel(index, channel))
         };
-        Layers { rgb: film.develop().rgb, albedo: layer(Aov::Albedo), normal: layer(Aov::Normal) }
-    }
-
-    fn denoised(&self, denoiser: &Denoiser, size: (u32, u32)) -> Result<Pixels> {
-        let (albedo, normal) = (Some(self.albedo.as_slice()), Some(self.normal.as_slice()));
-        denoiser.denoise(&Noisy { size, rgb: &self.rgb, albedo, normal })
-    }
+        let pixels = size.0 as usize * size.1 as usize;
+        Some((0..pixels).map(|index| std::array::from_fn(|c| component(index, c))).collect())
+    };
+    Noisy { size, rgb: film.develop().rgb, albedo: layer(Aov::Albedo), normal: layer(Aov::Normal) }
 }
 
 /// The sides times a factor.

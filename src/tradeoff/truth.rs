@@ -1,6 +1,6 @@
 //! The reference image of the measurement, with its noise: a file, or the mean of the sweep's own images.
 
-use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean};
+use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean, sums_of_folds};
 use super::sweep::{Subject, Sweep};
 use crate::data::luminance;
 use crate::metrics::error::{mean_luminance, relative_variance};
@@ -62,30 +62,21 @@ impl Truth {
     fn joined(sweep: &Sweep<'_>, skipped: usize, takes: impl Fn(usize, &Subject) -> bool) -> Option<Truth> {
         // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves
         // share none, so that their difference measures the noise for any number of settings.
-        let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
-        let (mut sums, mut weights) = ([empty.clone(), empty], [0.0f64; 2]);
-        for (i, subject) in sweep.subjects.iter().enumerate() {
-            if !takes(i, subject) {
-                continue;
-            }
-            for (samples, blocks) in &subject.blocks {
-                for (round, block) in blocks.iter().enumerate().skip(skipped) {
-                    let n = f64::from(*samples);
-                    weights[round % 2] += n;
-                    for (sum, pixel) in sums[round % 2].iter_mut().zip(&block.image) {
-                        (0..3).for_each(|c| sum[c] += n * f64::from(pixel[c]));
-                    }
-                }
-            }
-        }
-        let [a, b] = weights;
+        let taken = sweep.subjects.iter().enumerate().filter(|(i, subject)| takes(*i, subject));
+        let blocks = taken.flat_map(|(_, subject)| &subject.blocks).flat_map(|(&samples, blocks)| {
+            let images = blocks.iter().enumerate().skip(skipped);
+            images.map(move |(round, block)| (round, samples, &block.image))
+        });
+        let [(mut even, a), (mut odd, b)] = sums_of_folds(blocks);
+        let count = even.len().max(odd.len());
+        [&mut even, &mut odd].into_iter().for_each(|sums| sums.resize(count, [0.0; 3]));
         let total = a + b;
         let mean = |(x, y): (&[f64; 3], &[f64; 3])| std::array::from_fn(|c| ((x[c] + y[c]) / total) as f32);
         // Var X = σ²/a and Var Y = σ²/b. The variance of their mean is σ²/(a + b) = ab/(a + b)² E (X - Y)².
         let variance = |(x, y): (&[f64; 3], &[f64; 3])| {
             std::array::from_fn(|c| ((x[c] / a - y[c] / b).powi(2) * a * b / (total * total)) as f32)
         };
-        let pixels = || sums[0].iter().zip(&sums[1]);
+        let pixels = || even.iter().zip(&odd);
         (total > 0.0).then(|| Truth {
             image: pixels().map(mean).collect(),
             variance: (a > 0.0 && b > 0.0).then(|| pixels().map(variance).collect()),
@@ -182,12 +173,13 @@ fn shrunk(image: &[[f32; 3]], width: u32, by: u32) -> Pixels {
 mod tests {
     use super::*;
     use crate::film::UNKNOWN_VARIANCE;
+    use crate::metrics::error::floor_of;
     use crate::tradeoff::replicates::tests::Random;
 
     const MEAN: f64 = 0.5;
 
     fn weights() -> Weights {
-        Weights::of_image(vec![[MEAN as f32; 3]; 400])
+        Weights::of_image(vec![[MEAN as f32; 3]; 400], floor_of)
     }
 
     /// An image and its variance, from two noisy halves.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gpu_rt::data::Sampler;
-use gpu_rt::film::{Film, Picture};
+use gpu_rt::film::{Accumulation, Film, Picture};
 use gpu_rt::identity::Identity;
 use gpu_rt::output::exr::{Attribute, State, write_exr, write_render};
 use gpu_rt::samples::Samples;
@@ -37,10 +37,10 @@ pub fn images() -> Vec<(String, Vec<u8>)> {
     let settings = [("size".to_owned(), "5x3".to_owned())].into_iter().collect();
     let [version, kernels, scene] = ["1", "kernels", "scene"].map(str::to_owned);
     let identity = Identity { version, kernels, scene, assets: vec![("a.png".to_owned(), "1".to_owned())], settings };
-    let mut samples = Samples::default();
-    samples.add(0..16);
-    let state = State::new(identity, vec![("device".to_owned(), "driver".to_owned())], &film, samples, 0);
-    write_render(&at("render.state.exr"), &film, &[], Some(&state), || Ok(())).expect("the image is written");
+    let (samples, devices) = (Samples::from(0..16), vec![("device".to_owned(), "driver".to_owned())]);
+    let film = Accumulation { samples, devices, ..Accumulation::empty(film) };
+    let state = State::new(identity, &film);
+    write_render(&at("render.state.exr"), &film.film, &[], Some(&state), || Ok(())).expect("the image is written");
     images.extend(files(folder.path()));
     images
 }

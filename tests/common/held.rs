@@ -84,7 +84,7 @@ impl Replicates {
                 None => shot.film,
             };
             // A film that knows the lamps in view knows their error by their size, which would hide a planted one.
-            let so_far = if change.library.is_some() { so_far.having_lamps(Vec::new()) } else { so_far };
+            let so_far = if change.library.is_some() { so_far.with_lamps(&[]) } else { so_far };
             let level = level_after(of_seed.len() as u32);
             of_seed.push(Replicate {
                 image: so_far.develop().rgb.iter().map(|rgb| rgb.map(f64::from)).collect(),

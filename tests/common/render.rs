@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
-use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
+use gpu_rt::film::{Accumulation, Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::layout;
@@ -14,7 +14,8 @@ use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job, blocks};
 use gpu_rt::options::{Filter, Integrator, LightPaths, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged, Tuning};
-use gpu_rt::render::{Accumulation, Next, Observer, Outcome, following};
+use gpu_rt::render::{self, Next, Observer, following};
+use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 use gpu_rt::session::Session;
 
@@ -115,6 +116,21 @@ pub struct Shot {
     pub picture: Picture,
     pub outcome: Outcome,
     pub sampler: Sampler,
+}
+
+/// The outcome of a render, and the samples that it has added to every pixel.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub samples: Samples,
+    of_render: render::Outcome,
+}
+
+impl std::ops::Deref for Outcome {
+    type Target = render::Outcome;
+
+    fn deref(&self) -> &render::Outcome {
+        &self.of_render
+    }
 }
 
 /// A mean over pixels, by channel.
@@ -241,7 +257,8 @@ pub fn render_with(
         let mut watch = Watchdog::new(job.max_depth);
         let mut observer = following(|outcome, _| watch.observe(outcome));
         session.render(&job, &mut film, &mut observer).expect("the device renders");
-        let (film, outcome) = (film.film, std::mem::take(&mut session.outcome));
+        let outcome = Outcome { samples: film.samples, of_render: std::mem::take(&mut session.outcome) };
+        let film = film.film;
         take(Shot { picture: film.develop(), film, outcome, sampler: request.options.sampler });
     }
 }
@@ -273,7 +290,8 @@ pub fn render_job(
 ) -> (Film, Outcome) {
     let flat = flatten(scene, job.size, options).expect("the scene flattens");
     let film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
-    let mut film = film.not_sampling(flat.not_sampled).with_lamps(&flat.lamps);
+    let mut film = film.with_lamps(&flat.lamps);
+    film.bound.not_sampled = flat.not_sampled;
     let outcome = render_flat(flat, options, job, &mut film, change, observer);
     (film, outcome)
 }
@@ -309,7 +327,7 @@ pub fn render_in(session: &mut Session, job: &Job, film: &mut Film, observer: &m
     let mut onto = Accumulation { checks, ..Accumulation::empty(std::mem::replace(film, one_pixel())) };
     session.render(job, &mut onto, observer).expect("the device renders");
     *film = onto.film;
-    std::mem::take(&mut session.outcome)
+    Outcome { samples: onto.samples, of_render: std::mem::take(&mut session.outcome) }
 }
 
 /// A film of one pixel.
@@ -358,7 +376,7 @@ impl Watchdog {
         Watchdog { patience: u64::from(RUN_LENGTH) * (u64::from(max_depth) + 1) + 16, idle: 0, paths: 0 }
     }
 
-    fn observe(&mut self, outcome: &Outcome) -> Next {
+    fn observe(&mut self, outcome: &render::Outcome) -> Next {
         let paths = outcome.totals.paths + outcome.totals.light_paths.iter().sum::<u64>();
         self.idle = if paths > self.paths { 0 } else { self.idle + 1 };
         self.paths = paths;
@@ -406,7 +424,7 @@ impl Shot {
     /// filter is not.
     fn check(&self, size: (u32, u32), filter: Filter) {
         let (pixels, spp) = (u64::from(size.0) * u64::from(size.1), self.outcome.samples.count());
-        let totals = self.film.totals();
+        let totals = self.film.totals;
         assert_eq!(totals.paths, pixels * spp, "camera samples");
         assert_eq!(totals.rejected.total(), 0, "{:?}", totals.rejected);
         assert_eq!((self.picture.width, self.picture.height), size, "size of the picture");

@@ -105,6 +105,6 @@ pub fn plant(sweep: &mut Sweep<'_>, subject: usize, factor: f32) -> BTreeMap<u32
 }
 
 pub fn judged(sweep: &mut Sweep<'_>, reference: Option<&Truth>) -> Judged {
-    let full_size = FullSize::of_sweep(sweep);
+    let full_size = FullSize::assumed(sweep, sweep.size);
     judge(sweep, reference, &full_size, "")
 }

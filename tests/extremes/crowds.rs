@@ -82,7 +82,7 @@ fn coincident_cell(name: &str, count: usize, body: &str) -> Cell {
 fn too_many(count: usize, body: &str) -> Cell {
     let scene = scene(CAMERA, 1.0, &crowd(body, count, "grey"));
     let shot = render_planted(&scene, &Request::spp(8).size(8, 8), &Overlay::new(&[]));
-    let totals = shot.film.totals();
+    let totals = shot.film.totals;
     Cell::new(
         format!("{count} coincident meshes"),
         "Share of samples that are cut short; `check` may warn instead",

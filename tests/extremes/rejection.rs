@@ -111,8 +111,8 @@ pub fn cells() -> Vec<Cell> {
             0.0,
             "none, because each is rejected separately, for its own reason.",
         )
-        .achieved(misplaced(own.totals()));
-        all.push(plant(counts, &|| wrong(&|film| misplaced(film.totals()))));
+        .achieved(misplaced(own.totals));
+        all.push(plant(counts, &|| wrong(&|film| misplaced(film.totals))));
         let colours = Cell::new(
             &range,
             "Pixels of 128 that do not have exactly the sky's colour",
@@ -130,7 +130,7 @@ pub fn cells() -> Vec<Cell> {
 fn injected_samples_are_dropped_and_counted_by_reason_and_pixel() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
         let film = broken_sky(scatter, &[]);
-        let totals = film.totals();
+        let totals = film.totals;
         assert_eq!(totals.paths, u64::from(WIDTH * HEIGHT * SAMPLES));
         assert_eq!(misplaced(totals), 0.0, "{scatter:?}: {totals:?}");
         let sandbox = tempfile::tempdir().expect("a temporary folder");

@@ -131,8 +131,8 @@ fn forced() -> Vec<Cell> {
         let change = Change { library: Some(&library), ..Change::default() };
         render_with(&scene, &request, codes, &change, |shot| shots.push(shot));
         for (block, shots) in BLOCKS.iter().zip(shots.chunks(CODES as usize)) {
-            let rejected: u64 = shots.iter().map(|shot| shot.film.totals().rejected.total()).sum();
-            let paths: u64 = shots.iter().map(|shot| shot.film.totals().paths).sum();
+            let rejected: u64 = shots.iter().map(|shot| shot.film.totals.rejected.total()).sum();
+            let paths: u64 = shots.iter().map(|shot| shot.film.totals.paths).sum();
             assert_eq!(paths, 8 * 8 * u64::from(CODES * RUN_LENGTH));
             all.push(
                 cell(

@@ -2,6 +2,7 @@
 
 use crate::common::film::{AddRuns, Run, Splat, to_fixed};
 use crate::common::stats::{Random, one_sample_t};
+use gpu_rt::aov::{Aovs, SceneSpace};
 use gpu_rt::data::{ODD_RUN, Sampler};
 use gpu_rt::film::{Film, Totals, UNKNOWN_VARIANCE};
 use gpu_rt::output::exr::{read_exr, write_exr};
@@ -211,7 +212,7 @@ fn variance_with_light_paths_is_unbiased() {
     for (sampler, found_error) in [(Sampler::Independent, 0.02), (Sampler::Sobol, 0.08)] {
         let mut random = Random(21);
         let film = Film::with_sampler(PIXELS / 100, 100, 0, sampler).unwrap();
-        let mut film = film.with_light_paths(true).unwrap();
+        let mut film = film.with_channels(&Aovs::default(), SceneSpace::default(), true).unwrap();
         let (mut runs, mut splats) = (Vec::new(), Vec::new());
         for number in 0..16 * PIXELS {
             let value = [random.uniform() as f32; 3];
@@ -536,7 +537,7 @@ fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
     assert_eq!(picture.rgb, [[1.0; 3], [0.0; 3]]);
     assert_eq!(picture.samples, [10, 0]);
     assert_eq!(picture.rejected, [6, 8]);
-    let totals = film.totals();
+    let totals = film.totals;
     assert_eq!((totals.paths, totals.rays), (24, 60));
     assert_eq!((totals.rejected.nan, totals.rejected.infinite, totals.rejected.refused), (3, 11, 0));
     assert_eq!(totals.rejected.total(), 14);
@@ -561,8 +562,8 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
             (&picture.rgb, &picture.variance, &picture.samples),
             (&expected.rgb, &expected.variance, &expected.samples)
         );
-        assert_eq!(film.totals().rejected.refused, 8, "{record:?}");
-        assert_eq!(film.totals().paths, 32);
+        assert_eq!(film.totals.rejected.refused, 8, "{record:?}");
+        assert_eq!(film.totals.paths, 32);
         assert_eq!(picture.rejected[0], 8);
     }
     // A pixel outside the image is left out.
@@ -572,7 +573,7 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
     // Finite samples whose f32 sum overflows are infinite, not refused.
     let mut film = film(2, 1, &good);
     film.add_runs(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
-    assert_eq!((film.totals().rejected.infinite, film.totals().rejected.refused), (8, 0));
+    assert_eq!((film.totals.rejected.infinite, film.totals.rejected.refused), (8, 0));
     assert_eq!(film.develop().rgb, expected.rgb);
 }
 

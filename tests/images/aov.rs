@@ -274,10 +274,10 @@ fn direct_and_indirect_radiance_add_up_to_the_radiance() {
                     let rounding = 1e-6 * all.max(once);
                     assert!(
                         near(direct[c], once, rounding),
-                        "{name}, {scatter}: pixel {pixel}: {} for {once}",
+                        "{name}, {scatter:?}: pixel {pixel}: {} for {once}",
                         direct[c]
                     );
-                    assert!(near(direct[c] + indirect[pixel][c], all, rounding), "{name}, {scatter}: pixel {pixel}");
+                    assert!(near(direct[c] + indirect[pixel][c], all, rounding), "{name}, {scatter:?}: pixel {pixel}");
                     assert!(indirect[pixel][c] >= 0.0);
                 }
             }
@@ -297,7 +297,7 @@ fn channels_are_exact_and_leave_the_radiance_as_it_is() {
         let full = render(&scene, &request);
         let expected = words(&full);
         for scatter in [Scatter::Linked, Scatter::Queues] {
-            assert!(words(&render(&scene, &request.clone().scatter(scatter))) == expected, "{scatter}");
+            assert!(words(&render(&scene, &request.clone().scatter(scatter))) == expected, "{scatter:?}");
         }
         let mut joined = render(&scene, &Request { samples: Some(0..8), ..request.clone() });
         joined

@@ -4,18 +4,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use gpu_rt::data::RUN_LENGTH;
-use gpu_rt::film::Film;
+use gpu_rt::film::{Accumulation, Film};
 use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Observer, Outcome, following};
+use gpu_rt::render::{Next, Observer, following};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 use gpu_rt::session::Session;
 
 use crate::common::device::software;
-use crate::common::render::{one_pixel, render_in};
+use crate::common::render::{Outcome, one_pixel, render_in};
 
 const SIZE: (u32, u32) = (29, 21);
 
@@ -33,7 +33,7 @@ fn render(
     let options =
         |device: u32| RenderOptions { slots: Some(64 << device), bounces: Some(3), ..RenderOptions::default() };
     let flat = flatten(&scene, SIZE, &options(0)).expect("the scene flattens");
-    if film.totals().paths == 0 {
+    if film.totals.paths == 0 {
         let empty = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, options(0).sampler);
         *film = empty.expect("the film fits");
     }
@@ -65,9 +65,9 @@ fn fill(film: &mut Film, samples: &Samples, end: u32) {
 }
 
 /// Each pixel has the samples of the outcome.
-fn has_samples(film: &Film, outcome: &Outcome) {
-    let samples = outcome.samples.count() as u32;
-    assert!(film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
+fn has_samples(film: &Film, samples: &Samples) {
+    let count = samples.count() as u32;
+    assert!(film.develop().samples.iter().all(|n| *n == count), "{samples:?}");
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn devices_share_a_film() {
         });
         let outcome = render(devices, 0, Goal::Samples(200), tile, &mut film, &mut observer);
         assert!(film == full, "{devices} devices, {tile:?}");
-        assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
+        assert_eq!((outcome.totals, outcome.samples), (film.totals, Samples::from(0..200)));
         assert!(calls > 0);
     }
     // That films can differ at all is seen of other samples.
@@ -94,11 +94,11 @@ fn devices_share_a_film() {
 fn a_complete_film_of_devices_has_equal_samples_in_all_pixels() {
     for (devices, tile) in [(2, None), (3, Some(97))] {
         let (mut film, mut snapshots, mut calls) = (one_pixel(), Vec::new(), 0);
-        let mut observer = following(|outcome, snapshot| {
+        let mut observer = following(|_, snapshot| {
             if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                has_samples(snapshot.film, outcome);
-                assert_eq!(snapshot.film.totals(), outcome.totals);
-                snapshots.push((outcome.samples.clone(), snapshot.film.clone()));
+                let Accumulation { film, samples, .. } = snapshot.film;
+                has_samples(film, samples);
+                snapshots.push((samples.clone(), film.clone()));
                 return Next::GoOn;
             }
             calls += 1;
@@ -125,7 +125,7 @@ fn devices_that_are_stopped_leave_equal_samples_in_all_pixels() {
         });
         let outcome = render(3, 0, Goal::Samples(4096), None, &mut film, &mut observer);
         assert!(outcome.interrupted && outcome.samples.count() < 4096, "{:?}", outcome.samples);
-        has_samples(&film, &outcome);
+        has_samples(&film, &outcome.samples);
         let ends = outcome.samples.ranges().iter().flat_map(|range| [range.start, range.end]);
         assert!(ends.into_iter().all(|end| end.is_multiple_of(RUN_LENGTH)), "{:?}", outcome.samples);
         let end = outcome.samples.range().end;

@@ -393,7 +393,7 @@ fn roulette_changes_no_expectation() {
         let off = render(&scene, &request);
         let request = request.roulette();
         let on = render(&scene, &request);
-        let saved = 1.0 - on.film.totals().rays as f64 / off.film.totals().rays as f64;
+        let saved = 1.0 - on.film.totals.rays as f64 / off.film.totals.rays as f64;
         let wrong = render_planted(&scene, &request, &unweighted);
         let lost = 1.0 - wrong.mean_of_all().value[0] / off.mean_of_all().value[0];
         println!("{name}: roulette saves {saved:.3} of the rays; unweighted it loses {lost:.4} of the light");

@@ -61,7 +61,7 @@ fn shows(filter: Filter, shot: &Shot) -> Result<(), String> {
         let t = if off < 1e-6 { 0.0 } else { off / mean.variance[0].sqrt() };
         let p = student_two_sided(t, mean.degrees[0]);
         if p.is_nan() || p < sidak(1e-6, 8) {
-            return Err(format!("{filter}: column {column} is {} for {expected}, t = {t:.1}", mean.value[0]));
+            return Err(format!("{filter:?}: column {column} is {} for {expected}, t = {t:.1}", mean.value[0]));
         }
     }
     Ok(())
@@ -73,7 +73,7 @@ fn an_edge_shows_the_integral_of_the_filter() {
         let shot = filtered(filter, 4096, EDGE);
         shows(filter, &shot).unwrap_or_else(|error| panic!("{error}"));
         for other in FILTERS.into_iter().filter(|other| *other != filter) {
-            assert!(shows(other, &shot).is_err(), "{filter} passes as {other}");
+            assert!(shows(other, &shot).is_err(), "{filter:?} passes as {other:?}");
         }
     }
 }
@@ -94,7 +94,7 @@ fn no_filter_changes_constant_radiance() {
                 let expected = (1.069971f64.powi(4) - 1.0) / (64.0 * 1024.0);
                 assert!((mean.variance[0] / expected - 1.0).abs() < 0.1, "{mean:?} for {expected:e}");
             }
-            _ => assert!(shot.picture.rgb.iter().all(|pixel| *pixel == [1.0; 3]), "{filter}"),
+            _ => assert!(shot.picture.rgb.iter().all(|pixel| *pixel == [1.0; 3]), "{filter:?}"),
         }
     }
 }
@@ -108,9 +108,9 @@ fn negative_pixels_are_exact_too() {
         let cut = Request::spp(64).with(|options| {
             (options.filter, options.scatter, options.slots) = (Filter::Mitchell, Some(scatter), Some(slots));
         });
-        assert!(render(&scene(EDGE), &cut).film == full.film, "{scatter} with {slots} slots");
+        assert!(render(&scene(EDGE), &cut).film == full.film, "{scatter:?} with {slots} slots");
     }
-    let mut read = Film::with_sampler(8, 4, full.film.exponent(), full.film.sampler()).expect("it fits");
+    let mut read = Film::with_sampler(8, 4, full.film.exponent, full.film.sampler).expect("it fits");
     (0..32).for_each(|index| read.add_words(index, &full.film.words(index)));
     assert_eq!(read.develop(), full.film.develop());
 }

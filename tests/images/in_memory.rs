@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use crate::common::device::{index, open, software};
 use crate::common::render::{Request, render, scene};
+use gpu_rt::film::Accumulation;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Frame, Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::render::Accumulation;
 use gpu_rt::session::Session;
 use gpu_rt::{RenderSettings, Scene, render_scene};
 

@@ -32,7 +32,7 @@ fn bounds_hold_where_few_samples_see_a_lamp() {
         let squares = pairs.map(|(i, r)| (f64::from(*i) - f64::from(*r)).powi(2) / (f64::from(*r).powi(2) + floor));
         let error = (squares.sum::<f64>() / reference.as_flattened().len() as f64).sqrt();
         held += u32::from(error <= shot.film.error_estimate(NOISE_LEVEL).expect("there is light").bound);
-        let alone = shot.film.having_lamps(Vec::new()).error_estimate(NOISE_LEVEL).expect("there is light");
+        let alone = shot.film.with_lamps(&[]).error_estimate(NOISE_LEVEL).expect("there is light");
         reliable_alone += u32::from(alone.reliable);
         held_alone += u32::from(alone.reliable && error <= alone.bound);
     });

@@ -172,7 +172,7 @@ fn light_paths_from_parts_change_no_expectation() {
     for (name, _, scene) in pictures(folder.path(), glass) {
         let alone = render(&scene, &Request::spp(1024).seed(1).mis());
         let shot = render(&scene, &Request::spp(512).seed(2).mis().light_paths(8));
-        assert!(shot.film.totals().light_paths[0] > 0, "{name}: no light path was traced");
+        assert!(shot.film.totals.light_paths[0] > 0, "{name}: no light path was traced");
         agree(name, &alone, &shot, ROUNDING);
     }
 }

@@ -142,7 +142,7 @@ fn parts_cut_within_a_run_join_to_the_full_render_but_for_rounding() {
     let (_files, scene) = everything();
     let shots = render_each(&scene, &Request::default(), &[0..32, 0..5, 5..19, 19..32]);
     let all = joined([&shots[1].film, &shots[2].film, &shots[3].film]);
-    assert_eq!(all.totals(), shots[0].film.totals());
+    assert_eq!(all.totals, shots[0].film.totals);
     let picture = all.develop();
     assert_eq!(picture.samples, shots[0].picture.samples);
     let differ = |bound: f32| {
@@ -162,7 +162,7 @@ fn powers_of_two_of_the_radiance_scale_the_image_exactly() {
         let world = World { brightness, ..World::default() };
         let scaled = |world: World| {
             let shot = render(&files.scene(world), &Request::spp(16));
-            assert_eq!(shot.film.totals(), usual.film.totals(), "paths and rays");
+            assert_eq!(shot.film.totals, usual.film.totals, "paths and rays");
             shot.picture
         };
         let times = |v: f32, factor: f64| (f64::from(v) * factor) as f32;

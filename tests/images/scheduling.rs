@@ -10,12 +10,12 @@ use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Observer, Outcome, following};
+use gpu_rt::render::{Next, Observer, following};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
 use crate::common::device;
-use crate::common::render::{render_job, render_onto};
+use crate::common::render::{Outcome, render_job, render_onto};
 
 const SIZE: (u32, u32) = (29, 21);
 
@@ -55,7 +55,7 @@ fn render_until(
         used = plan.tuning.tile;
     };
     let (film, outcome) = render_job(&cover(), options, &job, Sampler::Sobol, change, observer);
-    assert_eq!(film.totals(), outcome.totals);
+    assert_eq!(film.totals, outcome.totals);
     (film, outcome, used)
 }
 
@@ -110,7 +110,7 @@ fn pace_probes_and_goals_do_not_show() {
     for tile in [None, Some(97)] {
         for goal in goals() {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut ());
-            assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
+            assert!(!outcome.samples.is_empty() && film.totals == outcome.totals);
             let full = full(&options, outcome.samples.range());
             assert!(film.develop().samples == full.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
@@ -152,9 +152,10 @@ fn snapshots_do_not_show() {
         let (mut snapshots, mut paths) = (0, 0);
         let mut observer = following(|outcome, snapshot| {
             if let Some(snapshot) = snapshot {
-                let picture = snapshot.film.develop();
+                let film = &snapshot.film.film;
+                let picture = film.develop();
                 let seen: u64 = picture.samples.iter().map(|n| u64::from(*n)).sum();
-                assert_eq!((snapshot.film.totals(), seen), (outcome.totals, outcome.totals.paths));
+                assert_eq!((film.totals, seen), (outcome.totals, outcome.totals.paths));
                 snapshots += 1;
                 paths = paths.max(seen);
             }
@@ -201,12 +202,12 @@ fn a_complete_film_has_equal_samples_in_all_pixels() {
     let each: Vec<Film> = (1..=5).map(|runs| full(&options, 0..RUN_LENGTH * runs)).collect();
     for tile in [None, Some(97)] {
         let (mut calls, mut seen) = (0, Vec::new());
-        let mut observer = following(|outcome, snapshot| {
+        let mut observer = following(|_, snapshot| {
             if let Some(snapshot) = snapshot.filter(|snapshot| snapshot.is_complete) {
-                let end = outcome.samples.range().end;
+                let end = snapshot.film.samples.range().end;
                 seen.push(end);
                 assert!(
-                    end.is_multiple_of(RUN_LENGTH) && *snapshot.film == each[(end / RUN_LENGTH) as usize - 1],
+                    end.is_multiple_of(RUN_LENGTH) && snapshot.film.film == each[(end / RUN_LENGTH) as usize - 1],
                     "{end}"
                 );
             }

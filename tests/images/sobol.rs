@@ -4,14 +4,14 @@ use std::path::Path;
 
 use crate::common::held::{BULB, Held, Replicates};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Change, Request, Shot, render, render_job, scene};
+use crate::common::render::{Change, Outcome, Request, Shot, render, render_job, scene};
 use crate::common::rooms::{THINGS, room};
 use crate::common::stats::one_sample_t;
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::render::{NOISE_LEVEL, Outcome, level_after, samples_at_check};
+use gpu_rt::render::{NOISE_LEVEL, level_after, samples_at_check};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 

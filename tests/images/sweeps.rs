@@ -4,6 +4,7 @@ use crate::common::device;
 use crate::common::render::{Request, render};
 use crate::common::sweeps::{ROOM, SKY, judged, lamp, measure, plant, scene, unbiased};
 
+use gpu_rt::metrics::error::floor_of;
 use gpu_rt::options::{CLAMP, LIGHT_PATHS, LightPaths, RenderOptions, SIZE};
 use gpu_rt::tradeoff::extent::FullSize;
 use gpu_rt::tradeoff::judge::{judge, recommended};
@@ -216,9 +217,10 @@ fn lost_detail_is_computed_without_rendering_it() {
     let images = |subject: usize| -> Vec<Pixels> {
         sweep.subjects[subject].blocks[&16].iter().map(|block| block.image.clone()).collect()
     };
-    let weights = Weights::of_rounds(images(0).iter().enumerate().map(|(i, image)| (i, 16, image))).expect("images");
+    let weights =
+        Weights::of_rounds(images(0).iter().enumerate().map(|(i, image)| (i, 16, image)), floor_of).expect("images");
     let rendered = squared_bias(&images(1), &images(0), &weights, 1).expect("eight rounds");
-    let (_, computed) = FullSize::of_sweep(&sweep).lost_detail(0.5).expect("eight images");
+    let (_, computed) = FullSize::assumed(&sweep, sweep.size).lost_detail(0.5).expect("eight images");
     let error = rendered.error.hypot(computed.error);
     // Five standard errors: once in 700 times with 7 degrees of freedom, and the seed is pinned.
     assert!(
@@ -229,7 +231,7 @@ fn lost_detail_is_computed_without_rendering_it() {
     let found = judged(&mut sweep, None).measured;
     assert!(found[1].squared == computed && found[1].verdict().contains("loses detail"), "{:?}", found[1]);
     // Without images of the full size nothing is said of it.
-    let unknown = FullSize::unknown(&sweep, (96, 96));
+    let unknown = FullSize::assumed(&sweep, (96, 96));
     assert_eq!(judge(&mut sweep, None, &unknown, "").measured.len(), 1);
     assert!(sweep.unmeasured.iter().any(|left| left.why.contains("images of full size")));
 }
@@ -255,7 +257,7 @@ fn settings_that_only_add_noise_are_not_called_biased() {
 
         measure(&mut other, 501 + 1000 * number, 2);
         let mut reference = Truth::pooled(&other, None).expect("there are images");
-        let itself = Weights::of_image(reference.image.clone());
+        let itself = Weights::of_image(reference.image.clone(), floor_of);
         let own = reference.error(&itself).expect("of two halves");
         let noise = found[0].model.error(16.0);
         assert!((0.05..2.0).contains(&(own / noise)), "the reference's noise is {own:e}, an image's {noise:e}");

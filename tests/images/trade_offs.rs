@@ -428,8 +428,8 @@ fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
             let options = ["--clamp", clamp, "--max-depth", depth, "--spp", "16", "--integrator", integrator];
             bits(&sandbox.render(&scene, &options).image)
         };
-        assert!(shot("1e-3", "1") == shot("off", "1"), "{integrator}");
-        assert!(shot("1e-3", "2") != shot("off", "2"), "{integrator}");
+        assert!(shot("1e-3", "1") == shot("off", "1"), "{integrator:?}");
+        assert!(shot("1e-3", "2") != shot("off", "2"), "{integrator:?}");
     }
 }
 

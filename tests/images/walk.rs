@@ -59,11 +59,7 @@ fn a_walk_is_right_or_counted_as_cut_short() {
         for (count, is_cut) in [(30_000, false), (100_000, limited), (250_000, true)] {
             let film = render(LAMP, count, scatter);
             let cut = if is_cut { 8 } else { 0 };
-            assert_eq!(
-                (film.totals().rejected.cut, film.totals().rejected.total()),
-                (cut, cut),
-                "{scatter:?}, {count}"
-            );
+            assert_eq!((film.totals.rejected.cut, film.totals.rejected.total()), (cut, cut), "{scatter:?}, {count}");
             assert_eq!(u64::from(film.develop().samples[0]), 8 - cut, "{scatter:?}, {count}");
             if !is_cut {
                 assert_eq!(film.develop().rgb[0], [1.0; 3], "{scatter:?}, {count}");
@@ -77,7 +73,7 @@ fn a_walk_is_right_or_counted_as_cut_short() {
 fn a_walk_that_passes_all_is_right_or_counted_as_cut_short() {
     for (count, cut) in [(30_000, 0), (250_000, 8)] {
         let film = render(NOTHING, count, Scatter::Fused);
-        assert_eq!((film.totals().rejected.cut, film.totals().rejected.total()), (cut, cut), "{count}");
+        assert_eq!((film.totals.rejected.cut, film.totals.rejected.total()), (cut, cut), "{count}");
         assert!(cut > 0 || film.develop().rgb[0] == [0.0, 1.0, 0.0], "{count}");
     }
 }

@@ -55,7 +55,7 @@ fn check(name: &str, scene: &Scene, features: FeatureSet) {
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
             let kernels = Kernels::link(&flat.features.with_options(&options), &options, scatter, &tables);
             for kernel in kernels.unwrap_or_else(|error| panic!("{name}: {error}")).all() {
-                let at = format!("{name}, {features}, {scatter:?}, {}", kernel.name);
+                let at = format!("{name}, {features:?}, {scatter:?}, {}", kernel.name);
                 for (language, write) in [("MSL", as_msl as Write), ("HLSL", as_hlsl)] {
                     let text = write(&kernel.module, kernel.stage, &[("WORKGROUP_SIZE", 64.0)])
                         .unwrap_or_else(|error| panic!("{at} as {language}: {error}"));

@@ -100,7 +100,7 @@ impl Sandbox {
     fn holds_at_least(&self, least: u64) -> u64 {
         let count = self.count();
         assert!(count >= least, "{count} samples after {least}");
-        assert_eq!(self.holds("out.exr").film.totals().paths, count * 24 * 16);
+        assert_eq!(self.holds("out.exr").film.totals.paths, count * 24 * 16);
         count
     }
 
@@ -131,7 +131,7 @@ fn opened(path: &Path) -> (State, Film) {
     let state = read_state(path).expect("the state is read").expect("there is a state");
     let mut film = state.film().expect("it fits");
     add_film(path, &state, &mut film).expect("the film is read");
-    (state, film)
+    (state, film.film)
 }
 
 /// What a file holds of its render, times and names of files aside.
@@ -238,7 +238,7 @@ fn within_a_run_the_image_agrees_to_rounding() {
     let full = sandbox.holds("full.exr");
     for name in ["out.exr", "joined.exr"] {
         let held = sandbox.holds(name);
-        assert_eq!((held.samples.as_str(), held.film.totals().paths), ("0..40", full.film.totals().paths));
+        assert_eq!((held.samples.as_str(), held.film.totals.paths), ("0..40", full.film.totals.paths));
         // A run of 8 samples is summed in f32: seven roundings of 2^-24 of it, in either.
         for (a, b) in held.rgb.as_flattened().iter().zip(full.rgb.as_flattened()) {
             assert!((a - b).abs() <= 16.0 * f32::EPSILON * b.abs(), "{a} and {b}");
@@ -414,7 +414,7 @@ fn several_devices_have_the_bytes_of_one() {
         sandbox.render(&format!("--quiet {goal} -o gaps.exr --resume")).exits(0);
         sandbox.render(&format!("--quiet {goal} -o {image}")).exits(0);
         let (mut resumed, full) = (sandbox.holds("gaps.exr"), sandbox.holds(image));
-        assert!(resumed.film.totals().paths > 40 * 24 * 16);
+        assert!(resumed.film.totals.paths > 40 * 24 * 16);
         // The checks are those of the part that has been joined, and later ones.
         resumed.checks = full.checks;
         resumed.attributes.clone_from(&full.attributes);
@@ -567,7 +567,7 @@ fn damaged_states_are_refused() {
         let state = read_state(&path).ok()??;
         let mut film = state.film().ok()?;
         add_film(&path, &state, &mut film).ok()?;
-        Some(film)
+        Some(film.film)
     };
     assert!(read(&bytes).expect("it is whole") == full.film);
     let mut refused = 0;
@@ -707,7 +707,7 @@ fn ten_thousand_parts_are_joined() {
     assert_eq!((&report["parts"], &report["samples_per_pixel"]), (&PARTS.into(), &(8 * PARTS).into()));
     let held = sandbox.holds("joined.exr");
     assert_eq!(
-        (held.samples, held.film.totals().paths),
+        (held.samples, held.film.totals.paths),
         (format!("{start}..{}", ends(PARTS - 1).1), 6 * 8 * u64::from(PARTS))
     );
     // All parts have the pixels of the first one, and so has their mean.

@@ -211,7 +211,7 @@ fn the_time_left_follows_from_the_pace() {
     let file = StateFile::open(&path).expect("it is read").expect("there is a state");
     let (mut film, state) = (file.state.film().expect("it fits"), file.state.clone());
     file.add_to(&mut film).expect("it is read");
-    write_render(&path, &film, &[], Some(&state), || Ok(())).expect("it is written");
+    write_render(&path, &film.film, &[], Some(&state), || Ok(())).expect("it is written");
     (1..4).for_each(|part| fs::remove_file(sandbox.part(part)).expect("it was there"));
     assert_eq!(sandbox.status("")["seconds_left"], Value::Null);
     sandbox.says("status job").exits(0).on_stdout(&["time left: unknown"]);
@@ -250,7 +250,7 @@ fn an_open_part_stays_as_it_was() {
     sandbox.render(0, 16, "--resume");
     let mut film = file.state.film().expect("it fits");
     file.add_to(&mut film).expect("its pixels are those of its state");
-    assert_eq!(film.totals().paths, 8 * 16 * 9);
+    assert_eq!(film.film.totals.paths, 8 * 16 * 9);
     // The file that is there now does not fit the state that was.
     assert!(add_film(&sandbox.part(0), &other.state, &mut film).is_err());
 }

@@ -37,8 +37,8 @@ fn start(device: &Arc<Device>, scene: &Scene, scatter: Scatter, aov: &[Aov], to_
     }
     let mut film = session.film(SIZE).expect("the film fits");
     session.render(&job, &mut film, &mut ()).expect("the device renders");
-    assert_eq!(film.film.totals().paths, u64::from(SIZE.0 * SIZE.1));
-    session.outcome.profile.stages.into_iter().map(|(name, _)| name).collect()
+    assert_eq!(film.film.totals.paths, u64::from(SIZE.0 * SIZE.1));
+    session.outcome.stages.into_iter().map(|(name, _)| name).collect()
 }
 
 /// The kernels that were compiled in vain: for nothing, or once more.

@@ -206,11 +206,12 @@ fn denoising_is_measured_as_a_setting() {
     let mut options = RenderOptions::default();
     options.aov.include(&[Aov::Albedo, Aov::Normal]);
     let denoise = Setting { option: Some(&DENOISE), options, denoise: true, ..defaults.clone() };
-    let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0).denoised_by(Some(&denoiser));
+    let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0);
+    sweep.denoiser = Some(&denoiser);
     sweep.add(defaults.clone()).expect("it compiles");
     sweep.add(denoise.clone()).expect("it compiles");
     measure(&mut sweep, 1, 9);
-    let mut full_size = FullSize::of_sweep(&sweep);
+    let mut full_size = FullSize::assumed(&sweep, sweep.size);
     full_size.seconds_to_denoise = 3.0;
     let found = judge(&mut sweep, None, &full_size, "").measured;
     let [raw, denoised] = &found[..] else { panic!("{found:?}") };

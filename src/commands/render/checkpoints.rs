@@ -5,12 +5,11 @@ use std::time::{Duration, Instant};
 
 use super::args::KeepArgs;
 use crate::error::{Error, Result};
+use crate::film::Accumulation;
 use crate::gpu::numerics::Numerics;
 use crate::output::destination::can_be_replaced;
 use crate::output::progress::Progress;
 use crate::output::writable::has_room;
-use crate::render::Accumulation;
-use crate::samples::Samples;
 
 /// Under `--watch`: the most between two checkpoints, unless they would take too long.
 const MOST_WATCHED: Duration = Duration::from_secs(2);
@@ -39,9 +38,8 @@ pub struct Checkpoints {
 /// A film before a job, without its pixels.
 pub struct Before {
     pub begun: Instant,
-    pub samples: Samples,
-    pub checks: u32,
-    pub devices: Vec<(String, String)>,
+    /// The samples of a pixel.
+    pub samples: u64,
     /// The numerics of the devices that go on.
     pub numerics: Numerics,
 }
@@ -72,9 +70,7 @@ impl Checkpoints {
 
     /// Begins with a job on this film.
     pub fn begin(&mut self, begun: Instant, film: &Accumulation, numerics: &Numerics) {
-        let Accumulation { samples, checks, devices, .. } = film;
-        let (samples, devices) = (samples.clone(), devices.clone());
-        self.before = Some(Before { begun, samples, checks: *checks, devices, numerics: numerics.clone() });
+        self.before = Some(Before { begun, samples: film.samples.count(), numerics: numerics.clone() });
         self.next = self.next.map(|_| begun + self.interval);
     }
 

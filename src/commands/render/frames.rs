@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::args::RenderArgs;
 use super::request::{denoising_of, frame_and_job};
-use super::series::{Reported, Series};
+use super::series::{Render, Reported, Series};
 use crate::commands::console::{path_text, print_json, tell};
 use crate::commands::denoise::{denoised_image, denoised_picture};
 use crate::commands::scene::stem_of;
@@ -22,18 +22,19 @@ use crate::output::png::write_png;
 use crate::printable::counted;
 use crate::scene::{Assets, Scene};
 
-/// Renders a scene that has been loaded since an instant.
-type Render = fn(&RenderArgs, &Scene, &mut Series, Instant) -> Result<()>;
-
 /// Renders the frames one after the other, until one fails or a signal comes.
 pub fn render_frames(args: &RenderArgs, frames: Range<u32>, start: Instant, render: Render) -> Result<()> {
-    let names = Names::of(args)?;
+    let default = PathBuf::from(stem_of(&args.scene.path)).with_added_extension("####.exr");
+    let image = numbered("-o", args.files.output.as_deref().unwrap_or(&default))?;
+    let png = args.files.png.as_deref().map(|path| numbered("--png", path)).transpose()?;
     let mut series = Series { assets: Assets::of_frames(), frames: Some(Reported::default()), ..Series::new(args) };
     series.session = series.session.keeping_hierarchies();
     // The time of a frame counts from its own begin.
     let begins = std::iter::once(start).chain(std::iter::repeat_with(Instant::now));
     let rendered = frames.zip(begins).try_for_each(|(number, begin)| {
-        let args = names.args_of(args, number);
+        let mut args = args.clone();
+        (args.files.output, args.files.png) = (Some(image(number)), png.as_ref().map(|name| name(number)));
+        args.scene.gltf.frame = Some(f64::from(number));
         if let Some(signals) = series.signals.as_ref().filter(|signals| signals.are_pending()) {
             return Err(signals.interrupted(&format!("frame {number} and later ones are not rendered")));
         }
@@ -75,7 +76,7 @@ fn develop_again(args: &RenderArgs, image: &Path) -> Result<()> {
         write_png(png, (exr.width, exr.height), &|index| exr.rgb[index], &args.view.transform())
     };
     develop(image, args.files.png.as_deref())?;
-    if !args.denoise() {
+    if !args.denoising.denoise {
         return Ok(());
     }
     let time = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
@@ -106,67 +107,28 @@ fn samples_of_complete(args: &RenderArgs, scene: &Scene, begin: Instant) -> Resu
     Ok((is_complete && is_same()).then(|| state.samples.count()))
 }
 
-/// The names of a sequence's files, in which a run of # stands for the number of a frame.
-struct Names {
-    image: Name,
-    png: Option<Name>,
-}
-
-impl Names {
-    /// # Errors
-    /// `Error::Usage` for a name without such a run.
-    fn of(args: &RenderArgs) -> Result<Names> {
-        let default = || PathBuf::from(stem_of(&args.scene.path)).with_added_extension("####.exr");
-        Ok(Names {
-            image: Name::of("-o", &args.files.output.clone().unwrap_or_else(default))?,
-            png: args.files.png.as_deref().map(|path| Name::of("--png", path)).transpose()?,
-        })
+/// The names of a sequence's files, by the numbers of frames: in a name, a run of # stands for the number.
+///
+/// # Errors
+/// `Error::Usage` for a name without such a run.
+fn numbered(option: &str, path: &Path) -> Result<impl Fn(u32) -> PathBuf> {
+    let wrong = |reason: &str| {
+        Err(Error::Usage(format!(
+            "{}: {reason} with {option}, such as out.####.exr; nothing has been rendered",
+            path.display()
+        )))
+    };
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let Some((before, rest)) = name.split_once('#') else {
+        return wrong("--frames writes a file for each frame: expected #### for its number");
+    };
+    let after = rest.trim_start_matches('#');
+    if after.contains('#') {
+        return wrong("expected one run of # for the number of the frame");
     }
-
-    /// The arguments of one frame.
-    fn args_of(&self, args: &RenderArgs, number: u32) -> RenderArgs {
-        let mut args = args.clone();
-        args.files.output = Some(self.image.of_frame(number));
-        args.files.png = self.png.as_ref().map(|name| name.of_frame(number));
-        args.scene.gltf.frame = Some(f64::from(number));
-        args
-    }
-}
-
-/// A name with a run of #.
-struct Name {
-    folder: PathBuf,
-    before: String,
-    /// The least digits of the number.
-    digits: usize,
-    after: String,
-}
-
-impl Name {
-    fn of(option: &str, path: &Path) -> Result<Name> {
-        let wrong = |reason: &str| {
-            Err(Error::Usage(format!(
-                "{}: {reason} with {option}, such as out.####.exr; nothing has been rendered",
-                path.display()
-            )))
-        };
-        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let Some((before, rest)) = name.split_once('#') else {
-            return wrong("--frames writes a file for each frame: expected #### for its number");
-        };
-        let after = rest.trim_start_matches('#');
-        if after.contains('#') {
-            return wrong("expected one run of # for the number of the frame");
-        }
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let digits = 1 + rest.len() - after.len();
-        Ok(Name { folder, before: before.to_owned(), digits, after: after.to_owned() })
-    }
-
-    fn of_frame(&self, number: u32) -> PathBuf {
-        let Name { folder, before, digits, after } = self;
-        folder.join(format!("{before}{number:0digits$}{after}"))
-    }
+    let digits = 1 + rest.len() - after.len();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(move |number| folder.join(format!("{before}{number:0digits$}{after}")))
 }
 
 #[cfg(test)]
@@ -175,7 +137,7 @@ mod tests {
 
     #[test]
     fn names_have_the_numbers_of_frames() {
-        let name = |path: &str, number| Name::of("-o", Path::new(path)).map(|name| name.of_frame(number));
+        let name = |path: &str, number| numbered("-o", Path::new(path)).map(|name| name(number));
         for (path, number, expected) in [
             ("out.####.exr", 7, "out.0007.exr"),
             ("a/out#.png", 12345, "a/out12345.png"),

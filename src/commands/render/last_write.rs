@@ -12,10 +12,10 @@ use super::request::Request;
 use crate::commands::console::{command_of_image, tell};
 use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
+use crate::film::Accumulation;
 use crate::output::destination::can_be_replaced;
 use crate::output::exr::{Attribute, State};
 use crate::output::rescue::{folders, reserve};
-use crate::render::Accumulation;
 
 /// How long a full disk is tried again if the image has been written under another name. If not, it is tried until a signal comes.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -47,10 +47,10 @@ impl<'a> LastWrite<'a> {
     /// Writes the image, if the render has added something to it, and its picture. An EXR with more samples than the complete render is kept: the
     /// number of samples of `--time` and `--noise` is known only now. The result is the number of those samples.
     pub fn write(mut self, has_rendered: bool, complete: bool) -> Result<Option<u64>> {
-        let (request, Accumulation { film, samples, checks, devices }) = (self.request, self.film);
+        let (request, Accumulation { film, samples, .. }) = (self.request, self.film);
         let more = if complete { request.more_than(samples.count()) } else { None };
         if has_rendered && more.is_none() {
-            self.state = Some(State::new(request.identity().clone(), devices.clone(), film, samples.clone(), *checks));
+            self.state = Some(State::new(request.identity().clone(), self.film));
             if let Err(error) = self.write_image() {
                 let _ = request.write_png(film);
                 return Err(error);
@@ -74,7 +74,7 @@ impl<'a> LastWrite<'a> {
             return error.and(&request.what_is_in(&request.image, &state.samples));
         }
         // A film with runs under way left out favours short paths. Nothing can go on from it.
-        if film.totals().paths == 0 {
+        if film.totals.paths == 0 {
             return error.and("nothing has been written");
         }
         match self.write_image().and_then(|()| request.write_png(film)) {
@@ -107,9 +107,10 @@ impl<'a> LastWrite<'a> {
             if rescued.is_none() {
                 rescued = self.rescue(&mut failures);
             }
+            let reasons = failures.iter().map(Error::to_string).collect::<Vec<_>>().join("; ");
             let found = match &rescued {
                 Some(path) => self.words(path),
-                None => format!("the image cannot be written elsewhere: {}", words_of(&failures)),
+                None => format!("the image cannot be written elsewhere: {reasons}"),
             };
             let is_full = std::iter::once(&error).chain(&failures).any(|error| matches!(error, Error::NoRoom { .. }));
             let is_over = match rescued {
@@ -171,8 +172,4 @@ impl<'a> LastWrite<'a> {
             None => format!("{} holds what there was, and cannot be resumed", path.display()),
         }
     }
-}
-
-fn words_of(errors: &[Error]) -> String {
-    errors.iter().map(Error::to_string).collect::<Vec<_>>().join("; ")
 }

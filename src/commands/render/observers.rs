@@ -13,14 +13,14 @@ use crate::commands::compiling::Compiling;
 use crate::commands::signals::{EndsAtOnce, Signals};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::{Accumulation, Film};
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::gpu::numerics::Numerics;
 use crate::job::{Goal, Job};
 use crate::output::exr::{State, read_state};
 use crate::output::progress::{Progress, Status, Until};
-use crate::render::{Accumulation, Next, Observer, Outcome, Snapshot, level_after, samples_at_check};
+use crate::render::{Next, Observer, Outcome, Snapshot, level_after, samples_at_check};
 
 /// A pace counts once it has been measured for this long.
 const MEASURED: Duration = Duration::from_secs(3);
@@ -98,18 +98,15 @@ impl<'a> Observers<'a> {
     }
 
     /// Writes the image so far.
-    fn write(&self, film: &Film, so_far: &Outcome, before: &Before) -> Result<()> {
-        let Before { begun, samples, checks, devices, numerics } = before;
-        let mut all = samples.clone();
-        all.join(&so_far.samples);
-        let finish = Finish::new(film, &all, devices, so_far.noise, false);
+    fn write(&self, film: &Accumulation, so_far: &Outcome, before: &Before) -> Result<()> {
+        let Before { begun, samples, numerics } = before;
+        let finish = Finish::new(film, so_far.noise, false);
         let mut seconds = self.clock.seconds;
-        let rendered = all.count().saturating_sub(samples.count());
+        let rendered = film.samples.count().saturating_sub(*samples);
         seconds.per_sample = per_sample(begun.elapsed().as_secs_f64(), rendered);
-        let checks = so_far.noise.map_or(*checks, |noise| noise.checks);
-        let state = State::new(self.request.identity().clone(), devices.clone(), film, all, checks);
+        let state = State::new(self.request.identity().clone(), film);
         let attributes = attributes_of(&record(self.request, numerics, &finish, &seconds));
-        self.request.write(film, Some(&state), &attributes)?;
+        self.request.write(&film.film, Some(&state), &attributes)?;
         let kept = self.request.what_is_in(&self.request.image, &state.samples);
         self.signals.set_loss(format!("the samples since the last checkpoint are lost. {kept}"));
         Ok(())
@@ -160,11 +157,12 @@ impl Observer for Observers<'_> {
                 && is_complete
                 && let Some(before) = &self.checkpoints.before
             {
-                let (written, picture) = (self.write(film, so_far, before), || self.request.write_png_so_far(film));
+                let (written, picture) =
+                    (self.write(film, so_far, before), || self.request.write_png_so_far(&film.film));
                 self.checkpoints.add(written, picture, begin, &self.progress);
             } else if self.next_snapshot.is_some() {
-                self.headway.measure_error(film, so_far);
-                self.viewers.show(film, &self.progress);
+                self.headway.measure_error(&film.film, so_far);
+                self.viewers.show(&film.film, &self.progress);
                 self.next_snapshot = Some(Instant::now() + pause_after(begin.elapsed(), self.viewers.any()));
             }
         }
@@ -337,7 +335,7 @@ mod tests {
             if next != Next::GoOn {
                 count += 1;
                 let begin = Instant::now() - Duration::from_millis(10);
-                let snapshot = Snapshot { film: &film.film, begin, is_complete: next == Next::CompleteSnapshot };
+                let snapshot = Snapshot { film: &film, begin, is_complete: next == Next::CompleteSnapshot };
                 assert_eq!(observers.follow(&outcome, Some(snapshot)), Next::GoOn);
             }
         }

@@ -9,8 +9,9 @@ use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
 use crate::commands::denoise::Denoised;
-use crate::film::{Film, TooDeep, Totals, Verdict};
+use crate::film::{Accumulation, Totals, Verdict};
 use crate::gpu::numerics::Numerics;
+use crate::options::Word;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
@@ -25,8 +26,6 @@ pub struct Finish {
     pub verdict: Verdict,
     /// The result of `--noise`.
     pub noise: Option<Noise>,
-    /// The paths that max_depth cut off.
-    pub too_deep: TooDeep,
     /// Whether nothing is left to do.
     pub complete: bool,
     /// The samples of the output, if it stays as it was because they are more than this render has.
@@ -34,20 +33,14 @@ pub struct Finish {
 }
 
 impl Finish {
-    pub fn new(
-        film: &Film,
-        samples: &Samples,
-        devices: &[(String, String)],
-        noise: Option<Noise>,
-        complete: bool,
-    ) -> Finish {
+    pub fn new(film: &Accumulation, noise: Option<Noise>, complete: bool) -> Finish {
+        let Accumulation { film, samples, devices, .. } = film;
         Finish {
             samples: samples.clone(),
-            devices: devices.to_vec(),
-            totals: film.totals(),
+            devices: devices.clone(),
+            totals: film.totals,
             verdict: film.verdict(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
             noise,
-            too_deep: film.totals().too_deep(),
             complete,
             more: None,
         }
@@ -55,7 +48,7 @@ impl Finish {
 
     /// The facts about it. `excluded` says what the stated error excludes.
     pub fn record(&self, excluded: &str) -> Map<String, Value> {
-        let Totals { paths, rays, rejected, light_paths: [even, odd], .. } = self.totals;
+        let Totals { paths, rays, rejected, too_deep, light_paths: [even, odd], .. } = self.totals;
         let names = |name: fn(&(String, String)) -> &str| self.devices.iter().map(name).collect::<Vec<_>>().join("; ");
         let Verdict { error, hidden, .. } = self.verdict;
         object(json!({
@@ -72,8 +65,8 @@ impl Finish {
             "rejected_nan": rejected.nan,
             "rejected_infinite": rejected.infinite,
             "rejected_cut": rejected.cut,
-            "cut_paths": self.too_deep.paths,
-            "cut_throughput": self.too_deep.mean(),
+            "cut_paths": too_deep,
+            "cut_throughput": self.totals.cut_throughput() / too_deep.max(1) as f64,
             "relative_error": error.map(|error| error.value),
             // JSON has no infinity: it becomes null.
             "relative_error_bound": error.map(|error| error.bound),
@@ -141,8 +134,8 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
         "frame": scene.frame.map(|frame| frame.number),
         "fps": scene.frame.map(|frame| frame.fps),
         "numerics": numerics,
-        "integrator": options.integrator.to_string(),
-        "sampler": options.sampler.to_string(),
+        "integrator": options.integrator.word(),
+        "sampler": options.sampler.word(),
         "seed": job.seed,
         "max_depth": job.max_depth,
         "aov": options.aov.words(),
@@ -225,7 +218,7 @@ pub fn report(
 ) -> Value {
     let (Request { args, .. }, outcome, (kernels, gpu_bytes)) = (request, &session.outcome, session.kernels());
     let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
-    let stages = || outcome.profile.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect::<Map<_, _>>();
+    let stages = || outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect::<Map<_, _>>();
     let mut report = object(json!({
         "output": path_text(&request.image),
         "width": request.job.size.0,
@@ -238,7 +231,7 @@ pub fn report(
     record.insert("seconds".to_string(), json!(seconds));
     report.extend(record);
     report.extend(object(json!({
-        "features": args.options.features.to_string(),
+        "features": args.options.features.word(),
         "software": session.devices.iter().any(|device| device.name.software),
         "paths_per_second": per_second(outcome.totals.paths),
         "rays_per_second": per_second(outcome.totals.rays),
@@ -246,7 +239,7 @@ pub fn report(
         "interrupted": outcome.interrupted,
         "time_overrun_seconds": overrun(args.goal.time, seconds.total),
         "stage_seconds": args.profile.then(stages),
-        "device_idle": outcome.profile.idle,
+        "device_idle": outcome.idle,
         "kernels": kernels,
         "gpu_bytes": gpu_bytes,
     })));

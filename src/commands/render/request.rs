@@ -78,7 +78,7 @@ impl<'a> Request<'a> {
 
     /// The options that bias the result or are less exact, as they were given.
     pub fn biases(&self) -> Vec<String> {
-        let biases = biases(&self.args.options, self.args.paths.max_depth.0, self.scene);
+        let biases = biases(&self.args.options, self.args.paths.max_depth, self.scene);
         biases.iter().map(|(setting, value)| setting.option(value)).collect()
     }
 
@@ -153,16 +153,12 @@ impl<'a> Request<'a> {
             }
             false => "",
         };
+        let moved = match self.args.goal.frames.is_some() && file != self.image {
+            true => format!("Move it to {}, and ", self.image.display()),
+            false => String::new(),
+        };
         let command = command_to_resume(file);
-        match self.args.goal.frames.is_some() && file != self.image {
-            true => {
-                let image = self.image.display();
-                format!(
-                    "{name} holds {count} samples per pixel. Move it to {image}, and `{command}` goes on{may_differ}"
-                )
-            }
-            false => format!("{name} holds {count} samples per pixel. `{command}` goes on{may_differ}"),
-        }
+        format!("{name} holds {count} samples per pixel. {moved}`{command}` goes on{may_differ}")
     }
 
     /// Whether the samples end within a run that the full render would have completed.
@@ -209,9 +205,9 @@ fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> 
     let png = args.files.png.as_deref();
     // A name that says no format is refused below.
     let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
-    let denoised = args.denoise().then(|| denoised_image(&image));
-    let denoised_png = png.filter(|_| args.denoise()).and_then(denoised_picture);
-    if args.denoise() && (format == Format::Png || !can_be_replaced(&image)) {
+    let denoised = args.denoising.denoise.then(|| denoised_image(&image));
+    let denoised_png = png.filter(|_| args.denoising.denoise).and_then(denoised_picture);
+    if args.denoising.denoise && (format == Format::Png || !can_be_replaced(&image)) {
         return Err(Error::Usage(format!(
             "{}: --denoise reads the EXR that the render writes: give -o {}; nothing has been rendered",
             image.display(),
@@ -241,7 +237,7 @@ fn checked_image(args: &RenderArgs, scene: &Scene) -> Result<(PathBuf, Format)> 
 
 /// Loads the library that denoises, before anything costs time; `None` without `--denoise`.
 pub fn denoising_of(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>> {
-    if !args.denoise() {
+    if !args.denoising.denoise {
         return Ok(None);
     }
     let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
@@ -252,7 +248,7 @@ pub fn denoising_of(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>
 
 /// The requested part of the image, and the goal of its render.
 pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result<(Frame, Job)> {
-    let full = size_of(scene, args.goal.size.0);
+    let full = size_of(scene, args.goal.size);
     let part = args.goal.crop.unwrap_or(Crop::full(full));
     if !part.is_in(full) {
         let (width, height) = full;
@@ -261,15 +257,15 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
         )));
     }
     let size = part.size();
-    let samples = args.goal.samples.clone().unwrap_or(0..args.goal.spp.0.unwrap_or(scene.render.samples));
+    let samples = args.goal.samples.clone().unwrap_or(0..args.goal.spp.unwrap_or(scene.render.samples));
     let deadline = args.goal.time.map(|time| start + time.saturating_sub(write_time(size, args)));
-    let end = args.goal.spp.0.unwrap_or(MOST_SAMPLES as u32);
+    let end = args.goal.spp.unwrap_or(MOST_SAMPLES as u32);
     let goal = match (args.goal.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },
         (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, checks: 0 },
     };
-    let max_depth = args.paths.max_depth.0.unwrap_or(scene.render.max_depth);
+    let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: samples.start, goal };
     Ok((Frame { part, full }, job))
 }
@@ -278,7 +274,7 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
 /// with the state; denoising takes 5 µs.
 fn write_time((width, height): (u32, u32), args: &RenderArgs) -> Duration {
     let state = if args.keep.no_state { 0 } else { 600 };
-    let denoise = if args.denoise() { 5000 } else { 0 };
+    let denoise = if args.denoising.denoise { 5000 } else { 0 };
     let pixels = u64::from(width) * u64::from(height);
     Duration::from_nanos(pixels * (500 + state + denoise)) + Duration::from_millis(20)
 }

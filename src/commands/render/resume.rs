@@ -9,11 +9,12 @@ use super::request::Request;
 use crate::commands::console::tell;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
+use crate::film::Accumulation;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::{AdapterName, Device};
 use crate::job::Goal;
 use crate::output::exr::{State, add_film, read_state};
-use crate::render::{Accumulation, empty_film};
+use crate::render::empty_film;
 
 impl Request<'_> {
     /// The state of the output that the render resumes; `None` if the render starts afresh.
@@ -94,10 +95,11 @@ pub fn starting_film(
 ) -> Result<Accumulation> {
     let mut begun = match earlier {
         Some(state) => {
-            let mut film = state.film()?.not_sampling(view.not_sampled).with_lamps(&view.lamps);
-            add_film(&request.image, state, &mut film)?;
-            let State { samples, checks, devices: earlier, .. } = state.clone();
-            Accumulation { film, samples, checks, devices: earlier }
+            let mut begun = state.film()?;
+            begun.film = begun.film.with_lamps(&view.lamps);
+            begun.film.bound.not_sampled = view.not_sampled;
+            add_film(&request.image, state, &mut begun)?;
+            begun
         }
         None => Accumulation::empty(empty_film(view, request.job.size, &request.args.options)?),
     };

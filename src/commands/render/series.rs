@@ -1,6 +1,7 @@
 //! A series of renders: one, those of `--watch`, or those of `--frames`.
 
 use std::collections::HashSet;
+use std::time::Instant;
 
 use serde_json::Value;
 
@@ -14,6 +15,9 @@ use crate::error::Result;
 use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
 use crate::session::Session;
+
+/// Renders a scene that has been loaded since an instant.
+pub type Render = fn(&RenderArgs, &Scene, &mut Series, Instant) -> Result<()>;
 
 /// The things that stay from render to render.
 #[derive(Default)]

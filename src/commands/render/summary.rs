@@ -20,9 +20,9 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
-    let cut = finish.too_deep;
-    let share = cut.paths as f64 / finish.totals.paths.max(1) as f64;
-    if cut.paths > 0 && (args.messages.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
+    let Totals { paths, too_deep: cut, .. } = finish.totals;
+    let share = cut as f64 / paths.max(1) as f64;
+    if cut > 0 && (args.messages.verbose || share.min(finish.verdict.cut) > LEAST_CUT) {
         let most = known_bound(finish.verdict.cut).map_or(String::new(), |cut| format!(" by up to {}", percent(cut)));
         let (share, depth) = (percent(share), job.max_depth);
         tell(&format!("{share} of the paths were cut off at max_depth {depth}: the image may be too dark{most}"));
@@ -32,7 +32,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
     let ended_by_time = args.goal.time.filter(|_| {
-        let all = args.goal.spp.0.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+        let all = args.goal.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
         !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
     });
     if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {
@@ -47,15 +47,12 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
         ));
     }
     if args.profile {
-        match outcome.profile.stages.is_empty() {
-            true => tell("stages: this device has no timestamps"),
-            false => outcome
-                .profile
-                .stages
-                .iter()
-                .for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
+        if outcome.stages.is_empty() {
+            tell("stages: this device has no timestamps");
         }
-        if let Some(idle) = outcome.profile.idle {
+        let stages = outcome.stages.iter();
+        stages.for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device")));
+        if let Some(idle) = outcome.idle {
             tell(&format!("the device is idle for {} of the time", percent(idle)));
         }
     }
@@ -110,19 +107,15 @@ pub fn reliability_warnings(finish: &Finish) -> impl Iterator<Item = String> {
 /// What came of a render until an error.
 pub fn noise_words(wanted: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
-    match verdict.error.and_then(|error| known_bound(error.bound)) {
+    let said = match verdict.error.and_then(|error| known_bound(error.bound)) {
         Some(bound) if !noise.reached && bound < wanted => format!(
-            "--noise {wanted} {words}: the noise is at most {}, with 95 % confidence, but light is missing that paths have not found",
+            "the noise is at most {}, with 95 % confidence, but light is missing that paths have not found",
             two_decimals(bound)
         ),
-        Some(bound) => {
-            format!(
-                "--noise {wanted} {words}: the relative error is at most {}, with 95 % confidence",
-                two_decimals(bound)
-            )
-        }
-        None => format!("--noise {wanted} {words}: too few paths find light to bound the error; give --spp or --time"),
-    }
+        Some(bound) => format!("the relative error is at most {}, with 95 % confidence", two_decimals(bound)),
+        None => "too few paths find light to bound the error; give --spp or --time".to_string(),
+    };
+    format!("--noise {wanted} {words}: {said}")
 }
 
 /// A share in percent, with two decimals as in the line of the error.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
 use super::request::{frame_and_job, more_there};
-use super::series::Series;
+use super::series::{Render, Series};
 use crate::commands::changes::Changes;
 use crate::commands::console::tell;
 use crate::commands::scene::name_of;
@@ -12,13 +12,8 @@ use crate::commands::signals::Signals;
 use crate::error::{Error, Result};
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Size};
-use crate::options::{SizeArg, SppArg};
 use crate::output::destination::{can_be_replaced, is_standard};
 use crate::printable::counted;
-use crate::scene::Scene;
-
-/// Renders a scene that has been loaded since an instant.
-type Render = fn(&RenderArgs, &Scene, &mut Series, Instant) -> Result<()>;
 
 /// The time that a submission should take, since the one that is under way is waited for.
 const SOON: Duration = Duration::from_millis(30);
@@ -93,7 +88,7 @@ fn pass(series: &mut Series, args: &RenderArgs, start: Instant, render: Render) 
     let (frame, job) = frame_and_job(args, &scene, start)?;
     let identity = || Identity::new(&scene, &frame, &job, &args.options);
     let is_held = !args.keep.force && more_there(&args.image(), identity, 0).is_some();
-    let most = args.goal.spp.0.unwrap_or(scene.render.samples);
+    let most = args.goal.spp.unwrap_or(scene.render.samples);
     let mut begun = start;
     for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
         let (width, height) = Size::Share(share).in_pixels(frame.full);
@@ -128,9 +123,9 @@ fn is_end(series: &Series, args: &RenderArgs, error: &Error, began: bool) -> boo
 /// The arguments of a preview.
 fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
     let mut args = args.clone();
-    args.goal.size = SizeArg(Some(Size::Pixels(size.0, size.1)));
+    args.goal.size = Some(Size::Pixels(size.0, size.1));
     args.goal.crop = frame.crop().map(|crop| scaled(&crop, frame.full, size));
-    args.goal.spp = SppArg(Some(samples));
+    args.goal.spp = Some(samples);
     (args.goal.time, args.goal.noise) = (None, None);
     args.keep.no_state = true;
     (args.messages.strict, args.messages.quiet) = (false, true);

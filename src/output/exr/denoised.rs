@@ -7,24 +7,21 @@ use std::path::Path;
 use ::exr::image::write::WritableImage;
 use ::exr::image::{Encoding, Image, Layer, SpecificChannels};
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{LineOrder, SampleType};
+use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::{Header, LayerAttributes};
 
-use super::attribute::{Attribute, DENOISER, decoded, text, to_io};
-use super::read::{as_floats, find_rgb, float, note_of_colours, open, pixels_of, read_part, triple};
+use super::attribute::{Attribute, DENOISER, attribute, decoded, text, to_io};
+use super::read::{attributes_of, find_rgb, float, note_of_colours, open, read_channels, triple};
 use super::write::{OF_PICTURE, sort_attributes};
-use crate::chromaticities::{Conversion, REC_709};
+use crate::chromaticities::{REC_709, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
+use crate::denoise::Noisy;
 use crate::error::{Error, Result};
 use crate::output::atomic;
 
 /// A picture, the layers that help to denoise it, and its header.
 pub struct NoisyFile {
-    pub size: (u32, u32),
-    /// Row 0 on top.
-    pub rgb: Vec<Rgb<f32>>,
-    pub albedo: Option<Vec<Rgb<f32>>>,
-    pub normal: Option<Vec<Rgb<f32>>>,
+    pub image: Noisy,
     /// The note for users about its colours, if they were not those of Rec. 709.
     pub colours: Option<String>,
     header: Header,
@@ -52,9 +49,8 @@ const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the
 impl NoisyFile {
     /// The denoiser that has denoised it already.
     pub fn denoiser(&self) -> Option<String> {
-        let known = self.header.own_attributes.other.iter().find(|(name, _)| decoded(name) == DENOISER);
-        known.map(|(_, value)| match Attribute::of_exr(value) {
-            Some(Attribute::Text(words)) => words,
+        attribute(&attributes_of(&self.header), DENOISER).map(|value| match value {
+            Attribute::Text(words) => words.clone(),
             _ => "unknown".to_string(),
         })
     }
@@ -75,21 +71,9 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
         Some([r?, g?, b?])
     };
     let wanted = wanted.map(|names| names.and_then(numbers));
-    let pixels = pixels_of(&header, 72)?;
     let Vec2(width, height) = header.layer_size;
-    let mut images = wanted.map(|numbers| numbers.map(|_| vec![[0.0; 3]; pixels]));
-    let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
-    read_part(opened, part, |channel, (column, line), bytes| {
-        for (numbers, image) in wanted.iter().zip(&mut images) {
-            let component = numbers.and_then(|numbers| numbers.iter().position(|number| *number == channel));
-            if let (Some(component), Some(image)) = (component, image) {
-                let row = image.iter_mut().skip(line * width + column);
-                row.zip(as_floats(types[channel], bytes)).for_each(|(pixel, value)| pixel[component] = value);
-            }
-        }
-    })?;
-    let [mut rgb, mut albedo, normal] = images;
-    let conversion = Conversion::of_file(header.shared_attributes.chromaticities);
+    let ([mut rgb, mut albedo, normal], _) = read_channels(opened, part, 72, wanted, [None; 2])?;
+    let conversion = to_rec_709(header.shared_attributes.chromaticities);
     let colours = note_of_colours(&conversion);
     if let Ok(Some(conversion)) = conversion {
         let of_colours = [&mut rgb, &mut albedo].into_iter().flatten().flatten();
@@ -97,8 +81,8 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
         header.shared_attributes.chromaticities = Some(REC_709);
     }
     let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
-    let size = (side(width)?, side(height)?);
-    Ok(NoisyFile { size, rgb: rgb.ok_or("its channels differ in size")?, albedo, normal, colours, header })
+    let (size, rgb) = ((side(width)?, side(height)?), rgb.ok_or("its channels differ in size")?);
+    Ok(NoisyFile { image: Noisy { size, rgb, albedo, normal }, colours, header })
 }
 
 /// The channels of the layer with the likeliest of some names.

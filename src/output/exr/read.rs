@@ -12,7 +12,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
 use super::attribute::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
-use crate::chromaticities::Conversion;
+use crate::chromaticities::{Conversion, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
@@ -102,11 +102,12 @@ pub(super) fn read_part(
 
 /// The attributes of a file's first part that this program can write, as they are.
 pub fn read_attributes(path: &Path) -> Result<Vec<(String, Attribute)>> {
-    Ok(attributes_of(&open(path).map_err(Error::file(path, "read"))?))
+    let opened = open(path).map_err(Error::file(path, "read"))?;
+    Ok(opened.headers().first().map_or(Vec::new(), attributes_of))
 }
 
-pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
-    let attributes = opened.headers().iter().take(1).flat_map(|header| &header.own_attributes.other);
+pub(super) fn attributes_of(header: &Header) -> Vec<(String, Attribute)> {
+    let attributes = header.own_attributes.other.iter();
     attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect()
 }
 
@@ -132,7 +133,6 @@ fn read_rgb(
     let opened = open(path)?;
     let picture = find(opened.headers())?;
     let (part, header) = (picture.number, &opened.headers()[picture.number]);
-    let (width, height) = (header.layer_size.0, header.layer_size.1);
     let number = |name: &str| plain(header, name).map(|(number, _)| number);
     let floats = |names: Rgb<&str>| -> Option<[usize; 3]> {
         let float = |name| float(header, name);
@@ -143,7 +143,7 @@ fn read_rgb(
     let is_colour = SPELLINGS
         .iter()
         .any(|names| picture.channels.iter().zip(names).all(|(channel, name)| last_part(channel) == *name));
-    let conversion = if is_colour { Conversion::of_file(header.shared_attributes.chromaticities) } else { Ok(None) };
+    let conversion = if is_colour { to_rec_709(header.shared_attributes.chromaticities) } else { Ok(None) };
     let colours = note_of_colours(&conversion);
     let conversion = conversion.unwrap_or_default();
     // The variances of other primaries would need the channels' covariance.
@@ -155,22 +155,35 @@ fn read_rgb(
         header.shared_attributes.other.iter().chain(&header.own_attributes.other).filter_map(describe).collect();
     attributes.sort();
 
-    let pixels = pixels_of(header, 32)?;
-    let mut image = ExrImage {
-        width: size(width)?,
-        height: size(height)?,
-        rgb: vec![[0.0; 3]; pixels],
-        colours,
-        variance: variance.map(|_| vec![[0.0; 3]; pixels]),
-        samples: counts[0].map(|_| vec![0; pixels]),
-        rejected: counts[1].map(|_| vec![0; pixels]),
-        attributes,
-    };
+    let (width, height) = (size(header.layer_size.0)?, size(header.layer_size.1)?);
+    let ([rgb, variance], [samples, rejected]) = read_channels(opened, part, 32, [Some(rgb), variance], counts)?;
+    let mut rgb = rgb.unwrap_or_default();
+    if let Some(conversion) = conversion {
+        rgb.iter_mut().for_each(|rgb| *rgb = conversion.convert(*rgb));
+    }
+    Ok(ExrImage { width, height, rgb, colours, variance, samples, rejected, attributes })
+}
+
+/// The values of all pixels: of triples of channels, and of channels of whole numbers.
+type Planes<const N: usize> = ([Option<Vec<Rgb<f32>>>; N], [Option<Vec<u32>>; 2]);
+
+/// Reads triples of channels of a part as floats, and channels of whole numbers; nothing where there is no channel. Row 0 is on top. A triple that
+/// names a channel three times is grey. `bytes` are those that each pixel may need.
+pub(super) fn read_channels<const N: usize>(
+    opened: Opened,
+    part: usize,
+    bytes: usize,
+    triples: [Option<[usize; 3]>; N],
+    counts: [Option<usize>; 2],
+) -> std::result::Result<Planes<N>, String> {
+    let header = &opened.headers()[part];
+    let (width, pixels) = (header.layer_size.0, pixels_of(header, bytes)?);
     let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
-    let triples = [Some(rgb), variance];
+    let mut images = triples.map(|triple| triple.map(|_| vec![[0.0; 3]; pixels]));
+    let mut numbers = counts.map(|count| count.map(|_| vec![0; pixels]));
     read_part(opened, part, |channel, (column, line), bytes| {
         let first = line * width + column;
-        for (of, values) in triples.iter().zip([Some(&mut image.rgb), image.variance.as_mut()]) {
+        for (of, values) in triples.iter().zip(&mut images) {
             if let (Some(of), Some(values)) = (of, values)
                 && of.contains(&channel)
             {
@@ -180,17 +193,14 @@ fn read_rgb(
                 });
             }
         }
-        for (of, values) in counts.iter().zip([&mut image.samples, &mut image.rejected]) {
+        for (of, values) in counts.iter().zip(&mut numbers) {
             if let (true, Some(values)) = (*of == Some(channel), values) {
                 let values = values.iter_mut().skip(first);
                 values.zip(bytes.as_chunks().0).for_each(|(value, read)| *value = u32::from_ne_bytes(*read));
             }
         }
     })?;
-    if let Some(conversion) = conversion {
-        image.rgb.iter_mut().for_each(|rgb| *rgb = conversion.convert(*rgb));
-    }
-    Ok(image)
+    Ok((images, numbers))
 }
 
 /// The note for users about a file whose colours are converted, or cannot be.
@@ -215,7 +225,7 @@ pub(super) fn pixels_of(header: &Header, bytes: usize) -> std::result::Result<us
     Ok(pixels.unwrap_or(0))
 }
 
-pub(super) fn as_floats(kind: SampleType, bytes: &[u8]) -> impl Iterator<Item = f32> {
+fn as_floats(kind: SampleType, bytes: &[u8]) -> impl Iterator<Item = f32> {
     let (halves, words) = match kind {
         SampleType::F16 => (bytes.as_chunks().0, &[][..]),
         SampleType::F32 | SampleType::U32 => (&[][..], bytes.as_chunks().0),

@@ -4,16 +4,16 @@
 
 use std::path::{Path, PathBuf};
 
-use ::exr::meta::attribute::{AttributeValue, SampleType};
+use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
-use super::attribute::{Attribute, CHECKSUM, STATE, checksum, decoded};
+use super::attribute::{Attribute, CHECKSUM, STATE, attribute_text, checksum, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use crate::aov::SceneSpace;
 use crate::data::{LampPixel, SampleVariance, Sampler};
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals, sample_variance_of, word_names};
+use crate::film::{Accumulation, Bound, Film, Totals, add_devices, sample_variance_of, word_names};
 use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
@@ -57,40 +57,35 @@ const FORMAT: u32 = 2;
 
 impl State {
     /// The state of a film.
-    pub fn new(
-        identity: Identity,
-        devices: Vec<(String, String)>,
-        film: &Film,
-        samples: Samples,
-        checks: u32,
-    ) -> State {
+    pub fn new(identity: Identity, film: &Accumulation) -> State {
+        let Accumulation { film, samples, checks, devices } = film;
         State {
             format: FORMAT,
             identity,
-            devices,
-            samples,
-            checks,
+            devices: devices.clone(),
+            samples: samples.clone(),
+            checks: *checks,
             size: (film.width(), film.height()),
-            exponent: film.exponent(),
-            sampler: film.sampler(),
+            exponent: film.exponent,
+            sampler: film.sampler,
             space: film.space(),
             light_paths: film.has_light_paths(),
-            not_sampled: Some(film.not_sampled()),
-            lamps: film.lamps().to_vec(),
-            totals: film.totals(),
+            not_sampled: Some(film.bound.not_sampled),
+            lamps: film.bound.lamps.clone(),
+            totals: film.totals,
             checksum: 0,
         }
     }
 
     /// An empty film for it.
-    pub fn film(&self) -> Result<Film> {
+    pub fn film(&self) -> Result<Accumulation> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
         // Before that was noted: the brightest of all, if lights were not sampled.
         let brightest = if self.identity.samples_lights() { 0.0 } else { 1.0 };
-        let film = film.of_part(self.frame()).not_sampling(self.not_sampled.unwrap_or(brightest));
-        let film = film.having_lamps(self.lamps.clone());
-        let film = film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())?;
-        film.with_light_paths(self.light_paths)
+        let film = film.of_part(self.frame());
+        let mut film = film.with_channels(&self.identity.aovs(), self.space.unwrap_or_default(), self.light_paths)?;
+        film.bound = Bound { not_sampled: self.not_sampled.unwrap_or(brightest), lamps: self.lamps.clone() };
+        Ok(Accumulation::empty(film))
     }
 
     /// The part of the image that its pixels are of.
@@ -114,11 +109,11 @@ impl State {
     /// The state that the part `header` describes. `picture` is the header of the first part.
     fn of_header(header: &Header, picture: &Header) -> std::result::Result<State, String> {
         let wrong = |what: &str| format!("its state is damaged: {what}");
-        let text_of = |name: &str| match value_of(header, name).and_then(Attribute::of_exr) {
-            Some(Attribute::Text(text)) => Some(text),
-            _ => None,
-        };
-        let about = text_of(STATE).ok_or_else(|| wrong("it does not say what it is of"))?;
+        let attributes = attributes_of(header);
+        let about = attribute_text(&attributes, STATE);
+        if about.is_empty() {
+            return Err(wrong("it does not say what it is of"));
+        }
         let read = serde_json::from_str::<serde_json::Value>(&about).map_err(|error| wrong(&error.to_string()))?;
         match &read["format"] {
             format if format.as_u64() == Some(u64::from(FORMAT)) => {}
@@ -128,7 +123,7 @@ impl State {
                 ));
             }
         }
-        if text_of(CHECKSUM) != Some(checksum(&about, &picture.own_attributes)) {
+        if attribute_text(&attributes, CHECKSUM) != checksum(&about, &picture.own_attributes) {
             return Err("its header is damaged: the state, or attributes of gpu-rt, are not those that were written"
                 .to_string());
         }
@@ -138,17 +133,12 @@ impl State {
     }
 }
 
-/// The value of an attribute that is not of the standard.
-fn value_of<'a>(header: &'a Header, name: &str) -> Option<&'a AttributeValue> {
-    let mut attributes = header.own_attributes.other.iter();
-    attributes.find(|(known, _)| known.as_slice() == name.as_bytes()).map(|(_, value)| value)
-}
-
 /// The number of the part that holds the state: the one that has its name or its attribute, so that damage of one of them is no file without a
 /// state, which a render would begin anew.
 fn state_part(headers: &[Header]) -> Option<usize> {
     let name = |header: &Header| header.own_attributes.layer_name.as_ref().map(decoded);
-    headers.iter().position(|header| name(header).as_deref() == Some(STATE) || value_of(header, STATE).is_some())
+    let has = |header: &Header| header.own_attributes.other.keys().any(|name| name.as_slice() == STATE.as_bytes());
+    headers.iter().position(|header| name(header).as_deref() == Some(STATE) || has(header))
 }
 
 /// An open file with a state. Its contents are consistent, even if the file is replaced meanwhile.
@@ -175,19 +165,23 @@ impl StateFile {
 
     /// The attributes of the picture.
     pub fn attributes(&self) -> Vec<(String, Attribute)> {
-        attributes_of(&self.opened)
+        self.opened.headers().first().map_or(Vec::new(), attributes_of)
     }
 
-    /// Adds its pixels and totals to a film of the same image. It takes memory for some rows.
+    /// Adds its samples to a film of the same image. It takes memory for some rows.
     ///
     /// # Errors
     /// `Error::File` where they cannot be read, or are not those that were written. The film may then have a part of them.
-    pub fn add_to(self, film: &mut Film) -> Result<()> {
+    pub fn add_to(self, to: &mut Accumulation) -> Result<()> {
         let StateFile { state, path, opened, part } = self;
-        film.add_totals(state.totals);
-        let names = film.word_names();
-        read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words))
-            .map_err(Error::file(&path, "read"))
+        to.film.add([], state.totals);
+        let names = to.film.word_names();
+        read_pixels(opened, part, &state, &names, |pixel, words| to.film.add_words(pixel, words))
+            .map_err(Error::file(&path, "read"))?;
+        to.samples.join(&state.samples);
+        to.checks = to.checks.saturating_add(state.checks);
+        add_devices(&mut to.devices, &state.devices);
+        Ok(())
     }
 
     /// The variance of the samples of each pixel, row 0 on top.
@@ -216,12 +210,12 @@ pub fn read_state(path: &Path) -> Result<Option<State>> {
     Ok(StateFile::open(path)?.map(|file| file.state))
 }
 
-/// Adds the pixels and totals of a file to a film of the same image, as [`StateFile::add_to`] does. The state is that which was read
+/// Adds the samples of a file to a film of the same image, as [`StateFile::add_to`] does. The state is that which was read
 /// before.
 ///
 /// # Errors
 /// `Error::File` where they cannot be read, or are not those of the state. The film may then have a part of them.
-pub fn add_film(path: &Path, state: &State, film: &mut Film) -> Result<()> {
+pub fn add_film(path: &Path, state: &State, film: &mut Accumulation) -> Result<()> {
     let changed = || Error::file(path, "read")("it has changed while it was read");
     let file = StateFile::open(path)?.ok_or_else(changed)?;
     StateFile { state: state.clone(), ..file }.add_to(film)

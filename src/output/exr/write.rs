@@ -13,7 +13,7 @@ use ::exr::meta::{BlockDescription, Headers};
 
 use super::attribute::{Attribute, CHECKSUM, REJECTED, SAMPLES, STATE, VARIANCES, checksum, text, to_io};
 use super::state::State;
-use crate::aov::{Channel, ChannelNames};
+use crate::aov::ChannelNames;
 use crate::chromaticities::REC_709;
 use crate::data::CHANNELS;
 use crate::error::Result;
@@ -74,30 +74,23 @@ pub fn write_render(
     let part = state.map(|state| StatePart::new(film, state));
     let pixel = |index| film.developed(index);
     let contents = Contents::new(&pixel, Some(film), part.is_some());
-    write_parts(path, &film.frame(), &contents, attributes, part, may)
+    write_parts(path, &film.frame, &contents, attributes, part, may)
 }
 
-/// The contents of a channel of the picture's part.
-enum Value {
-    Radiance(usize),
-    Variance(usize),
-    Samples,
-    Rejected,
-    Aov(Channel),
-}
+/// The word that a channel of the picture's part has for a pixel, by the pixel's index and its values.
+type Value<'a> = Box<dyn Fn(usize, &PicturePixel) -> u32 + 'a>;
 
 /// The picture's part.
 struct Contents<'a> {
     part: &'static str,
     pixel: &'a dyn Fn(usize) -> PicturePixel,
-    /// The film with the channels of `--aov`.
-    film: Option<&'a Film>,
+    has_aovs: bool,
     /// By their names.
-    channels: Vec<(String, Value)>,
+    channels: Vec<(String, SampleType, Value<'a>)>,
 }
 
 impl<'a> Contents<'a> {
-    /// `named`: the file names its parts.
+    /// `film` has the channels of `--aov`. `named`: the file names its parts.
     fn new(pixel: &'a dyn Fn(usize) -> PicturePixel, film: Option<&'a Film>, named: bool) -> Contents<'a> {
         let aovs = film.map(|film| film.aovs().clone()).unwrap_or_default();
         let (part, layer) = match aovs.names {
@@ -107,47 +100,36 @@ impl<'a> Contents<'a> {
         };
         let before =
             if aovs.names == ChannelNames::Blender && !named { format!("{BLENDER_PART}.") } else { String::new() };
-        let colours = CHANNELS.into_iter().enumerate();
-        let radiance = colours.clone().map(|(c, name)| (format!("{layer}{name}"), Value::Radiance(c)));
-        let variance = VARIANCES.into_iter().enumerate().map(|(c, name)| (name.to_string(), Value::Variance(c)));
-        let counts = [(SAMPLES.to_string(), Value::Samples), (REJECTED.to_string(), Value::Rejected)];
-        let further =
-            aovs.channels().into_iter().map(|channel| (format!("{before}{}", channel.name), Value::Aov(channel)));
-        let mut channels: Vec<_> = radiance.chain(variance).chain(counts).chain(further).collect();
-        channels.sort_by(|(a, _), (b, _)| a.cmp(b));
-        Contents { part, pixel, film, channels }
-    }
-
-    fn has_aovs(&self) -> bool {
-        self.channels.iter().any(|(_, value)| matches!(value, Value::Aov(_)))
+        let count = |name: &str, value: Value<'a>| (name.to_string(), SampleType::U32, value);
+        let mut channels = vec![
+            count(SAMPLES, Box::new(|_, pixel| pixel.samples)),
+            count(REJECTED, Box::new(|_, pixel| pixel.rejected)),
+        ];
+        let mut float = |name: String, value: Value<'a>| channels.push((name, SampleType::F32, value));
+        for (c, (colour, variance)) in CHANNELS.into_iter().zip(VARIANCES).enumerate() {
+            float(format!("{layer}{colour}"), Box::new(move |_, pixel| pixel.rgb[c].to_bits()));
+            float(variance.to_string(), Box::new(move |_, pixel| pixel.variance[c].to_bits()));
+        }
+        for (film, channel) in film.into_iter().flat_map(|film| aovs.channels().into_iter().map(move |aov| (film, aov)))
+        {
+            let name = format!("{before}{}", channel.name);
+            float(name, Box::new(move |index, _| film.channel(index, &channel).to_bits()));
+        }
+        channels.sort_by(|(a, ..), (b, ..)| a.cmp(b));
+        Contents { part, pixel, has_aovs: !aovs.is_empty(), channels }
     }
 
     fn descriptions(&self) -> Vec<ChannelDescription> {
-        let kind = |value: &Value| match value {
-            Value::Samples | Value::Rejected => SampleType::U32,
-            Value::Radiance(_) | Value::Variance(_) | Value::Aov(_) => SampleType::F32,
-        };
-        self.channels.iter().map(|(name, value)| ChannelDescription::named(name.as_str(), kind(value))).collect()
+        self.channels.iter().map(|(name, kind, _)| ChannelDescription::named(name.as_str(), *kind)).collect()
     }
 
     /// A row: for each channel, all pixels.
     fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
-        let pixels: Vec<PicturePixel> = row.clone().map(self.pixel).collect();
-        let mut bytes = Vec::with_capacity(pixels.len() * self.channels.len() * size_of::<f32>());
-        for (_, value) in &self.channels {
-            let mut put = |word: u32| bytes.extend(word.to_ne_bytes());
-            match value {
-                Value::Radiance(c) => pixels.iter().for_each(|pixel| put(pixel.rgb[*c].to_bits())),
-                Value::Variance(c) => pixels.iter().for_each(|pixel| put(pixel.variance[*c].to_bits())),
-                Value::Samples => pixels.iter().for_each(|pixel| put(pixel.samples)),
-                Value::Rejected => pixels.iter().for_each(|pixel| put(pixel.rejected)),
-                Value::Aov(channel) => {
-                    let value = |index| self.film.map_or(0.0, |film| film.channel(index, channel));
-                    row.clone().for_each(|index| put(value(index).to_bits()));
-                }
-            }
-        }
-        bytes
+        let pixels: Vec<(usize, PicturePixel)> = row.map(|index| (index, (self.pixel)(index))).collect();
+        let of_channel = |(_, _, value): &(_, _, Value<'a>)| {
+            pixels.iter().flat_map(|(index, pixel)| value(*index, pixel).to_ne_bytes()).collect::<Vec<u8>>()
+        };
+        self.channels.iter().flat_map(of_channel).collect()
     }
 }
 
@@ -174,6 +156,13 @@ impl<'a> StatePart<'a> {
         let channels = words.iter().map(channel).collect();
         StatePart { film, channels, words, about: state.describe(checksum) }
     }
+
+    /// The bytes of the state of these pixels, one channel after another.
+    fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
+        let pixels: Vec<Vec<u16>> = row.map(|index| self.film.words(index)).collect();
+        let channel = |word: &usize| pixels.iter().flat_map(|words| words[*word].to_ne_bytes()).collect::<Vec<u8>>();
+        self.words.iter().flat_map(channel).collect()
+    }
 }
 
 /// Which bits any pixel's words have, and the checksum of all words.
@@ -199,7 +188,7 @@ fn write_parts(
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let size = (part.width as usize, part.height as usize);
-    let comments = format!("{COMMENTS}{}", if contents.has_aovs() { COMMENTS_OF_AOVS } else { "" });
+    let comments = format!("{COMMENTS}{}", if contents.has_aovs { COMMENTS_OF_AOVS } else { "" });
     let own = LayerAttributes {
         // A file with several parts names them.
         layer_name: state.is_some().then(|| text(contents.part)),
@@ -274,15 +263,6 @@ fn compress<W: Write + Seek>(
         }
     }
     Ok(())
-}
-
-impl StatePart<'_> {
-    /// The bytes of the state of these pixels, one channel after another.
-    fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
-        let pixels: Vec<Vec<u16>> = row.map(|index| self.film.words(index)).collect();
-        let channel = |word: &usize| pixels.iter().flat_map(|words| words[*word].to_ne_bytes()).collect::<Vec<u8>>();
-        self.words.iter().flat_map(channel).collect()
-    }
 }
 
 /// Sorts the attributes of each part's header in place, because the crate keeps them in a hash map, whose order differs each time.

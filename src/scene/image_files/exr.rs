@@ -11,7 +11,7 @@ use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 use super::budget::Wanted;
 use super::pack::of_channel;
 use crate::bitmap::{Bitmap, Decoding, Format};
-use crate::chromaticities::Conversion;
+use crate::chromaticities::to_rec_709;
 use crate::scene::assets::Decoded;
 
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -75,7 +75,7 @@ pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<Decoded, String> {
     let reader = if largest_block > LARGEST_PARALLEL_BLOCK { reader.non_parallel() } else { reader };
     let image = reader.from_buffered(Cursor::new(bytes)).map_err(text)?;
     let layer = image.layer_data;
-    let conversion = Conversion::of_file(image.attributes.chromaticities)?;
+    let conversion = to_rec_709(image.attributes.chromaticities)?;
     let data = IntegerBounds::new(layer.attributes.layer_position, layer.size);
     let window = image.attributes.display_window;
     let decoded = decodings.iter().zip(layer.channel_data.pixels.1).map(|(decoding, mut words)| {
