@@ -236,7 +236,7 @@ struct Denoised {
 fn middle_of(path: &Path) -> Result<(String, (u32, u32))> {
     let text = fs::read_to_string(path)?;
     let scene = Scene::parse(&text, path)?;
-    let (width, height, fov) = (scene.image.width, scene.image.height, scene.camera.vertical_fov);
+    let (width, height, fov) = (scene.image.width, scene.image.height, scene.camera.vertical_fov.unwrap_or_default());
     // Parts of even sides stand in the middle of images of even sides; half a row does not matter.
     let (w, h) = (width / MIDDLE_OF / 4 * 4, height / MIDDLE_OF / 4 * 4);
     let narrow = 2.0 * ((0.5 * fov).to_radians().tan() * f64::from(h) / f64::from(height)).atan().to_degrees();

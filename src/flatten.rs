@@ -24,6 +24,7 @@ mod motion_tables;
 mod moving_objects;
 mod octahedral;
 mod pairs;
+mod projection;
 mod sampled_lights;
 mod swept;
 mod tangents;
@@ -52,6 +53,7 @@ use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
 use motion_tables::Motions;
+use projection::Film;
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -93,7 +95,7 @@ pub fn flatten_with(
     }
     let meshes = mesh::shapes(&scene.meshes);
     let camera = scene.camera.at(scene.camera.shutter.0);
-    let view = View::new(&camera, size);
+    let view = View::new(&camera, size, scene.image);
     let mut finder = Finder::new(scene, &meshes, view.eye);
     let world = Placement::resting(view.to_space);
     scene.objects.iter().for_each(|object| finder.add(object, &world));
@@ -122,6 +124,7 @@ pub fn flatten_with(
              object a DiffuseLight"
         ));
     }
+    flat.warnings.extend(without_direction(scene, &view));
     flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
     flat.lamps = lamps_in_view(scene, &view, options.filter, &finder, &emissions, radiance_scale);
@@ -262,9 +265,30 @@ fn require_camera(features: &mut Features, scene: &Scene, view: &View) {
     if scene.camera.aperture > 0.0 {
         features.require("lens", || of_camera("aperture"));
     }
+    let projection = || of_camera(if scene.camera.projection.is_some() { "projection" } else { "vertical_fov" });
     if view.has_camera_axes {
-        features.require("camera_axes", || of_camera("vertical_fov"));
+        features.require("camera_axes", projection);
     }
+    if let Some(fact) = view.film.fact() {
+        features.require(fact, projection);
+    }
+    if let Film::Fisheye { model, .. } = view.film {
+        features.quantities.fisheye = model as u32;
+    }
+}
+
+/// The warning that a part of the image is black, because its pixels have no direction.
+fn without_direction(scene: &Scene, view: &View<'_>) -> Option<String> {
+    let share = view.film.share_without_direction(view.size);
+    let pixels = share * f64::from(view.size.0) * f64::from(view.size.1);
+    let at = scene.location(&[Step::Field("camera"), Step::Field("projection")]);
+    let name = scene.camera.projection().name();
+    (share > 0.0).then(|| {
+        format!(
+            "{at}: projection: {pixels:.0} pixels, {:.1} % of the image, have no direction with {name}, and are black",
+            100.0 * share
+        )
+    })
 }
 
 /// Records the features that a material on an object requires.

@@ -21,6 +21,7 @@ mod load;
 mod mesh_files;
 mod model;
 mod nearest;
+mod projection;
 mod recover;
 mod sky;
 mod syntax;

@@ -5,6 +5,10 @@
 // A camera that moves: both the point at which it is and the one at which it looks have keys. They are relative to the camera where the
 // shutter opens, which is the origin of render space.
 
+// Flags of the first row: the plane that is sharp is at the point at which the camera looks; the image is mirrored.
+const FOLLOWS_FOCUS: u32 = 1u;
+const IS_MIRRORED: u32 = 2u;
+
 struct MovingCamera {
     origin: vec3<f32>,
     forward: vec3<f32>,
@@ -17,8 +21,7 @@ struct MovingCamera {
 }
 var<private> camera_now: MovingCamera;
 
-// Sets the camera to where it is at the time of the sample. The first row of its keys has the direction that is up, as a unit vector, and whether
-// the plane that is sharp is at the point at which it looks.
+// Sets the camera to where it is at the time of the sample. The first row of its keys has the direction that is up, as a unit vector, and flags.
 fn begin_camera() {
     let first = motions[0].x;
     let keys = motions[0].y;
@@ -31,7 +34,9 @@ fn begin_camera() {
     let distance = length(view);
     let forward = view / distance;
     let right = normalize(cross(forward, vector_of_row(motions[first])));
-    camera_now = MovingCamera(origin, forward, right, cross(right, forward), select(0.0, distance, motions[first].w == 1u), false);
+    let flags = motions[first].w;
+    let to_right = select(right, -right, (flags & IS_MIRRORED) != 0u);
+    camera_now = MovingCamera(origin, forward, to_right, cross(right, forward), select(0.0, distance, (flags & FOLLOWS_FOCUS) != 0u), false);
 }
 
 // A point given relative to the middle of the lens.

@@ -1,6 +1,8 @@
-//@ alternative camera when lens
-//@ use camera/film_plane
+//@ alternative camera when lens & !projection.orthographic
+//@ use camera/pixel
+//@ use choice/camera_direction
 //@ use choice/camera_pose
+//@ use choice/projection
 // A point on the lens relative to its middle, uniform by area.
 fn lens_point(u: vec2<f32>) -> vec3<f32> {
     let lens = sample_disk(u);
@@ -11,8 +13,7 @@ fn lens_point(u: vec2<f32>) -> vec3<f32> {
 // (Cook, Porter, Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984, section 4.3).
 fn camera_ray(column: u32, row: u32, u: vec4<f32>) -> Ray {
     let origin = lens_point(u.zw);
-    let direction = film_direction(column, row, u.xy) - lens_shift(origin);
-    return Ray(from_lens(origin), normalize(direction));
+    return Ray(from_lens(origin), camera_direction(film_direction(from_middle(column, row, u.xy)), lens_shift(origin)));
 }
 
 // How far a direction through a point of the film moves if its ray starts at this point of the lens.

@@ -30,6 +30,16 @@ struct Settings {
     inverse_focus: f32,
     lens_y: vec3<f32>,
     //@ end
+    //@ if projection & !projection.orthographic
+    // The numbers of the projection: shaders/camera says what they are there.
+    film: vec4<f32>,
+    //@ end
+    //@ if projection.calibrated | projection.calibrated_fisheye
+    distortion: vec4<f32>,
+    tangential: vec2<f32>,
+    // The angle at which the distance from the middle stops growing, in radians.
+    fold: f32,
+    //@ end
     //@ if background.image
     background_width: u32,
     background_height: u32,

@@ -1,7 +1,7 @@
 //@ implements density_ratio when light_paths
 //@ use bind/settings
-//@ use camera/film_point
 //@ use choice/both_sides
+//@ use choice/camera_view
 //@ use choice/delta_emission
 //@ use choice/delta_lights
 //@ use choice/light_surfaces
@@ -22,11 +22,6 @@
 
 // The logarithm (base 2) of a ratio of 0: no light path is like this one.
 const NO_RATIO: f32 = -0x1p100f;
-const LEAST_DENSITY: f32 = 0x1p-100f;
-
-fn log_of_density(density: f32) -> f32 {
-    return log2(max(density, LEAST_DENSITY));
-}
 
 // Whether a material has a narrow lobe. If none has, light paths begin with specular events alone, whose light is not sampled.
 const NARROW_LOBES: bool = ${narrow_lobes}u == 1u;
@@ -40,8 +35,8 @@ fn has_ratio(log_ratio: f32) -> bool {
 fn log_ratio_at_camera(direction: vec3<f32>, distance: f32, cosine: f32) -> f32 {
     let pixels = f32(settings.image_width) * f32(settings.image_height);
     let light_paths = pixels * f32(settings.light_paths) / f32(RUN_LENGTH);
-    let density = log_of_density(density_of_camera_ray(direction)) + log_of_density(cosine);
-    return log_of_density(light_paths) - density + 2.0 * log_of_density(distance);
+    let density = log_density_of_camera(direction) + log_of_density(cosine);
+    return log_of_density(light_paths) - density + log_spread_of_camera(distance);
 }
 
 // An event in the order of light paths.

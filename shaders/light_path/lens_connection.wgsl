@@ -1,7 +1,5 @@
 //@ use bind/settings
-//@ use camera/film_point
-//@ use choice/camera
-//@ use choice/camera_pose
+//@ use choice/camera_view
 //@ use choice/panes
 //@ use choice/sampler
 //@ use choice/transmittance
@@ -13,33 +11,14 @@
 // Connections of light paths: each event but the first sends a ray to a point of the lens, and what arrives is added to the film there. The
 // shadow ray of a path is that ray.
 
-// A point of an event as seen from the lens.
-struct LensView {
-    // From the event to the lens.
-    direction: vec3<f32>,
-    distance: f32,
-    film_point: vec2<f32>,
-    // Chooses the pixel (light_path/splat).
-    u: vec2<f32>,
-    // The density of camera rays per pixel over the squared distance; 0 behind the camera.
-    density: f32,
-}
-
-fn view_from_lens(path: ptr<function, Path>, point: vec3<f32>) -> LensView {
+fn view_of_event(path: ptr<function, Path>, point: vec3<f32>) -> CameraView {
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_LIGHT), settings.seed);
-    let lens = lens_point(u.xy);
-    let to_lens = from_lens(lens) - point;
-    let distance = length(to_lens);
-    let direction = to_lens / distance;
-    let density = density_of_camera_ray(-direction);
-    let is_seen = density > 0.0 && distance > 0.0;
-    let film_point = film_point_at(lens, -direction);
-    return LensView(direction, distance, film_point, u.zw, select(0.0, density / (distance * distance), is_seen));
+    return view_from_camera(point, u);
 }
 
 // Sends the ray to the lens. `response` is BSDF times cosine in the order of camera paths, times cos_camera / cos_light with the surface's
 // own normal, or the phase function. `pdf` is the density with which a camera path scatters to the light, over cos_light.
-fn send_to_lens(path: ptr<function, Path>, view: LensView, origin: vec3<f32>, response: vec3<f32>, cos_camera: f32, pdf: f32) {
+fn send_to_lens(path: ptr<function, Path>, view: CameraView, origin: vec3<f32>, response: vec3<f32>, cos_camera: f32, pdf: f32) {
     let contribution = (*path).radiance * (*path).throughput * response * view.density;
     if !(view.density > 0.0) || !any(contribution > vec3<f32>(0.0)) {
         return;

@@ -28,7 +28,7 @@ struct LightEvent {
     surface: Surface,
     frame: ShadingFrame,
     evaluated: EvaluatedMaterial,
-    view: LensView,
+    view: CameraView,
     // From which light arrives, unit.
     to_light: vec3<f32>,
     cos_light: f32,
@@ -145,7 +145,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let is_rough = is_non_specular(evaluated);
     let to_light = -ray.direction;
     let cos_light = abs(dot(to_light, surface.normal));
-    let view = view_from_lens(path, surface.point);
+    let view = view_of_event(path, surface.point);
     let event = LightEvent(hit, surface, frame, evaluated, view, to_light, cos_light, is_first, is_rough);
     let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
     let orders = orders_of_event(event, u);

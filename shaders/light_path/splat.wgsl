@@ -2,6 +2,7 @@
 //@ use bind/settings
 //@ use bind/window
 //@ use choice/clamp
+//@ use choice/seam
 //@ use choice/splat_filter
 //@ use step/film
 //@ use step/pixel_order
@@ -13,7 +14,7 @@ const FIRST_SPLAT: u32 = ${splat_sums}u;
 // Adds a contribution at a point of the film, per pixel of the image, to one of the pixels whose filter covers the point. `half`: whether the
 // run of the light path is even or odd. `u` chooses the pixel. Returns what was added.
 fn splat(at: vec2<f32>, contribution: vec3<f32>, half: u32, u: vec2<f32>) -> vec3<f32> {
-    let target_pixel = choose_pixel(at, u);
+    let target_pixel = across_seam(choose_pixel(at, u));
     let column = target_pixel.column - i32(settings.film_left);
     let row = target_pixel.row - i32(settings.film_top);
     if target_pixel.weight == 0.0 || column < 0 || row < 0 || column >= i32(settings.film_width) || row >= i32(settings.film_height) {

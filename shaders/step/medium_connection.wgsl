@@ -9,7 +9,7 @@ fn sample_light_in_medium(path: ptr<function, Path>, medium: Medium, point: vec3
         return;
     }
     absorb_nothing_ahead(path);
-    let view = view_from_lens(path, point);
+    let view = view_of_event(path, point);
     let share = phase_pdf((*path).ray.direction, view.direction, medium.anisotropy, medium.one_minus_anisotropy);
     send_to_lens(path, view, point, medium_albedo(medium, point) * share, 1.0, share);
 }

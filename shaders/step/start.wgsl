@@ -2,6 +2,7 @@
 //@ use bind/window
 //@ use bind/counters
 //@ use choice/camera
+//@ use choice/camera_direction
 //@ use choice/filter
 //@ use choice/sampler
 //@ use choice/time
@@ -18,7 +19,7 @@ fn start_sample(path: ptr<function, Path>) {
     let jitter = vec4<f32>(filter_point(u.xy), u.zw);
     (*path).ray = camera_ray(pixel % settings.image_width, pixel / settings.image_width, jitter);
     (*path).status = RAY_READY;
-    (*path).throughput = vec3<f32>(1.0);
+    (*path).throughput = vec3<f32>(select(0.0, 1.0, has_direction((*path).ray)));
     (*path).depth = 0u;
     (*path).direct = vec3<f32>(0.0);
     (*path).seen = 0u;

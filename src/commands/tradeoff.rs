@@ -265,9 +265,10 @@ fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
     if size == (image.width, image.height) {
         return image;
     }
-    // Pixels stay as high as they were on the plane at distance 1.
-    let half = (0.5 * scene.camera.vertical_fov).to_radians().tan() * f64::from(size.1) / f64::from(image.height);
-    scene.camera.vertical_fov = 2.0 * half.atan().to_degrees();
+    let mut counted_in = (scene.image.width, scene.image.height);
+    let projection = scene.camera.projection().of_middle((image.width, image.height), size, &mut counted_in);
+    (scene.image.width, scene.image.height) = counted_in;
+    (scene.camera.projection, scene.camera.vertical_fov) = (Some(projection), None);
     let (left, top) = ((image.width - size.0) as usize / 2, (image.height - size.1) as usize / 2);
     let cut = |pixels: &[[f32; 3]]| -> Pixels {
         let rows = pixels.chunks(image.width as usize).skip(top).take(size.1 as usize);

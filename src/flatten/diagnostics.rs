@@ -18,7 +18,10 @@ pub fn warnings(search: &Search<'_>) -> Vec<String> {
     let mut found = sizes::search(search);
     found.push(duplicates::search(search));
     found.extend(coincident::search(search));
-    found.extend(lost_lights::search(search));
-    found.push(behind::search(search));
+    // They follow rays to one point.
+    if search.view.film.least_angle().is_some() {
+        found.extend(lost_lights::search(search));
+        found.push(behind::search(search));
+    }
     found.into_iter().filter_map(|worst| worst.text(search.scene)).collect()
 }

@@ -15,6 +15,9 @@ pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 /// The files of the backgrounds under shaders/background. Kernels switch on the indices.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
+/// The films that are no plane at distance 1.
+const PROJECTIONS: &[&str] = &["orthographic", "equirectangular", "fisheye", "calibrated", "calibrated_fisheye"];
+
 /// The reason for features that only `--features all` requires.
 pub const EVERY_FEATURE: &str = "--features all";
 
@@ -106,6 +109,8 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         group("light_paths", none(), Never),
         named("background", BACKGROUNDS.to_vec(), Always, "{} background", "background/{}"),
         named("lens", none(), Always, "thin lens", "camera/thin_lens"),
+        // Films that are no plane at distance 1: each scene has one.
+        named("projection", PROJECTIONS.to_vec(), Never, "{} camera", "camera/{}"),
         // Pixels are so narrow that render space has the camera's axes instead of the world's.
         named("camera_axes", none(), Always, "camera axes", "scene/camera_axes"),
         // What moves: shapes, boundaries of media, lights without size, media with a texture, and the camera.
@@ -173,6 +178,8 @@ pub struct Quantities {
     /// The solid angle of the lights at which light paths start, seen from these boxes, in sr: that of one light with the power of all of them, by which
     /// BSDF sampling is as noisy. 0 if one of them has no size.
     pub solid_angle_of_lights: f64,
+    /// The model of a fisheye lens: its number in [`FisheyeModel`](crate::scene::FisheyeModel).
+    pub fisheye: u32,
     /// The number of media.
     pub media: u32,
     /// Whether every ray tests all primitives without a hierarchy, because they are few and none is a mesh.

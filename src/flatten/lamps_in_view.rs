@@ -6,11 +6,12 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
 use super::coverage::{Coverage, clip};
 use super::finder::{Finder, Primitive};
 use super::motion::MotionStep;
+use super::projection::Film;
 use super::view::View;
 use crate::data::{LampPixel, Rgb};
 use crate::material::Emitted;
@@ -117,28 +118,41 @@ struct Eye {
     forward: DVec3,
     /// How far the lens shifts what is seen, as directions of depth 1.
     shift: DVec2,
-    /// The width of a pixel at distance 1.
-    pixel: f64,
+    film: Film,
+    /// How far the position is behind the plane from which parallel rays start: so far that they are parallel.
+    behind: f64,
     /// The middle of the image, in pixels.
     middle: DVec2,
 }
+
+/// So many times may a triangle be halved along its edges until they are straight on the film, to this, in pixels.
+const MOST_HALVINGS: u32 = 9;
+const STRAIGHT: f64 = 0.02;
 
 impl Eye {
     fn new(scene: &Scene, view: &View<'_>, Moment { time, lens }: Moment) -> Eye {
         let (open, close) = scene.camera.shutter;
         let camera = scene.camera.at(open + time * (close - open));
-        let now = View::new(&camera, view.size);
+        let now = View::new(&camera, view.size, scene.image);
         // Each view has its own space; this is that of the first moment.
         let axes = view.to_space.rotation * (now.to_space.rotation.transpose() * now.axes);
         let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
         let lens = now.lens_radius() * lens;
+        let behind = match view.film {
+            Film::Parallel { pixel } => 1e6 * pixel * f64::from(view.size.1),
+            _ => 0.0,
+        };
         Eye {
-            position: view.to_space.point(camera.look_from) + lens.x * axes.x_axis + lens.y * axes.y_axis,
-            right: axes.x_axis,
+            behind,
+            position: view.to_space.point(camera.look_from)
+                + lens.x * axes.x_axis
+                + lens.y * axes.y_axis
+                + behind * axes.z_axis,
+            right: if camera.mirror { -axes.x_axis } else { axes.x_axis },
             up: axes.y_axis,
             forward: -axes.z_axis,
             shift: lens / focus,
-            pixel: view.pixel,
+            film: view.film.clone(),
             middle: 0.5 * DVec2::new(f64::from(view.size.0), f64::from(view.size.1)),
         }
     }
@@ -148,37 +162,113 @@ impl Eye {
         ObjectTransform { to_world, space: RenderSpace { eye: self.position, scale: 1.0 } }
     }
 
+    /// The distance of a point before the camera.
+    fn depth(&self, p: DVec3) -> f64 {
+        p.dot(self.forward) - self.behind
+    }
+
     /// The point of the film, in pixels, of a point relative to the eye.
-    fn project(&self, p: DVec3) -> DVec2 {
-        let direction = DVec2::new(p.dot(self.right), p.dot(self.up)) / p.dot(self.forward) + self.shift;
-        self.middle + DVec2::new(direction.x, -direction.y) / self.pixel
+    fn project(&self, p: DVec3) -> Option<DVec2> {
+        let forward = self.depth(p);
+        let shift = forward * self.shift;
+        let seen = DVec3::new(p.dot(self.right) + shift.x, -p.dot(self.up) - shift.y, forward);
+        self.film.point(seen).map(|at| self.middle + at).filter(|at| at.is_finite())
     }
 
     /// The part of the film that may show a ball: its lowest and highest coordinates, within the image and what filters reach around it.
     fn bounds(&self, center: DVec3, radius: f64) -> Option<(DVec2, DVec2)> {
-        let (depth, image) = (center.dot(self.forward), 2.0 * self.middle);
+        let (depth, image) = (self.depth(center), 2.0 * self.middle);
         let (least, most) = (DVec2::splat(-REACH), image + REACH);
-        let (min, max) = match depth > 2.0 * radius {
-            true => {
+        let (min, max) = match self.film {
+            Film::Plane { pixel } if depth > 2.0 * radius => {
                 let beside = center.reject_from_normalized(self.forward).length();
-                let extent = ((beside + radius) / (depth - radius) - beside / depth) / self.pixel;
-                (self.project(center) - extent, self.project(center) + extent)
+                let extent = ((beside + radius) / (depth - radius) - beside / depth) / pixel;
+                let middle = self.project(center)?;
+                (middle - extent, middle + extent)
             }
-            false if depth > -radius => (least, most),
-            false => return None,
+            Film::Plane { .. } | Film::Parallel { .. } if depth <= -radius => return None,
+            Film::Plane { .. } => (least, most),
+            // The corners of the cube around the ball are at 1.74 times its radius.
+            _ if center.length() > 1.75 * radius || matches!(self.film, Film::Parallel { .. }) => {
+                self.bounds_of_cube(center, radius)?
+            }
+            _ => (least, most),
         };
         let (min, max) = (min.max(least), max.min(most));
         (min.x < max.x && min.y < max.y).then_some((min, max))
     }
 
-    /// A polygon on the film, within the image and what filters reach around it.
-    fn polygon(&self, corners: &[DVec3]) -> Vec<DVec2> {
-        let farthest = corners.iter().map(|p| p.length()).fold(0.0, f64::max);
-        let before = clip(corners, |p| p.dot(self.forward) - 1e-9 * farthest);
-        let seen: Vec<DVec2> = before.into_iter().map(|p| self.project(p)).filter(|p| p.is_finite()).collect();
+    /// The part of the film that may show a cube.
+    fn bounds_of_cube(&self, center: DVec3, half: f64) -> Option<(DVec2, DVec2)> {
+        let mut found = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for (axis, side) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [(axis, -half), (axis, half)]) {
+            let (u, v) = (half * axis.yzx(), half * axis.zxy());
+            let middle = center + side * axis;
+            self.polygons(&[middle - u - v, middle + u - v, middle + u + v, middle - u + v], &mut |seen| {
+                found = seen.iter().fold(found, |(min, max), p| (min.min(*p), max.max(*p)));
+            });
+        }
+        found.0.is_finite().then_some((found.0 - 1.0, found.1 + 1.0))
+    }
+
+    /// A polygon as polygons on the film, within the image and what filters reach around it.
+    fn polygons(&self, corners: &[DVec3], add: &mut dyn FnMut(&[DVec2])) {
+        match self.film {
+            Film::Plane { .. } | Film::Parallel { .. } => {
+                let farthest = corners.iter().map(|p| p.length()).fold(0.0, f64::max);
+                let before = clip(corners, |p| self.depth(p) - 1e-9 * (farthest - self.behind));
+                add(&self.within(&before.into_iter().filter_map(|p| self.project(p)).collect::<Vec<_>>()));
+            }
+            _ => {
+                let Some((first, others)) = corners.split_first() else { return };
+                others.windows(2).for_each(|pair| self.halve([*first, pair[0], pair[1]], MOST_HALVINGS, add));
+            }
+        }
+    }
+
+    /// The part of a polygon that is within the image and what filters reach around it.
+    fn within(&self, seen: &[DVec2]) -> Vec<DVec2> {
         let far = 2.0 * self.middle + REACH;
-        let seen = clip(&clip(&seen, |p| p.x + REACH), |p| p.y + REACH);
+        let seen = clip(&clip(seen, |p| p.x + REACH), |p| p.y + REACH);
         clip(&clip(&seen, |p| far.x - p.x), |p| far.y - p.y)
+    }
+
+    /// A triangle as triangles whose edges are straight on a film that bends lines. At the end of the film, some are left out.
+    fn halve(&self, corners: [DVec3; 3], left: u32, add: &mut dyn FnMut(&[DVec2])) {
+        let [a, b, c] = corners;
+        let between = |a: DVec3, b: DVec3| 0.5 * (a + b);
+        let middles = [between(a, b), between(b, c), between(c, a)];
+        // A panorama sees its left edge at its right one, too: all is where the first corner is.
+        let width = match &self.film {
+            Film::Panorama { step, .. } => 1.0 / step.x,
+            _ => f64::INFINITY,
+        };
+        let start = self.project(a);
+        let seen = |p: DVec3| {
+            let (at, start) = (self.project(p)?, start?);
+            let turns = ((at.x - start.x) / width).round();
+            Some(DVec2::new(if turns == 0.0 { at.x } else { at.x - turns * width }, at.y))
+        };
+        let is_straight = |from: DVec3, half: DVec3, to: DVec3| {
+            let (Some(from_at), Some(half), Some(to_at)) = (seen(from), seen(half), seen(to)) else { return false };
+            let edge = to_at - from_at;
+            let bend = edge.perp_dot(half - from_at).abs();
+            let along = edge.dot(half - from_at) / edge.length_squared();
+            let is_even = (0.2..0.8).contains(&along) && bend < STRAIGHT * edge.length();
+            edge.length() < STRAIGHT || (is_even && from.angle_between(to) < 1.0)
+        };
+        if !(0..3).all(|i| is_straight(corners[i], middles[i], corners[(i + 1) % 3])) {
+            let [ab, bc, ca] = middles;
+            let parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+            // What is left at last is at the end of the film, or around the one point of a fisheye that is a circle there.
+            parts.into_iter().filter(|_| left > 0).for_each(|part| self.halve(part, left - 1, add));
+            return;
+        }
+        if let [Some(a), Some(b), Some(c)] = corners.map(seen) {
+            for shift in [0.0, -width, width].into_iter().filter(|shift| shift.is_finite()) {
+                add(&self.within(&[a, b, c].map(|p| p + DVec2::new(shift, 0.0))));
+            }
+        }
     }
 }
 
@@ -231,7 +321,7 @@ impl Projection {
             let mut add = |corners: &[DVec3]| {
                 let is_front = matches!(corners, [a, b, c, ..] if (*b - *a).cross(*c - *a).dot(*a) < 0.0);
                 if is_front || (lamp.two_sided && !is_closed) {
-                    coverage.add(&eye.polygon(corners), is_front, 1.0 / views as f64);
+                    eye.polygons(corners, &mut |seen| coverage.add(seen, is_front, 1.0 / views as f64));
                 }
             };
             match around {
@@ -353,6 +443,62 @@ mod tests {
 
     fn near(found: f64, expected: f64, share: f64) {
         assert!((found / expected - 1.0).abs() < share, "{found} {expected}");
+    }
+
+    /// On films that bend lines, a lamp covers the pixels whose rays meet it: before the camera, beside it, and behind it, where a panorama has its
+    /// seam.
+    #[test]
+    fn lamps_cover_what_rays_of_bent_films_meet() {
+        for (projection, lamps) in [
+            ("Orthographic(height: 3)", 2),
+            ("Equirectangular()", 5),
+            ("Equirectangular(horizontal: (-100, 60), vertical: (-30, 90))", 3),
+            ("Fisheye(model: Equidistant, fov: 160)", 3),
+            ("Fisheye(model: Stereographic, fov: 200)", 4),
+            ("Calibrated(fx: 18, fy: 15, cx: 17, cy: 8, distortion: Brown(k1: -0.2, p2: 0.01))", 2),
+            ("Calibrated(fx: 9, fy: 9, cx: 16, cy: 9, distortion: KannalaBrandt(k1: -0.02))", 3),
+        ] {
+            let text = |objects: &str| {
+                format!(
+                    "Scene(image: (width: 32, height: 18), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), projection: {projection}),
+                    background: Solid((0, 0, 0)), materials: {{ \"lamp\": DiffuseLight(emit: Rgb(8, 4, 2)) }}, objects: [{objects}])"
+                )
+            };
+            let mut seen = 0;
+            for (x, y, z) in [(0.4, 0.2, -3.0), (-0.9, -0.1, -4.0), (3.0, 0.5, 0.2), (-0.5, 2.5, 0.1), (0.1, 0.3, 3.0)]
+            {
+                let object = format!("Sphere(center: ({x}, {y}, {z}), radius: 0.4, material: \"lamp\")");
+                let scene = Scene::parse(&text(&object), Path::new("test.ron")).unwrap();
+                let found = flatten(&scene, (32, 18), &RenderOptions::default()).unwrap().lamps;
+                let film = Film::new(&scene.camera, (32, 18), scene.image);
+                let center = DVec3::new(x, -y, -z);
+                let meets = |at: DVec2| {
+                    let Some(direction) = film.direction(at) else { return false };
+                    let origin = match film {
+                        Film::Parallel { pixel } => (pixel * at).extend(0.0),
+                        _ => DVec3::ZERO,
+                    };
+                    let to = center - origin;
+                    to.dot(direction) > 0.0 && to.reject_from_normalized(direction).length() < 0.4
+                };
+                const RAYS: usize = 16;
+                let mut area = 0.0;
+                for pixel in 0..32 * 18 {
+                    let corner = DVec2::new(f64::from(pixel % 32), f64::from(pixel / 32)) - DVec2::new(16.0, 9.0);
+                    let at = |i: usize| corner + (DVec2::new((i % RAYS) as f64, (i / RAYS) as f64) + 0.5) / RAYS as f64;
+                    let share = (0..RAYS * RAYS).filter(|i| meets(at(*i))).count() as f64 / (RAYS * RAYS) as f64;
+                    area += share;
+                    let own =
+                        found.iter().filter(|own| own.pixel == pixel).map(|own| f64::from(own.share)).sum::<f64>();
+                    // Pixels that are all lamp have no noise, and are left out.
+                    let own = if own == 0.0 && share > 0.99 { share } else { own };
+                    // The edges of triangles are straight to 0.02 pixels.
+                    assert!((own - share).abs() < 0.1, "{projection} {object}: pixel {pixel} {own} {share}");
+                }
+                seen += u32::from(area > 0.0);
+            }
+            assert_eq!(seen, lamps, "{projection}");
+        }
     }
 
     /// Each shape has its area on the film: in pixels a² for a cube's front of 10 a at distance 10. The radiance is in units of 8, as that is the

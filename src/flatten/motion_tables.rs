@@ -120,7 +120,8 @@ impl Motions {
         let keys = points[0].len() as u32;
         self.heads[0][0] = self.first_of_rows();
         self.heads[0][1] = keys;
-        self.rows.push(row_of(to_space.rotation * up, u32::from(camera.focus_distance.is_none())));
+        let flags = u32::from(camera.focus_distance.is_none()) | u32::from(camera.mirror) << 1;
+        self.rows.push(row_of(to_space.rotation * up, flags));
         for track in points {
             let in_space = |point: DVec3| self.space.point(to_space.point(point));
             self.rows.extend(track.into_iter().map(|(time, point)| of_time(in_space(point), time)).collect::<Vec<_>>());

@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DVec3};
 
+use super::projection::Film;
 use crate::data::{self, f32s};
-use crate::scene::Camera;
+use crate::scene::{Camera, ImageSize};
 use crate::shape::RenderSpace;
 use crate::shape::similarity::Similarity;
 
@@ -19,8 +20,7 @@ pub struct View<'a> {
     pub size: (u32, u32),
     /// The camera's axes: right, up and backwards.
     pub axes: DMat3,
-    /// The width of a pixel at distance 1.
-    pub pixel: f64,
+    pub film: Film,
     /// The rotation from the world to render space.
     pub to_space: Similarity,
     /// Whether that space has the camera's axes.
@@ -29,20 +29,20 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// The view of an image of `size` pixels.
-    pub fn new(camera: &Camera, size: (u32, u32)) -> View<'_> {
+    /// The view of an image of `size` pixels. `image` is the size that the scene counts in.
+    pub fn new(camera: &Camera, size: (u32, u32), image: ImageSize) -> View<'_> {
         let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
         let backward = unit(camera.look_from - camera.look_at);
         let right = unit(unit(camera.up).cross(backward));
         let axes = DMat3::from_cols(right, backward.cross(right), backward);
-        let pixel = 2.0 * (0.5 * camera.vertical_fov).to_radians().tan() / f64::from(size.1);
-        let has_camera_axes = pixel < NARROW_PIXEL;
+        let film = Film::new(camera, size, image);
+        let has_camera_axes = film.least_angle().is_some_and(|pixel| pixel < NARROW_PIXEL);
         let to_space = match has_camera_axes {
             true => Similarity { rotation: axes.transpose(), ..Similarity::IDENTITY },
             false => Similarity::IDENTITY,
         };
         let axes = to_space.rotation * axes;
-        View { camera, size, axes, pixel, eye: to_space.point(camera.look_from), to_space, has_camera_axes }
+        View { camera, size, axes, film, eye: to_space.point(camera.look_from), to_space, has_camera_axes }
     }
 
     pub fn lens_radius(&self) -> f64 {
@@ -51,17 +51,18 @@ impl View<'_> {
 
     /// The settings that kernels read.
     pub fn settings(&self, space: &RenderSpace) -> data::Settings {
-        let View { camera, pixel, to_space, .. } = self;
+        let View { camera, film, to_space, .. } = self;
         // If the space has the camera's axes, these are exactly the unit vectors.
         let axes = if self.has_camera_axes { DMat3::IDENTITY } else { self.axes };
         let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
         let lens_radius = self.lens_radius() * space.scale;
-        data::Settings {
+        let pixel = film.pixel(space.scale);
+        let mut settings = data::Settings {
             forward: f32s(-axes.z_axis),
             image_width: self.size.0,
-            pixel_x: f32s(*pixel * axes.x_axis),
+            pixel_x: f32s(if camera.mirror { -pixel } else { pixel } * axes.x_axis),
             image_height: self.size.1,
-            pixel_y: f32s(-*pixel * axes.y_axis),
+            pixel_y: f32s(-pixel * axes.y_axis),
             lens_x: f32s(lens_radius * axes.x_axis),
             lens_y: f32s(lens_radius * axes.y_axis),
             inverse_focus: (1.0 / (focus * space.scale)) as f32,
@@ -69,6 +70,8 @@ impl View<'_> {
             world_y: f32s(to_space.rotation.y_axis),
             world_z: f32s(to_space.rotation.z_axis),
             ..data::Settings::default()
-        }
+        };
+        film.write(&mut settings);
+        settings
     }
 }

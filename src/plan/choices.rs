@@ -215,6 +215,7 @@ fn values(
         // WGSL has no empty arrays.
         ("stack_size", own.stack_size + 1),
         ("boundary_stack_size", own.boundary_stack_size + 1),
+        ("fisheye", own.fisheye),
         ("media", own.media),
         ("sky_light", own.sky_light),
         ("sky_columns", own.sky_grid.0),

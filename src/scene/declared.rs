@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::animation_frame::FPS;
+use super::projection::Projection;
 use crate::delta_light::DeltaLight;
 use crate::error::{Error, Result};
 use crate::shape::mesh::MeshShape;
@@ -51,8 +52,15 @@ declare! {
         /// The direction that is up in the image; not parallel to the view.
         #[serde(default = "up")]
         up: DVec3 = vector().or("(0, 1, 0)");
-        /// The angle between the upper and the lower edge of the image.
-        vertical_fov: f64 = number(Range::between(0.0, 180.0), DEGREES);
+        /// The angle between the upper and the lower edge of the image: short for the projection `Perspective`.
+        #[serde(default, skip_serializing_if = "is_default")]
+        vertical_fov: Option<f64> = number(Range::between(0.0, 180.0), DEGREES).or("that of the projection");
+        /// How directions are laid out on the image.
+        #[serde(default, skip_serializing_if = "is_default")]
+        projection: Option<Projection> = other(PROJECTION).or("`Perspective`, with `vertical_fov`");
+        /// Whether the image is flipped left to right.
+        #[serde(default, skip_serializing_if = "is_default")]
+        mirror: bool = flag().or("false");
         /// The diameter of the lens; 0 is a pinhole, which shows everything sharp.
         #[serde(default)]
         aperture: f64 = number(Range::NOT_NEGATIVE, SCENE_UNITS).or("0");
@@ -83,11 +91,32 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
+/// What a projection is.
+const PROJECTION: &str = "Perspective(..), Orthographic(..), Equirectangular(..), Fisheye(..) or Calibrated(..)";
+
 impl Camera {
+    /// How directions are laid out on the image. Checked cameras have a projection or the angle of one.
+    pub fn projection(&self) -> Projection {
+        let vertical_fov = self.vertical_fov.unwrap_or(DEFAULT_FOV);
+        self.projection.clone().unwrap_or(Projection::Perspective { vertical_fov })
+    }
+
     /// A pinhole that rests.
     pub fn pinhole(look_from: DVec3, look_at: DVec3, up: DVec3, vertical_fov: f64) -> Camera {
         let (shutter, moving) = ((0.0, 0.0), Vec::new());
-        Camera { look_from, look_at, up, vertical_fov, aperture: 0.0, focus_distance: None, shutter, moving }
+        let vertical_fov = Some(vertical_fov);
+        Camera {
+            look_from,
+            look_at,
+            up,
+            vertical_fov,
+            projection: None,
+            mirror: false,
+            aperture: 0.0,
+            focus_distance: None,
+            shutter,
+            moving,
+        }
     }
 
     /// The camera as it stands at a time, in seconds.
@@ -120,6 +149,9 @@ fn keys_beside<T>(keys: &[(f64, T)], next: usize, seconds: f64) -> Option<(&T, &
         (None, None) => None,
     }
 }
+
+/// The angle of what is no camera of a file, in degrees.
+const DEFAULT_FOV: f64 = 45.0;
 
 fn up() -> DVec3 {
     DVec3::Y

@@ -1,6 +1,7 @@
 //! The forms of the scene file by what they are.
 
 use super::declared::{camera, camera_key, image, render};
+use super::projection::{Distortion, Projection};
 use super::types::{Background, Material, Object, Texture, Transform};
 use crate::source::form::{Form, other};
 
@@ -31,9 +32,11 @@ pub const SCENE: Form = Form {
 };
 
 /// All forms by what they are, in the order of docs/scene.md. A name may stand for two of them, which are written alike.
-pub fn groups() -> [(&'static str, &'static [Form]); 6] {
+pub fn groups() -> [(&'static str, &'static [Form]); 8] {
     [
         ("Scene", &[SCENE, image::FORM, camera::FORM, render::FORM, camera_key::FORM]),
+        ("Projections", Projection::FORMS),
+        ("Distortions", Distortion::FORMS),
         ("Backgrounds", Background::FORMS),
         ("Materials", Material::FORMS),
         ("Textures", Texture::FORMS),

@@ -3,6 +3,7 @@
 pub use super::declared::{
     Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, Thin, Transform, keys_around, keys_up_to,
 };
+pub use super::projection::{Distortion, FisheyeModel, Projection};
 pub use crate::bitmap::{Bitmap, Bitmaps};
 pub use crate::material::{
     Conductor, Dielectric, DiffuseLight, Lambertian, Material, Metal, Pbr, RoughDielectric, ThinDielectric,

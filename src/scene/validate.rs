@@ -58,6 +58,24 @@ fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
         findings.record(directions(at, camera.look_at - camera.look_from, camera.up));
     }
     findings.record_all(camera.check_fields(at));
+    findings.record(match (&camera.projection, camera.vertical_fov) {
+        (None, None) => Err(at.field("vertical_fov").error(
+            "vertical_fov is missing: expected an angle in degrees, or another projection in its place".to_owned(),
+        )),
+        (Some(_), Some(_)) => {
+            Err(at.field("vertical_fov").error("vertical_fov is short for a projection: remove one of both".to_owned()))
+        }
+        _ => Ok(()),
+    });
+    if let Some(projection) = &camera.projection {
+        findings.record_all(projection.errors(&at.field("projection")));
+        let has_lens = matches!(projection, Projection::Perspective { .. } | Projection::Calibrated { .. });
+        if camera.aperture > 0.0 && !has_lens {
+            let message =
+                format!("a camera with the projection {} has no lens: remove the aperture", projection.name());
+            findings.refuse(at.field("aperture").error(message));
+        }
+    }
     findings.record(shutter(&at.field("shutter"), camera.shutter));
     camera_keys(&at.field("moving"), camera, findings);
 }

@@ -444,7 +444,7 @@ pub struct View {
 impl View {
     pub fn new(camera: &Camera, size: (u32, u32)) -> View {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
-        let half = (camera.vertical_fov.to_radians() / 2.0).tan();
+        let half = (camera.vertical_fov.expect("it is perspective").to_radians() / 2.0).tan();
         let forward = (camera.look_at - camera.look_from).normalize();
         let right = forward.cross(camera.up).normalize();
         View { forward, right: right * (half * width / height), up: right.cross(forward) * half, size: (width, height) }

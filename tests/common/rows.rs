@@ -75,6 +75,13 @@ rows! {
         direction: [f32; 3], padding1: u32,
     }
 
+    /// The output of tests/shaders/projection.wgsl: a ray, the point of the film where it is seen, and its density.
+    pub struct SeenRay {
+        origin: [f32; 3], density: f32,
+        direction: [f32; 3], padding: u32,
+        point: [f32; 2], padding1: [u32; 2],
+    }
+
     /// What `test/filter` gives: a point of a pixel, and its weight.
     pub struct FilterPoint { point: [f32; 2], weight: f32, padding: u32 }
 }

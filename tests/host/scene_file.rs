@@ -6,7 +6,8 @@ use std::path::Path;
 
 use gpu_rt::scene::format::groups;
 use gpu_rt::scene::{
-    Background, Camera, CameraKey, ImageSize, Material, Object, RenderDefaults, Scene, Texture, Transform,
+    Background, Camera, CameraKey, Distortion, ImageSize, Material, Object, Projection, RenderDefaults, Scene, Texture,
+    Transform,
 };
 use gpu_rt::source::form::{Field, Form, Takes};
 use gpu_rt::source::{LARGEST, SMALLEST};
@@ -19,6 +20,8 @@ const DOCUMENT: &str = "docs/scene.md";
 fn introduction(group: &str) -> &'static str {
     match group {
         "Scene" => "The parts that belong to the file itself.",
+        "Projections" => "How directions are laid out on the image: the value of `projection` of the camera.",
+        "Distortions" => "What a lens does to the image of a `Calibrated` camera: the value of `distortion`.",
         "Backgrounds" => "What rays that hit nothing see: the value of `background`.",
         "Materials" => {
             "How surfaces scatter and emit light: the values of `materials`. [light-transport.md](light-transport.md#materials) has\n\
@@ -141,6 +144,10 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Other("Auto or Pane") => "Pane",
         Takes::Other("two numbers of seconds: (open, close)") => "(7, 8)",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",
+        Takes::Other(words) if words.starts_with("two angles") => "(7, 8)",
+        Takes::Other(words) if words.starts_with("Perspective") => "Orthographic(height: 7)",
+        Takes::Other(words) if words.starts_with("Equidistant") => "Equisolid",
+        Takes::Other(words) if words.starts_with("Brown") => "Brown(k1: 7)",
         Takes::Other(words) if words.starts_with("a list") => "[]",
         Takes::Other(words) if words.starts_with("an object") => "Group([])",
         Takes::Other(_) => "\"name\"",
@@ -200,6 +207,8 @@ fn the_declarations_are_those_that_are_read() {
                 let names: Vec<_> = forms[0].fields.iter().map(|field| field.name).collect();
                 assert!(error.ends_with(&format!("expected one of {}", names.join(", "))), "{error}");
             }
+            "Projections" => compare::<Projection>(forms),
+            "Distortions" => compare::<Distortion>(forms),
             "Backgrounds" => compare::<Background>(forms),
             "Materials" => compare::<Material>(forms),
             "Textures" => compare::<Texture>(forms),
@@ -219,7 +228,7 @@ fn around(group: &str, form: &Form) -> String {
     ];
     let [mut background, mut material, mut object] =
         ["Solid((1, 1, 1))", "Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", ""].map(str::to_owned);
-    let camera_of_key;
+    let own_camera;
     let example = form.example;
     match (group, form.name) {
         (_, "Scene") => return example.to_owned(),
@@ -229,8 +238,17 @@ fn around(group: &str, form: &Form) -> String {
             let key = format!(
                 "(look_from: (0, 1, 8), look_at: (0, 1, 0), vertical_fov: 30, shutter: (0, 1), moving: [(0, {example})])"
             );
-            camera_of_key = key;
-            camera = &camera_of_key;
+            own_camera = key;
+            camera = &own_camera;
+        }
+        ("Projections" | "Distortions", _) => {
+            let projection = match group {
+                "Projections" => example.to_owned(),
+                _ => format!("Calibrated(fx: 9, fy: 9, cx: 16, cy: 9, distortion: {example})"),
+            };
+            own_camera =
+                format!("(look_from: (0, 1, 8), look_at: (0, 1, 0), projection: {projection}, shutter: (0, 1))");
+            camera = &own_camera;
         }
         (_, "render") => render = example,
         ("Backgrounds", _) => background = example.to_owned(),

@@ -31,6 +31,7 @@ mod normal_maps;
 mod numbers;
 mod panes;
 mod parted_lights;
+mod projections;
 mod recipe;
 mod references;
 mod same_bytes;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use gpu_rt::data::Settings;
 
 use crate::common::kernel::{Kernel, Setup};
-use crate::common::rows::{CameraRay as Out, OnFilm as In};
+use crate::common::rows::{CameraRay as Out, OnFilm as In, SeenRay};
 use crate::common::scenes::{flat_with, triple};
 use crate::common::stats::{Random, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, unit};
@@ -201,4 +201,133 @@ fn rays_leave_all_parts_of_the_lens_alike() {
     assert!(p(|r| r * r) > 1e-6, "p = {:e}", p(|r| r * r));
     // Uniform by radius instead of by area.
     assert!(p(|r| r) < 1e-6);
+}
+
+/// A camera of OpenCV, of 64 x 48 pixels, with its distortion.
+fn calibrated(distortion: &str) -> String {
+    format!("Calibrated(fx: 40, fy: 44, cx: 30, cy: 25, distortion: {distortion})")
+}
+
+/// Where a camera at the origin that looks along -z sees a unit direction, in pixels of an image of 64 x 48 from its left upper corner: by the
+/// formulas of docs/scene.md, and of OpenCV's documentation ("Camera Calibration and 3D Reconstruction", and its fisheye model).
+fn seen(projection: &str, [x, y, z]: [f64; 3]) -> [f64; 2] {
+    let (right, down, forward) = (x, -y, -z);
+    let across = right.hypot(down);
+    let angle = across.atan2(forward);
+    // A fisheye whose fov of 140 degrees is the height of the image.
+    let fisheye = |r: fn(f64) -> f64| {
+        let pixels = 24.0 / r(70f64.to_radians());
+        let scale = if across > 0.0 { r(angle) / across * pixels } else { 0.0 };
+        [32.0 + right * scale, 24.0 + down * scale]
+    };
+    let flat = |at: &dyn Fn(f64, f64) -> [f64; 2]| {
+        let [x, y] = at(right / forward, down / forward);
+        [30.0 + 40.0 * x, 25.0 + 44.0 * y]
+    };
+    match projection.split(['(', ':', ',']).filter(|word| !word.trim().is_empty()).collect::<Vec<_>>()[..] {
+        ["Orthographic", ..] => unreachable!("its points are seen, and not directions"),
+        ["Equirectangular", _, from, to, ..] => {
+            let number = |text: &str| text.trim_matches(|c| " ()".contains(c)).parse::<f64>().unwrap().to_radians();
+            let (from, to) = (number(from), number(to));
+            let (bottom, top) = ((-50f64).to_radians(), 80f64.to_radians());
+            let longitude = (right.atan2(forward) - from).rem_euclid(TAU);
+            [64.0 * longitude / (to - from), 48.0 * (top - y.asin()) / (top - bottom)]
+        }
+        ["Fisheye", _, " Equidistant", ..] => fisheye(|t| t),
+        ["Fisheye", _, " Equisolid", ..] => fisheye(|t| 2.0 * (t / 2.0).sin()),
+        ["Fisheye", _, " Stereographic", ..] => fisheye(|t| 2.0 * (t / 2.0).tan()),
+        ["Fisheye", ..] => fisheye(f64::sin),
+        _ if projection.contains("Brown") => flat(&|x, y| {
+            let (k1, k2, p1, p2, k3) = (-0.2, 0.04, 0.01, -0.02, 0.001);
+            let r2 = x * x + y * y;
+            let radial = 1.0 + k1 * r2 + k2 * r2.powi(2) + k3 * r2.powi(3);
+            [
+                x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+            ]
+        }),
+        _ if projection.contains("KannalaBrandt") => {
+            let t = angle;
+            let distance = t * (1.0 - 0.02 * t.powi(2) + 0.003 * t.powi(4) - 0.001 * t.powi(6) + 0.0001 * t.powi(8));
+            let scale = if across > 0.0 { distance / across } else { 1.0 };
+            [30.0 + 40.0 * right * scale, 25.0 + 44.0 * down * scale]
+        }
+        _ => flat(&|x, y| [x, y]),
+    }
+}
+
+/// Each ray is seen where it comes from, by formulas of others, and light paths see it there. The density of light paths is the one over the solid
+/// angle of a pixel, by differences of these formulas.
+#[test]
+fn projections_are_seen_where_their_rays_come_from() {
+    let mut random = Random(104);
+    let projections = [
+        ("equirectangular", "Equirectangular(horizontal: (-170, 100), vertical: (-50, 80))".to_owned()),
+        ("equirectangular", "Equirectangular(horizontal: (20, 300), vertical: (-50, 80))".to_owned()),
+        ("fisheye", "Fisheye(model: Equidistant, fov: 140)".to_owned()),
+        ("fisheye", "Fisheye(model: Equisolid, fov: 140)".to_owned()),
+        ("fisheye", "Fisheye(model: Stereographic, fov: 140)".to_owned()),
+        ("fisheye", "Fisheye(model: Orthographic, fov: 140)".to_owned()),
+        ("calibrated", "Calibrated(fx: 40, fy: 44, cx: 30, cy: 25)".to_owned()),
+        ("calibrated", calibrated("Brown(k1: -0.2, k2: 0.04, p1: 0.01, p2: -0.02, k3: 0.001)")),
+        ("calibrated_fisheye", calibrated("KannalaBrandt(k1: -0.02, k2: 0.003, k3: -0.001, k4: 0.0001)")),
+    ];
+    for (number, (fact, projection)) in projections.iter().enumerate() {
+        let has_lens = projection.contains("Calibrated") && !projection.contains("KannalaBrandt");
+        // The width of a whole turn of the panoramas, in pixels.
+        let turn = 64.0 * 360.0 / if number == 0 { 270.0 } else { 280.0 };
+        let around = |x: f64| if *fact == "equirectangular" { x - turn * (x / turn).round() } else { x };
+        for (mirror, aperture) in [(false, 0.0), (true, 0.0), (true, if has_lens { 0.3 } else { 0.0 })] {
+            let camera = format!(
+                "(look_from: (0, 0, 0), look_at: (0, 0, -1), projection: {projection}, mirror: {mirror}, aperture: {aperture:?})"
+            );
+            let flat = flat_with(&camera, (64, 48), &[]);
+            let name = format!("projection.{fact}");
+            let model = flat.features.quantities.fisheye.to_string();
+            let facts = [("projection", true), (name.as_str(), true), ("lens", aperture > 0.0)];
+            let setup = Setup { facts: &facts, values: &[("fisheye", &model)], ..Setup::default() };
+            let kernel = Kernel::with("test/projection", &setup);
+            let rows = rows(&mut random, (64, 48));
+            let found = kernel.run_with::<_, SeenRay>(&rows, rows.len(), &[kernel.settings(&flat.settings)]);
+            let mut with_direction = 0;
+            for (row, out) in rows.iter().zip(&found) {
+                let (x, y) = film_point(row);
+                if out.direction == [0.0; 3] {
+                    continue;
+                }
+                with_direction += 1;
+                let miss = (f64::from(out.point[0]) - x).hypot(f64::from(out.point[1]) - y);
+                assert!(miss < 1e-3, "{projection} {mirror} {row:?} {out:?}: light paths are off by {miss} pixels");
+                if aperture > 0.0 {
+                    continue;
+                }
+                let [at_x, at_y] = seen(projection, exact(out.direction).to_array());
+                let at_x = if mirror { 64.0 - at_x } else { at_x };
+                // Pixels are wider than 2^-7, and a direction has 12 u (above) and those of its angles: 30 u.
+                let miss = around(at_x - x).hypot(at_y - y);
+                assert!(
+                    miss < 1e-3,
+                    "{number} {projection} {mirror} {row:?} {out:?}: off by {miss} pixels, {at_x} {at_y}"
+                );
+                // The area on the film of a small solid angle around the direction.
+                let step = 1e-5;
+                let middle = exact(out.direction).normalize();
+                let across = middle.any_orthonormal_vector();
+                let [u, v] = [across, middle.cross(across)].map(|side| {
+                    let ends = [-step, step].map(|by| seen(projection, (middle + by * side).normalize().to_array()));
+                    [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]].map(|x| around(x) / (2.0 * step))
+                });
+                let density = (u[0] * v[1] - u[1] * v[0]).abs();
+                let off = (f64::from(out.density) / density - 1.0).abs();
+                assert!(off < 1e-3, "{projection} {mirror} {row:?} {out:?}: the density is off by {off}, {density}");
+            }
+            // An equidistant fisheye is no equisolid one.
+            let wrong = rows.iter().zip(&found).filter(|(row, out)| {
+                let [x, y] = seen("Fisheye(model: Equisolid", exact(out.direction).to_array());
+                (x - film_point(row).0).hypot(y - film_point(row).1) > 0.1
+            });
+            assert!(!projection.contains("Equidistant") || mirror || wrong.count() > 20);
+            assert!(with_direction > rows.len() / 3, "{projection}: {with_direction} of {}", rows.len());
+        }
+    }
 }

@@ -514,6 +514,19 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let fog = delta_lit(with_media(glass.clone(), 1, number % 2 == 0), true);
         found.extend([glass, fog, everything()].map(|features| (traced(features), options.clone())));
     }
+    // Each projection: beside the least, a moving camera and everything, without light paths and with them.
+    for projection in ["orthographic", "equirectangular", "fisheye", "calibrated", "calibrated_fisheye"] {
+        let glass = lit(features(1, materials, 0, SOLID, false), 1, false);
+        let moves = having(glass.clone(), &["moving_camera"]);
+        for (surfaces, is_traced) in
+            [(glass.clone(), false), (moves, true), (everything(), false), (everything(), true)]
+        {
+            let found_by = having(surfaces, &[&format!("projection.{projection}")]);
+            let light_paths = if is_traced { LightPaths::Count(8) } else { LightPaths::Off };
+            let own = if is_traced { traced(found_by) } else { found_by };
+            found.push((own, RenderOptions { light_paths, ..RenderOptions::default() }));
+        }
+    }
     // Every channel beside the radiance, by itself and with the others, beside nothing, media, a sphere and everything.
     let names = ["albedo", "normal", "depth", "position", "object", "material", "direct", "indirect"];
     let every = names.join(",");

@@ -6,7 +6,7 @@ use gltf::json::validation::Checked;
 
 use super::nodes::SceneNode;
 use super::{File, GltfError, Result, decimal};
-use crate::scene::types::{Camera, ImageSize};
+use crate::scene::types::{Camera, ImageSize, Projection};
 use crate::shape::Aabb;
 
 /// A camera of the file.
@@ -33,36 +33,43 @@ fn image(aspect: f64) -> ImageSize {
 
 impl File {
     /// The camera of a node. A note says why one is left out.
-    pub fn view(&self, scene_node: &SceneNode, notes: &mut Vec<String>) -> Result<Option<View>> {
+    pub fn view(&self, scene_node: &SceneNode) -> Result<Option<View>> {
         let Some(index) = scene_node.node.camera.map(|camera| camera.value()) else { return Ok(None) };
         let at = format!("cameras[{index}]");
         let camera = self.root().cameras.get(index);
         let camera = camera.ok_or_else(|| {
             GltfError::new(format!("nodes[{}].camera", scene_node.index), format!("there is no camera {index}"))
         })?;
-        let perspective = match (camera.type_, &camera.perspective) {
-            (Checked::Valid(Type::Perspective), Some(perspective)) => perspective,
-            (Checked::Valid(Type::Perspective), None) => {
+        let positive = |name: &str, x: f64| match x > 0.0 && x.is_finite() {
+            true => Ok(x),
+            false => Err(GltfError::new(format!("{at}.{name}"), format!("expected a positive number, found {x}"))),
+        };
+        let (vertical_fov, projection, aspect) = match (camera.type_, &camera.perspective, &camera.orthographic) {
+            (Checked::Valid(Type::Perspective), Some(perspective), _) => {
+                let yfov = decimal(perspective.yfov);
+                if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
+                    let reason = format!("expected an angle between 0 and pi, found {yfov}");
+                    return Err(GltfError::new(format!("{at}.perspective.yfov"), reason));
+                }
+                let aspect = positive("perspective.aspectRatio", perspective.aspect_ratio.map_or(ASPECT, decimal))?;
+                (Some(yfov.to_degrees()), None, aspect)
+            }
+            // glTF's numbers are half the extent of the image.
+            (Checked::Valid(Type::Orthographic), _, Some(orthographic)) => {
+                let half_width = positive("orthographic.xmag", decimal(orthographic.xmag))?;
+                let half_height = positive("orthographic.ymag", decimal(orthographic.ymag))?;
+                (None, Some(Projection::Orthographic { height: 2.0 * half_height }), half_width / half_height)
+            }
+            (Checked::Valid(Type::Perspective), None, _) => {
                 return Err(GltfError::new(at, "expected the properties perspective"));
             }
-            (Checked::Valid(Type::Orthographic), _) => {
-                notes.push(format!("{at}: orthographic cameras are not supported: this one is left out"));
-                return Ok(None);
+            (Checked::Valid(Type::Orthographic), _, None) => {
+                return Err(GltfError::new(at, "expected the properties orthographic"));
             }
-            (Checked::Invalid, _) => {
+            (Checked::Invalid, ..) => {
                 return Err(GltfError::new(format!("{at}.type"), "expected perspective or orthographic"));
             }
         };
-        let yfov = decimal(perspective.yfov);
-        if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
-            let reason = format!("expected an angle between 0 and pi, found {yfov}");
-            return Err(GltfError::new(format!("{at}.perspective.yfov"), reason));
-        }
-        let aspect = perspective.aspect_ratio.map_or(ASPECT, decimal);
-        if !(aspect > 0.0 && aspect.is_finite()) {
-            let reason = format!("expected a positive number, found {aspect}");
-            return Err(GltfError::new(format!("{at}.perspective.aspectRatio"), reason));
-        }
         let DAffine3 { matrix3, translation } = scene_node.to_scene;
         let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
         let sine = forward.cross(up).length();
@@ -71,7 +78,7 @@ impl File {
         }
         let names = [scene_node.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();
         let look_at = translation + forward * translation.length().max(1.0);
-        let camera = Camera::pinhole(translation, look_at, up, yfov.to_degrees());
+        let camera = Camera { vertical_fov, projection, ..Camera::pinhole(translation, look_at, up, 45.0) };
         Ok(Some(View { names, camera, image: image(aspect) }))
     }
 }

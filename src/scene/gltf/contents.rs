@@ -147,7 +147,7 @@ impl File {
         let pose = self.pose(reading.seconds)?;
         contents.notes.extend(pose.notes.iter().cloned());
         for scene_node in pose.nodes(root) {
-            contents.views.extend(self.view(&scene_node, &mut contents.notes)?);
+            contents.views.extend(self.view(&scene_node)?);
             if let Some(light) = self.light(&scene_node, units)? {
                 contents.objects.push(light.object);
                 deviations.has_range |= light.has_range;

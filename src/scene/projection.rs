@@ -1,0 +1,224 @@
+//! How directions are laid out on the image, as the scene file says it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::source::declare::declare;
+use crate::source::form::{Checked, Field, Form, number, other};
+use crate::source::{DEGREES, NO_UNIT, Range, SCENE_UNITS, ValuePath};
+
+const PIXELS: &str = "pixels of the scene's image";
+const FOCAL_LENGTH: Field = number(Range::POSITIVE, PIXELS);
+const PIXEL: Field = number(Range::ANY, PIXELS);
+const COEFFICIENT: Field = number(Range::ANY, NO_UNIT).or("0");
+
+declare! {
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub enum Projection {
+        /// A flat film, as that of most lenses. `vertical_fov` of the camera is its short form.
+        Perspective: perspective, "Perspective(vertical_fov: 40)" {
+            /// The angle between the upper and the lower edge of the image.
+            vertical_fov: f64 = number(Range::between(0.0, 180.0), DEGREES);
+        }
+        /// Parallel rays. What is behind `look_from` is not seen.
+        Orthographic: orthographic, "Orthographic(height: 4)" {
+            /// The height of the image, in scene units.
+            height: f64 = number(Range::POSITIVE, SCENE_UNITS);
+        }
+        /// A panorama: longitude to the right and latitude upwards, both from `look_at`.
+        Equirectangular: equirectangular, "Equirectangular(horizontal: (-180, 180), vertical: (-90, 90))" {
+            /// The longitudes of the left and of the right edge.
+            #[serde(default = "whole_turn")]
+            horizontal: (f64, f64) = other("two angles in degrees: (left, right)").or("(-180, 180)");
+            /// The latitudes of the lower and of the upper edge.
+            #[serde(default = "half_turn")]
+            vertical: (f64, f64) = other("two angles in degrees: (bottom, top)").or("(-90, 90)");
+        }
+        /// A fisheye lens. Where its model has no direction, the image is black.
+        Fisheye: fisheye, "Fisheye(model: Equidistant, fov: 180)" {
+            /// The distance from the middle at an angle t to the axis: `Equidistant` t, `Equisolid` 2 sin(t/2), `Stereographic` 2 tan(t/2),
+            /// `Orthographic` sin t.
+            model: FisheyeModel = other("Equidistant, Equisolid, Stereographic or Orthographic");
+            /// The angle between the upper and the lower edge: 360 at most, stereographic below that, orthographic 180 at most.
+            fov: f64 = number(Range::POSITIVE, DEGREES);
+        }
+        /// A calibrated camera, with OpenCV's model of the lens. `--size` scales it.
+        Calibrated: calibrated, "Calibrated(fx: 310, fy: 310, cx: 160, cy: 90)" {
+            /// The focal length along x, in pixels of the scene's `image`.
+            fx: f64 = FOCAL_LENGTH;
+            /// The focal length along y.
+            fy: f64 = FOCAL_LENGTH;
+            /// Where the axis meets the image, from its left edge, as COLMAP and pbrt count. OpenCV counts from the middle of the first pixel:
+            /// add 0.5.
+            cx: f64 = PIXEL;
+            /// The same from the upper edge.
+            cy: f64 = PIXEL;
+            /// What the lens does to the flat image.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            distortion: Option<Distortion> = other("Brown(k1: ..) or KannalaBrandt(k1: ..)").or("no distortion");
+        }
+    }
+}
+
+declare! {
+    /// The distortion of a lens.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub enum Distortion {
+        /// OpenCV's radial and tangential distortion.
+        Brown: brown, "Brown(k1: -0.2, k2: 0.05)" {
+            #[serde(default)]
+            k1: f64 = COEFFICIENT;
+            #[serde(default)]
+            k2: f64 = COEFFICIENT;
+            #[serde(default)]
+            p1: f64 = COEFFICIENT;
+            #[serde(default)]
+            p2: f64 = COEFFICIENT;
+            #[serde(default)]
+            k3: f64 = COEFFICIENT;
+        }
+        /// OpenCV's fisheye lens: t + k1 t³ + k2 t⁵ + k3 t⁷ + k4 t⁹ from the middle at the angle t.
+        KannalaBrandt: kannala_brandt, "KannalaBrandt(k1: -0.02)" {
+            #[serde(default)]
+            k1: f64 = COEFFICIENT;
+            #[serde(default)]
+            k2: f64 = COEFFICIENT;
+            #[serde(default)]
+            k3: f64 = COEFFICIENT;
+            #[serde(default)]
+            k4: f64 = COEFFICIENT;
+        }
+    }
+}
+
+impl Checked for Distortion {}
+impl Checked for Projection {}
+
+/// How the distance r from the middle of a fisheye's image depends on the angle t to the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum FisheyeModel {
+    /// r = t
+    Equidistant,
+    /// r = 2 sin(t/2)
+    Equisolid,
+    /// r = 2 tan(t/2)
+    Stereographic,
+    /// r = sin t
+    Orthographic,
+}
+
+impl Checked for FisheyeModel {}
+
+impl FisheyeModel {
+    /// r of an angle in radians.
+    pub fn radius(self, angle: f64) -> f64 {
+        match self {
+            FisheyeModel::Equidistant => angle,
+            FisheyeModel::Equisolid => 2.0 * (0.5 * angle).sin(),
+            FisheyeModel::Stereographic => 2.0 * (0.5 * angle).tan(),
+            FisheyeModel::Orthographic => angle.sin(),
+        }
+    }
+
+    /// The angle of r in radians, if there is one.
+    pub fn angle(self, radius: f64) -> Option<f64> {
+        match self {
+            FisheyeModel::Equidistant => (radius <= std::f64::consts::PI).then_some(radius),
+            FisheyeModel::Equisolid => (radius <= 2.0).then(|| 2.0 * (0.5 * radius).asin()),
+            FisheyeModel::Stereographic => Some(2.0 * (0.5 * radius).atan()),
+            FisheyeModel::Orthographic => (radius <= 1.0).then(|| radius.asin()),
+        }
+    }
+}
+
+fn whole_turn() -> (f64, f64) {
+    (-180.0, 180.0)
+}
+
+fn half_turn() -> (f64, f64) {
+    (-90.0, 90.0)
+}
+
+impl Projection {
+    /// The errors of what a form's numbers cannot say alone.
+    pub fn errors(&self, at: &ValuePath) -> Vec<Error> {
+        let at = &at.variant(self.name());
+        let mut errors = self.check_fields(at);
+        if !errors.is_empty() {
+            return errors;
+        }
+        let angles = |name: &'static str, (from, to): (f64, f64), range: Range, most: f64| -> Result<()> {
+            let at = at.field(name);
+            range.check(&at.index(0), name, DEGREES, from)?;
+            range.check(&at.index(1), name, DEGREES, to)?;
+            match to > from && to - from <= most {
+                true => Ok(()),
+                false => Err(at.error(format!(
+                    "expected the second angle of {name} above the first one, by {most} degrees at most, found ({from}, {to})"
+                ))),
+            }
+        };
+        let checks = match self {
+            Projection::Equirectangular { horizontal, vertical } => vec![
+                angles("horizontal", *horizontal, Range::from_to(-360.0, 360.0), 360.0),
+                angles("vertical", *vertical, Range::from_to(-90.0, 90.0), 180.0),
+            ],
+            Projection::Fisheye { model, fov } => {
+                let most = if *model == FisheyeModel::Orthographic { 180.0 } else { 360.0 };
+                let fits = *fov < most || *fov == most && *model != FisheyeModel::Stereographic;
+                let below = if *model == FisheyeModel::Stereographic { "below" } else { "of at most" };
+                let error = || {
+                    at.field("fov").error(format!("fov: expected {below} {most} degrees with {model:?}, found {fov}"))
+                };
+                vec![if fits { Ok(()) } else { Err(error()) }]
+            }
+            Projection::Calibrated { distortion: Some(distortion), .. } => {
+                errors.extend(distortion.check_fields(&at.field("distortion").variant(distortion.name())));
+                Vec::new()
+            }
+            _ => Vec::new(),
+        };
+        errors.extend(checks.into_iter().filter_map(Result::err));
+        errors
+    }
+
+    /// The projection of the middle of an image, where pixels stay as they are. `image`: the size that `Calibrated` counts in, before and
+    /// behind the crop.
+    pub fn of_middle(&self, size: (u32, u32), middle: (u32, u32), image: &mut (u32, u32)) -> Projection {
+        let share = (f64::from(middle.0) / f64::from(size.0), f64::from(middle.1) / f64::from(size.1));
+        let narrower = |(from, to): (f64, f64), share: f64| {
+            let (center, half) = (0.5 * (from + to), 0.5 * (to - from) * share);
+            (center - half, center + half)
+        };
+        match self {
+            // Pixels stay as high as they were on the plane at distance 1.
+            Projection::Perspective { vertical_fov } => {
+                let half = (0.5 * vertical_fov).to_radians().tan() * share.1;
+                Projection::Perspective { vertical_fov: 2.0 * half.atan().to_degrees() }
+            }
+            Projection::Orthographic { height } => Projection::Orthographic { height: height * share.1 },
+            Projection::Equirectangular { horizontal, vertical } => Projection::Equirectangular {
+                horizontal: narrower(*horizontal, share.0),
+                vertical: narrower(*vertical, share.1),
+            },
+            Projection::Fisheye { model, fov } => {
+                let half = model.angle(model.radius((0.5 * fov).to_radians()) * share.1).unwrap_or_default();
+                Projection::Fisheye { model: *model, fov: 2.0 * half.to_degrees() }
+            }
+            Projection::Calibrated { fx, fy, cx, cy, distortion } => {
+                let scale = (f64::from(size.0) / f64::from(image.0), f64::from(size.1) / f64::from(image.1));
+                let (left, top) = ((size.0 - middle.0) / 2, (size.1 - middle.1) / 2);
+                *image = middle;
+                Projection::Calibrated {
+                    fx: fx * scale.0,
+                    fy: fy * scale.1,
+                    cx: cx * scale.0 - f64::from(left),
+                    cy: cy * scale.1 - f64::from(top),
+                    distortion: distortion.clone(),
+                }
+            }
+        }
+    }
+}
