@@ -172,7 +172,7 @@ fn light_paths_and_camera_paths_agree_path_by_path() {
         ("light_path/scatter", "orders.of_sample.response.pdf)"),
         ("light_path/density_ratio", "reversed.of_sample.response.pdf) - "),
         ("light_path/density_ratio", "light_paths) - density"),
-        ("light_path/lens_connection", "density / (distance * distance)"),
+        ("camera/lens_view", "density / (distance * distance)"),
     ];
     let of_glass = of_glass.map(|(module, part)| (module, part, format!("{factor} * {part}")));
     let of_glass: Vec<_> = of_glass.into_iter().chain([power]).collect();
