@@ -1,6 +1,7 @@
 //! A small scene as a glTF file, which tests change.
 
 use std::f64::consts::FRAC_PI_4;
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -14,6 +15,14 @@ pub fn load(name: &str, (json, binary): (&Value, &[u8]), options: &GltfOptions) 
     let path = folder.path().join(name);
     std::fs::write(&path, glb(json, binary)).expect("it is written");
     Scene::load_as(&path, options, &mut |_, _, _| {}, &mut Assets::default())
+}
+
+/// The scene file that `convert` makes of a file, which is written.
+pub fn converted(from: &Path, to: &Path) -> String {
+    let scene = Scene::of_model(from, to, &GltfOptions::default(), &mut Assets::default());
+    let text = scene.unwrap_or_else(|error| panic!("{error}")).text();
+    std::fs::write(to, &text).expect("it is written");
+    text
 }
 
 /// Checks that a file is refused with this path in its JSON.

@@ -64,6 +64,16 @@ pub fn until_listening(child: &mut Child) {
     meanwhile(child, || caught() >> (libc::SIGHUP - 1) & 1 == 1);
 }
 
+/// The words of a command line without quotes and spaces in them.
+pub fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// Runs a command to its end.
+pub fn ran(command: &mut Command) -> Ran {
+    finish(command.spawn().expect("the program starts"))
+}
+
 /// Runs the program in a folder to its end, however long that takes.
 pub fn run(folder: &Path, arguments: &[&str]) -> Ran {
     Ran::wait_for(command(folder, arguments).spawn().expect("the program starts"))
@@ -113,6 +123,8 @@ impl Ran {
         assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
         assert!(!self.stderr.contains('\u{1b}') && !self.stdout.contains('\u{1b}'), "colours: {self:?}");
         assert_eq!(self.code(), code, "{self:?}");
+        // What is refused has no report, but for the one of --json.
+        assert!(code != 2 || self.stdout.is_empty() || self.stdout.starts_with('{'), "{self:?}");
         self
     }
 
@@ -120,6 +132,13 @@ impl Ran {
     #[track_caller]
     pub fn on_stderr(self, words: &[&str]) -> Ran {
         words.iter().for_each(|words| assert!(self.stderr.contains(words), "{words}: {self:?}"));
+        self
+    }
+
+    /// Asserts that the last line on stderr begins so.
+    #[track_caller]
+    pub fn says_last(self, start: &str) -> Ran {
+        assert!(self.last_line().starts_with(start), "{start}: {self:?}");
         self
     }
 

@@ -158,6 +158,15 @@ pub fn scene_in(folder: &Path, text: &str) -> Scene {
     Scene::parse(text, &folder.join("test.ron")).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
+/// A scene from its text, with these files beside it.
+pub fn scene_with(files: &[(&str, String)], text: &str) -> Scene {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, file) in files {
+        std::fs::write(folder.path().join(name), file).expect("the file is written");
+    }
+    scene_in(folder.path(), text)
+}
+
 /// What `gpu-rt check` warns of in the scene's objects as they are placed.
 pub fn diagnostics(scene: &Scene) -> Vec<String> {
     let flat = flatten(scene, (scene.image.width, scene.image.height), &plain());
@@ -461,6 +470,11 @@ impl Shot {
 
     fn with(&self, picture: Picture) -> Shot {
         Shot { film: self.film.clone(), picture, outcome: self.outcome.clone(), sampler: self.sampler }
+    }
+
+    /// The picture bit by bit.
+    pub fn bits(&self) -> Vec<u32> {
+        self.picture.rgb.as_flattened().iter().map(|value| value.to_bits()).collect()
     }
 
     pub fn pixel(&self, x: u32, y: u32) -> [f64; 3] {

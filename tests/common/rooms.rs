@@ -36,32 +36,36 @@ pub fn room_text(things: &str) -> String {
     )
 }
 
-/// A room that is open to the front and the right, with a lamp under its ceiling. Its floor, its back and its left wall are of these materials, if they
-/// are there.
-pub fn open_room(walls: [&str; 3], lamp: f64, materials: &str, objects: &str, max_depth: u32) -> String {
-    let [floor, back, left] = walls;
+/// What is seen through the open sides of an [`open_room`].
+pub const AROUND: &str = "background: Solid((0.1, 0.1, 0.1))";
+
+/// A room that is open to the front, with a lamp of this half of a side under its ceiling, if that is not 0. Its floor, its back, its left wall and its
+/// right one are of these materials, if they are there.
+pub fn open_room(walls: &[&str], lamp: f64, materials: &str, objects: &str, max_depth: u32) -> String {
+    let quads = [
+        "(-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0)",
+        "(-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0)",
+        "(-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0)",
+        "(1, 0, -1), u: (0, 0, 2), v: (0, 2, 0)",
+    ];
     let side = 2.0 * lamp;
-    let wall = |material: &str, quad: &str| match material {
-        "" => String::new(),
-        material => format!("Quad({quad}, material: {material:?}),"),
-    };
+    let above = format!("(-{lamp}, 1.99, -{lamp}), u: ({side}, 0, 0), v: (0, 0, {side})");
+    let lamp = if lamp > 0.0 { "lamp" } else { "" };
+    let all = quads.into_iter().zip(walls.iter().copied()).chain([(above.as_str(), lamp)]);
+    let quads = all.filter(|(_, material)| !material.is_empty());
+    let quads = quads.map(|(quad, material)| format!("Quad(corner: {quad}, material: {material:?}),"));
     format!(
         "Scene(
     image: (width: 16, height: 16),
     camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: Solid((0.1, 0.1, 0.1)),
+    {AROUND},
     materials: {{
         \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)), \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false), {materials}
     }},
-    objects: [
-        {} {} {}
-        Quad(corner: (-{lamp}, 1.99, -{lamp}), u: ({side}, 0, 0), v: (0, 0, {side}), material: \"lamp\"), {objects}
-    ],
+    objects: [{} {objects}],
     render: (samples: 512, max_depth: {max_depth}),
 )",
-        wall(floor, "corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0)"),
-        wall(back, "corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0)"),
-        wall(left, "corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0)"),
+        quads.collect::<String>()
     )
 }
 

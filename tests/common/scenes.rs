@@ -8,6 +8,17 @@ use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::scene::Scene;
 
+/// One Lambertian sphere before a gradient: nothing more than that is required.
+pub const SPHERE: &str = "Scene(
+    image: (width: 20, height: 12),
+    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
+    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
+    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
+    render: (samples: 16, max_depth: 7),
+)
+";
+
 /// `(x, y, z)`, to the last bit.
 pub fn triple(v: DVec3) -> String {
     format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)

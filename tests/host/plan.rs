@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::common::files::{files, stem};
 use crate::common::program::Ran;
+use crate::common::scenes::SPHERE;
 use gpu_rt::bvh::Quality;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::buffers::too_large;
@@ -185,16 +186,6 @@ fn a_difference_is_shown_by_its_first_line() {
     assert!(difference.starts_with("line 2\n") && difference.contains(": b") && difference.contains(" x"));
     assert!(first_difference("a\n", "a\nb\n").expect("they differ").contains("(the end)"));
 }
-
-/// A sphere before a gradient, and nothing else.
-const SPHERE: &str = "Scene(
-    image: (width: 20, height: 12),
-    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
-    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
-    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
-    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
-)
-";
 
 fn parse(text: &str) -> Scene {
     Scene::parse(text, Path::new("sphere.ron")).unwrap_or_else(|error| panic!("{error}"))

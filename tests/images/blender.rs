@@ -12,7 +12,7 @@ use gpu_rt::scene::{
 };
 use serde_json::Value;
 
-use crate::common::gltf::glb;
+use crate::common::gltf as gltf_files;
 use crate::common::render::{Request, render};
 
 /// Blocks along a row and along a column of an image.
@@ -133,16 +133,11 @@ fn what_moves_is_blurred_as_cycles_does() {
 fn converted_scenes_render_to_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let load = |path: &Path| Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
-    let bits = |scene: &Scene| {
-        let shot = render(scene, &Request::spp(4).mis().sobol().roulette().size(16, 12));
-        shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
-    };
+    let bits = |scene: &Scene| render(scene, &Request::spp(4).mis().sobol().roulette().size(16, 12)).bits();
     for name in SCENES.map(|(name, _)| name).into_iter().chain(USERS.map(|user| user.name)) {
         let [from, to] = ["glb", "ron"].map(|extension| folder.path().join(name).with_extension(extension));
         std::fs::copy(file(name, "glb"), &from).expect("it is copied");
-        let scene = Scene::of_model(&from, &to, &GltfOptions::default(), &mut Assets::default())
-            .unwrap_or_else(|error| panic!("{error}"));
-        std::fs::write(&to, scene.text()).expect("it is written");
+        gltf_files::converted(&from, &to);
         let (expected, converted) = (bits(&load(&from)), load(&to));
         assert!(expected == bits(&converted), "{name}");
         let mut planted = converted;
@@ -383,11 +378,9 @@ impl Lobes {
             let removed = found["extensions"].as_object_mut().and_then(|found| found.remove(extension));
             assert!(removed.is_some(), "{material} has no {extension}");
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("planted.glb");
-        std::fs::write(&path, glb(&json, &parts.bin.expect("it has a buffer"))).expect("it is written");
-        Scene::of_model(&path, &path, &GltfOptions::default(), &mut Assets::default())
-            .unwrap_or_else(|error| panic!("{error}"))
+        let binary = parts.bin.expect("it has a buffer");
+        let scene = gltf_files::load("planted.glb", (&json, &binary), &GltfOptions::default());
+        scene.unwrap_or_else(|error| panic!("{error}"))
     }
 }
 

@@ -8,6 +8,7 @@ use gpu_rt::options::{Integrator, RenderOptions, Scatter};
 
 use crate::common::kernel::Overlay;
 use crate::common::render::{Request, Shot, render, render_planted, same_expectation, scene};
+use crate::common::rooms::{AROUND, open_room};
 use crate::common::scenes::triple;
 use crate::common::vectors::U;
 
@@ -174,24 +175,15 @@ fn media_scatter_the_light_of_lights_without_size() {
 }
 
 /// A room with matt and metal things, glass and fog in it.
-fn room(lamp: &str) -> String {
-    format!(
-        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-        background: Solid((0, 0, 0)),
-        materials: {{
-            \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)), \"steel\": Metal(albedo: Rgb(0.8, 0.8, 0.8), fuzz: 0.6),
-            \"lamp\": DiffuseLight(emit: Rgb(6e7, 4e7, 2e7)), \"tile\": DiffuseLight(emit: Rgb(1, 2, 3)),
-        }},
-        objects: [
-            Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-            Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
-            Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"),
-            Quad(corner: (0.2, 1.99, -0.5), u: (0.5, 0, 0), v: (0, 0, 0.5), material: \"tile\"),
-            Sphere(center: (-0.4, 0.4, -0.2), radius: 0.4, material: \"steel\"),
-            Medium(boundary: Box(min: (-1, 0, -1), max: (1, 0.7, 1)), density: 0.5, albedo: Rgb(0.8, 0.8, 0.8), anisotropy: 0.2),
-            {lamp}
-        ], render: (samples: 256, max_depth: 5))"
-    )
+fn room(bulb: &str) -> String {
+    let materials = "\"steel\": Metal(albedo: Rgb(0.8, 0.8, 0.8), fuzz: 0.6),
+        \"bulb\": DiffuseLight(emit: Rgb(6e7, 4e7, 2e7)), \"tile\": DiffuseLight(emit: Rgb(1, 2, 3))";
+    let objects = "Quad(corner: (0.2, 1.99, -0.5), u: (0.5, 0, 0), v: (0, 0, 0.5), material: \"tile\"),
+        Sphere(center: (-0.4, 0.4, -0.2), radius: 0.4, material: \"steel\"),
+        Medium(boundary: Box(min: (-1, 0, -1), max: (1, 0.7, 1)), density: 0.5, albedo: Rgb(0.8, 0.8, 0.8), anisotropy: 0.2),";
+    open_room(&["wall"; 3], 0.0, materials, &format!("{objects} {bulb}"), 5)
+        .replace(AROUND, "background: Solid((0, 0, 0))")
+        .replace("samples: 512", "samples: 256")
 }
 
 /// A sphere of a ten-thousandth has the intensity of its radiance times its cross section.
@@ -200,7 +192,7 @@ fn a_point_light_is_a_small_sphere() {
     let cross_section = PI * 1e-8;
     let colour = |more: f64| triple(more * cross_section * DVec3::new(6e7, 4e7, 2e7));
     let point = |more: f64| scene(&room(&format!("PointLight(at: (0.3, 1.4, 0.3), intensity: {})", colour(more))));
-    let sphere = scene(&room("Sphere(center: (0.3, 1.4, 0.3), radius: 1e-4, material: \"lamp\")"));
+    let sphere = scene(&room("Sphere(center: (0.3, 1.4, 0.3), radius: 1e-4, material: \"bulb\")"));
     let request = |seed: u32| Request::spp(1024).seed(seed).mis();
     let sphere = render(&sphere, &request(1));
     let own = render(&point(1.0), &request(2));
@@ -215,7 +207,7 @@ fn a_light_without_size_is_clamped_as_others() {
     let cross_section = PI * 1e-8;
     let colour = triple(cross_section * DVec3::new(6e7, 4e7, 2e7));
     let point = scene(&room(&format!("PointLight(at: (0.3, 1.4, 0.3), intensity: {colour})")));
-    let sphere = scene(&room("Sphere(center: (0.3, 1.4, 0.3), radius: 1e-4, material: \"lamp\")"));
+    let sphere = scene(&room("Sphere(center: (0.3, 1.4, 0.3), radius: 1e-4, material: \"bulb\")"));
     let request = |seed: u32| Request::default().seed(seed).mis().with(|options| options.clamp = Some(0.01));
     let (sphere, clamped) = (render(&sphere, &request(1)), render(&point, &request(2)));
     same_expectation(&sphere, &clamped, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));

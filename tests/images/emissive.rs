@@ -24,10 +24,7 @@ fn an_emission_has_its_own_texture() {
     std::fs::write(folder.path().join("quad.obj"), face).expect("it is written");
     let image = image::RgbImage::from_fn(5, 3, |x, y| image::Rgb([50 * x as u8, 80 * y as u8, 9]));
     image.save(folder.path().join("stripes.png")).expect("it is written");
-    let of = |material: &str| {
-        let shot = render(&scene_in(folder.path(), &shapes(material)), &Request::default());
-        shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
-    };
+    let of = |material: &str| render(&scene_in(folder.path(), &shapes(material)), &Request::default()).bits();
     let emissions = [
         "Rgb(3, 2, 1)",
         "Checker(scale: 0.3, even: (1, 2, 3), odd: (0.1, 0, 0))",

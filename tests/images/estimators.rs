@@ -8,7 +8,8 @@ use crate::common::render;
 use crate::common::faults::{ALPHA, Fault, agree, changed, differ};
 use crate::common::instances::{ball_file, smooth_ball_file};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Request, Shot, render, render_all, render_planted};
+use crate::common::render::{Request, Shot, render, render_all, render_planted, scene_with};
+use crate::common::rooms::{AROUND, open_room};
 use crate::common::stats::{same_expectation_paired, sidak, welch_t};
 use glam::DVec3;
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
@@ -29,26 +30,7 @@ const LEAST_SAVED: f64 = 0.05;
 
 /// A room of grey walls, open to the front, with a lamp and other things in it.
 fn room(background: &str, materials: &str, objects: &str, depth: u32) -> String {
-    format!(
-        "Scene(
-    image: (width: 16, height: 16),
-    camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
-    background: {background},
-    materials: {{
-        \"wall\": Lambertian(albedo: Rgb({GREY})),
-        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
-        {materials}
-    }},
-    objects: [
-        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
-        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
-        Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"),
-        Quad(corner: (1, 0, -1), u: (0, 0, 2), v: (0, 2, 0), material: \"wall\"),
-        {objects}
-    ],
-    render: (samples: 512, max_depth: {depth}),
-)"
-    )
+    open_room(&["wall"; 4], 0.0, materials, objects, depth).replace(AROUND, &format!("background: {background}"))
 }
 
 const CEILING: &str = "Quad(corner: (-0.6, 1.99, -0.6), u: (1.2, 0, 0), v: (0, 0, 1.2), material: \"lamp\"),";
@@ -217,14 +199,8 @@ fn brighter(shot: &Shot) -> Shot {
 /// Four bodies with vertex normals, one in each tile of the image, scaled and turned, near lamps of all shapes: it matters from where a lamp is
 /// chosen and aimed at, since their facets lie well below the points that light is sent from.
 fn smooth_bodies() -> Scene {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    for (name, text) in
-        [("octahedron.obj", smooth_ball_file(0)), ("ball.obj", smooth_ball_file(1)), ("lamp.obj", octahedron())]
-    {
-        std::fs::write(folder.path().join(name), text).expect("the mesh is written");
-    }
-    render::scene_in(
-        folder.path(),
+    scene_with(
+        &[("octahedron.obj", smooth_ball_file(0)), ("ball.obj", smooth_ball_file(1)), ("lamp.obj", octahedron())],
         "Scene(
     image: (width: 16, height: 16),
     camera: (look_from: (0, 0, 7), look_at: (0, 0, 0), vertical_fov: 17),
@@ -275,10 +251,8 @@ fn smooth_meshes_expect_the_same_with_rays_to_lights() {
 
 /// A smooth body of frosted glass around a lamp and beside another: light passes each facet both ways.
 fn frosted_bodies() -> Scene {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("octahedron.obj"), smooth_ball_file(0)).expect("the mesh is written");
-    render::scene_in(
-        folder.path(),
+    scene_with(
+        &[("octahedron.obj", smooth_ball_file(0))],
         "Scene(
     image: (width: 16, height: 16),
     camera: (look_from: (0, 0, 7), look_at: (0, 0, 0), vertical_fov: 17),
@@ -351,10 +325,8 @@ fn known(name: &str, bsdf: &Shot, mis: &Shot) {
 /// (second order). With rays to lights 1e5 samples know it to 0.01 %. From the facet the lamp was aimed at past itself: 0.068.
 #[test]
 fn a_smooth_octahedron_beside_a_lamp_has_its_closed_form() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("octahedron.obj"), smooth_ball_file(0)).expect("the mesh is written");
-    let scene = render::scene_in(
-        folder.path(),
+    let scene = scene_with(
+        &[("octahedron.obj", smooth_ball_file(0))],
         "Scene(image: (width: 16, height: 16),
             camera: (look_from: (4, 4, 4), look_at: (0, 0, 0), vertical_fov: 0.5),
             background: Solid((0, 0, 0)),

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use gpu_rt::film::Picture;
 use gpu_rt::options::{LightPaths, Scatter};
-use gpu_rt::scene::{Assets, GltfOptions, Scene};
+use gpu_rt::scene::Scene;
 use serde_json::{Value, json};
 
-use crate::common::gltf::{Parts, glb, square, webp};
+use crate::common::gltf::{Parts, converted, glb, square, webp};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Request, render, render_planted, same_expectation, scene_in};
 
@@ -145,8 +145,7 @@ fn bits(folder: &Path, json: &Value, binary: &[u8]) -> Vec<u32> {
 
 fn bits_of(path: &Path) -> Vec<u32> {
     let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
-    let shot = render(&scene, &Request::spp(4).mis().sobol().size(24, 16));
-    shot.picture.rgb.as_flattened().iter().map(|x| x.to_bits()).collect()
+    render(&scene, &Request::spp(4).mis().sobol().size(24, 16)).bits()
 }
 
 /// A node with instances renders to the bytes of one that has a child for each. Powers of two and quarter turns, so that products of transforms are exact;
@@ -190,8 +189,7 @@ fn instances_render_to_the_bytes_of_nodes() {
     // And so does what `convert` writes of it.
     bits(folder.path(), &json, &parts.binary);
     let [from, to] = ["many.glb", "many.ron"].map(|name| folder.path().join(name));
-    let scene = Scene::of_model(&from, &to, &GltfOptions::default(), &mut Assets::default());
-    std::fs::write(&to, scene.unwrap_or_else(|error| panic!("{error}")).text()).expect("it is written");
+    converted(&from, &to);
     assert!(found == bits_of(&to), "the converted scene is another");
 }
 

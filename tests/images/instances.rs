@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::common::instances::{Faces, obj_file};
-use crate::common::render::{Request, render, same_expectation, scene_in};
+use crate::common::render::{Request, render, same_expectation, scene_with};
 use glam::{DMat3, DVec3};
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::{BufferSpec, too_large};
@@ -39,10 +39,6 @@ fn obj(mesh: &Faces, maps: &[&dyn Fn(DVec3) -> DVec3]) -> String {
 
 /// Objects on a checkered floor, with files beside the scene.
 fn scene_of(files: &[(&str, String)], objects: &str) -> Scene {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).expect("the mesh is written");
-    }
     let text = format!(
         "Scene(image: (width: 48, height: 32), camera: (look_from: (0.5, 4, 7), look_at: (0, 0.5, 0), vertical_fov: 40),
             background: Gradient(bottom: (0.2, 0.2, 0.3), top: (1, 0.9, 0.8)),
@@ -50,7 +46,7 @@ fn scene_of(files: &[(&str, String)], objects: &str) -> Scene {
                 \"floor\": Lambertian(albedo: Checker(scale: 1, even: (0.2, 0.2, 0.2), odd: (0.9, 0.9, 0.9))) }},
             objects: [Quad(corner: (-9, -0.6, 9), u: (18, 0, 0), v: (0, 0, -18), material: \"floor\"), {objects}])"
     );
-    scene_in(folder.path(), &text)
+    scene_with(files, &text)
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::common::everything::same;
 use crate::common::faults::{agree, changed, differ};
 use crate::common::instances::smooth_ball_file;
 use crate::common::oracles::fresnel;
-use crate::common::render::{Request, render, render_onto, render_planted, scene, scene_in};
+use crate::common::render::{Request, render, render_onto, render_planted, scene, scene_with};
 
 /// A camera that looks down on a floor, with these materials and objects, and a lamp that BSDF sampling finds.
 fn lit(camera: &str, materials: &str, objects: &str) -> String {
@@ -149,8 +149,6 @@ fn traced(count: u32) -> Request {
 /// The light of both kinds of path together is that of camera paths alone.
 #[test]
 fn light_paths_change_no_expectation() {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("ball.obj"), smooth_ball_file(2)).expect("it is written");
     let smooth = lit(
         "",
         "",
@@ -160,7 +158,7 @@ fn light_paths_change_no_expectation() {
         ),
     );
     for (name, text) in scenes().into_iter().chain([("smooth meshes", smooth)]) {
-        let room = scene_in(folder.path(), &text);
+        let room = scene_with(&[("ball.obj", smooth_ball_file(2))], &text);
         let alone = render(&room, &off().seed(1));
         // The two orders of events on a smooth mesh differ by the lift of a facet's points (docs/light-transport.md).
         let rounding = if name == "smooth meshes" { 5e-3 } else { 1e-4 };

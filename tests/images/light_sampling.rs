@@ -251,7 +251,7 @@ impl Room<'_> {
         for (name, detail) in [("octahedron.obj", 0), ("smooth-ball.obj", 1)] {
             std::fs::write(folder.path().join(name), smooth_ball_file(detail)).expect("it is written");
         }
-        scene_in(folder.path(), &open_room(self.walls, self.lamp, self.materials, self.objects, self.max_depth))
+        scene_in(folder.path(), &open_room(&self.walls, self.lamp, self.materials, self.objects, self.max_depth))
     }
 
     /// The errors found are more light, and those of its own.

@@ -142,7 +142,7 @@ fn emission_has_the_coat_around_it() {
 fn without_its_layer_a_material_is_matt() {
     let of = |material: &str, seed: u32| {
         let ball = "Sphere(center: (0, 0.6, 0), radius: 0.5, material: \"body\"),";
-        let room = open_room(["body", "body", ""], 0.5, &format!("\"body\": {material},"), ball, 6);
+        let room = open_room(&["body", "body"], 0.5, &format!("\"body\": {material},"), ball, 6);
         render(&scene(&room), &Request::default().seed(seed).mis())
     };
     let layer = |specular: f64| {

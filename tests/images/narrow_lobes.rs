@@ -2,9 +2,9 @@
 //! missing.
 
 use crate::common::device;
-use crate::common::program::{self, finish};
+use crate::common::program::{self, ran};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -243,42 +243,19 @@ fn max_depth_ends_both() {
     assert!(two.found() > 0.0 && two.probed() > 0.0 && (0.7..1.4).contains(&(two.found() / two.probed())), "{two:?}");
 }
 
-struct Run {
-    folder: tempfile::TempDir,
+/// Renders a scene into `a.exr` of this folder.
+fn command(folder: &Path, text: &str, more: &[&str]) -> Command {
+    std::fs::write(folder.join("scene.ron"), text).expect("the scene is written");
+    let device = &device::software().name.name;
+    let usual = ["render", "scene.ron", "--json", "--device", device, "--light-paths", "off", "-o", "a.exr"];
+    program::command(folder, &[&usual, more].concat())
 }
 
-impl Run {
-    fn new(text: &str) -> Run {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::write(folder.path().join("scene.ron"), text).expect("the scene is written");
-        Run { folder }
-    }
-
-    fn image(&self) -> PathBuf {
-        self.folder.path().join("a.exr")
-    }
-
-    fn command(&self, scene: &Path, more: &[&str]) -> Command {
-        let scene = scene.to_str().expect("UTF-8");
-        let device = &device::software().name.name;
-        let usual = ["render", scene, "--json", "--device", device, "--light-paths", "off", "-o", "a.exr"];
-        program::command(self.folder.path(), &[&usual, more].concat())
-    }
-
-    /// The report, and what was said.
-    fn report(&self, scene: &Path, more: &[&str]) -> (Value, String) {
-        let ran = finish(self.command(scene, more).spawn().expect("it starts"));
-        (ran.json(), ran.stderr)
-    }
-
-    fn scene(&self) -> PathBuf {
-        self.folder.path().join("scene.ron")
-    }
-}
-
+/// The report, and what was said.
 fn report(text: &str, more: &[&str]) -> (Value, String) {
-    let run = Run::new(text);
-    run.report(&run.scene(), more)
+    let folder = tempfile::tempdir().expect("a folder");
+    let ran = ran(&mut command(folder.path(), text, more));
+    (ran.json(), ran.stderr)
 }
 
 /// Light that is missing from images that look free of noise; and the same scenes with lamps that are met, where nothing is missing.
@@ -350,12 +327,12 @@ fn counters_do_not_depend_on_how_stages_are_linked() {
 #[test]
 fn checkpoints_hold_the_verdict() {
     for (text, reliable) in [(under_a_mirror(0.001), "0"), (under_a_mirror(0.8), "1")] {
-        let run = Run::new(&text);
-        let mut command = run.command(&run.scene(), &["--spp", "10000000", "--checkpoint", "50ms", "--quiet"]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut command = command(folder.path(), &text, &["--spp", "10000000", "--checkpoint", "50ms", "--quiet"]);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
         let begin = Instant::now();
         let found = loop {
-            let image = read_exr(&run.image()).ok();
+            let image = read_exr(&folder.path().join("a.exr")).ok();
             let said = |name: &str| {
                 let attributes = &image.as_ref()?.attributes;
                 attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone())

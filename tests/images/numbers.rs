@@ -4,9 +4,9 @@ use std::path::Path;
 
 use gpu_rt::bitmap::CODE;
 use gpu_rt::options::Scatter;
-use gpu_rt::scene::{Assets, GltfOptions, Scene};
+use gpu_rt::scene::Scene;
 
-use crate::common::gltf::{glb, room};
+use crate::common::gltf::{converted, glb, room};
 use crate::common::render::{Request, Shot, render, scene_in};
 
 fn bits(shot: &Shot, columns: std::ops::Range<usize>) -> Vec<[u32; 3]> {
@@ -105,8 +105,7 @@ fn a_texture_of_gltf_is_that_of_the_scene_file() {
     let file = folder.path().join("room.glb");
     std::fs::write(&file, glb(&json, &binary)).expect("it is written");
     let own = folder.path().join("room.ron");
-    let text =
-        Scene::of_model(&file, &own, &GltfOptions::default(), &mut Assets::default()).expect("it is read").text();
+    let text = converted(&file, &own);
     let texture = |factor: &str, channel: &str| {
         format!("Image(path: \"room.glb#images/0\", tint: ({factor}, {factor}, {factor}), channel: {channel})")
     };

@@ -114,6 +114,15 @@ fn a_material_is_added_by_the_recipe() {
     }
 }
 
+/// A ball of a material within a lamp.
+fn ball_within_a_lamp(material: &str, emit: &str) -> gpu_rt::scene::Scene {
+    scene(&format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
+        background: Solid((0, 0, 0)), materials: {{ \"toy\": {material}, \"lamp\": DiffuseLight(emit: Rgb({emit})) }},
+        objects: [{BALL} Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")], render: (samples: 256, max_depth: 50))"
+    ))
+}
+
 /// What a ball of velvet shows within a lamp around it, in standard errors off what it must: its albedo of the lamp's light, in whatever
 /// way the directions are shared between the ball's own and those to the lamp.
 fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
@@ -123,13 +132,7 @@ fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
     ]));
     let list = |choices: &mut Choices| listed(choices, "velvet");
     let change = Change { flat: Some(&loaded), choices: Some(&list), library: Some(&library) };
-    let scene = scene(
-        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
-        background: Solid((0, 0, 0)),
-        materials: { \"toy\": Lambertian(albedo: Rgb(0.5, 0.25, 1)), \"lamp\": DiffuseLight(emit: Rgb(1, 4, 2)) },
-        objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"), Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")],
-        render: (samples: 256, max_depth: 50))",
-    );
+    let scene = ball_within_a_lamp("Lambertian(albedo: Rgb(0.5, 0.25, 1))", "1, 4, 2");
     let shown = render_changed(&scene, &Request::default().mis().scatter(scatter), &change).mean_of_all();
     let off = |c: usize| (shown.value[c] - [0.5, 1.0, 2.0][c] * f64::from(GAIN)) / shown.variance[c].sqrt();
     (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
@@ -208,24 +211,13 @@ const RING_MOTION: &str = "//@ implements moved_disk when moves.disk
 fn moved_disk(square: Quad, pose: Pose) -> Quad {
     return moved_square(square, pose);
 }
-
-fn disk_at_rest(surface: Surface, square: Quad) -> Surface {
-    return surface;
-}
-
-fn disk_unturned(surface: Surface) -> Surface {
-    return surface;
-}
-
-fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
-    return tangents;
-}
-
-//@ without
+${REST}//@ without
 fn moved_disk(square: Quad, pose: Pose) -> Quad {
     return square;
 }
-
+${REST}";
+/// What a ring at rest has too.
+const RING_REST: &str = "
 fn disk_at_rest(surface: Surface, square: Quad) -> Surface {
     return surface;
 }
@@ -237,6 +229,7 @@ fn disk_unturned(surface: Surface) -> Surface {
 fn disk_tangents_with(tangents: Tangents, pose: Pose) -> Tangents {
     return tangents;
 }
+
 ";
 /// The ring's files, by their modules.
 const RING_FILES: [(&str, &str); 4] =
@@ -275,7 +268,10 @@ struct Way {
 /// The ring from a camera, with objects beside it. `plant` is a text of one of its files, and another in its place.
 fn ring_shot(camera: &str, objects: &str, way: Way, plant: (&str, &str)) -> Shot {
     assert!(plant.0.is_empty() || RING_FILES.iter().any(|(_, text)| text.contains(plant.0)));
-    let planted = |text: &str| if plant.0.is_empty() { text.to_string() } else { text.replace(plant.0, plant.1) };
+    let planted = |text: &str| {
+        let text = text.replace("${REST}", RING_REST);
+        if plant.0.is_empty() { text } else { text.replace(plant.0, plant.1) }
+    };
     let library = With(RING_FILES.map(|(name, text)| (name.to_string(), planted(text))).into());
     let change = Change { flat: Some(&renumbered), choices: Some(&renumber_disks), library: Some(&library) };
     let ring = "Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: \"lamp\")";
@@ -374,11 +370,13 @@ fn faults_with_every_feature(options: RenderOptions, library: &With, list: &dyn 
 /// Asserts that these files have all functions that any kernel calls, and that the error names each that is missing with its file.
 fn have_all_functions(options: &RenderOptions, files: &[(&str, &str)], list: &dyn Fn(&mut Choices)) {
     let faults = |missing: &str| {
-        let changed = |(name, text): &(&str, &str)| (name.to_string(), text.replace(missing, "fn other("));
+        let full = |text: &str| text.replace("${REST}", RING_REST).replace(missing, "fn other(");
+        let changed = |(name, text): &(&str, &str)| (name.to_string(), full(text));
         faults_with_every_feature(options.clone(), &With(files.iter().map(changed).collect()), list)
     };
     assert_eq!(faults("no function"), Vec::<String>::new());
     for (file, text) in files {
+        let text = text.replace("${REST}", RING_REST);
         let linked = text.split("//@ without").next().unwrap_or_default();
         let names = linked.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0));
         // The parts of disks call `disk_coordinates`, which is no function of every shape.
@@ -388,11 +386,6 @@ fn have_all_functions(options: &RenderOptions, files: &[(&str, &str)], list: &dy
             assert!(!found.is_empty() && found.iter().all(|fault| fault.contains(&words)), "{name}: {found:?}");
         }
     }
-}
-
-#[test]
-fn a_shape_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
-    have_all_functions(&RenderOptions::default(), &RING_FILES, &renumber_disks);
 }
 
 /// A layer of glTF's material that takes a tenth of all light on its way out.
@@ -426,13 +419,6 @@ fn dusted(choices: &mut Choices) {
     choices.lists.get_mut("inner_layer").expect("the plan has the list").push(entry());
 }
 
-#[test]
-fn a_material_and_a_lobe_of_the_recipe_link_with_light_paths_motion_and_every_feature() {
-    let velvet = [("material/velvet", VELVET), ("material/velvet_eval", VELVET_EVAL)];
-    have_all_functions(&RenderOptions::default(), &velvet, &|choices| listed(choices, "velvet"));
-    have_all_functions(&RenderOptions::default(), &[("lobe/dust", DUST)], &dusted);
-}
-
 /// What a ball of glTF's material within a lamp of radiance 1 shows with the dust of this text, over what it shows without.
 fn share_under_dust(dust: Option<&str>) -> f64 {
     let library = With(dust.map(|text| ("lobe/dust".to_string(), text.to_string())).into_iter().collect());
@@ -441,15 +427,10 @@ fn share_under_dust(dust: Option<&str>) -> f64 {
             dusted(choices)
         }
     };
-    let scene = scene(
-        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
-        background: Solid((0, 0, 0)),
-        materials: { \"toy\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, roughness: 0.5, coat: 0.5), \"lamp\": DiffuseLight(emit: Rgb(1, 1, 1)) },
-        objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"), Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")],
-        render: (samples: 64, max_depth: 50))",
-    );
+    let coated = "Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, roughness: 0.5, coat: 0.5)";
+    let scene = ball_within_a_lamp(coated, "1, 1, 1");
     let change = Change { choices: Some(&list), library: Some(&library), ..Change::default() };
-    render_changed(&scene, &Request::default().mis(), &change).mean_of_all().value[0]
+    render_changed(&scene, &Request::spp(64).mis(), &change).mean_of_all().value[0]
 }
 
 /// The same samples in both, so that the dust's factor is all that differs: samples that meet the specular lobe of the coat have it by
@@ -513,8 +494,12 @@ fn a_channel_is_added_by_the_recipe() {
 }
 
 #[test]
-fn a_channel_of_the_recipe_links_with_light_paths_motion_and_every_feature() {
+fn what_the_recipe_adds_links_with_light_paths_motion_and_every_feature() {
     let mut options = RenderOptions::default();
+    have_all_functions(&options, &RING_FILES, &renumber_disks);
+    let velvet = [("material/velvet", VELVET), ("material/velvet_eval", VELVET_EVAL)];
+    have_all_functions(&options, &velvet, &|choices| listed(choices, "velvet"));
+    have_all_functions(&options, &[("lobe/dust", DUST)], &dusted);
     options.aov.set(vec![Aov::Depth]);
     have_all_functions(&options, &[("aov/distance_of_hit", DISTANCE)], &list_distance);
 }

@@ -6,7 +6,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::scene::Scene;
 
 use crate::common::instances::{Faces, obj_file};
-use crate::common::render::{Request, Shot, render, scene_in};
+use crate::common::render::{Request, render, scene_with};
 use crate::common::stats::Random;
 
 /// Closed spikes of four faces each, long along random directions, as an OBJ file.
@@ -25,8 +25,6 @@ fn spikes(count: usize) -> String {
 }
 
 fn scene_of(objects: &str) -> Scene {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("spikes.obj"), spikes(200)).expect("the mesh is written");
     let text = format!(
         "Scene(image: (width: 48, height: 40), camera: (look_from: (0.5, 1, 4), look_at: (0, 0, 0), vertical_fov: 40),
             background: Gradient(bottom: (0.2, 0.2, 0.3), top: (1, 0.9, 0.8)),
@@ -34,15 +32,14 @@ fn scene_of(objects: &str) -> Scene {
                 \"veil\": Lambertian(albedo: Rgb(0.2, 0.4, 0.8), alpha: 0.4) }},
             objects: [{objects}])"
     );
-    scene_in(folder.path(), &text)
+    scene_with(&[("spikes.obj", spikes(200))], &text)
 }
 
 /// The scene's image, and the number of its nodes, by the quality of its hierarchies.
 fn built(scene: &Scene, quality: Quality) -> (Vec<u32>, usize) {
     let request = Request::spp(16).seed(5).mis().sobol().with(|options| options.build = quality);
-    let bits = |shot: Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect();
     let flat = flatten(scene, (48, 40), &request.options).expect("the scene flattens");
-    (bits(render(scene, &request)), flat.nodes.len())
+    (render(scene, &request).bits(), flat.nodes.len())
 }
 
 #[test]

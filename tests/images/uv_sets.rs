@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DMat2, DVec2, DVec3};
-use gpu_rt::scene::{Assets, GltfOptions, Lambertian, Material, Scene};
+use gpu_rt::scene::{Lambertian, Material, Scene};
 use serde_json::{Value, json};
 
-use crate::common::gltf::{glb, square};
+use crate::common::gltf::{converted, glb, square};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Request, Shot, render, render_planted, scene_in};
 
@@ -215,16 +215,10 @@ fn a_number_has_its_own_texture_coordinates() {
 fn a_converted_scene_renders_to_the_same_bytes() {
     let folder = folder();
     let [from, to] = ["square.glb", "converted.ron"].map(|name| folder.path().join(name));
-    let scene = Scene::of_model(&from, &to, &GltfOptions::default(), &mut Assets::default())
-        .unwrap_or_else(|error| panic!("{error}"));
-    std::fs::write(&to, scene.text()).expect("it is written");
-    let bits = |scene: &Scene| {
-        let shot = render(scene, &Request::spp(4).mis().size(16, 12));
-        shot.picture.rgb.as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>()
-    };
+    let text = converted(&from, &to);
+    let bits = |scene: &Scene| render(scene, &Request::spp(4).mis().size(16, 12)).bits();
     let expected = bits(&load(&from));
     assert_eq!(expected, bits(&load(&to)));
-    let text = scene.text();
     assert!(text.contains("uv_set: 1") && text.contains("uv_set: 3"), "{text}");
     std::fs::write(&to, text.replace("uv_set: 1", "uv_set: 0")).expect("it is written");
     assert_ne!(expected, bits(&load(&to)), "another set is not found");

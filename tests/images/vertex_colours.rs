@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use gpu_rt::scene::{Assets, GltfOptions, Scene};
+use gpu_rt::scene::Scene;
 use serde_json::{Value, json};
 
 use crate::common::everything::same;
-use crate::common::gltf::gltf;
+use crate::common::gltf::{converted, gltf};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Request, render, render_planted, same_expectation, scene_in};
 
@@ -185,9 +185,8 @@ fn the_alpha_of_vertices_changes_nothing_else() {
     square_with(folder.path(), colours, emissive);
     let file = folder.path().join("square.gltf");
     let to = folder.path().join("converted.ron");
-    let converted = Scene::of_model(&file, &to, &GltfOptions::default(), &mut Assets::default()).expect("it is read");
-    std::fs::write(&to, converted.text()).expect("it is written");
-    assert!(converted.text().contains("vertex_colors: true, vertex_alpha: true"), "{}", converted.text());
+    let text = converted(&file, &to);
+    assert!(text.contains("vertex_colors: true, vertex_alpha: true"), "{text}");
     let [glb, ron] = [&file, &to].map(|path| Scene::load(path).expect("it is read"));
     let [glb, ron] = [glb, ron].map(|scene| render(&scene, &Request::spp(8).mis().sobol().roulette().size(16, 12)));
     assert!(same(&glb, &ron));

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use exr::prelude::{MetaData, read_first_flat_layer_from_file};
-
+use crate::common::program::words;
 use crate::sandbox::{SPHERE, Sandbox, attribute};
+use exr::prelude::{MetaData, read_first_flat_layer_from_file};
 
 const ALL: &str = "albedo,normal,depth,position,object,material,direct,indirect";
 
@@ -22,7 +22,7 @@ fn channels(sandbox: &Sandbox, name: &str) -> BTreeMap<String, Vec<u32>> {
 #[test]
 fn channels_are_joined_and_resumed_to_the_bit() {
     let sandbox = Sandbox::new();
-    let render = |more: &str| sandbox.render(&more.split_whitespace().collect::<Vec<_>>());
+    let render = |more: &str| sandbox.render(&words(more));
     render(&format!("--spp 24 --aov {ALL} -o full.exr")).exits(0);
     render(&format!("--samples 0..8 --aov {ALL} -o a.exr")).exits(0);
     render(&format!("--samples 8..24 --aov {ALL} -o b.exr")).exits(0);
@@ -49,7 +49,7 @@ fn channels_are_joined_and_resumed_to_the_bit() {
 #[test]
 fn a_part_has_the_channels_of_the_full_image() {
     let sandbox = Sandbox::new();
-    let render = |more: &str| sandbox.render(&more.split_whitespace().collect::<Vec<_>>()).exits(0);
+    let render = |more: &str| sandbox.render(&words(more)).exits(0);
     render(&format!("--spp 8 --aov {ALL} -o full.exr"));
     render(&format!("--spp 8 --aov {ALL} --crop 4,3,9,8 -o part.exr"));
     let (full, part) = (channels(&sandbox, "full.exr"), channels(&sandbox, "part.exr"));
@@ -64,7 +64,7 @@ fn blender_has_its_names() {
     let sandbox = Sandbox::new();
     for (more, prefix) in [("", ""), ("--no-state", "ViewLayer.")] {
         let line = format!("--spp 8 --aov {ALL} --aov-names blender {more} --force -o a.exr");
-        sandbox.render(&line.split_whitespace().collect::<Vec<_>>()).exits(0);
+        sandbox.render(&words(&line)).exits(0);
         let names = channels(&sandbox, "a.exr");
         for name in ["Combined.R", "Depth.Z", "Denoising Albedo.G", "Denoising Normal.Y", "Position.X", "IndexOB.X"] {
             assert!(names.contains_key(&format!("{prefix}{name}")), "{name}: {:?}", names.keys());
@@ -78,10 +78,9 @@ fn blender_has_its_names() {
         sandbox.says("compare a.exr a.exr --fail-above mse=0").exits(0);
     }
     // With a state it goes on.
-    let line = format!("--samples 0..8 --aov {ALL} --aov-names blender --force -o a.exr");
-    sandbox.render(&line.split_whitespace().collect::<Vec<_>>()).exits(0);
-    let line = format!("--spp 16 --aov {ALL} --aov-names blender --resume -o a.exr");
-    sandbox.render(&line.split_whitespace().collect::<Vec<_>>()).exits(0);
+    for line in ["--samples 0..8 --force", "--spp 16 --resume"] {
+        sandbox.render(&words(&format!("{line} --aov {ALL} --aov-names blender -o a.exr"))).exits(0);
+    }
     assert!(channels(&sandbox, "a.exr").contains_key("Depth.Z"));
 }
 

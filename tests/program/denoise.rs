@@ -1,7 +1,7 @@
 //! `gpu-rt denoise`, with the real library: that it removes noise and keeps detail, what its files say, and what it refuses.
 
 use crate::common::oidn;
-use crate::common::program::{Ran, finish};
+use crate::common::program::{Ran, ran, words};
 use crate::common::stats::Random;
 use crate::sandbox::{Sandbox, attribute};
 use std::collections::BTreeMap;
@@ -73,12 +73,7 @@ fn error(rgb: &[[f32; 3]]) -> f64 {
 
 /// `gpu-rt denoise` with the real library.
 fn denoise(sandbox: &Sandbox, line: &str) -> Ran {
-    let mut command = sandbox.command(&line_of(line));
-    finish(command.env("OIDN_DIR", oidn::folder()).spawn().expect("the program starts"))
-}
-
-fn line_of(line: &str) -> Vec<&str> {
-    std::iter::once("denoise").chain(line.split_whitespace()).collect()
+    ran(sandbox.command(&words(&format!("denoise {line}"))).env("OIDN_DIR", oidn::folder()))
 }
 
 #[test]
@@ -103,9 +98,8 @@ fn noise_goes_and_with_albedo_and_normal_the_detail_stays() {
         let before = fs::read(sandbox.at(&exr)).unwrap();
         let ran = denoise(&sandbox, &format!("{exr} -o out.exr --json")).exits(0);
         assert!(fs::read(sandbox.at(&exr)).unwrap() == before, "the raw image has changed");
-        assert!(ran.stderr.contains("warning: denoising biases the result"), "{}", ran.stderr);
+        let ran = ran.on_stderr(&["warning: denoising biases the result", said.unwrap_or_default()]);
         assert_eq!(ran.stderr.contains("loses more detail"), said.is_some(), "{}", ran.stderr);
-        assert!(ran.stderr.contains(said.unwrap_or_default()), "{}", ran.stderr);
         let json = ran.json();
         let layers = match name {
             "both" | "blender" => serde_json::json!(["albedo", "normal"]),
@@ -167,18 +161,14 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     assert!(bytes("out.png") == bytes("again.png"));
 
     // It is not taken for a render.
-    let refused = |line: &str, words: &str| {
-        let ran = sandbox.says(line).exits(2);
-        assert!(ran.stderr.contains(words), "{line}: {}", ran.stderr);
-    };
-    refused("merge out.exr -o merged.exr", "it has no state. Images of other programs, of --no-state and of denoise");
+    let no_state = "it has no state. Images of other programs, of --no-state and of denoise";
+    sandbox.says("merge out.exr -o merged.exr").exits(2).on_stderr(&[no_state]);
     let resume = ["--resume", "--spp", "32", "-o", "out.exr"];
     sandbox.render(&resume).exits(2).on_stderr(&["nothing to resume: out.exr has no state"]);
     denoise(&sandbox, "out.exr -o twice.exr").exits(2).on_stderr(&["it is denoised already, by Open Image Denoise 2."]);
     assert!(!sandbox.at("twice.exr").exists());
-    for (line, name) in [("out.exr sphere.exr", "out.exr"), ("sphere.exr out.exr", "out.exr")] {
-        let ran = sandbox.says(&format!("compare {line}")).exits(0);
-        assert!(ran.stderr.contains(&format!("warning: {name} is denoised (Open Image Denoise 2.")), "{}", ran.stderr);
+    for line in ["compare out.exr sphere.exr", "compare sphere.exr out.exr"] {
+        sandbox.says(line).exits(0).on_stderr(&["warning: out.exr is denoised (Open Image Denoise 2."]);
     }
     assert!(!sandbox.says("compare sphere.exr sphere.exr").exits(0).stderr.contains("denoised"));
 }
@@ -222,9 +212,9 @@ fn a_render_denoises_what_it_has_written() {
     assert_eq!(attribute(&sandbox.exr("sphere.denoised.exr"), "gpu-rt:samples"), "0..32");
 
     // What cannot be is refused before rendering.
-    let endless = ["--spp", crate::sandbox::ENDLESS];
+    let endless = format!("{} --spp {}", sandbox.render_sphere().join(" "), crate::sandbox::ENDLESS);
     let files = sandbox.files();
-    for (line, words, code) in [
+    for (line, expected, code) in [
         ("--denoise --oidn missing", "missing: neither it", 1),
         ("--denoise -o b.png", "--denoise reads the EXR that the render writes", 2),
         ("--denoise -o -", "--denoise reads the EXR that the render writes", 2),
@@ -232,15 +222,13 @@ fn a_render_denoises_what_it_has_written() {
         ("--denoise --watch", "cannot be used with", 2),
         ("--oidn .", "--denoise", 2),
     ] {
-        let words_of_line: Vec<&str> = line.split_whitespace().collect();
-        let ran = sandbox.render(&[&endless[..], &words_of_line].concat()).exits(code);
-        assert!(ran.stderr.contains(words), "{line}: {}", ran.stderr);
+        sandbox.says(&format!("{endless} {line}")).exits(code).on_stderr(&[expected]);
         assert_eq!(sandbox.files(), files, "{line}");
     }
     // The name of the denoised image is taken, by a folder.
     fs::create_dir(sandbox.at("d.denoised.exr")).unwrap();
-    let ran = sandbox.render(&[&endless[..], &["--denoise", "-o", "d.exr"]].concat()).exits(2);
-    assert!(ran.stderr.contains("d.denoised.exr: cannot write: it is a folder"), "{}", ran.stderr);
+    let taken = sandbox.says(&format!("{endless} --denoise -o d.exr")).exits(2);
+    taken.on_stderr(&["d.denoised.exr: cannot write: it is a folder"]);
 }
 
 #[test]
@@ -331,8 +319,7 @@ fn destinations_and_files_that_do_not_fit_are_refused() {
         lines.push(("link.exr -o a.exr", "it would overwrite the input link.exr"));
     }
     for (line, words) in lines {
-        let ran = denoise(&sandbox, line).exits(2);
-        assert!(ran.stderr.contains(words) && ran.stdout.is_empty(), "{line}: {ran:?}");
+        denoise(&sandbox, line).exits(2).on_stderr(&[words]);
     }
     assert_eq!(sandbox.files(), files);
     let png = denoise(&sandbox, "a.exr -o b.exr --png b.png --quiet").exits(0);
@@ -353,9 +340,8 @@ fn a_library_that_is_missing_or_fails_is_an_error() {
     fs::copy(oidn::folder().join("libtbb.so.12"), sandbox.at("other").join(name)).unwrap();
     oidn::failing(&sandbox.at("failing/lib"));
     let run = |line: &str, folder: &str, fault: &str| {
-        let mut command = sandbox.command(&line_of(line));
-        command.env("OIDN_DIR", folder).env("GPU_RT_DENOISER", fault);
-        finish(command.spawn().expect("the program starts"))
+        let mut command = sandbox.command(&words(&format!("denoise {line}")));
+        ran(command.env("OIDN_DIR", folder).env("GPU_RT_DENOISER", fault))
     };
     let files = sandbox.files();
     let how = ["pip install --target oidn pyoidn", "OIDN_DIR", "--oidn oidn/pyoidn/oidn/lib"];

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 use crate::common::device::index as software;
 use crate::common::fault::{Fault, put_layer_under, without_threads};
-use crate::common::program::{Ran, command, finish};
+use crate::common::program::{Ran, command, ran};
 use crate::sandbox::SPHERE;
 
 #[path = "../layer/rough.rs"]
@@ -38,14 +38,10 @@ fn image(folder: &Path) -> ExrImage {
     read_exr(&folder.join("sphere.exr")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn ran(mut command: Command) -> Ran {
-    finish(command.spawn().expect("the program starts"))
-}
-
 /// Runs the program to its end, with a fault in its way.
 fn meets(mut command: Command, fault: &Fault) -> Ran {
     fault.put_under(&mut command);
-    ran(command)
+    ran(&mut command)
 }
 
 /// Asserts that the fault has ended the program with one error, which names the device and says what to do.
@@ -64,7 +60,7 @@ fn the_error(ran: Ran, fault: &Fault) -> String {
 fn device_name() -> &'static str {
     static NAME: std::sync::OnceLock<String> = std::sync::OnceLock::new();
     NAME.get_or_init(|| {
-        let devices = ran(command(Path::new("."), &["devices", "--json"])).exits(0).json();
+        let devices = ran(&mut command(Path::new("."), &["devices", "--json"])).exits(0).json();
         let device = &devices["devices"][software().parse::<usize>().expect("an index")];
         device["name"].as_str().expect("a name").to_string()
     })
@@ -111,7 +107,7 @@ fn a_device_without_memory_is_an_error_and_the_last_checkpoint_stays() {
 /// without a fault. Each fault has a function, a call of it, and the interval of checkpoints.
 fn is_opened_again(devices: &str, faults: &[(&str, u32, &str)]) {
     let full = sandbox();
-    ran(render(full.path(), &["--spp", "2048", "--quiet"])).exits(0);
+    ran(&mut render(full.path(), &["--spp", "2048", "--quiet"])).exits(0);
     let full = image(full.path());
     let arguments = ["render", "sphere.ron", "--device", devices, "--spp", "2048", "--bounces", "1", "--checkpoint"];
     for (function, call, checkpoint) in faults {
@@ -217,7 +213,7 @@ fn work_that_is_only_reported_as_done_is_found() {
     ] {
         let folder = sandbox();
         fs::write(folder.path().join("sphere.ron"), scene).expect("the scene is written");
-        ran(render(folder.path(), &["-o", "full.exr", "--quiet"])).exits(0);
+        ran(&mut render(folder.path(), &["-o", "full.exr", "--quiet"])).exits(0);
         let full = read_exr(&folder.path().join("full.exr")).expect("it is read");
         let mut again = 0;
         for call in 1.. {
@@ -245,11 +241,7 @@ fn work_that_is_only_reported_as_done_is_found() {
 #[test]
 fn without_contraction_the_way_of_linking_does_not_show() {
     let folder = sandbox();
-    let exact = |arguments: &[&str]| {
-        let mut command = command(folder.path(), arguments);
-        command.env("GPU_RT_NO_CONTRACTION", "1");
-        ran(command).exits(0)
-    };
+    let exact = |arguments: &[&str]| ran(command(folder.path(), arguments).env("GPU_RT_NO_CONTRACTION", "1")).exits(0);
     let devices = exact(&["devices", "--json"]).json();
     let numerics = &devices["devices"][software().parse::<usize>().expect("an index")]["numerics"];
     assert_eq!((&numerics["two_sum"], &numerics["contraction"]), (&true.into(), &false.into()), "{numerics:#}");
@@ -267,7 +259,7 @@ fn without_contraction_the_way_of_linking_does_not_show() {
 #[test]
 fn a_render_that_does_not_fit_has_fewer_slots() {
     let full = sandbox();
-    let usual = ran(render(full.path(), &["--json", "--quiet"])).exits(0).json();
+    let usual = ran(&mut render(full.path(), &["--json", "--quiet"])).exits(0).json();
     let full = image(full.path());
     let mut fitted = 0;
     for call in 1.. {
@@ -329,8 +321,7 @@ fn rough_quotients_change_the_image() {
     let image_with = |rough: &str| {
         let mut command = render(folder.path(), &["--spp", "1", "--force"]);
         put_layer_under(&mut command);
-        command.env("GPU_RT_ROUGH", rough);
-        ran(command).exits(0);
+        ran(command.env("GPU_RT_ROUGH", rough)).exits(0);
         image(folder.path()).rgb
     };
     let [exact, up, down] = ["", "up", "down"].map(image_with);
@@ -363,19 +354,15 @@ fn a_name_that_two_devices_have_chooses_neither() {
     let twins = |arguments: &[&str]| {
         let mut command = command(folder.path(), arguments);
         put_layer_under(&mut command);
-        ran({
-            command.env("GPU_RT_TWINS", "1");
-            command
-        })
+        ran(command.env("GPU_RT_TWINS", "1"))
     };
     let devices = twins(&["devices", "--json"]).exits(0).json();
     let devices = devices["devices"].as_array().expect("a list");
     let same: Vec<_> = (0..devices.len()).filter(|&index| devices[index]["name"] == device_name()).collect();
     assert_eq!(same.len(), 2, "{devices:#?}");
-    let refused = twins(&["render", "sphere.ron", "--device", device_name()]).exits(2);
-    assert!(refused.stderr.contains("several devices have this name"), "{}", refused.stderr);
+    let mut refused = twins(&["render", "sphere.ron", "--device", device_name()]).exits(2);
     for index in same {
-        assert!(refused.stderr.contains(&format!("\n  {index}: {}", device_name())), "{}", refused.stderr);
+        refused = refused.on_stderr(&["several devices have this name", &format!("\n  {index}: {}", device_name())]);
         twins(&["render", "sphere.ron", "--device", &index.to_string()]).exits(0);
     }
 }
@@ -383,7 +370,7 @@ fn a_name_that_two_devices_have_chooses_neither() {
 #[test]
 fn without_a_thread_the_program_does_the_same() {
     let folder = sandbox();
-    ran(render(folder.path(), &["--size", "20x120", "-o", "with.exr"])).exits(0);
+    ran(&mut render(folder.path(), &["--size", "20x120", "-o", "with.exr"])).exits(0);
     let commands: [&[&str]; 4] = [
         &["render", "sphere.ron", "--size", "20x120", "--device", software()],
         &["check", "sphere.ron"],
@@ -393,7 +380,7 @@ fn without_a_thread_the_program_does_the_same() {
     for arguments in commands {
         let mut command = command(folder.path(), arguments);
         let mark = without_threads(&mut command, folder.path());
-        ran(command).exits(0);
+        ran(&mut command).exits(0);
         assert!(mark.exists(), "{arguments:?} asks for no thread");
     }
     let with = read_exr(&folder.path().join("with.exr")).unwrap_or_else(|error| panic!("{error}"));

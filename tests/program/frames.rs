@@ -146,8 +146,7 @@ fn sequences_and_frames_that_cannot_be_are_refused() {
         ("sphere.ron --frame 3", "--frame is for scenes that are .glb or .gltf"),
         ("moving.glb --fps 30", "--fps 30: expected --frame N beside it"),
     ] {
-        let ran = render(&sandbox, words, "").exits(2);
-        assert!(ran.last_line().starts_with(&format!("error: {says}")), "{words}: {}", ran.stderr);
+        render(&sandbox, words, "").exits(2).says_last(&format!("error: {says}"));
     }
     for words in
         "--frames 3..3|--frames 3|--frames -1..3|--frames 0..3 --frame 1|--frames 0..3 --watch|--frame x".split('|')

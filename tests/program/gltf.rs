@@ -59,8 +59,7 @@ fn convert_and_gltf_options_refuse_other_files() {
         ("check ../scenes/sphere.ron --sun", "--sun is for scenes that are .glb or .gltf"),
         ("check ../scenes/sphere.ron --sky a.exr", "--sky is for scenes that are .glb or .gltf"),
     ] {
-        let ran = sandbox.says(words).exits(2);
-        assert!(ran.last_line().starts_with(&format!("error: {says}")), "{}", ran.stderr);
+        sandbox.says(words).exits(2).says_last(&format!("error: {says}"));
     }
     assert_eq!(sandbox.files(), Vec::<String>::new());
 }
@@ -210,11 +209,9 @@ fn lamps_of_blender_are_in_watts_in_every_command() {
 
     // A render goes on with the same lights alone.
     let on = format!("render ../scenes/lamps.glb --device {} --size 16x10 --spp 16 -o watts.exr --resume", software());
-    let refused = sandbox.says(&format!("{on} --watts=off")).exits(2);
-    assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
+    sandbox.says(&format!("{on} --watts=off")).exits(2).on_stderr(&["the scene differs"]);
     sandbox.says(&on).exits(0);
-    let refused = sandbox.says("merge watts.exr candela.exr -o both.exr").exits(2);
-    assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
+    sandbox.says("merge watts.exr candela.exr -o both.exr").exits(2).on_stderr(&["the scene differs"]);
     sandbox.says("check ../scenes/lamps.glb --watts=no").exits(2).on_stderr(&["expected on or off"]);
 }
 

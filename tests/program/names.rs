@@ -7,8 +7,8 @@ use std::process::{Output, Stdio};
 use gpu_rt::output::exr::read_exr;
 
 use crate::common::device::index as software;
-use crate::common::program::{Ran, run};
-use crate::sandbox::{ENDLESS, SPHERE, Sandbox, make_pipe};
+use crate::common::program::run;
+use crate::sandbox::{SPHERE, Sandbox, make_pipe};
 
 /// Runs the program with a text on its standard input.
 fn fed(sandbox: &Sandbox, arguments: &[&str], text: &str) -> Output {
@@ -20,16 +20,6 @@ fn fed(sandbox: &Sandbox, arguments: &[&str], text: &str) -> Output {
 
 fn words(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// Refused before a render that has no end; no file is made.
-#[track_caller]
-fn refused(sandbox: &Sandbox, more: &[&str]) -> Ran {
-    let before = sandbox.files();
-    let ran = sandbox.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
-    assert!(ran.last_line().ends_with("; nothing has been rendered"), "{}", ran.stderr);
-    assert_eq!(sandbox.files(), before);
-    ran
 }
 
 #[test]
@@ -55,12 +45,10 @@ fn names_that_say_no_format_are_refused_before_rendering() {
         (["--png", "a.jpg"], "error: a.jpg: .jpg is not written, only a PNG: give a.png with --png"),
         (["--png", "a.exr"], "error: a.exr: this is a PNG: give a.png with --png"),
     ] {
-        let ran = refused(&sandbox, &more);
-        assert!(ran.last_line().starts_with(says), "{}", ran.stderr);
+        sandbox.refuses(&more).says_last(says);
     }
     for name in ["a.jpg", "a.png", "-"] {
-        let ran = sandbox.run(&["merge", "part.exr", "-o", name]).exits(2);
-        assert!(ran.last_line().contains("an EXR: give "), "{}", ran.stderr);
+        sandbox.run(&["merge", "part.exr", "-o", name]).exits(2).on_stderr(&["an EXR: give "]);
     }
     for name in ["a.jpg", "a.exr", "a", "-"] {
         let ran = sandbox.run(&["compare", "a.exr", "b.exr", "--heatmap", name]).exits(2);
@@ -75,12 +63,13 @@ fn a_png_with_channels_or_resume_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.render(&["-o", "a.png"]).exits(0);
     for resume in ["--resume", "--resume=auto"] {
-        let ran = refused(&sandbox, &["-o", "a.png", resume]);
+        let ran = sandbox.refuses(&["-o", "a.png", resume]);
         let says = "error: a.png: a PNG cannot be resumed, and --resume goes on from an EXR: give -o a.exr --png a.png";
         assert!(ran.last_line().starts_with(says), "{}", ran.stderr);
     }
-    let ran = refused(&sandbox, &["-o", "a.png", "--png", "b.png"]);
-    assert!(ran.last_line().starts_with("error: a.png: -o and --png are both a PNG: give -o a.exr"), "{}", ran.stderr);
+    sandbox
+        .refuses(&["-o", "a.png", "--png", "b.png"])
+        .says_last("error: a.png: -o and --png are both a PNG: give -o a.exr");
     sandbox.run(&["merge", "a.png", "-o", "b.exr"]).exits(2);
 }
 
@@ -111,7 +100,7 @@ fn a_dash_reads_standard_input_and_writes_standard_output() {
     assert_eq!(sandbox.files(), ["a.png", "stdin.exr"]);
     read_exr(&sandbox.at("stdin.exr")).unwrap();
     for more in [["-o", "-"], ["--png", "-"]] {
-        let ran = refused(&sandbox, &[&more[..], &["--json"]].concat());
+        let ran = sandbox.refuses(&[&more[..], &["--json"]].concat());
         assert!(ran.last_line().contains("-: standard output has the report of --json"), "{}", ran.stderr);
     }
     // A file of this name.
@@ -161,8 +150,7 @@ fn a_dash_is_refused_where_a_name_is_needed() {
         "submit slurm ../scenes/sphere.ron --spp 8 --parts 1 --dry-run -o -",
         "status -",
     ] {
-        let ran = sandbox.says(line).exits(2);
-        assert!(ran.last_line().starts_with("error: -: expected the name of a"), "{line}: {}", ran.stderr);
+        sandbox.says(line).exits(2).says_last("error: -: expected the name of a");
     }
     assert_eq!(sandbox.files(), Vec::<String>::new());
 }

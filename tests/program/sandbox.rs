@@ -1,7 +1,8 @@
 //! What the tests of the program share: a scene, and folders to work in.
 
 use crate::common::device::index as software;
-use crate::common::program::{Ran, command, finish, meanwhile};
+use crate::common::program::{Ran, command, meanwhile, ran, words};
+pub use crate::common::scenes::SPHERE;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
@@ -11,17 +12,6 @@ use tempfile::TempDir;
 
 /// More samples than any machine renders in that time: a render of them ends only when it is refused or interrupted.
 pub const ENDLESS: &str = "1000000000";
-
-/// One Lambertian sphere before a gradient: nothing more than that is required.
-pub const SPHERE: &str = "Scene(
-    image: (width: 20, height: 12),
-    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
-    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
-    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
-    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
-    render: (samples: 16, max_depth: 7),
-)
-";
 
 /// A folder with the scene `sphere.ron` in a folder of its own, and a folder to work in.
 pub struct Sandbox {
@@ -59,12 +49,12 @@ impl Sandbox {
     }
 
     pub fn run(&self, arguments: &[&str]) -> Ran {
-        finish(self.command(arguments).spawn().expect("the program starts"))
+        ran(&mut self.command(arguments))
     }
 
     /// Runs a command line without quotes and spaces in its words.
     pub fn says(&self, line: &str) -> Ran {
-        self.run(&line.split_whitespace().collect::<Vec<_>>())
+        self.run(&words(line))
     }
 
     /// `gpu-rt render ../scenes/sphere.ron --device SOFTWARE`, and more arguments.
@@ -76,17 +66,32 @@ impl Sandbox {
         ["render", "../scenes/sphere.ron", "--device", software()]
     }
 
+    /// A render without end, which is refused within the limit. No file is made.
+    #[track_caller]
+    pub fn refuses(&self, more: &[&str]) -> Ran {
+        let before = self.files();
+        let ran = self.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
+        assert!(ran.last_line().ends_with("; nothing has been rendered"), "{}", ran.stderr);
+        assert_eq!(self.files(), before, "{more:?}");
+        ran
+    }
+
     /// The files in the work folder.
     pub fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.work()).expect("the folder is there");
-        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
+        names(&self.work())
     }
 
     pub fn exr(&self, name: &str) -> ExrImage {
         read_exr(&self.at(name)).unwrap_or_else(|error| panic!("{error}"))
     }
+}
+
+/// The files in a folder.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("the folder is there");
+    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
 }
 
 pub fn attribute<'a>(image: &'a ExrImage, name: &str) -> &'a str {

@@ -1,7 +1,7 @@
 //! What signals do to the program: the first one ends the work and keeps what it came to, the second one ends the program.
 
 use crate::common::device::index as software;
-use crate::common::program::{finish, meanwhile, send, until, with_signals};
+use crate::common::program::{finish, meanwhile, ran, send, until, with_signals};
 #[cfg(target_os = "linux")]
 use crate::common::screen::{interrupted_on_terminal, screen};
 use crate::sandbox::{ENDLESS, SPHERE, Sandbox, attribute, endless, make_pipe};
@@ -54,9 +54,9 @@ fn limited(mut command: Command, resource: libc::__rlimit_resource_t, limit: u64
 fn the_limit_of_processor_time_ends_a_render_as_an_interrupt_does() {
     let sandbox = Sandbox::new();
     let arguments = [&sandbox.render_sphere(), ["--spp", ENDLESS].as_slice()].concat();
-    let command = limited(sandbox.command(&arguments), libc::RLIMIT_CPU, 2);
-    let ran = finish({ command }.spawn().expect("the program starts")).exits(152);
-    assert!(ran.last_line().starts_with("error: interrupted by SIGXCPU; sphere.exr holds "), "{}", ran.stderr);
+    ran(&mut limited(sandbox.command(&arguments), libc::RLIMIT_CPU, 2))
+        .exits(152)
+        .says_last("error: interrupted by SIGXCPU; sphere.exr holds ");
     assert_eq!(attribute(&sandbox.exr("sphere.exr"), "gpu-rt:complete"), "0");
 }
 
@@ -69,17 +69,15 @@ fn the_limit_of_a_file_is_an_error_of_the_write() {
         let mut command = limited(sandbox.command(arguments), libc::RLIMIT_FSIZE, limit);
         command.env("MESA_SHADER_CACHE_DIR", cache.path());
         let told = File::create(sandbox.folder.path().join("told")).expect("it is created");
-        finish(command.stdout(told).spawn().expect("the program starts"))
+        ran(command.stdout(told))
     };
-    let ran = run(&sandbox.render_sphere(), 1 << 10).exits(1);
-    assert!(ran.last_line().starts_with("error: sphere.exr: cannot write: File too large"), "{}", ran.stderr);
+    run(&sandbox.render_sphere(), 1 << 10).exits(1).says_last("error: sphere.exr: cannot write: File too large");
     assert_eq!(sandbox.files(), Vec::<String>::new());
     // The cache of one kernel is larger.
     run(&sandbox.render_sphere(), 32 << 10).exits(0);
     sandbox.exr("sphere.exr");
     for arguments in [&["completions", "bash"][..], &["--help"]] {
-        let ran = run(arguments, 100).exits(1);
-        assert!(ran.last_line().starts_with("error: stdout: cannot write: File too large"), "{}", ran.stderr);
+        run(arguments, 100).exits(1).says_last("error: stdout: cannot write: File too large");
     }
 }
 
@@ -265,17 +263,6 @@ fn an_interrupt_writes_the_image_and_reports_the_samples_that_it_has() {
     assert!((least..=most).contains(&(reported as u32)), "{reported} are reported, the pixels have {least}..={most}");
     assert!(!ran.stderr.contains(&format!("{ENDLESS} samples")), "{}", ran.stderr);
     assert_ne!(attribute(&image, "gpu-rt:end_sample"), ENDLESS);
-}
-
-#[test]
-fn a_killed_render_leaves_its_last_checkpoint() {
-    let sandbox = Sandbox::new();
-    let mut child = endless(&sandbox, &[]);
-    child.kill().expect("the program can be killed");
-    child.wait().unwrap();
-    let image = sandbox.exr("sphere.exr");
-    assert_eq!((image.width, image.height), (20, 12));
-    assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
 }
 
 /// A measurement that is interrupted when `ready` says so of what it has said on stderr. The result is that, and the report.

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::common::device::index as software;
 use crate::common::exr_header::sealed;
-use crate::common::program::{Ran, command, meanwhile, run};
+use crate::common::program::{Ran, command, meanwhile, run, words};
 
 /// A lamp over a floor, and a part of the sky.
 const SCENE: &str = "Scene(
@@ -66,7 +66,7 @@ impl Sandbox {
     }
 
     fn says(&self, line: &str) -> Ran {
-        run(self.above.path(), &line.split_whitespace().collect::<Vec<_>>())
+        run(self.above.path(), &words(line))
     }
 
     /// Renders so many samples from the start of a part on.
@@ -226,8 +226,7 @@ fn a_render_that_goes_on_is_under_way() {
         "render job/scene/scene.ron --quiet --device {} --samples 0..100000000 --checkpoint 1ms -o {part}",
         software()
     );
-    let mut child =
-        command(sandbox.above.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
+    let mut child = command(sandbox.above.path(), &words(&line)).spawn().expect("it starts");
     meanwhile(&mut child, || sandbox.part(0).exists());
     for _ in 0..10 {
         let report = sandbox.status("--error --png now.png");

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 use super::resume::{Held, SCENE, save_floor};
 use crate::common::device::index as software;
-use crate::common::program::{Ran, command, finish, meanwhile, send, with_signals};
+use crate::common::program::{Ran, command, finish, meanwhile, ran, run, send, with_signals, words};
 
 /// Takes a job: keeps its arguments, each on a line, and says its number.
 const SBATCH: &str =
@@ -92,7 +92,7 @@ impl Cluster {
     fn slurm(&self, words: &[&str]) -> Ran {
         let mut command = command(self.folder.path(), &[&["submit", "slurm"], words].concat());
         self.here(&mut command);
-        finish(command.spawn().expect("the program starts"))
+        ran(&mut command)
     }
 
     /// Submits the folder that is there again.
@@ -151,7 +151,7 @@ impl Cluster {
         let mut words =
             vec!["render", scene.to_str().expect("UTF-8"), "--device", &device, "--quiet", "--force", "-o", "full.exr"];
         words.extend(more.split_whitespace());
-        finish(command(self.folder.path(), &words).spawn().expect("the program starts")).exits(0);
+        run(self.folder.path(), &words).exits(0);
         Held::read(&self.path("full.exr"))
     }
 
@@ -181,10 +181,8 @@ fn has(job: &[String], word: &str) -> bool {
 fn a_submitted_render_has_the_bytes_of_one() {
     let cluster = Cluster::new();
     let full = cluster.full("--spp 100 --roulette off");
-    let ran = cluster.submit("--spp 100 --parts 4 --roulette off -- --partition=long --time=2:00:00").exits(0);
-    for words in ["parts: 4 of 4, 100 samples, in 4 tasks", "disk: 153.6 kB", "array: 41", "merge: 42"] {
-        assert!(ran.stdout.contains(words), "{}", ran.stdout);
-    }
+    let said = ["parts: 4 of 4, 100 samples, in 4 tasks", "disk: 153.6 kB", "array: 41", "merge: 42"];
+    cluster.submit("--spp 100 --parts 4 --roulette off -- --partition=long --time=2:00:00").exits(0).on_stdout(&said);
     fs::write(cluster.scene(), "what comes later").expect("it is written");
     let jobs = cluster.jobs();
     let [array, merge] = &jobs[..] else { panic!("{jobs:?}") };
@@ -247,8 +245,7 @@ fn a_task_that_is_ended_starts_again_and_goes_on() {
         meanwhile(&mut script, || held() > before);
         let then = held();
         send(&script, libc::SIGTERM);
-        let ran = finish(script).exits(143);
-        assert!(ran.stderr.contains("interrupted by SIGTERM"), "{}", ran.stderr);
+        finish(script).exits(143).on_stderr(&["interrupted by SIGTERM"]);
         assert!(held() >= then, "{} samples after {then}", held());
         before = held();
         assert_eq!(cluster.requeued(), "41_0\n".repeat(tries));
@@ -331,12 +328,7 @@ fn rounds_end_where_one_render_would() {
         // A larger error ends the join at an earlier check, whatever parts there are.
         let (parts, out) = (cluster.job("parts"), cluster.path("less.exr"));
         let [parts, out] = [&parts, &out].map(|path| path.to_str().expect("UTF-8"));
-        finish(
-            command(cluster.folder.path(), &["merge", "--quiet", "--noise", "0.3", parts, "-o", out])
-                .spawn()
-                .expect("it starts"),
-        )
-        .exits(0);
+        run(cluster.folder.path(), &["merge", "--quiet", "--noise", "0.3", parts, "-o", out]).exits(0);
         assert_eq!(Held::read(Path::new(out)).difference(&cluster.full("--noise 0.3")), [""; 0]);
         fs::remove_dir_all(cluster.job("")).expect("it was there");
     }
@@ -369,8 +361,7 @@ fn the_largest_array_of_the_cluster_is_kept() {
 fn a_refused_submission_leaves_nothing_behind() {
     let cluster = Cluster::new();
     let refused = |more: &str, words: &[&str]| {
-        let said = cluster.submit(more).exits(2).stderr;
-        assert!(words.iter().all(|word| said.contains(word)), "{more}: {said}");
+        cluster.submit(more).exits(2).on_stderr(words);
         assert!(!cluster.job("").exists() && cluster.jobs().is_empty(), "{more}");
     };
     refused("--spp 64 --parts 9", &["64 samples are 8 runs of 8", "--parts 8 at most"]);
@@ -378,9 +369,7 @@ fn a_refused_submission_leaves_nothing_behind() {
     refused("--spp 64", &["--parts"]);
     refused("--missing x", &["cannot be used with"]);
     for more in ["--integrator bsdf", "--size 8x8", "--seed 3", "--max-depth 3", "--spp 8", "--noise 0.1", "--next x"] {
-        let words: Vec<&str> = ["--missing", "x"].into_iter().chain(more.split_whitespace()).collect();
-        let said = cluster.slurm(&words).exits(2).stderr;
-        assert!(said.contains("cannot be used with"), "{more}: {said}");
+        cluster.slurm(&words(&format!("--missing x {more}"))).exits(2).on_stderr(&["cannot be used with"]);
     }
     cluster.slurm(&["--missing", "fake"]).exits(2).on_stderr(&["fake/job.json: cannot read", "submit"]);
 
@@ -393,21 +382,16 @@ fn a_refused_submission_leaves_nothing_behind() {
         let (scene, job) = (scene.to_str().expect("UTF-8"), job.to_str().expect("UTF-8"));
         let fixed = ["submit", "slurm", scene, "--spp", "64", "--parts", "2", "-o", job];
         let mut command = command(cluster.folder.path(), &[&fixed, more].concat());
-        command.env("PATH", cluster.path("bin"));
-        finish(command.spawn().expect("the program starts"))
+        ran(command.env("PATH", cluster.path("bin")))
     };
     only_here(&[]).exits(1).on_stderr(&["sbatch", "--dry-run"]);
     assert!(!cluster.job("").exists());
-    let ran = only_here(&["--dry-run"]).exits(0);
-    assert!(
-        ran.stdout.contains("sbatch '--job-name=a $scene'") && ran.stdout.contains("--array=0-1"),
-        "{}",
-        ran.stdout
-    );
-    assert!(ran.stdout.contains("seq 0 1 | parallel -j 1 ./render.sh && ./merge.sh"), "{}", ran.stdout);
+    let by_parallel = "seq 0 1 | parallel -j 1 ./render.sh && ./merge.sh";
+    let by_slurm = ["sbatch '--job-name=a $scene'", "--array=0-1"];
+    only_here(&["--dry-run"]).exits(0).on_stdout(&by_slurm).on_stdout(&[by_parallel]);
     only_here(&["--dry-run"]).exits(2).on_stderr(&["it is not empty"]);
-    let said = cluster.slurm(&["--dry-run", "--next", cluster.job("").to_str().expect("UTF-8")]).exits(2).stderr;
-    assert!(said.contains("without --noise"), "{said}");
+    let next = cluster.slurm(&["--dry-run", "--next", cluster.job("").to_str().expect("UTF-8")]);
+    next.exits(2).on_stderr(&["without --noise"]);
     // The folder runs where it lies, by a loop or GNU parallel.
     for words in [vec!["render.sh", "0"], vec!["render.sh", "1"], vec!["merge.sh"]] {
         let mut command = Command::new(cluster.job(words[0]));
@@ -466,17 +450,13 @@ fn a_join_has_the_requested_samples() {
     [0, 1].into_iter().for_each(|task| _ = cluster.task(task).exits(0));
     let (parts, out) = (cluster.job("parts"), cluster.path("out.exr"));
     let [parts, out] = [&parts, &out].map(|path| path.to_str().expect("UTF-8"));
-    let merge = |more: &[&str]| {
-        let words = [&["merge", "--quiet", parts, "-o", out], more].concat();
-        finish(command(cluster.folder.path(), &words).spawn().expect("the program starts"))
-    };
+    let merge = |more: &[&str]| run(cluster.folder.path(), &[&["merge", "--quiet", parts, "-o", out], more].concat());
     for (options, words) in [
         ("0..56", "gap: no part has the samples 48..56"),
         ("0..40", "24-48.exr: it has the samples 24..48, beyond --samples 0..40"),
         ("8..48", "00-24.exr: it has the samples 0..24, beyond --samples 8..48"),
     ] {
-        let said = merge(&["--samples", options]).exits(2).stderr;
-        assert!(said.contains(words), "{options}: {said}");
+        merge(&["--samples", options]).exits(2).on_stderr(&[words]);
     }
     merge(&["--noise", "0.001"]).exits(2).on_stderr(&["00-24.exr: --noise checks the error at 16 samples"]);
     assert!(!Path::new(out).exists());

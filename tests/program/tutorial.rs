@@ -39,8 +39,10 @@ fn every_step_of_the_tutorial_is_a_scene() {
     check(&steps[0][..steps[0].len() / 2]).exits(2);
     check(&steps[5]).exits(0);
     let render = ["render", "tutorial.ron", "--device", software(), "--png", "tutorial.png"];
-    let ran = sandbox.run(&[&render[..], &["--size", "32x18", "--spp", "2", "--strict"]].concat()).exits(0);
-    assert!(ran.last_line().starts_with("tutorial.exr: 2 samples"), "{}", ran.stderr);
+    sandbox
+        .run(&[&render[..], &["--size", "32x18", "--spp", "2", "--strict"]].concat())
+        .exits(0)
+        .says_last("tutorial.exr: 2 samples");
     assert_eq!(image::open(sandbox.at("tutorial.png")).expect("a PNG").into_rgb8().dimensions(), (32, 18));
 }
 
