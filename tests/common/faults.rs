@@ -2,29 +2,16 @@
 
 use gpu_rt::scene::Scene;
 
+pub use super::kernel::Fault;
 use super::kernel::Overlay;
 use super::render::{Change, Request, Shot, render_with, same_expectation, worst_difference};
 
 /// False alarms of a comparison of two images.
 pub const ALPHA: f64 = 1e-6;
 
-/// An error: a module, a part of its text, and what stands in for that part.
-pub type Fault<'a> = (&'a str, &'a str, &'a str);
-
 /// The kernels with all of these changes.
 pub fn changed(changes: &[Fault<'_>]) -> Overlay {
-    let mut modules: Vec<&str> = changes.iter().map(|(module, ..)| *module).collect();
-    modules.sort_unstable();
-    modules.dedup();
-    modules.into_iter().fold(Overlay::new(&[]), |overlay, module| {
-        let own = changes.iter().filter(|(name, ..)| *name == module);
-        overlay.rewritten(module, |text| {
-            own.clone().fold(text.to_string(), |text, (_, part, other)| {
-                assert!(text.contains(part), "{module} has no {part}");
-                text.replace(part, other)
-            })
-        })
-    })
+    Overlay::new(changes)
 }
 
 /// Kernels that hold several errors, so that they are compiled once. An error is there in renders with its seed, and its text names that condition

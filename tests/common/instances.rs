@@ -9,7 +9,7 @@ use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::scene::Scene;
 
-use super::kernel::{Kernel, Setup, array, plan_of};
+use super::kernel::{Fault, Kernel, Setup, array, plan_of};
 use super::rows::rows;
 use super::scenes::triple;
 
@@ -106,7 +106,7 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> DeviceScene {
         .expect("the test's scene is small")
 }
 
-pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
+pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[Fault<'_>]) -> Kernel {
     let plan = plan_of(&flat.features);
     let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];

@@ -1,6 +1,6 @@
 //! Test kernels: small WGSL modules under tests/shaders that import production modules by name and run them on rows of
 //! input on the device. A module `test/x` is tests/shaders/x.wgsl; every other name is the production file. A wrong form
-//! is planted by a module of tests/shaders/control, whose functions replace those of a production module, or by an expression in place of another.
+//! is planted as another text in place of a part of a production module.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -21,6 +21,12 @@ use super::files::{files, stem};
 
 const WORKGROUP: u32 = 64;
 
+/// A change: a production module, a part of its text, and what stands in for that part.
+pub type Fault<'a> = (&'a str, &'a str, &'a str);
+
+/// In place of a part: all of the text. What stands in is the name of another production module.
+pub const MODULE: &str = "";
+
 /// The production shaders, with the modules of tests/shaders beside them under `test/`.
 pub struct Overlay {
     /// Modules of the tests, by name.
@@ -30,33 +36,27 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Everything under tests/shaders. Some production modules are replaced: by a module of the tests in the functions and structs
-    /// that it declares, by another production module as a whole.
-    pub fn new(replaced: &[(&str, &str)]) -> Overlay {
+    /// Everything under tests/shaders, and production modules with these changes, one after the other.
+    pub fn new(replaced: &[Fault<'_>]) -> Overlay {
         static TESTS: OnceLock<BTreeMap<String, String>> = OnceLock::new();
         let tests = TESTS.get_or_init(|| {
-            let named = |(folder, prefix): (&str, &'static str)| {
-                let text = |path: &PathBuf| std::fs::read_to_string(path).expect("a test shader can be read");
-                files(folder, ".wgsl", false)
-                    .into_iter()
-                    .map(move |path| (prefix.to_string() + &stem(&path), text(&path)))
-            };
-            [("tests/shaders", "test/"), ("tests/shaders/control", "test/control/")]
-                .into_iter()
-                .flat_map(named)
-                .collect()
+            let text = |path: &PathBuf| std::fs::read_to_string(path).expect("a test shader can be read");
+            let shaders = files("tests/shaders", ".wgsl", false).into_iter();
+            shaders.map(|path| (format!("test/{}", stem(&path)), text(&path))).collect()
         });
         let own = Overlay { tests, rewritten: BTreeMap::new() };
-        let with = |own: Overlay, (production, other): &(&str, &str)| match tests.get(*other) {
-            Some(items) => own.rewritten(production, |text| with_items_of(text, items)),
-            None => own.rewritten(production, |_| Embedded.module(other).expect("a module").to_string()),
+        let with = |text: &str, part: &str, other: &str| match part {
+            MODULE => Embedded.module(other).expect("a module").to_string(),
+            _ => text.replace(part, other),
         };
-        replaced.iter().fold(own, with)
+        replaced
+            .iter()
+            .fold(own, |own, (production, part, other)| own.rewritten(production, |text| with(text, part, other)))
     }
 
     /// Adds a change of a production module's text.
     pub fn rewritten(mut self, production: &str, change: impl Fn(&str) -> String) -> Overlay {
-        let own = Embedded.module(production).unwrap_or_else(|| panic!("there is no module {production} to rewrite"));
+        let own = self.module(production).unwrap_or_else(|| panic!("there is no module {production} to rewrite"));
         let text = change(own);
         assert_ne!(text, own, "{production} is as before");
         self.rewritten.insert(production.to_string(), text);
@@ -70,21 +70,6 @@ impl Library for Overlay {
         let own = self.rewritten.get(name).or_else(|| self.tests.get(name));
         own.map(String::as_str).or_else(|| PRODUCTION.module(name))
     }
-}
-
-/// A module without the functions and structs that another text declares, and with that text before `//@ without`.
-fn with_items_of(text: &str, other: &str) -> String {
-    let item = |line: &str| Some(line.split(['(', '{']).next()?.trim().to_string());
-    let is_item = |line: &str| ["fn ", "struct "].iter().any(|start| line.starts_with(start));
-    let declared: BTreeSet<_> = other.lines().filter(|line| is_item(line)).map(item).collect();
-    let (own, without) = text.find("\n//@ without").map_or((text, ""), |at| text.split_at(at));
-    let mut is_declared = false;
-    let is_kept = |line: &&str| {
-        let was_declared = is_declared;
-        is_declared = *line != "}" && (is_declared || is_item(line) && declared.contains(&item(line)));
-        !was_declared && !is_declared
-    };
-    format!("{}\n{other}{without}", own.lines().filter(is_kept).collect::<Vec<_>>().join("\n"))
 }
 
 /// The facts of the settings' members, which are all there.
@@ -121,10 +106,8 @@ pub struct Kernel {
 /// What a test kernel is linked with beside its own file.
 #[derive(Default)]
 pub struct Setup<'a> {
-    /// Production modules and what stands in for them, as `Overlay::new` takes them: `("geometry/sphere", "test/control/sphere_textbook")`.
-    pub replaced: &'a [(&'a str, &'a str)],
-    /// A production module, a part of its text, and what stands in for that part.
-    pub rewritten: Option<(&'a str, &'a str, &'a str)>,
+    /// Changes of production modules, as `Overlay::new` takes them.
+    pub replaced: &'a [Fault<'a>],
     /// Errors of which `Kernel::planted` chooses one.
     pub plants: &'a [Plant],
     /// The values behind `${name}`.
@@ -141,8 +124,8 @@ impl Kernel {
         Kernel::with(name, &Setup::default())
     }
 
-    /// The same with production modules replaced.
-    pub fn replacing(name: &'static str, replaced: &[(&str, &str)]) -> Kernel {
+    /// The same with production modules changed.
+    pub fn replacing(name: &'static str, replaced: &[Fault<'_>]) -> Kernel {
         Kernel::with(name, &Setup { replaced, ..Setup::default() })
     }
 
@@ -168,9 +151,6 @@ impl Kernel {
         choices.values.insert("kernel".to_string(), name.to_string());
         choices.values.extend(setup.values.iter().map(|(name, value)| (name.to_string(), value.to_string())));
         let mut overlay = Overlay::new(setup.replaced);
-        if let Some((module, part, other)) = setup.rewritten {
-            overlay = overlay.rewritten(module, |own| own.replace(part, other));
-        }
         let modules: BTreeSet<&str> = setup.plants.iter().map(|(module, ..)| *module).collect();
         for module in modules {
             let own = |text: &str| {

@@ -4,7 +4,7 @@ use bytemuck::Pod;
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
-use super::kernel::{Kernel, Setup, array};
+use super::kernel::{Fault, Kernel, Setup, array};
 use super::rows::rows;
 use super::stats::Random;
 use super::vectors::{U, decades, exact, rounded, unit};
@@ -73,7 +73,7 @@ pub const DISK: Kind = ("disk", "Quad", false);
 pub const DISK_PART: Kind = ("disk", "Quad", true);
 pub const CUBOID: Kind = ("cuboid", "Cuboid", false);
 
-pub fn kernel((shape, kind, is_part): Kind, replaced: &[(&str, &str)]) -> Kernel {
+pub fn kernel((shape, kind, is_part): Kind, replaced: &[Fault<'_>]) -> Kernel {
     let light = format!("{shape}{}", if is_part { "_parts" } else { "" });
     let calls = if shape == "triangle" {
         let corners = "Corners(shape[0].xyz, shape[1].xyz, shape[2].xyz)";
@@ -105,7 +105,7 @@ pub fn kernel((shape, kind, is_part): Kind, replaced: &[(&str, &str)]) -> Kernel
 }
 
 /// Many draws for each row; a few rows at a time, for a buffer's sake.
-pub fn draws<S: Pod>(kind: Kind, rows: &[In], shapes: &[S], replaced: &[(&str, &str)]) -> Vec<Out> {
+pub fn draws<S: Pod>(kind: Kind, rows: &[In], shapes: &[S], replaced: &[Fault<'_>]) -> Vec<Out> {
     let kernel = kernel(kind, replaced);
     let shapes = array("shapes", shapes);
     rows.chunks(32).flat_map(|rows| kernel.run_with(rows, rows.len() * DRAWS, std::slice::from_ref(&shapes))).collect()

@@ -10,7 +10,7 @@ use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, When};
 use gpu_rt::lobe::{LOBES, Lobe};
 use gpu_rt::material::microfacets::directional_albedos;
 
-use super::kernel::{Kernel, Setup, array};
+use super::kernel::{Kernel, Plant, Setup, array};
 use super::rows::{glass, rows};
 use super::stats::Random;
 use super::vectors::{U, exact, rounded, unit};
@@ -57,6 +57,16 @@ rows! {
     }
 }
 
+/// The density as papers write it, by 1 - cos^2, and shadowing without the heights' correlation.
+pub const BY_PAPERS: [Plant; 2] = [
+    ("lib/microfacet", "dot(across, across)", "dot(along, along) - height * height"),
+    (
+        "lib/microfacet",
+        "cos_light * (cos_view + root_view) / (cos_light * root_view + cos_view * smith_root(cos_light, alpha))",
+        "2.0 * cos_light / (cos_light + smith_root(cos_light, alpha))",
+    ),
+];
+
 /// The F90 of a row of glTF's material whose layer is that of its index.
 pub const NO_LAYER: f32 = -1.0;
 
@@ -78,9 +88,9 @@ pub fn kernel_with(material: &str, with: &[&str], setup: &Setup<'_>) -> Kernel {
     let facts: Vec<_> = those.map(|fact| (fact, true)).collect();
     let inner = layers.iter().rev().cloned().collect();
     let plan = Choices { lists: BTreeMap::from([("layer", layers), ("inner_layer", inner)]), ..Choices::default() };
-    let Setup { replaced, rewritten, plants, .. } = *setup;
+    let Setup { replaced, plants, .. } = *setup;
     let values = [("material", material)];
-    Kernel::with("test/rough", &Setup { replaced, rewritten, plants, values: &values, facts: &facts, plan })
+    Kernel::with("test/rough", &Setup { replaced, plants, values: &values, facts: &facts, plan })
 }
 
 /// What single scattering by microfacets keeps, and behind it what sheen reflects, as kernels have it.

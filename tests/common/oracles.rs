@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::kernel::{MODULE, Plant};
 use super::vectors::U;
 
 /// Share of unpolarised light that a boundary reflects, and the transmitted cosine, for cos^2 of the transmitted ray times
@@ -17,6 +18,12 @@ pub fn fresnel_of(c: f64, eta: f64, g2: f64) -> (f64, f64) {
     let p = (eta * c - t) / (eta * c + t);
     (0.5 * (s * s + p * p), t)
 }
+
+/// Schlick's approximation with the cosine of the incident side, as "Ray Tracing in One Weekend" has it.
+pub const INCIDENT_SCHLICK: [Plant; 2] = [
+    ("lib/fresnel", MODULE, "lib/fresnel_schlick"),
+    ("lib/fresnel", "select(cos_transmitted, cos_incident, eta >= 1.0)", "cos_incident"),
+];
 
 /// Fresnel's reflectances for an index of the far side relative to the near one.
 pub fn fresnel(c: f64, eta: f64) -> (f64, f64) {
@@ -54,6 +61,15 @@ pub fn pcg4d(key: [u32; 4]) -> [u32; 4] {
 
 /// How far the noise may be off in f32.
 pub const NOISE_ERROR: f64 = 20.0 * U;
+
+/// No fade, so that the slope jumps at the lattice; truncated cells, wrong below zero; a period of 255; and one octave.
+pub const LINEAR_NOISE: [Plant; 5] = [
+    ("lib/perlin", "bitcast<vec3<u32>>(cell) & vec3<u32>(255u)", "vec3<u32>((cell % 255 + 255) % 255)"),
+    ("lib/perlin", "floor(point)", "trunc(point)"),
+    ("lib/perlin", "base - 256.0 * floor(base * 0x1p-8f)", "base"),
+    ("lib/perlin", "f * f * (3.0 - 2.0 * f)", "f"),
+    ("lib/perlin", "octave < 7", "octave < 1"),
+];
 
 /// The gradient at a lattice point: the hash of its coordinates modulo 256 as a point of the cube, made unit.
 fn gradient(cell: [i64; 3]) -> DVec3 {

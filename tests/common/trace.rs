@@ -5,7 +5,7 @@ use glam::DVec3;
 use gpu_rt::data::Node;
 use gpu_rt::flatten::DeviceScene;
 
-use super::kernel::{Kernel, Plant, Setup, array};
+use super::kernel::{Fault, Kernel, Plant, Setup, array};
 use super::rows::rows;
 use super::stats::Random;
 use super::vectors::rounded;
@@ -42,32 +42,42 @@ pub fn leaving(random: &mut Random, cosine: f64, outwards: bool) -> [f32; 3] {
     rounded(DVec3::new(sin * phi.cos(), sin * phi.sin(), if outwards { cosine } else { -cosine }))
 }
 
-/// The kernel for a kind of primitive, with some production modules replaced.
-pub fn tracer(primitive: &str, replaced: &[(&str, &str)]) -> Kernel {
-    let module = format!("geometry/{primitive}");
-    tracer_with_surface(primitive, &format!("{primitive}_surface"), &module, replaced)
+/// The ray starts where the surface says the point is.
+pub const WITHOUT_OFFSET: Plant =
+    ("geometry/offset", "select(-normal, normal, dot(direction, normal) >= 0.0)", "0.0 * normal");
+
+/// The discriminant as b^2 - a c, which cancels where the sphere is far away, and both roots as sums, so that the one near zero cancels.
+pub const SPHERE_BY_THE_BOOK: [Plant; 2] = [
+    (
+        "geometry/sphere_chord",
+        "(sphere.radius + l) * (sphere.radius - l) * inverse",
+        "k * k - (dot(f, f) - sphere.radius * sphere.radius) * inverse",
+    ),
+    (
+        "geometry/sphere_chord",
+        "vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero))",
+        "vec2<f32>(foot.k - h, foot.k + h)",
+    ),
+];
+
+/// The kernel for a kind of primitive, with some production modules changed.
+pub fn tracer(primitive: &str, replaced: &[Fault<'_>]) -> Kernel {
+    kernel(primitive, &Setup { replaced, ..Setup::default() })
 }
 
 /// The kernel with a planted error.
 pub fn planted_tracer(primitive: &str, plant: Plant) -> Kernel {
-    let module = format!("geometry/{primitive}");
-    let setup = Setup { plants: &[plant], ..Setup::default() };
-    kernel(primitive, &format!("{primitive}_surface"), &module, &setup).planted(0)
+    kernel(primitive, &Setup { plants: &[plant], ..Setup::default() }).planted(0)
 }
 
-/// The kernel with another function for the hit record.
-pub fn tracer_with_surface(primitive: &str, surface: &str, surface_module: &str, replaced: &[(&str, &str)]) -> Kernel {
-    kernel(primitive, surface, surface_module, &Setup { replaced, ..Setup::default() })
-}
-
-fn kernel(primitive: &str, surface: &str, surface_module: &str, setup: &Setup<'_>) -> Kernel {
+fn kernel(primitive: &str, setup: &Setup<'_>) -> Kernel {
     let kind = match primitive {
         "sphere" => "Sphere",
         "large_sphere" => "LargeSphere",
         "quad" | "disk" => "Quad",
         _ => "Cuboid",
     };
-    let values = [("primitive", primitive), ("type", kind), ("surface", surface), ("surface_module", surface_module)];
+    let values = [("primitive", primitive), ("type", kind)];
     let Setup { replaced, plants, .. } = *setup;
     Kernel::with("test/trace", &Setup { replaced, plants, values: &values, ..Setup::default() })
 }

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::kernel::{Kernel, array};
+use super::kernel::{Fault, Kernel, array};
 use super::rows::rows;
 use super::stats::Random;
 use super::vectors::{exact, rounded, unit};
@@ -39,7 +39,7 @@ impl Corners {
     }
 }
 
-pub fn tracer(replaced: &[(&str, &str)]) -> Kernel {
+pub fn tracer(replaced: &[Fault<'_>]) -> Kernel {
     Kernel::replacing("test/triangle", replaced)
 }
 

@@ -129,7 +129,7 @@ fn deep() -> Vec<Cell> {
 /// Albedos with roulette: the expectation stays.
 fn roulette() -> Vec<Cell> {
     let r = 0.1;
-    let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);
+    let unweighted = Overlay::new(&[("step/roulette", "throughput / q", "throughput")]);
     [0.1, 0.5, 0.9, 0.99]
         .map(|albedo| {
             let request = Request::spp(256).mis().roulette();

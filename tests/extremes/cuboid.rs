@@ -3,9 +3,9 @@
 use crate::common::cuboids::{Exact, assorted, error_of, rays_at};
 use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
-use crate::common::trace::{NO_HIT, leaving, trace, tracer};
+use crate::common::trace::{NO_HIT, WITHOUT_OFFSET, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact};
-use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, decade};
+use crate::table::{BY_BITS, Cell, NO_OFFSET, OFFSET_BY_BITS, decade};
 
 /// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
 /// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.
@@ -50,13 +50,12 @@ const BECAUSE: &str =
 
 /// The kernel, and one without the offset.
 fn tracers() -> [Kernel; 2] {
-    let without: &[_] = &[("geometry/offset", "test/control/offset_none")];
-    [&[], without].map(|replaced| tracer("cuboid", replaced))
+    [&[][..], &[WITHOUT_OFFSET]].map(|replaced| tracer("cuboid", replaced))
 }
 
 pub fn leavings() -> Vec<Cell> {
     let [own, without] = tracers();
-    let by_bits = tracer("cuboid", &[("geometry/offset", "test/control/offset_by_bits")]);
+    let by_bits = tracer("cuboid", &[BY_BITS]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
         for (name, distance) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {

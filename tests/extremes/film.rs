@@ -5,7 +5,7 @@ use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
 
 use crate::common::film::{AddRuns, Run};
-use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::kernel::{Fault, Kernel, Overlay, Setup};
 use crate::common::render::{Request, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
@@ -30,11 +30,11 @@ const DISTRIBUTIONS: &[Distribution] = &[
 ];
 
 /// What forgets what it loses to rounding: a left fold in f32.
-const PLAIN: &[(&str, &str)] = &[("lib/compensated", "test/control/compensated_plain")];
+const PLAIN: &[Fault<'_>] = &[("lib/compensated", "barrier(sum - before.sum, zero) - added", "vec3<f32>(0.0)")];
 const PLAIN_NAME: &str = "plain sums of runs";
 
 /// Runs of samples as the device sums them, by the function that renders.
-fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<Run> {
+fn runs(replaced: &[Fault<'_>], samples: &[f32]) -> Vec<Run> {
     let kernel = Kernel::replacing("test/run_sum", replaced);
     let length = RUN_LENGTH as usize;
     let settings = [kernel.settings(&Settings::default())];

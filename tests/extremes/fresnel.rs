@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::common::kernel::Kernel;
-use crate::common::oracles::{fresnel, fresnel_of};
+use crate::common::oracles::{INCIDENT_SCHLICK, fresnel, fresnel_of};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -176,10 +176,16 @@ pub fn cells() -> Vec<Cell> {
     let own = Kernel::new("test/fresnel");
     let control = |replaced| Kernel::replacing("test/fresnel", replaced);
     let textbook = control(&[
-        ("lib/fresnel", "test/control/fresnel_textbook"),
-        ("lib/refraction", "test/control/refraction_textbook"),
+        ("lib/fresnel", "contrast + c * c;", "eta * eta * (1.0 - (1.0 - c * c) / (eta * eta));"),
+        ("lib/fresnel", "contrast / ((c + g) * (c + g))", "(c - g) / (c + g)"),
+        (
+            "lib/refraction",
+            "return normalize(incoming / eta + (cos_incident / eta - cos_transmitted) * normal);",
+            "let across = (incoming + cos_incident * normal) / eta;
+            return across - sqrt(abs(1.0 - dot(across, across))) * normal;",
+        ),
     ]);
-    let schlick = control(&[("lib/fresnel", "test/control/fresnel_schlick")]);
+    let schlick = control(&INCIDENT_SCHLICK);
     let mut all = vec![
         Cell::new(
             "η = 1",

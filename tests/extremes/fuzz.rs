@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use gpu_rt::data::SCATTERED;
 
-use crate::common::kernel::Kernel;
+use crate::common::kernel::{Fault, Kernel};
 use crate::common::microfacets;
 use crate::common::oracles::metal_density;
 use crate::common::render::{Request, render, scene};
@@ -20,7 +20,7 @@ const DRAWS: usize = 1 << 17;
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
 
-const OF_THE_SPHERE: (&str, &str) = ("material/metal", "test/control/metal_of_the_sphere");
+const OF_THE_SPHERE: Fault<'_> = ("material/metal", "sample_ball(u.xyz)", "sample_sphere(u.xy)");
 const SPHERE: &str = "point of the sphere instead of the ball";
 const CUBES: &str = "density by d₊³ - d₋³, sin² by 1 - cos²";
 
@@ -37,7 +37,7 @@ rows! {
     }
 }
 
-fn kernel(replaced: &[(&str, &str)]) -> Kernel {
+fn kernel(replaced: &[Fault<'_>]) -> Kernel {
     Kernel::replacing("test/fuzz", replaced)
 }
 
@@ -54,12 +54,12 @@ fn mirrored(row: &In) -> DVec3 {
 }
 
 /// Directions one by one, against the same numbers in f64: the largest error, times the length of what was normalised.
-fn direction_error(fuzz: f64, replaced: &[(&str, &str)]) -> f64 {
+fn direction_error(fuzz: f64, replaced: &[Fault<'_>]) -> f64 {
     direction_error_of(fuzz, fuzz, replaced)
 }
 
 /// The error of directions if the device gets another fuzz.
-fn direction_error_of(fuzz: f64, given: f64, replaced: &[(&str, &str)]) -> f64 {
+fn direction_error_of(fuzz: f64, given: f64, replaced: &[Fault<'_>]) -> f64 {
     let mut random = Random(74);
     let rows: Vec<In> = (0..5000)
         .map(|i| {
@@ -149,7 +149,14 @@ fn in_a_furnace(fuzz: f64) -> f64 {
 pub fn cells() -> Vec<Cell> {
     let mut all = Vec::new();
     let of_sphere = kernel(&[OF_THE_SPHERE]);
-    let of_cubes = kernel(&[("material/metal_eval", "test/control/metal_eval_textbook")]);
+    let of_cubes = kernel(&[
+        ("material/metal_eval", "dot(across, across)", "(1.0 - c * c)"),
+        (
+            "material/metal_eval",
+            "2.0 * h * (3.0 * c * c + h2)",
+            "(c + h) * (c + h) * (c + h) - (c - h) * (c - h) * (c - h)",
+        ),
+    ]);
     let own = kernel(&[]);
     for fuzz in FUZZES {
         let range = format!("fuzz = {fuzz:e}");

@@ -5,13 +5,13 @@ use gpu_rt::data::{LargeSphere, Sphere};
 use gpu_rt::scene::{Background, Scene};
 
 use crate::common::instances::ball_file;
-use crate::common::kernel::Kernel;
+use crate::common::kernel::{Fault, Kernel};
 use crate::common::render::{Request, Shot, diagnostics, render, scene_in};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, trace, tracer};
 use crate::common::vectors::{U, exact, rounded, unit};
-use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS};
+use crate::table::{BY_BITS, Cell, FIXED_OFFSET, FIXED_T_MIN, OFFSET_BY_BITS};
 
 /// A scene of materials "clear" (glass of index 1), "lamp" (1 on its outside, black inside), "both" (1 on both sides), "grey" (a
 /// Lambertian of 0.5), "mirror", "glass", and "weak" glass that traps no light in boxes; with the mesh "ball.obj" beside it.
@@ -204,7 +204,7 @@ pub fn gaps_by_rays() -> Vec<Cell> {
                 In::new(0, DVec3::ZERO, direction.normalize())
             })
             .collect();
-        let lost = |kind: &str, replaced: &[(&str, &str)]| {
+        let lost = |kind: &str, replaced: &[Fault<'_>]| {
             let kernel = tracer(kind, replaced);
             match kind {
                 "sphere" => passed(&kernel, &spheres, &rays),
@@ -222,10 +222,10 @@ pub fn gaps_by_rays() -> Vec<Cell> {
             );
             let mut cell = cell.achieved(lost(kind, &[]));
             if exponent >= 4 {
-                cell = cell.planted(FIXED_T_MIN, lost(kind, &[("geometry/offset", "test/control/offset_fixed")]));
+                cell = cell.planted(FIXED_T_MIN, lost(kind, &FIXED_OFFSET));
             }
             if exponent >= 6 {
-                cell = cell.planted(OFFSET_BY_BITS, lost(kind, &[("geometry/offset", "test/control/offset_by_bits")]));
+                cell = cell.planted(OFFSET_BY_BITS, lost(kind, &[BY_BITS]));
             }
             all.push(cell);
         }

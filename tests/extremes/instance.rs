@@ -1,15 +1,17 @@
 //! Rays that leave an instance of a mesh, whatever transform placed it.
 
 use crate::common::instances::{In, NOTHING, ball_file, flat_around, kernel, run};
+use crate::common::kernel::Fault;
 use crate::common::scenes::triple;
 use crate::common::stats::Random;
+use crate::common::trace::WITHOUT_OFFSET;
 use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, NO_OFFSET};
 use glam::DVec3;
 
 /// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again
 /// met the face that they left, met the ball though they left it outwards, or lost the inside though they went in.
-fn leave(size: f64, distance: f64, replaced: &[(&str, &str)]) -> f64 {
+fn leave(size: f64, distance: f64, replaced: &[Fault<'_>]) -> f64 {
     let random = &mut Random(62);
     const RAYS: usize = 10_000;
     let mesh = ball_file(3, DVec3::ONE);
@@ -66,9 +68,8 @@ pub fn cells() -> Vec<Cell> {
              (geometry/instance).",
         )
         .achieved(leave(size, distance, &[]));
-        let planted = [("geometry/offset", "test/control/offset_none")];
         all.push(match distance > 0.0 {
-            true => cell.planted(NO_OFFSET, leave(size, distance, &planted)),
+            true => cell.planted(NO_OFFSET, leave(size, distance, &[WITHOUT_OFFSET])),
             false => cell,
         });
     }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::common::kernel::{Kernel, Overlay};
+use crate::common::kernel::{Fault, Kernel, Overlay};
 use crate::common::render::{Request, diagnostics, render, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::{Random, mean_and_variance, sidak, uniform_in_cells};
@@ -15,12 +15,16 @@ use crate::table::{Cell, LOG_OF_ONE_MINUS};
 const NOISE: f64 = 4.9;
 
 /// Depths from pairs of random words.
-fn depths(replaced: &[(&str, &str)], words: &[[u32; 2]]) -> Vec<f32> {
+fn depths(replaced: &[Fault<'_>], words: &[[u32; 2]]) -> Vec<f32> {
     Kernel::replacing("test/free_flight", replaced).run(words)
 }
 
-/// By the logarithm of 1 - u, of the one word that u has.
-const ONE_WORD: &[(&str, &str)] = &[("medium/free_flight", "test/control/free_flight_24_bits")];
+/// By the logarithm of 1 - u, of the one word that u has: its 24 digits know no depths below 6e-8 nor beyond 16.6.
+const ONE_WORD: &[Fault<'_>] = &[(
+    "medium/free_flight",
+    "select(-log(complement), series, u < 0.01)",
+    "-log(f32(0x1000000u - word.x) * 0x1p-24f)",
+)];
 
 /// Two words whose upper 24 bits are w0 and w1; their lower 8 must not matter.
 fn words(random: &mut Random, w0: u32, w1: u32) -> [u32; 2] {
@@ -78,7 +82,7 @@ pub fn depths_of_words() -> Vec<Cell> {
 /// beyond the limit and is small: the lowest for small limits, the highest for large ones.
 pub fn shares() -> Vec<Cell> {
     const DRAWS: usize = 1 << 16;
-    let share = |replaced: &[(&str, &str)], limit: f64| {
+    let share = |replaced: &[Fault<'_>], limit: f64| {
         let mut random = Random(84);
         // The probability of what is counted: of depths below the limit, or of those above.
         let below = limit < 0.7;
@@ -117,7 +121,7 @@ pub fn shares() -> Vec<Cell> {
     })
     .collect();
     // No number lies beyond the last; all the light that should get farther is scattered.
-    let farthest = |replaced: &[(&str, &str)]| (-f64::from(depths(replaced, &[[u32::MAX; 2]])[0])).exp();
+    let farthest = |replaced: &[Fault<'_>]| (-f64::from(depths(replaced, &[[u32::MAX; 2]])[0])).exp();
     all.push(
         Cell::new(
             "τ = 33.3..1e8",
@@ -174,9 +178,8 @@ pub fn black_slabs() -> Vec<Cell> {
     [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e2, 1e4, 1e6, 1e8]
         .map(|depth: f64| {
             let k = (0.4 / depth).log2().clamp(0.0, 24.0).floor() as i32;
-            let lowest = Overlay::new(&[]).rewritten("step/flight", |text| {
-                text.replace("medium == 0u).xy", &format!("medium == 0u).xy >> vec2<u32>({k}u, 0u)"))
-            });
+            let lowest = format!("medium == 0u).xy >> vec2<u32>({k}u, 0u)");
+            let lowest = Overlay::new(&[("step/flight", "medium == 0u).xy", &lowest)]);
             let through = |text: &str| render_planted(&scene(text), &Request::spp(64), &lowest).mean_of_all().value[0];
             let expected = 1.0 + 2f64.powi(k) * (-depth).exp_m1();
             Cell::new(
@@ -280,7 +283,7 @@ impl Scattering {
     }
 }
 
-fn phase(replaced: &[(&str, &str)]) -> Kernel {
+fn phase(replaced: &[Fault<'_>]) -> Kernel {
     Kernel::replacing("test/phase", replaced)
 }
 
@@ -298,6 +301,12 @@ fn range(g: f64) -> String {
 }
 
 const TEXTBOOK: &str = "textbook's inverse";
+/// The cosine as in textbooks, which cancels for small g, and where light goes nearly straight on.
+const TEXTBOOK_PHASE: Fault<'_> = (
+    "medium/phase",
+    "select(vec2<f32>(one_minus_cos, one_plus_cos), vec2<f32>(one_plus_cos, one_minus_cos), g < 0.0)",
+    "1.0 + sign(g) * vec2<f32>(-1.0, 1.0) * (1.0 + h * h - (1.0 - h * h) * (1.0 - h * h) / (d * d)) / (2.0 * h)",
+);
 
 /// 1 - cos and 1 + cos by Henyey and Greenstein, for g >= 0, by the same factors in f64. That they are the inverse of the
 /// distribution function is what the chi-square test says.
@@ -321,7 +330,7 @@ pub fn cosines() -> Vec<Cell> {
         }));
         let rows: Vec<Scattering> = draws.into_iter().map(|u| Scattering::new(unit(&mut random), g, u)).collect();
         // The largest relative error of 1 - cos and 1 + cos, and that of the direction's cosine and length over its bound.
-        let worst = |replaced: &[(&str, &str)]| {
+        let worst = |replaced: &[Fault<'_>]| {
             let mut worst = [0.0f64; 2];
             for (row, out) in rows.iter().zip(phase(replaced).run::<_, Scattered>(&rows)) {
                 let mut expected = from_one(g.abs(), f64::from(row.u[0]));
@@ -343,7 +352,7 @@ pub fn cosines() -> Vec<Cell> {
             }
             worst
         };
-        let (own, textbook) = (worst(&[]), worst(&[("medium/phase", "test/control/phase_textbook")]));
+        let (own, textbook) = (worst(&[]), worst(&[TEXTBOOK_PHASE]));
         let cell = Cell::new(
             range(g),
             "Largest relative error of 1 - cos and 1 + cos",
@@ -433,7 +442,11 @@ rows! {
 /// The density that light sampling weighs with: against f64, and its integral over the sphere.
 pub fn densities() -> Vec<Cell> {
     const STEPS: usize = 4096;
-    const PLANTED: (&str, &str) = ("medium/phase_pdf", "test/control/phase_pdf_textbook");
+    const PLANTED: Fault<'_> = (
+        "medium/phase_pdf",
+        "one_minus_g * one_minus_g + h * dot(apart, apart)",
+        "1.0 + g * g - 2.0 * g * dot(incoming, direction)",
+    );
     let mut random = Random(88);
     let mut all = Vec::new();
     let density = |g: f64, less: f64| {
@@ -457,7 +470,7 @@ pub fn densities() -> Vec<Cell> {
             .collect();
         let given: Vec<Pair> = rows.iter().map(|row| row.0).collect();
         // The largest relative error for the very directions given, and that of the integral.
-        let judge = |replaced: &[(&str, &str)]| {
+        let judge = |replaced: &[Fault<'_>]| {
             let found: Vec<f32> = Kernel::replacing("test/phase_pdf", replaced).run(&given);
             let (mut worst, mut sum) = (0.0f64, 0.0);
             for ((row, exactly), pdf) in rows.iter().zip(&found) {

@@ -7,7 +7,7 @@ use crate::common::kernel::Kernel;
 use crate::common::quads::{assorted, quad_text, rays_at};
 use crate::common::scenes::flat;
 use crate::common::stats::Random;
-use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
+use crate::common::trace::{In, NO_HIT, WITHOUT_OFFSET, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, NO_OFFSET, decade};
 
@@ -193,8 +193,7 @@ const BECAUSE: &str = "none, because the offset exceeds the bound of the errors 
 
 /// The kernel, and one without the offset.
 fn tracers() -> [Kernel; 2] {
-    let without: &[_] = &[("geometry/offset", "test/control/offset_none")];
-    [&[], without].map(|replaced| tracer("quad", replaced))
+    [&[][..], &[WITHOUT_OFFSET]].map(|replaced| tracer("quad", replaced))
 }
 
 /// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer

@@ -6,7 +6,7 @@ use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::{read_exr, write_exr};
 
 use crate::common::device;
-use crate::common::kernel::{Kernel, Overlay};
+use crate::common::kernel::{Fault, Kernel, Overlay};
 use crate::common::render::{Request, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
@@ -18,9 +18,24 @@ const HEIGHT: u32 = 8;
 const SAMPLES: u32 = 32;
 const COLOUR: [f32; 3] = [0.25, 0.5, 0.75];
 /// Makes 2 of 8 samples NaN and 1 infinite, in the right half of the image.
-const PLANTED: [(&str, &str); 2] =
-    [("camera/pinhole", "test/control/camera_marked"), ("background/solid", "test/control/background_broken")];
-const COMPARED: (&str, &str) = ("lib/float", "test/control/float_compared");
+const PLANTED: [Fault<'_>; 2] = [
+    // A quarter of the rays there have a direction of length 2, and an eighth one of length 4.
+    (
+        "camera/pinhole",
+        "camera_direction(film",
+        "select(1.0, select(select(1.0, 4.0, u.x >= 0.875), 2.0, u.x < 0.25), 2u * column >= settings.image_width) \
+         * camera_direction(film",
+    ),
+    // The square root of a negative number for those of length 2, and an overflow for those of length 4.
+    (
+        "background/solid",
+        "return settings.background_bottom",
+        "let size = length(direction);
+        return settings.background_bottom * select(select(1.0, sqrt(1.5 - size), size > 1.5), 3e38 * size, size > 3.0)",
+    ),
+];
+/// A compiler may assume that a NaN is equal to itself.
+const COMPARED: Fault<'_> = ("lib/float", "(bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u", "x != x");
 
 /// Whether `x != x` misses a NaN on this device.
 pub fn folds() -> bool {
@@ -29,7 +44,7 @@ pub fn folds() -> bool {
 
 /// A sky of one colour, of which three of eight samples in the right half are no numbers. A sphere behind the camera uses all
 /// kernels that a bounce has.
-fn broken_sky(scatter: Scatter, more: &[(&str, &str)]) -> Film {
+fn broken_sky(scatter: Scatter, more: &[Fault<'_>]) -> Film {
     let text = format!(
         "Scene(image: (width: {WIDTH}, height: {HEIGHT}),
          camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40), background: Solid({:?}),

@@ -3,17 +3,16 @@
 use glam::DVec3;
 use gpu_rt::data;
 
-use crate::common::kernel::{Overlay, Setup};
+use crate::common::kernel::{Fault, Overlay, Setup};
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel, kernel_with, pane,
-    uniforms, visible,
+    ABSORBED, BY_PAPERS, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel,
+    kernel_with, pane, uniforms, visible,
 };
 use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact};
 use crate::table::Cell;
 
-const TEXTBOOK: (&str, &str) = ("lib/microfacet", "test/control/microfacet_textbook");
 const COSINE: &str = "density by 1 - cos²";
 /// The ends of the range of indices of panes, and between.
 const INDICES: [f64; 4] = [1.0, 1.0001, 1.5, 1e3];
@@ -31,7 +30,7 @@ fn rows(roughness: f64) -> Vec<In> {
 }
 
 /// The largest relative error of the density of an answer, of those whose half vector is longer than 0.1.
-fn density_error(roughness: f64, replaced: &[(&str, &str)]) -> f64 {
+fn density_error(roughness: f64, replaced: &[Fault<'_>]) -> f64 {
     let rows = rows(roughness);
     let alpha = f64::from(roughness as f32).powi(2);
     rows.iter().zip(kernel_with("conductor", &[], &Setup { replaced, ..Setup::default() }).run::<_, Out>(&rows)).fold(
@@ -94,7 +93,7 @@ fn in_a_furnace(material: &str, cos: f64, planted: bool) -> f64 {
     ));
     let request = Request::spp(512).mis();
     let shot = match planted {
-        true => render_planted(&scene, &request, &Overlay::new(&[TEXTBOOK])),
+        true => render_planted(&scene, &request, &Overlay::new(&BY_PAPERS)),
         false => render(&scene, &request),
     };
     shot.mean_of_all().value[0]
@@ -117,7 +116,7 @@ pub fn cells() -> Vec<Cell> {
             )
             .achieved(density_error(roughness, &[]));
             let known = roughness < 0.02;
-            all.push(if known { cell.planted(COSINE, density_error(roughness, &[TEXTBOOK])) } else { cell });
+            all.push(if known { cell.planted(COSINE, density_error(roughness, &BY_PAPERS)) } else { cell });
         }
         let grazing = |what: &str, wrong: f64| {
             Cell::new(

@@ -7,9 +7,9 @@ use gpu_rt::data::Sphere;
 
 use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
-use crate::common::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
+use crate::common::trace::{In, NO_HIT, SPHERE_BY_THE_BOOK, WITHOUT_OFFSET, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact, quantile, rounded, unit};
-use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, TEXTBOOK_SPHERE, decade};
+use crate::table::{BY_BITS, Cell, FIXED_OFFSET, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, TEXTBOOK_SPHERE, decade};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
 struct Roots {
@@ -108,7 +108,7 @@ fn compare(kernel: &Kernel, distance: f64, of_l: f64, spheres: &[Sphere], rays: 
 pub fn distances() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
     // The textbook's discriminant has an error of u D^2: 3 % of the decisions are wrong at 1e3 radii, a third beyond.
-    let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
+    let textbook = tracer("sphere", &SPHERE_BY_THE_BOOK);
     let mut all = Vec::new();
     // At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the camera's own axes.
     for distance in [0.0, 0.5, 0.99, 1.000_01, 1.001, 1.5, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6] {
@@ -187,8 +187,10 @@ const AXIS_ERROR: f64 = 4.0 * 6.0 * U;
 
 pub fn on_the_axis() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
-    let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
-    let by_distance = tracer_with_surface("sphere", "sphere_surface_by_t", "test/control/sphere_by_t", &[]);
+    let textbook = tracer("sphere", &SPHERE_BY_THE_BOOK);
+    // Off by the rounding of a distance of many radii.
+    let by_t = "normalize(ray.origin + t * ray.direction - sphere.center)";
+    let by_distance = tracer("sphere", &[("geometry/sphere", "sphere_normal(ray, t, sphere)", by_t)]);
     let mut all = Vec::new();
     for exponent in 1..=8 {
         let distance = 10f64.powi(exponent);
@@ -272,7 +274,7 @@ fn sphere_surface_is_on_the_sphere_and_its_normal_is_unit() {
 
 /// The sphere whose points are not put back onto it.
 fn unprojected() -> Kernel {
-    tracer_with_surface("sphere", "unprojected_surface", "test/control/sphere_unprojected", &[])
+    tracer("sphere", &[("geometry/sphere", "sphere.center + sphere.radius * normal", "ray.origin + t * ray.direction")])
 }
 
 /// How many of the rays that left spheres went wrong.
@@ -330,8 +332,8 @@ pub fn leavings() -> Vec<Cell> {
         "none, because the offset exceeds the bound of the point's error, and is below a tenth of the shortest chord.";
     let wrong = |found: Leaving| f64::from(found.again + found.chords);
     let own = tracer("sphere", &[]);
-    let fixed = tracer("sphere", &[("geometry/offset", "test/control/offset_fixed")]);
-    let by_bits = tracer("sphere", &[("geometry/offset", "test/control/offset_by_bits")]);
+    let fixed = tracer("sphere", &FIXED_OFFSET);
+    let by_bits = tracer("sphere", &[BY_BITS]);
     let unprojected = unprojected();
     let mut all = Vec::new();
     for exponent in -6..=6 {
@@ -398,7 +400,7 @@ fn graze(kernel: &Kernel, ratio: f64, cosines: (f64, f64)) -> f64 {
 
 pub fn grazing() -> Vec<Cell> {
     let own = tracer("sphere", &[]);
-    let without = tracer("sphere", &[("geometry/offset", "test/control/offset_none")]);
+    let without = tracer("sphere", &[WITHOUT_OFFSET]);
     let mut all = Vec::new();
     for ratio in [0.0, 1.0, 100.0] {
         for exponent in 0..7 {

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use crate::ROWS;
+use crate::common::kernel::Plant;
+use crate::common::trace::WITHOUT_OFFSET;
 
 pub const TEXTBOOK_SPHERE: &str = "textbook's sphere";
 pub const FIXED_T_MIN: &str = "fixed t_min";
@@ -17,6 +19,18 @@ pub const FRISVAD: &str = "Frisvad's basis";
 pub const ONE_MINUS_COS: &str = "cone by 1 - cos";
 pub const LOG_OF_ONE_MINUS: &str = "free flight by log(1 - u)";
 pub const COMPARED_NAN: &str = "NaN test by x != x";
+
+/// Rays that start at a fixed distance, as where every ray starts at t = 0.001.
+pub const FIXED_OFFSET: [Plant; 2] = [WITHOUT_OFFSET, ("geometry/offset", "error * outward", "0.001 * direction")];
+/// 256 ulps along the normal (Wächter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, ch. 6), which does
+/// not know how small the primitive is.
+pub const BY_BITS: Plant = (
+    "geometry/offset",
+    "let moved = point + error * outward;",
+    "let steps = vec3<i32>(256.0 * outward);
+    let far = bitcast<vec3<f32>>(bitcast<vec3<i32>>(point) + select(steps, -steps, point < vec3<f32>(0.0)));
+    let moved = select(far, point + outward / 65536.0, abs(point) < vec3<f32>(1.0 / 32.0));",
+);
 
 /// The worst forms known. Each must be planted in a cell and found there.
 pub const FORMS: &[&str] = &[

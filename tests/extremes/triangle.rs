@@ -2,7 +2,7 @@
 
 use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
-use crate::common::trace::NO_HIT;
+use crate::common::trace::{NO_HIT, WITHOUT_OFFSET};
 use crate::common::triangles::{Corners, In, stout, trace, tracer};
 use crate::common::vectors::{decades, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, decade};
@@ -50,7 +50,7 @@ fn cells(figure: &'static str, ranges: impl Iterator<Item = (String, f64, (f64, 
     const BECAUSE: &str = "none, because the offset exceeds the bound of the errors of the point and of the next distance \
                            (geometry/sheared_triangle).";
     let own = tracer(&[]);
-    let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
+    let without = tracer(&[WITHOUT_OFFSET]);
     let cell = |(range, far, cosines)| {
         Cell::new(range, figure, 0.0, BECAUSE)
             .achieved(leave(&own, far, cosines))

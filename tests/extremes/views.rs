@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::common::kernel::Overlay;
+use crate::common::kernel::{Fault, MODULE, Overlay};
 use crate::common::render::{Request, render, render_planted, scene};
 use crate::common::scenes::triple;
+use crate::common::trace::SPHERE_BY_THE_BOOK;
 use crate::common::vectors::U;
 use crate::positions::chance_limit;
 use crate::table::{Cell, TEXTBOOK_SPHERE};
@@ -75,7 +76,7 @@ fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
 
 /// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on
 /// its edge. What is rendered has a view so many times as wide, and kernels with replaced modules.
-fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, replaced: &[(&str, &str)]) -> f64 {
+fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, replaced: &[Fault<'_>]) -> f64 {
     let camera = Oblique::new();
     let beside = DVec3::new(0.13 * radius, -0.07 * radius, -distance);
     let rendered_fov = 2.0 * (wider * (0.5 * vertical_fov).to_radians().tan()).atan().to_degrees();
@@ -125,7 +126,6 @@ pub fn fields_of_view() -> Vec<Cell> {
 
 /// Far spheres through telescopes: their edges, and their normals by how bright a sky makes them.
 pub fn telescopes() -> Vec<Cell> {
-    const TEXTBOOK: &[(&str, &str)] = &[("geometry/sphere", "test/control/sphere_textbook")];
     let mut all = Vec::new();
     for exponent in 1..=7 {
         let distance = 10f64.powi(exponent);
@@ -135,7 +135,7 @@ pub fn telescopes() -> Vec<Cell> {
             .achieved(edge_error(distance, 1.0, fov))
             .planted(WIDER_NAME, edge_error_of(distance, 1.0, fov, WIDER, &[]));
         all.push(match exponent >= 4 {
-            true => cell.planted(TEXTBOOK_SPHERE, edge_error_of(distance, 1.0, fov, 1.0, TEXTBOOK)),
+            true => cell.planted(TEXTBOOK_SPHERE, edge_error_of(distance, 1.0, fov, 1.0, &SPHERE_BY_THE_BOOK)),
             false => cell,
         });
         all.push(
@@ -193,10 +193,10 @@ fn lenses(lenses: &[(String, Lens, Option<Lens>)]) -> Vec<Cell> {
     const FIGURE: &str = "Root mean square error of the pixels in an image of a half plane at distance 5 through a lens, with an \
                           image as wide as the blur";
     const BECAUSE: &str = "1/32, times 1.35 for chance, as for edge pixels.";
-    const NO_LENS: &[(&str, &str)] = &[("camera/thin_lens", "camera/pinhole")];
+    const NO_LENS: &[Fault<'_>] = &[("camera/thin_lens", MODULE, "camera/pinhole")];
     let reach_of = |aperture: f64, focus: f64| 0.5 * aperture * (1.0 - 5.0 / focus);
     // The error of what is rendered with one lens against what another one shows.
-    let error = |(aperture, focus): (f64, f64), rendered: (f64, f64), replaced: &[(&str, &str)]| {
+    let error = |(aperture, focus): (f64, f64), rendered: (f64, f64), replaced: &[Fault<'_>]| {
         let reach: f64 = reach_of(aperture, focus);
         let half = match reach {
             0.0 => 5.0 * 20f64.to_radians().tan(),

@@ -81,7 +81,10 @@ fn is_expected(shot: &Shot, expected: f64, off: f64) -> bool {
 
 #[test]
 fn a_floor_is_lit_as_the_definitions_say() {
-    let linear = Overlay::new(&[("light/delta", "test/control/light_delta_linear")]);
+    let linear = Overlay::new(&[
+        ("light/delta", "inverseSqrt(distance2), distance2)", "inverseSqrt(distance2), sqrt(distance2))"),
+        ("light/delta", "(share * share)", "share"),
+    ]);
     let mut planted = 0;
     for (light, irradiance, off) in lights() {
         let expected = 0.5 / PI * irradiance;

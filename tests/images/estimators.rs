@@ -358,7 +358,7 @@ fn a_smooth_octahedron_beside_a_lamp_has_its_closed_form() {
 /// what became of dark paths. That step is the same whatever a path has met: here are walls, glass, smoke and a sky. Planted are survivors that are worth no more than before, which loses 0.3 to 1.7 % of the light, and 1 % less light.
 #[test]
 fn roulette_changes_no_expectation() {
-    let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);
+    let unweighted = Overlay::new(&[("step/roulette", "throughput / q", "throughput")]);
     let some = ["a room", "glass", "smoke", "a sky"];
     for (name, scene) in scenes_of(DARK, Some(24)).into_iter().filter(|(name, _)| some.contains(name)) {
         let request = Request::spp(512).seed(5).mis();

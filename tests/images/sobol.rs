@@ -122,7 +122,8 @@ fn bounds_hold_where_few_pixels_hold_the_noise() {
     let marble = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/marble.ron");
     let marble = Scene::load(&marble).expect("it ships");
     let request = |(width, height)| Request::default().mis().sobol().size(width, height).roulette();
-    let by_halves = Overlay::new(&[("lib/squared_deviation", "test/control/no_squared_deviation")]);
+    let by_halves =
+        Overlay::new(&[("lib/squared_deviation", "deviation * (deviation * (n / (n + 1.0)))", "vec3<f32>(0.0)")]);
     for (name, scene, size) in [("bulb", scene(BULB), (16, 16)), ("marble", marble, (32, 18))] {
         let replicates = |change: &Change<'_>| Replicates::new(&scene, &request(size), change, 80, &[16, 64]);
         let found = replicates(&Change::default());

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::common::kernel::Kernel;
+use crate::common::kernel::{Fault, Kernel};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades};
@@ -43,7 +43,7 @@ fn angles_sines_and_cosines_are_those_of_f64() {
         let at = i as f32 / 16.0;
         rows.extend([at, at.next_up(), at.next_down()].map(|turns| In { turns, point: [1.0, 0.0], ..In::default() }));
     }
-    let worst = |replaced: &[(&str, &str)]| {
+    let worst = |replaced: &[Fault<'_>]| {
         let found = Kernel::replacing("test/angle", replaced).run::<_, Out>(&rows);
         rows.iter().zip(found).fold([0.0f64; 4], |worst, (row, out)| {
             let turns = f64::from(row.turns);
@@ -67,7 +67,16 @@ fn angles_sines_and_cosines_are_those_of_f64() {
             std::array::from_fn(|i| if errors[i].is_nan() { f64::MAX } else { worst[i].max(errors[i]) })
         })
     };
-    let (own, textbook) = (worst(&[]), worst(&[("lib/angle", "test/control/angle_textbook")]));
+    // The driver's functions, of angles of several turns, and differences from 1 and of angles.
+    let by_driver = [
+        ("select(acute, 3.14159265358979 - acute, x < 0.0)", "acos(x / length(vec2<f32>(x, y)))"),
+        (
+            "select(within_half, -within_half, (quarter & 2) != 0)",
+            "vec2<f32>(cos(6.28318531 * turns), sin(6.28318531 * turns))",
+        ),
+        ("2.0 * half.y * half", "vec2<f32>(sin(angle), 1.0 - cos(angle))"),
+    ];
+    let (own, textbook) = (worst(&[]), worst(&by_driver.map(|(part, other)| ("lib/angle", part, other))));
     for (name, i, limit) in [("circle", 0, POINT), ("sine", 1, SINE), ("rise", 2, RISE), ("angle", 3, ANGLE)] {
         assert!(own[i] <= limit, "{name}: {:.2} u of {:.2} u", own[i] / U, limit / U);
     }

@@ -6,12 +6,12 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use glam::DVec3;
 
 use crate::anisotropy::{ANISOTROPY, FACETS, along, glass_row, metal_row, pbr_row, stretched_rows};
-use crate::common::kernel::{Kernel, Plant, Setup};
+use crate::common::kernel::{Kernel, MODULE, Plant, Setup};
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Lobes, NO_LAYER, SCATTERED, SPECULAR, answers, arriving, axes, conductor, directional_albedo,
-    frosted, kernel, kernel_with, pane, view_and_normal, within,
+    ABSORBED, BY_PAPERS, Facets, In, Lobes, NO_LAYER, SCATTERED, SPECULAR, answers, arriving, axes, conductor,
+    directional_albedo, frosted, kernel, kernel_with, pane, view_and_normal, within,
 };
-use crate::common::oracles::fresnel;
+use crate::common::oracles::{INCIDENT_SCHLICK, fresnel};
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, exact, rounded};
 use crate::pbr::{self, RINGS, SECTORS, cell, formula, hemisphere, share_of_facets};
@@ -71,16 +71,14 @@ fn faults(kernel: &Kernel, rows: &[In], bsdf: Bsdfs) -> [usize; 4] {
     found
 }
 
-/// A planted error: a module that replaces another, an expression, or another formula in f64.
+/// A planted error: another text, an expression, or another formula in f64.
 #[derive(Debug)]
 pub enum Wrong {
-    Module(&'static str, &'static str),
+    Text(&'static [Plant]),
     Expression(Plant),
-    /// Any part of a module's text.
-    Part(Plant),
     Formula(Bsdfs),
 }
-use Wrong::{Expression, Formula, Module, Part};
+use Wrong::{Expression, Formula, Text};
 
 /// A material, its rows, the formula, and the errors planted. At least so many rows find each: by own answers, by those towards lights, by weights,
 /// and more than 100 in all.
@@ -93,7 +91,7 @@ pub struct Material {
     pub rows: Rows,
     pub bsdf: Bsdfs,
     /// A module of another option, and what stands in for it.
-    pub replaced: &'static [(&'static str, &'static str)],
+    pub replaced: &'static [Plant],
     /// How many of 20,000 rows of either kind are compared at least.
     pub compared: usize,
     pub planted: &'static [(Wrong, [usize; 3])],
@@ -125,14 +123,11 @@ pub fn respond_by_their_formulas(materials: &[Material]) {
         for (wrong, least) in *planted {
             let kernel_of = |setup: &Setup<'_>| kernel_with(shader, with, setup);
             let found = match *wrong {
-                Module(module, other) => {
-                    faults(&kernel_of(&Setup { replaced: &[(module, other)], ..Setup::default() }), &all, *bsdf)
-                }
+                Text(replaced) => faults(&kernel_of(&Setup { replaced, ..Setup::default() }), &all, *bsdf),
                 Expression(plant) => {
                     let number = plants.iter().position(|known| *known == plant).expect("it is in the kernel");
                     faults(&with_plants.planted(number), &all, *bsdf)
                 }
-                Part(plant) => faults(&kernel_of(&Setup { rewritten: Some(plant), ..Setup::default() }), &all, *bsdf),
                 Formula(other) => faults(&own, &all, other),
             };
             let found = &found[..3];
@@ -142,9 +137,13 @@ pub fn respond_by_their_formulas(materials: &[Material]) {
     }
 }
 
-const TEXTBOOK: Wrong = Module("lib/microfacet", "test/control/microfacet_textbook");
-const BRIGHTER: Wrong = Module("lib/fresnel_conductor", "test/control/fresnel_conductor_brighter");
-const SCHLICK: (&str, &str) = ("lib/fresnel", "lib/fresnel_schlick");
+const TEXTBOOK: Wrong = Text(&BY_PAPERS);
+/// By 1 %.
+const BRIGHTER: Wrong = Text(&[
+    ("lib/fresnel_conductor", "schlick_up_to(cosine, albedo, 1.0)", "1.01 * schlick_up_to(cosine, albedo, 1.0)"),
+    ("lib/fresnel_conductor", "return fresnel_of_index(", "return 1.01 * fresnel_of_index("),
+]);
+const SCHLICK: Plant = ("lib/fresnel", MODULE, "lib/fresnel_schlick");
 const STRETCHED: &[(Wrong, [usize; 3])] = &[
     (
         Expression((
@@ -185,7 +184,7 @@ fn materials_respond_by_their_formulas() {
         },
         Material {
             seed: 183,
-            planted: &[(TEXTBOOK, [100; 3]), (Module("lib/fresnel", "test/control/fresnel_schlick"), [1000, 1000, 0])],
+            planted: &[(TEXTBOOK, [100; 3]), (Text(&INCIDENT_SCHLICK), [1000, 1000, 0])],
             ..material("rough glass", "rough_dielectric", rough::glass_rows, rough::boundary)
         },
         Material {

@@ -5,7 +5,7 @@ use gpu_rt::data::DeltaLight;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::RenderOptions;
 
-use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::kernel::{Fault, Kernel, Setup, array};
 use crate::common::render::scene;
 use crate::common::rows::rows;
 use crate::common::scenes::triple;
@@ -69,7 +69,7 @@ fn on_device(spots: &[Spot], direction: DVec3) -> Vec<DeltaLight> {
 }
 
 /// The most that an answer is off by, over its bound: the direction, the squared distance, and the intensity.
-fn worst(replaced: &[(&str, &str)]) -> [f64; 3] {
+fn worst(replaced: &[Fault<'_>]) -> [f64; 3] {
     let mut random = Random(911);
     let spots = spots(&mut random);
     let sun = DVec3::new(1.0, -2.0, 0.5).normalize();
@@ -121,7 +121,10 @@ fn worst(replaced: &[(&str, &str)]) -> [f64; 3] {
 fn lights_without_size_send_what_their_definition_says() {
     let found = worst(&[]);
     assert!(found.iter().all(|worst| *worst < 1.0), "{found:?}");
-    let planted = worst(&[("light/delta", "test/control/light_delta_linear")]);
+    let planted = worst(&[
+        ("light/delta", "inverseSqrt(distance2), distance2)", "inverseSqrt(distance2), sqrt(distance2))"),
+        ("light/delta", "(share * share)", "share"),
+    ]);
     assert!(planted[2] > 1e3, "a falloff without its square is not found: {planted:?}");
     assert!(planted[1] > 1e3, "a distance without its square is not found: {planted:?}");
 }

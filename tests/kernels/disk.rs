@@ -8,7 +8,7 @@ use gpu_rt::data::Quad;
 use crate::common::light_kernel::{self, CELLS, DISK, DISK_PART, DRAWS, Out as Drawn, PartCell, at_ends, draws};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::{Random, one_sample_t, sidak, uniform_in_cells};
-use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
+use crate::common::trace::{In, NO_HIT, WITHOUT_OFFSET, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
 const ALPHA: f64 = 1e-6;
@@ -113,7 +113,7 @@ fn rays_hit_disks_where_f64_says() {
     let found = trace(&tracer("disk", &[]), &disks, &rays);
     assert!(found.iter().filter(|out| out.t != NO_HIT).count() > 80_000);
     assert!(found.iter().all(|out| out.again == NO_HIT));
-    let without = tracer("disk", &[("geometry/offset", "test/control/offset_none")]);
+    let without = tracer("disk", &[WITHOUT_OFFSET]);
     assert!(trace(&without, &disks, &rays).iter().filter(|out| out.t != NO_HIT && out.again != NO_HIT).count() > 1000);
     // A radius that is off by 1 %, and a square instead of the disk.
     let larger: Vec<Quad> = disks.iter().map(|d| Quad { a_axis: d.a_axis.map(|x| 0.98 * x), ..*d }).collect();

@@ -8,7 +8,7 @@ use gpu_rt::data::{LargeSphere, Sphere};
 
 use crate::common::light_kernel::{self, DRAWS, LARGE_SPHERE, at_ends};
 use crate::common::stats::{Random, sidak, uniform_in_cells};
-use crate::common::trace::{In, NO_HIT, Out, leaving, trace, tracer};
+use crate::common::trace::{In, NO_HIT, Out, WITHOUT_OFFSET, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
 /// A large sphere in f64, as the device has it.
@@ -189,7 +189,7 @@ fn a_large_sphere_of_any_radius_is_hit_where_it_is() {
         }
     }
     assert_eq!(faults(&large_spheres, &rays, &found), [0, 0, 0]);
-    let without = tracer("large_sphere", &[("geometry/offset", "test/control/offset_none")]);
+    let without = tracer("large_sphere", &[WITHOUT_OFFSET]);
     let found = trace(&without, &large_spheres, &rays);
     assert!(faults(&large_spheres, &rays, &found)[2] > RAYS / 10, "rays without an offset");
     // By centres and radii in f32.

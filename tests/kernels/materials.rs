@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use gpu_rt::data::{ABSORBED, EMITTED, Material, SCATTERED};
 
-use crate::common::kernel::{Kernel, Setup};
-use crate::common::oracles::{fresnel, metal_density};
+use crate::common::kernel::{Fault, Kernel, Setup};
+use crate::common::oracles::{INCIDENT_SCHLICK, fresnel, metal_density};
 use crate::common::rows::{Answer as Out, SurfaceHit as In, glass};
 use crate::common::stats::{Random, bin, chi_square, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -15,7 +15,7 @@ use crate::common::vectors::{U, decades, exact, rounded, unit};
 const ALPHA: f64 = 1e-6;
 
 /// Answers each row for its own uniforms, or many times for independent ones.
-fn kernel(material: &str, replaced: &[(&str, &str)]) -> Kernel {
+fn kernel(material: &str, replaced: &[Fault<'_>]) -> Kernel {
     Kernel::with("test/scatter", &Setup { replaced, values: &[("material", material)], ..Setup::default() })
 }
 
@@ -227,7 +227,7 @@ fn dielectric_faults(kernel: &Kernel, rows: &[(f64, In)]) -> (usize, usize) {
 fn dielectric_reflects_by_fresnel_and_refracts_by_snell() {
     let mut random = Random(75);
     let own = kernel("dielectric", &[]);
-    let schlick = kernel("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")]);
+    let schlick = kernel("dielectric", &INCIDENT_SCHLICK);
     for ior in [1.5, 1.0 / 1.5, 2.4, 1.1, 1.000_001] {
         let rows = dielectric_rows(&mut random, ior, 20_000, 1.0 - U as f32);
         assert_eq!(dielectric_faults(&own, &rows), (0, 0), "ior {ior}");
@@ -252,7 +252,7 @@ fn a_dielectric_of_index_one_changes_nothing() {
         rows.iter().zip(found).filter(|(row, out)| row.incoming != out.direction || out.weight != [1.0; 3]).count()
     };
     assert_eq!(changed(&kernel("dielectric", &[])), 0);
-    assert!(changed(&kernel("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")])) > 9000);
+    assert!(changed(&kernel("dielectric", &INCIDENT_SCHLICK)) > 9000);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use crate::bsdf::Wrong::{Expression, Part};
+use crate::bsdf::Wrong::{Expression, Text};
 use crate::bsdf::{Bsdf, Material, Rows, Wrong, material, respond_by_their_formulas};
 use crate::common::microfacets::{
     ABSORBED, In, Lobes, SPECULAR, albedo_table, answers, density, kernel, masking, schlick, shadowing,
@@ -593,7 +593,7 @@ const LAYERS: [Material; 7] = [
         615,
         full_rows,
         &[
-            (Part(("lobe/layers", "//@ each inner_layer\n    response", "//@ each layer\n    response")), [0; 3]),
+            (Text(&[("lobe/layers", "//@ each inner_layer\n    response", "//@ each layer\n    response")]), [0; 3]),
             plant("lobe/layers", "under_${name} = {{under}};", "base"),
         ],
     ),

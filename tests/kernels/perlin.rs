@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::common::kernel::Kernel;
-use crate::common::oracles::NOISE_ERROR;
+use crate::common::oracles::{LINEAR_NOISE, NOISE_ERROR};
 use crate::common::stats::{Random, one_sample_t};
 use crate::common::vectors::rounded;
 
@@ -14,10 +14,6 @@ fn evaluate(kernel: &Kernel, points: &[DVec3]) -> Vec<[f32; 2]> {
 
 fn noise(kernel: &Kernel, points: &[DVec3]) -> Vec<f64> {
     evaluate(kernel, points).iter().map(|out| f64::from(out[0])).collect()
-}
-
-fn linear() -> Kernel {
-    Kernel::replacing("test/perlin", &[("lib/perlin", "test/control/perlin_linear")])
 }
 
 /// Points that f32 holds exactly, multiples of 2^-10 within so many units: so that their sums with whole numbers are exact.
@@ -76,6 +72,6 @@ fn noise_and_its_slope_are_continuous_across_cells() {
     // Second derivatives are below 60 (6 from the fade's, times the same), over the three steps between the slopes'
     // middles; and four errors of the noise over a step.
     assert!(kink <= 3.0 * STEP * 60.0 + 4.0 * NOISE_ERROR / STEP, "{kink}");
-    let [jump, kink] = worst(&linear());
+    let [jump, kink] = worst(&Kernel::replacing("test/perlin", &LINEAR_NOISE));
     assert!(jump > 0.1 && kink > 1.0, "{jump} {kink}");
 }

@@ -1,5 +1,4 @@
 //@ use geometry/${primitive}
-//@ use ${surface_module}
 //@ use geometry/offset
 // A ray against one primitive, the hit record where it meets it, and a second ray that leaves from there.
 struct In {
@@ -36,7 +35,7 @@ fn run(row: u32) {
     out.t = ${primitive}_distance(ray, primitive);
     out.again = NO_HIT;
     if out.t != NO_HIT {
-        let surface = ${surface}(ray, out.t, primitive);
+        let surface = ${primitive}_surface(ray, out.t, primitive);
         var leaving = ray.direction;
         if any(given.leaving != vec3<f32>(0.0)) {
             leaving = normalize(from_basis(basis_around(surface.normal), given.leaving));
