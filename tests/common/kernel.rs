@@ -92,6 +92,14 @@ pub fn plan_of(features: &Features) -> Choices {
     choices_of(features, &RenderOptions::default(), &UniformTables::default())
 }
 
+/// An expression of `given`, a row of input, which tests/shaders/expression.wgsl evaluates: a module that it uses, the types of the row and of
+/// what it gives, and the expression.
+pub type Expression<'a> = [&'a str; 4];
+
+pub fn values_of(of: Expression<'_>) -> [(&'static str, &str); 4] {
+    [("module", of[0]), ("given", of[1]), ("gives", of[2]), ("expression", of[3])]
+}
+
 /// A test kernel, linked and validated.
 #[derive(Clone)]
 pub struct Kernel {
@@ -127,6 +135,11 @@ impl Kernel {
     /// The same with production modules changed.
     pub fn replacing(name: &'static str, replaced: &[Fault<'_>]) -> Kernel {
         Kernel::with(name, &Setup { replaced, ..Setup::default() })
+    }
+
+    /// The kernel of an expression, with production modules changed.
+    pub fn of(expression: Expression<'_>, replaced: &[Fault<'_>]) -> Kernel {
+        Kernel::with("test/expression", &Setup { replaced, values: &values_of(expression), ..Setup::default() })
     }
 
     /// Links `test/NAME`, whose `run(row)` is called once for every row of input.

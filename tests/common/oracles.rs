@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::kernel::{MODULE, Plant};
+use super::kernel::{Expression, MODULE, Plant};
 use super::vectors::U;
 
 /// Share of unpolarised light that a boundary reflects, and the transmitted cosine, for cos^2 of the transmitted ray times
@@ -61,6 +61,10 @@ pub fn pcg4d(key: [u32; 4]) -> [u32; 4] {
 
 /// How far the noise may be off in f32.
 pub const NOISE_ERROR: f64 = 20.0 * U;
+
+/// The noise at a point, and turbulence.
+pub const NOISE: Expression<'_> =
+    ["lib/perlin", "vec4<f32>", "vec2<f32>", "vec2<f32>(perlin(given.xyz), turbulence(given.xyz))"];
 
 /// No fade, so that the slope jumps at the lattice; truncated cells, wrong below zero; a period of 255; and one octave.
 pub const LINEAR_NOISE: [Plant; 5] = [

@@ -2,6 +2,8 @@
 
 use gpu_rt::data::Material;
 
+use super::kernel::Expression;
+
 /// Rows of a kernel's input or output, as WGSL lays them out: a line has 16 bytes. All fields are public.
 macro_rules! rows {
     ($($(#[$doc:meta])* $vis:vis struct $name:ident { $($(#[$of_field:meta])* $field:ident: $kind:ty),* $(,)? })*) => { $(
@@ -50,7 +52,7 @@ rows! {
         ball: [f32; 3], padding1: u32,
     }
 
-    /// What tests/shaders/rng.wgsl gives.
+    /// Random bits of a key, the uniforms of the key (pixel, sample, dimension, seed), and the key itself taken for random bits.
     pub struct Words {
         bits: [u32; 4],
         u: [f32; 4],
@@ -63,13 +65,12 @@ rows! {
         direction: [f32; 3], padding: u32,
     }
 
-    /// The input of tests/shaders/camera.wgsl: a pixel, and the points in it and on the lens.
+    /// A pixel, and the points in it and on the lens.
     pub struct OnFilm {
         column: u32, row: u32, padding: [u32; 2],
         u: [f32; 4],
     }
 
-    /// Its output.
     pub struct CameraRay {
         origin: [f32; 3], padding0: u32,
         direction: [f32; 3], padding1: u32,
@@ -82,6 +83,15 @@ rows! {
         point: [f32; 2], padding1: [u32; 2],
     }
 
-    /// What `test/filter` gives: a point of a pixel, and its weight.
+    /// A point of a pixel, and its weight.
     pub struct FilterPoint { point: [f32; 2], weight: f32, padding: u32 }
 }
+
+/// What gives [`Words`].
+pub const WORDS: Expression<'_> = [
+    "sampler/independent",
+    "vec4<u32>",
+    "array<vec4<u32>, 3>",
+    "array(pcg4d(given), bitcast<vec4<u32>>(random4(given.x, given.y, given.z, given.w)),
+        bitcast<vec4<u32>>(unit_interval(given)))",
+];

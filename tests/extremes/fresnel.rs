@@ -173,8 +173,16 @@ fn at_one(kernel: &Kernel) -> f64 {
 
 /// The table's cells of indices.
 pub fn cells() -> Vec<Cell> {
-    let own = Kernel::new("test/fresnel");
-    let control = |replaced| Kernel::replacing("test/fresnel", replaced);
+    // The cosine with the normal, as the shader computes it, the boundary there, and the refracted ray.
+    let cosine = "clamp(-dot(given[0].xyz, given[1].xyz), 0.0, 1.0)";
+    let boundary = format!("fresnel({cosine}, given[0].w, given[1].w)");
+    let ray = format!("refract_by(given[0].xyz, given[1].xyz, {cosine}, given[0].w, {boundary}.cos_transmitted)");
+    let answer = format!(
+        "array(vec4({ray}, {cosine}), vec4({boundary}.reflectance, {boundary}.cos_transmitted, vec2<f32>(0.0)))"
+    );
+    let control =
+        |replaced: &[_]| Kernel::of(["lib/fresnel", "array<vec4<f32>, 2>", "array<vec4<f32>, 2>", &answer], replaced);
+    let own = control(&[]);
     let textbook = control(&[
         ("lib/fresnel", "contrast + c * c;", "eta * eta * (1.0 - (1.0 - c * c) / (eta * eta));"),
         ("lib/fresnel", "contrast / ((c + g) * (c + g))", "(c - g) / (c + g)"),

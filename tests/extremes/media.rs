@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::common::kernel::{Fault, Kernel, Overlay};
+use crate::common::kernel::{Expression, Fault, Kernel, Overlay};
 use crate::common::render::{Request, diagnostics, render, render_planted, scene};
 use crate::common::rows::rows;
 use crate::common::stats::{Random, mean_and_variance, sidak, uniform_in_cells};
@@ -16,7 +16,7 @@ const NOISE: f64 = 4.9;
 
 /// Depths from pairs of random words.
 fn depths(replaced: &[Fault<'_>], words: &[[u32; 2]]) -> Vec<f32> {
-    Kernel::replacing("test/free_flight", replaced).run(words)
+    Kernel::of(["medium/free_flight", "vec2<u32>", "f32", "optical_depth(given)"], replaced).run(words)
 }
 
 /// By the logarithm of 1 - u, of the one word that u has: its 24 digits know no depths below 6e-8 nor beyond 16.6.
@@ -439,6 +439,9 @@ rows! {
     }
 }
 
+const PHASE_PDF: Expression<'_> =
+    ["medium/phase_pdf", "array<vec4<f32>, 2>", "f32", "phase_pdf(given[0].xyz, given[1].xyz, given[0].w, given[1].w)"];
+
 /// The density that light sampling weighs with: against f64, and its integral over the sphere.
 pub fn densities() -> Vec<Cell> {
     const STEPS: usize = 4096;
@@ -471,7 +474,7 @@ pub fn densities() -> Vec<Cell> {
         let given: Vec<Pair> = rows.iter().map(|row| row.0).collect();
         // The largest relative error for the very directions given, and that of the integral.
         let judge = |replaced: &[Fault<'_>]| {
-            let found: Vec<f32> = Kernel::replacing("test/phase_pdf", replaced).run(&given);
+            let found: Vec<f32> = Kernel::of(PHASE_PDF, replaced).run(&given);
             let (mut worst, mut sum) = (0.0f64, 0.0);
             for ((row, exactly), pdf) in rows.iter().zip(&found) {
                 let (a, b) = (exact(row.incoming).normalize(), exact(row.direction).normalize());

@@ -5,7 +5,7 @@ use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
 
 use crate::common::kernel::{Kernel, Setup, array, plan_of};
-use crate::common::oracles::{LINEAR_NOISE, NOISE_ERROR, perlin, turbulence};
+use crate::common::oracles::{LINEAR_NOISE, NOISE, NOISE_ERROR, perlin, turbulence};
 use crate::common::render::scene;
 use crate::common::rows::Aimed as In;
 use crate::common::stats::Random;
@@ -15,7 +15,7 @@ use crate::table::Cell;
 const PLANTED: &str = "truncated cells, no fade, a period of 255";
 
 fn kernels() -> [Kernel; 2] {
-    [&[][..], &LINEAR_NOISE].map(|replaced| Kernel::replacing("test/perlin", replaced))
+    [&[][..], &LINEAR_NOISE].map(|replaced| Kernel::of(NOISE, replaced))
 }
 
 fn evaluate(kernel: &Kernel, points: &[DVec3]) -> Vec<[f64; 2]> {

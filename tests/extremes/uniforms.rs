@@ -6,7 +6,7 @@ use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
 use crate::common::kernel::{Fault, Kernel, Overlay};
 use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
 use crate::common::render::{Change, Request, render_with, scene};
-use crate::common::rows::{Words, rows};
+use crate::common::rows::{WORDS, Words, rows};
 use crate::common::vectors::{U, exact};
 use crate::table::Cell;
 
@@ -42,7 +42,7 @@ fn words() -> Cell {
     }
     let keys: Vec<[u32; 4]> = words.iter().map(|&word| [word; 4]).collect();
     let out_of_range = |replaced: &[Fault<'_>]| {
-        let found = Kernel::replacing("test/rng", replaced).run::<_, Words>(&keys);
+        let found = Kernel::of(WORDS, replaced).run::<_, Words>(&keys);
         found.iter().flat_map(|out| out.direct).filter(|u| !(0.0..1.0).contains(u)).count() as f64
     };
     let rounded = ("lib/rng", "(bits >> vec4<u32>(8u)) * 0x1p-24f", "(bits) * 0x1p-32f");
@@ -194,7 +194,9 @@ rows! {
 }
 
 fn picks() -> Cell {
-    let kernel = Kernel::new("test/alias_pick");
+    let picked = "alias_pick(bitcast<f32>(given.x), given.y)";
+    let both = format!("vec2<u32>({picked}.index, bitcast<u32>({picked}.rest))");
+    let kernel = Kernel::of(["light/alias", "vec2<u32>", "vec2<u32>", &both], &[]);
     let wrong = |ends: [f32; 4]| {
         let counts = [1, 2, 3, 7, 4096, 100_003, (1 << 24) - 1, 1 << 24];
         let rows: Vec<Pick> = counts.iter().flat_map(|&count| ends.map(|u| Pick { u, count })).collect();

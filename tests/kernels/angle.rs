@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::common::kernel::{Fault, Kernel};
+use crate::common::kernel::{Expression, Fault, Kernel};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades};
@@ -15,6 +15,13 @@ rows! {
         angle: f32, padding: f32,
     }
 }
+
+const ANGLES: Expression<'_> = [
+    "lib/angle",
+    "vec4<f32>",
+    "array<vec2<f32>, 3>",
+    "array(circle_point(given.x), sine_and_rise(given.y), vec2(angle_of(given.w, given.z)))",
+];
 
 /// What is left of the turns is exact; times pi/2 it is off by 2 u, the polynomials by 2 u more.
 const POINT: f64 = 4.0 * U;
@@ -44,7 +51,7 @@ fn angles_sines_and_cosines_are_those_of_f64() {
         rows.extend([at, at.next_up(), at.next_down()].map(|turns| In { turns, point: [1.0, 0.0], ..In::default() }));
     }
     let worst = |replaced: &[Fault<'_>]| {
-        let found = Kernel::replacing("test/angle", replaced).run::<_, Out>(&rows);
+        let found = Kernel::of(ANGLES, replaced).run::<_, Out>(&rows);
         rows.iter().zip(found).fold([0.0f64; 4], |worst, (row, out)| {
             let turns = f64::from(row.turns);
             let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();

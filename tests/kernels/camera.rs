@@ -76,7 +76,9 @@ impl Camera {
 }
 
 fn kernel(lens: &str) -> Kernel {
-    Kernel::with("test/camera", &Setup { values: &[("camera", lens)], ..Setup::default() })
+    let ray = "camera_ray(given[0].x, given[0].y, bitcast<vec4<f32>>(given[1]))";
+    let both = format!("array(vec4({ray}.origin, 0.0), vec4({ray}.direction, 0.0))");
+    Kernel::of([&format!("camera/{lens}"), "array<vec4<u32>, 2>", "array<vec4<f32>, 2>", &both], &[])
 }
 
 /// Corners, middle and other points of the image; on the lens the centre, the edge and others.

@@ -1,11 +1,8 @@
 //! filter/*: the points and weights of samples against each filter's distribution function, in f64.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use gpu_rt::gpu::link::{Choices, Reason};
-
-use crate::common::kernel::{Kernel, Setup};
+use crate::common::kernel::Kernel;
 use crate::common::rows::FilterPoint as Out;
 
 const FILTERS: [&str; 4] = ["box", "tent", "gauss", "mitchell"];
@@ -20,9 +17,9 @@ fn numbers() -> Vec<f32> {
 }
 
 fn points(filter: &'static str) -> Vec<([f32; 2], Out)> {
-    let signed = (filter == "mitchell").then_some(Reason::EveryRender);
-    let plan = Choices { facts: BTreeMap::from([("signed".to_string(), signed)]), ..Choices::default() };
-    let kernel = Kernel::with("test/filter", &Setup { values: &[("filter", filter)], plan, ..Setup::default() });
+    let weight = if filter == "mitchell" { "filter_weight(given)" } else { "1.0" };
+    let point = format!("vec4(filter_point(given), {weight}, 0.0)");
+    let kernel = Kernel::of([&format!("filter/{filter}"), "vec2<f32>", "vec4<f32>", &point], &[]);
     let numbers = numbers();
     let rows: Vec<[f32; 2]> = numbers.iter().flat_map(|y| numbers.iter().map(move |x| [*x, *y])).collect();
     let found = kernel.run::<_, Out>(&rows);

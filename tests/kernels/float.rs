@@ -1,7 +1,16 @@
 //! lib/float: what the bits of a float say.
 
-use crate::common::kernel::Kernel;
+use crate::common::kernel::{Expression, Kernel};
 use crate::common::stats::Random;
+
+/// What the bits of a float say, and its neighbour towards another one.
+const FACTS: Expression<'_> = [
+    "lib/float",
+    "vec2<u32>",
+    "vec4<u32>",
+    "vec4<u32>(u32(is_nan(bitcast<f32>(given.x))), u32(is_infinite(bitcast<f32>(given.x))),
+        bitcast<u32>(next_float(bitcast<f32>(given.x), bitcast<f32>(given.y))), 0u)",
+];
 
 fn inputs() -> Vec<[u32; 2]> {
     let special = [
@@ -41,13 +50,13 @@ fn wrong(kernel: &Kernel) -> [usize; 3] {
 
 #[test]
 fn floats_are_distinguished_and_stepped_by_their_bits() {
-    assert_eq!(wrong(&Kernel::new("test/float")), [0; 3]);
+    assert_eq!(wrong(&Kernel::of(FACTS, &[])), [0; 3]);
     // A guard that takes infinities for NaN, and a neighbour by a relative step, which zero and rounding lead astray.
     let replaced = [
         ("(bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u", "(bitcast<u32>(x) & 0x7f800000u) == 0x7f800000u"),
         ("(bitcast<u32>(x) & 0x7fffffffu) == 0x7f800000u", "abs(x) > VERY_FAR"),
         ("bitcast<f32>(select(moved, bits, steady))", "x + sign(toward) * abs(x) * 0x1p-23f"),
     ];
-    let found = wrong(&Kernel::replacing("test/float", &replaced.map(|(part, other)| ("lib/float", part, other))));
+    let found = wrong(&Kernel::of(FACTS, &replaced.map(|(part, other)| ("lib/float", part, other))));
     assert!(found.iter().all(|&n| n > 0), "{found:?}");
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::common::kernel::Kernel;
-use crate::common::oracles::{LINEAR_NOISE, NOISE_ERROR};
+use crate::common::oracles::{LINEAR_NOISE, NOISE, NOISE_ERROR};
 use crate::common::stats::{Random, one_sample_t};
 use crate::common::vectors::rounded;
 
@@ -24,7 +24,7 @@ fn exact_points(random: &mut Random, count: usize, reach: f64) -> Vec<DVec3> {
 
 #[test]
 fn noise_is_zero_on_the_lattice_bounded_and_of_mean_zero() {
-    let kernel = Kernel::new("test/perlin");
+    let kernel = Kernel::of(NOISE, &[]);
     let mut random = Random(82);
     let lattice: Vec<DVec3> = exact_points(&mut random, 5000, 1000.0).iter().map(|p| p.round()).collect();
     assert!(noise(&kernel, &lattice).iter().all(|value| *value == 0.0));
@@ -65,13 +65,13 @@ fn noise_and_its_slope_are_continuous_across_cells() {
             [worst[0].max(jump), worst[1].max(kink)]
         })
     };
-    let [jump, kink] = worst(&Kernel::new("test/perlin"));
+    let [jump, kink] = worst(&Kernel::of(NOISE, &[]));
     // Slopes are below 10: the gradients' own mean, and 1.5 along each axis times the difference of two mean products. Two
     // steps from plane to plane.
     assert!(jump <= 2.0 * STEP * 10.0, "{jump}");
     // Second derivatives are below 60 (6 from the fade's, times the same), over the three steps between the slopes'
     // middles; and four errors of the noise over a step.
     assert!(kink <= 3.0 * STEP * 60.0 + 4.0 * NOISE_ERROR / STEP, "{kink}");
-    let [jump, kink] = worst(&Kernel::replacing("test/perlin", &LINEAR_NOISE));
+    let [jump, kink] = worst(&Kernel::of(NOISE, &LINEAR_NOISE));
     assert!(jump > 0.1 && kink > 1.0, "{jump} {kink}");
 }

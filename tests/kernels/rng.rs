@@ -2,7 +2,7 @@
 
 use crate::common::kernel::Kernel;
 use crate::common::oracles::pcg4d;
-use crate::common::rows::Words as Out;
+use crate::common::rows::{WORDS, Words as Out};
 use crate::common::stats::{Random, normal_two_sided, sidak, uniform_in_cells};
 
 /// False-alarm rate of each test here.
@@ -11,7 +11,7 @@ const ALPHA: f64 = 1e-6;
 /// A step of a linear congruential generator without the mixing, and all 32 bits rounded to a float.
 fn weak() -> Kernel {
     let step = ("lib/rng", "return v;", "return (key + key.yzwx * 3u) * 1664525u + 1013904223u;");
-    Kernel::replacing("test/rng", &[step, ("lib/rng", "(bits >> vec4<u32>(8u)) * 0x1p-24f", "(bits) * 0x1p-32f")])
+    Kernel::of(WORDS, &[step, ("lib/rng", "(bits >> vec4<u32>(8u)) * 0x1p-24f", "(bits) * 0x1p-32f")])
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn the_hash_is_pcg4d_and_uniforms_are_its_upper_bits() {
         };
         keys.iter().zip(found).filter(|pair| !right(pair)).count()
     };
-    assert_eq!(wrong(&Kernel::new("test/rng")), 0);
+    assert_eq!(wrong(&Kernel::of(WORDS, &[])), 0);
     assert!(wrong(&weak()) > 1000);
 }
 
@@ -114,7 +114,7 @@ fn uniforms_are_uniform_and_neighbours_independent() {
     let bases = [("pixels".to_string(), keys(false)), ("samples".to_string(), keys(true))];
     let least =
         |kernel: &Kernel| least(|keys| uniforms(kernel, keys), &bases, &NEIGHBOURS, &[(0, 0), (1, 1), (2, 2), (3, 3)]);
-    let (p, name, tests) = least(&Kernel::new("test/rng"));
+    let (p, name, tests) = least(&Kernel::of(WORDS, &[]));
     assert!(p > sidak(ALPHA, tests), "{name}: p = {p:e} in {tests} tests");
     let (p, _, tests) = least(&weak());
     assert!(p < sidak(ALPHA, tests), "p = {p:e}");

@@ -277,7 +277,8 @@ fn the_table_of_what_single_scattering_keeps_is_right() {
             [cos as f32, roughness as f32]
         })
         .collect();
-    let own = Kernel::new("test/directional_albedo");
+    let albedo = "directional_albedo(given.x, given.y)";
+    let own = Kernel::of(["scene/directional_albedo", "vec2<f32>", "f32", albedo], &[]);
     let expected = |[cos, roughness]: [f32; 2]| {
         directional_albedo(&Facets { alpha: f64::from(roughness.max(1.0 / 1024.0)).powi(2), cos_view: f64::from(cos) })
     };

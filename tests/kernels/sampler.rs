@@ -2,7 +2,7 @@
 
 use gpu_rt::data::RUN_LENGTH;
 
-use crate::common::kernel::{Fault, Kernel, Setup};
+use crate::common::kernel::{Expression, Fault, Kernel, Setup, values_of};
 use crate::common::rows::rows;
 use crate::common::stats::{Random, sidak, welch_t};
 use crate::rng;
@@ -17,11 +17,20 @@ rows! {
     }
 }
 
+/// A sampler's numbers by their key: pixel, sample, dimension, seed.
+const NUMBERS: Expression<'_> = [
+    "choice/sampler",
+    "vec4<u32>",
+    "array<vec4<u32>, 2>",
+    "array(random_words(given.x, given.y, given.z, given.w),
+        bitcast<vec4<u32>>(random4(given.x, given.y, given.z, given.w)))",
+];
+
 fn sampler(is_sobol: bool, replaced: &[Fault<'_>]) -> Kernel {
     let run_length = RUN_LENGTH.to_string();
     let facts = [("sampler.sobol", is_sobol), ("sampler.independent", !is_sobol)];
-    let setup = Setup { replaced, values: &[("run_length", &run_length)], facts: &facts, ..Setup::default() };
-    Kernel::with("test/sampler", &setup)
+    let values = [&values_of(NUMBERS)[..], &[("run_length", &*run_length)]].concat();
+    Kernel::with("test/expression", &Setup { replaced, values: &values, facts: &facts, ..Setup::default() })
 }
 
 fn sobol() -> Kernel {

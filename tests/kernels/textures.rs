@@ -7,7 +7,7 @@ use gpu_rt::bitmap::{Bitmap, FORMATS, Format, SRGB};
 use gpu_rt::data::{Settings, Texture};
 use gpu_rt::gpu::link::{Choices, Entry, Reason};
 
-use crate::common::kernel::{Fault, Kernel, Setup, array};
+use crate::common::kernel::{Expression, Fault, Kernel, Setup, array, values_of};
 use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
 use crate::common::rows::rows;
 use crate::common::stats::Random;
@@ -53,6 +53,14 @@ fn checker_cells_alternate_on_both_sides_of_zero() {
     assert!(wrong(&kernel("checker", &[("texture/checker", "floor(at.point)", "at.point")])) > 1000);
 }
 
+/// An angle minus a multiple of 2 pi, and its sine.
+const TURN: Expression<'_> = [
+    "texture/marble",
+    "f32",
+    "vec2<f32>",
+    "vec2<f32>(within_one_turn(given), circle_point(within_one_turn(given) * 0.15915494).y)",
+];
+
 /// The widest angle: stripes of a scale of 100 along 100 units, and turbulence.
 const WIDEST: f64 = 1e4;
 
@@ -72,7 +80,7 @@ fn angles_come_down_to_one_turn() {
             [worst[0].max(off), worst[1].max(reduced.abs() - PI), worst[2].max((f64::from(sine) - angle.sin()).abs())]
         })
     };
-    let own = worst(&Kernel::new("test/turn"));
+    let own = worst(&Kernel::of(TURN, &[]));
     // 1592 turns at most: the second part of the turn and its product are off by 3 u of itself, 1592 x 0.0019 = 3; the
     // last difference rounds by 4 u. Measured 3 u.
     assert!(own[0] <= 8.0 * U, "{:e}", own[0]);
@@ -83,7 +91,7 @@ fn angles_come_down_to_one_turn() {
     // In one part, whose multiples round.
     let replaced =
         [("texture/marble", "(angle - turns * 6.28125) - turns * 0.0019353072", "angle - turns * 6.2831855")];
-    let wrong = worst(&Kernel::replacing("test/turn", &replaced));
+    let wrong = worst(&Kernel::of(TURN, &replaced));
     assert!(wrong[0] > 100.0 * U, "{:e}", wrong[0]);
 }
 
@@ -277,7 +285,9 @@ const ANGLE: f64 = 10.0 * PI * U;
 #[test]
 fn directions_map_to_their_texture_coordinates_on_sphere_and_sky() {
     let rows = directions();
-    let found = Kernel::new("test/sphere_map").run::<_, [f32; 4]>(&rows);
+    let both = "vec4<f32>(sphere_uv_at(given.xyz), sky_uv(given.xyz))";
+    let kernel = Kernel::of(["lib/sphere_map", "vec4<f32>", "vec4<f32>", both], &[]);
+    let found = kernel.run::<_, [f32; 4]>(&rows);
     let mut worst = [0.0f64; 4];
     let mut wrong = 0.0f64;
     for ([x, y, z, _], out) in rows.iter().zip(&found) {
@@ -299,7 +309,7 @@ fn directions_map_to_their_texture_coordinates_on_sphere_and_sky() {
     // The axes themselves, said in words: a sphere's u is a quarter at +z, half at +x; v is 1 at the top. The sky's middle
     // is -z, its right half +x, its top row +y.
     let axes = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, -1.0, 0.0f32]];
-    let found = Kernel::new("test/sphere_map").run::<_, [f32; 4]>(&axes);
+    let found = kernel.run::<_, [f32; 4]>(&axes);
     for (uv, expected) in found.iter().zip([[0.5, 0.5, 0.75, 0.5], [0.25, 0.5, 1.0, 0.5], [0.75, 0.5, 0.5, 0.5f32]]) {
         let off = uv.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(f64::from(off) < ANGLE, "{uv:?} is not {expected:?}");
@@ -307,8 +317,11 @@ fn directions_map_to_their_texture_coordinates_on_sphere_and_sky() {
 }
 
 fn background(kind: &'static str, settings: &Settings, texels: &[[f32; 3]], rows: &[[f32; 4]]) -> Vec<Colour> {
-    let setup = Setup { values: &[("kind", kind)], facts: &[("camera_axes", false)], ..Setup::default() };
-    let kernel = Kernel::with("test/background", &setup);
+    let radiance = format!("vec4<f32>({kind}_background(given.xyz), 0.0)");
+    let module = format!("background/{kind}");
+    let values = values_of([&module, "vec4<f32>", "vec4<f32>", &radiance]);
+    let setup = Setup { values: &values, facts: &[("camera_axes", false)], ..Setup::default() };
+    let kernel = Kernel::with("test/expression", &setup);
     kernel.run_with(rows, rows.len(), &[kernel.settings(settings), array("texels", texels)])
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::common::kernel::{Kernel, Plant, Setup};
+use crate::common::kernel::{Expression, Kernel, Plant, Setup, values_of};
 use crate::common::microfacets::schlick;
 use crate::common::rows::rows;
 use crate::common::stats::Random;
@@ -14,6 +14,13 @@ rows! {
         ior: f32, thickness: f32, padding: [f32; 2],
     }
 }
+
+const FILM: Expression<'_> = [
+    "lib/thin_film",
+    "array<vec4<f32>, 2>",
+    "vec4<f32>",
+    "vec4(thin_film(given[0].w, given[1].x, given[1].y, given[0].xyz), 0.0)",
+];
 
 /// Gaussians of the frequency in 1/m, with the middle, the variance of the phase, and the height: x is the sum of two (Belcour and Barla 2017,
 /// supplemental code).
@@ -168,8 +175,9 @@ const PLANTED: [Plant; 4] = [
 #[test]
 fn films_reflect_by_their_formula() {
     let rows = rows(&mut Random(701));
-    assert_eq!(faults(&rows, &Kernel::new("test/thin_film")), 0);
-    let kernel = Kernel::with("test/thin_film", &Setup { plants: &PLANTED, ..Setup::default() });
+    assert_eq!(faults(&rows, &Kernel::of(FILM, &[])), 0);
+    let setup = Setup { plants: &PLANTED, values: &values_of(FILM), ..Setup::default() };
+    let kernel = Kernel::with("test/expression", &setup);
     for (number, planted) in PLANTED.iter().enumerate() {
         let found = faults(&rows, &kernel.planted(number));
         assert!(found > 1000, "{planted:?} is found in {found} rows");
