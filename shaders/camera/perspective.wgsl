@@ -1,4 +1,4 @@
-//@ alternative projection when !projection
+//@ alternative projection when !projection | projection.orthographic
 //@ use camera/pixel
 //@ use choice/camera_pose
 // The film is a plane at distance 1.

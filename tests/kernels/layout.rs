@@ -26,14 +26,21 @@ fn modules() -> Vec<naga::Module> {
 
 /// Those modules, and those of renders with light paths, whose films have more sums.
 fn all_modules() -> Vec<naga::Module> {
-    [modules(), linked(LightPaths::Count(8))].concat()
+    let projections = ["calibrated", "calibrated_fisheye"].map(|projection| linked_as(projection, LightPaths::Off));
+    [modules(), linked(LightPaths::Count(8)), projections.concat()].concat()
 }
 
 /// The modules of every production kernel with every feature on.
 fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
+    linked_as("fisheye", light_paths)
+}
+
+/// The same with this projection.
+fn linked_as(projection: &str, light_paths: LightPaths) -> Vec<naga::Module> {
     let mut features =
         Features::default().with_options(&RenderOptions { features: FeatureSet::All, ..RenderOptions::default() });
     features.require("light_paths", || "a test".to_string());
+    features.require(format!("projection.{projection}"), || "a test".to_string());
     features.quantities = Quantities {
         motion_iterations: 8,
         media: 3,

@@ -996,11 +996,16 @@ fn derived_facts_follow_from_those_before_them() {
     }
 }
 
-/// The truth of facts: all of them, but for the values of an option, of which one holds.
+/// The truth of facts: all of them, but for the values of an option, of which one holds, and for projections, of which one may hold.
 fn assignments(facts: &BTreeSet<&str>) -> Vec<BTreeMap<String, Option<Reason>>> {
     let option =
         |fact: &&&str| TRADE_OFFS.iter().find(|spec| fact.split_once('.').is_some_and(|(name, _)| name == spec.name));
-    let (values, free): (Vec<&&str>, Vec<&&str>) = facts.iter().partition(|fact| option(fact).is_some());
+    let is_projection = |fact: &str| fact.starts_with("projection.");
+    let (values, free): (Vec<&&str>, Vec<&&str>) = facts
+        .iter()
+        .filter(|fact| **fact != "projection")
+        .partition(|fact| option(fact).is_some() || is_projection(fact));
+    let is_of_projections = values.iter().any(|fact| is_projection(fact));
     let holds = |is_so: bool| is_so.then_some(Reason::EveryRender);
     // A further value stands for those that no module names.
     let of_option =
@@ -1013,7 +1018,8 @@ fn assignments(facts: &BTreeSet<&str>) -> Vec<BTreeMap<String, Option<Reason>>> 
     };
     let chosen: Vec<usize> = (0..=values.len()).filter(is_complete).collect();
     let each = (0..1 << free.len()).flat_map(|bits| chosen.iter().map(move |chosen| (bits, *chosen)));
-    each.map(|(bits, chosen)| of_bits(bits).chain(of_option(chosen)).collect()).collect()
+    let any = |chosen: usize| ("projection".to_string(), holds(is_of_projections && chosen < values.len()));
+    each.map(|(bits, chosen)| of_bits(bits).chain(of_option(chosen)).chain([any(chosen)]).collect()).collect()
 }
 
 /// Whatever the facts are, one part of a choice is there.
@@ -1045,8 +1051,11 @@ fn one_part_of_a_choice_holds_whatever_the_facts_are() {
 const ROWS: u32 = 12;
 
 fn facts_in_rows() -> Vec<(String, u32)> {
-    let one_background = |fact: &String| !fact.starts_with("background.") || fact == "background.image";
-    let facts: Vec<String> = DECLARED.iter().flat_map(Declared::facts).filter(one_background).collect();
+    // A scene has one background and one projection.
+    let one_of = |fact: &String| ["background.image", "projection.fisheye"].contains(&fact.as_str());
+    let is_of_group = |fact: &String| ["background.", "projection."].iter().any(|group| fact.starts_with(group));
+    let facts = DECLARED.iter().flat_map(Declared::facts).filter(|fact| !is_of_group(fact) || one_of(fact));
+    let facts: Vec<String> = facts.collect();
     let rows: Vec<u32> = (1 << (ROWS - 1)..1 << ROWS).filter(|rows: &u32| rows.count_ones() == ROWS / 2).collect();
     assert!(facts.len() <= rows.len(), "{} facts need more rows", facts.len());
     facts.into_iter().zip(rows).collect()
