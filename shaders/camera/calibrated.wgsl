@@ -6,7 +6,7 @@
 // has the principal point, in pixels from the image's middle, and 1 over the focal lengths. `distortion` has k1, k2 and k3, and in its last
 // component the largest r² before the fold, where points that are farther out begin to lie nearer to the middle. The camera's pixels are unit vectors.
 
-// A point of the film, and the derivatives of its x and y.
+// A point of the film, and the derivatives of its x and of its y.
 struct Distorted {
     point: vec2<f32>,
     dx: vec2<f32>,
@@ -26,12 +26,12 @@ fn distorted(p: vec2<f32>) -> Distorted {
     return Distorted(point, vec2<f32>(dx, mixed), vec2<f32>(mixed, dy));
 }
 
-fn slope_of(found: Distorted) -> f32 {
+fn determinant_of(found: Distorted) -> f32 {
     return found.dx.x * found.dy.y - found.dx.y * found.dy.x;
 }
 
 fn is_before_fold(p: vec2<f32>, found: Distorted) -> bool {
-    return dot(p, p) <= settings.distortion.w && slope_of(found) > 0.0;
+    return dot(p, p) <= settings.distortion.w && determinant_of(found) > 0.0;
 }
 
 // The inverse by Newton's steps: from the distorted point they arrive from one side if the distortion is radial.
@@ -43,7 +43,7 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
     var found = distorted(p);
     for (var i = 0u; i < MOST_STEPS_OF_NEWTON; i++) {
         let rest = aim - found.point;
-        let step = vec2<f32>(found.dy.y * rest.x - found.dx.y * rest.y, found.dx.x * rest.y - found.dy.x * rest.x) / slope_of(found);
+        let step = vec2<f32>(found.dy.y * rest.x - found.dx.y * rest.y, found.dx.x * rest.y - found.dy.x * rest.x) / determinant_of(found);
         p += step;
         found = distorted(p);
         if !(dot(step, step) > 1e-14 * dot(p, p)) {
@@ -56,8 +56,7 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
 }
 
 fn point_at_distance_1(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
-    let on_film = direction / dot(direction, camera_forward()) + shift;
-    return vec2<f32>(dot(on_film, camera_pixel_x()), dot(on_film, camera_pixel_y()));
+    return in_pixels(direction / dot(direction, camera_forward()) + shift);
 }
 
 fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
@@ -70,5 +69,5 @@ fn density_of_camera_ray(direction: vec3<f32>, shift: vec3<f32>) -> f32 {
     let found = distorted(p);
     let pixel = abs(settings.film.z * settings.film.w);
     let is_seen = cosine > 0.0 && is_before_fold(p, found);
-    return select(0.0, slope_of(found) / (cosine * cosine * cosine * pixel), is_seen);
+    return select(0.0, determinant_of(found) / (cosine * cosine * cosine * pixel), is_seen);
 }

@@ -30,14 +30,14 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
         }
     }
     let is_found = abs(distance_of(angle).x - r) <= 1e-5 * (1.0 + r);
-    let on_circle = circle_point(angle * 0.159154943);
+    let on_circle = circle_point(angle * TURNS_OF_RADIAN);
     let sine = select(on_circle.y / r, 1.0, r == 0.0);
     let direction = on_circle.x * camera_forward() + sine * (aim.x * camera_pixel_x() + aim.y * camera_pixel_y());
     return select(vec3<f32>(0.0), direction, is_found);
 }
 
 fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
-    let across = vec2<f32>(dot(direction, camera_pixel_x()), dot(direction, camera_pixel_y()));
+    let across = in_pixels(direction);
     let sine = length(across);
     let r = distance_of(angle_of(sine, dot(direction, camera_forward()))).x;
     return from_corner(select(r / sine, 1.0, sine == 0.0) * across / settings.film.zw + settings.film.xy);
@@ -45,7 +45,7 @@ fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
 
 // A pixel has the area r dr dp on the film where its solid angle is sin t dt dp.
 fn density_of_camera_ray(direction: vec3<f32>, shift: vec3<f32>) -> f32 {
-    let sine = length(vec2<f32>(dot(direction, camera_pixel_x()), dot(direction, camera_pixel_y())));
+    let sine = length(in_pixels(direction));
     let angle = angle_of(sine, dot(direction, camera_forward()));
     let found = distance_of(angle);
     let area = select(found.x / sine, 1.0, sine == 0.0) * found.y;

@@ -31,8 +31,6 @@ fn density_of_camera_ray(direction: vec3<f32>, shift: vec3<f32>) -> f32 {
     return 1.0 / (max(level, LEAST_DENSITY) * pixel);
 }
 
-const TURNS_OF_RADIAN: f32 = 0.159154943;
-
 fn sign_of(x: f32) -> f32 {
     return select(1.0, -1.0, x < 0.0);
 }

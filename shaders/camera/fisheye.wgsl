@@ -16,7 +16,7 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
     var sine = 1.0;
     var is_seen = true;
     if MODEL == EQUIDISTANT {
-        let on_circle = circle_point(r * 0.159154943);
+        let on_circle = circle_point(r * TURNS_OF_RADIAN);
         cosine = on_circle.x;
         sine = select(on_circle.y / r, 1.0, r == 0.0);
         is_seen = r <= 3.14159265;
@@ -36,13 +36,18 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
     return select(vec3<f32>(0.0), direction, is_seen);
 }
 
+// 1 + cos t without cancellation.
+fn rise_of(sine: f32, cosine: f32) -> f32 {
+    return select(1.0 + cosine, sine * sine / (1.0 - cosine), cosine < 0.0);
+}
+
 // A unit direction: its components across the axis, and along it.
 fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
-    let across = vec2<f32>(dot(direction, camera_pixel_x()), dot(direction, camera_pixel_y()));
+    let across = in_pixels(direction);
     let along = dot(direction, camera_forward());
     let sine = length(across);
-    // r over the sine. 1 + cos t is computed without cancellation.
-    let rise = select(1.0 + along, sine * sine / (1.0 - along), along < 0.0);
+    let rise = rise_of(sine, along);
+    // r over the sine.
     var scale = 1.0;
     if MODEL == EQUIDISTANT {
         scale = select(angle_of(sine, along) / sine, 1.0, sine == 0.0);
@@ -57,12 +62,12 @@ fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
 // A pixel has the area r dr dp on the film where its solid angle is sin t dt dp.
 fn density_of_camera_ray(direction: vec3<f32>, shift: vec3<f32>) -> f32 {
     let along = dot(direction, camera_forward());
-    let sine = length(vec2<f32>(dot(direction, camera_pixel_x()), dot(direction, camera_pixel_y())));
+    let sine = length(in_pixels(direction));
     var area = 1.0;
     if MODEL == EQUIDISTANT {
         area = select(angle_of(sine, along) / sine, 1.0, sine == 0.0);
     } else if MODEL == STEREOGRAPHIC {
-        let rise = select(1.0 + along, sine * sine / (1.0 - along), along < 0.0);
+        let rise = rise_of(sine, along);
         area = 4.0 / (rise * rise);
     } else if MODEL != EQUISOLID {
         area = max(along, 0.0);

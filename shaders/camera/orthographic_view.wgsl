@@ -5,10 +5,8 @@
 fn view_from_camera(point: vec3<f32>, u: vec4<f32>) -> CameraView {
     let from_camera = point - from_lens(vec3<f32>(0.0));
     let distance = dot(from_camera, camera_forward());
-    let x = dot(from_camera, camera_pixel_x()) / dot(camera_pixel_x(), camera_pixel_x());
-    let y = dot(from_camera, camera_pixel_y()) / dot(camera_pixel_y(), camera_pixel_y());
     let density = select(0.0, 1.0 / area_of_pixel(), distance > 0.0);
-    return CameraView(-camera_forward(), distance, from_corner(vec2<f32>(x, y)), u.zw, density);
+    return CameraView(-camera_forward(), distance, from_corner(in_pixels(from_camera)), u.zw, density);
 }
 
 // An area of the plane.

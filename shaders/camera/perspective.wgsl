@@ -10,10 +10,7 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
 
 // Where a ray meets the film, in pixels from the left upper corner of the image. `shift` is that of its point of the lens.
 fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
-    let on_film = direction / dot(direction, camera_forward()) + shift;
-    let x = dot(on_film, camera_pixel_x()) / dot(camera_pixel_x(), camera_pixel_x());
-    let y = dot(on_film, camera_pixel_y()) / dot(camera_pixel_y(), camera_pixel_y());
-    return from_corner(vec2<f32>(x, y));
+    return from_corner(in_pixels(direction / dot(direction, camera_forward()) + shift));
 }
 
 // The density with which the ray of a pixel has a unit direction: its point on the film is uniform in the pixel. An area of the film has the solid

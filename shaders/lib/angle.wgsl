@@ -16,6 +16,8 @@ fn angle_of(y: f32, x: f32) -> f32 {
     return select(acute, 3.14159265358979 - acute, x < 0.0);
 }
 
+const TURNS_OF_RADIAN: f32 = 0.159154943;
+
 // The point on the unit circle that lies `turns` turns from (1, 0) towards (0, 1), for fewer than 2^29 turns. Whole
 // quarter turns are subtracted without rounding. The polynomials are minimax on the rest, [-pi/4, pi/4], with relative
 // errors of 3.8e-9 and 1.2e-10 (own fit).

@@ -142,7 +142,11 @@ impl Film {
                 for _ in 0..64 {
                     let (found, [dx, mixed, dy]) = self.distorted(p)?;
                     let (rest, slope) = (aim - found, dx * dy - mixed * mixed);
-                    p += DVec2::new(dy * rest.x - mixed * rest.y, dx * rest.y - mixed * rest.x) / slope;
+                    let step = DVec2::new(dy * rest.x - mixed * rest.y, dx * rest.y - mixed * rest.x) / slope;
+                    p += step;
+                    if step.length() <= f64::EPSILON * p.length() {
+                        break;
+                    }
                 }
                 let (found, [dx, mixed, dy]) = self.distorted(p)?;
                 let is_before = p.length_squared() <= *fold && dx * dy > mixed * mixed;
@@ -212,6 +216,9 @@ impl Film {
 
     /// The share of the image that no direction belongs to, by the middles of pixels: of all, or of some million in large images.
     pub fn share_without_direction(&self, size: (u32, u32)) -> f64 {
+        if matches!(self, Film::Plane { .. } | Film::Parallel { .. } | Film::Panorama { .. }) {
+            return 0.0;
+        }
         let stride = (f64::from(size.0) * f64::from(size.1) / 1e6).sqrt().ceil().max(1.0) as usize;
         let middle = 0.5 * DVec2::new(f64::from(size.0), f64::from(size.1));
         let (mut all, mut without) = (0u64, 0u64);

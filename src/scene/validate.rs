@@ -59,11 +59,11 @@ fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
     }
     findings.record_all(camera.check_fields(at));
     findings.record(match (&camera.projection, camera.vertical_fov) {
-        (None, None) => Err(at.field("vertical_fov").error(
-            "vertical_fov is missing: expected an angle in degrees, or another projection in its place".to_owned(),
-        )),
+        (None, None) => Err(at
+            .field("vertical_fov")
+            .error("vertical_fov is missing: expected an angle in degrees, or another projection in its place")),
         (Some(_), Some(_)) => {
-            Err(at.field("vertical_fov").error("vertical_fov is short for a projection: remove one of both".to_owned()))
+            Err(at.field("vertical_fov").error("vertical_fov is short for a projection: remove one of the two"))
         }
         _ => Ok(()),
     });

@@ -227,7 +227,6 @@ fn seen(projection: &str, [x, y, z]: [f64; 3]) -> [f64; 2] {
         [30.0 + 40.0 * x, 25.0 + 44.0 * y]
     };
     match projection.split(['(', ':', ',']).filter(|word| !word.trim().is_empty()).collect::<Vec<_>>()[..] {
-        ["Orthographic", ..] => unreachable!("its points are seen, and not directions"),
         ["Equirectangular", _, from, to, ..] => {
             let number = |text: &str| text.trim_matches(|c| " ()".contains(c)).parse::<f64>().unwrap().to_radians();
             let (from, to) = (number(from), number(to));

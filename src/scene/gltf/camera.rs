@@ -32,7 +32,7 @@ fn image(aspect: f64) -> ImageSize {
 }
 
 impl File {
-    /// The camera of a node. A note says why one is left out.
+    /// The camera of a node, if it has one.
     pub fn view(&self, scene_node: &SceneNode) -> Result<Option<View>> {
         let Some(index) = scene_node.node.camera.map(|camera| camera.value()) else { return Ok(None) };
         let at = format!("cameras[{index}]");
