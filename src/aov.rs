@@ -25,10 +25,26 @@ pub enum Aov {
     Direct,
     /// The rest of the radiance.
     Indirect,
+    /// How far the surface of sample 0 moves on the image until the next frame, in pixels.
+    Motion,
+    /// Of sample 0: the distance to the first surface along the camera's axis, in scene units.
+    Depth0,
+    /// That distance along the ray.
+    Distance0,
+    /// The point.
+    Position0,
+    /// The shading normal there.
+    Normal0,
+    /// The texture coordinates there.
+    Uv0,
+    /// The number of the mesh's face there.
+    Face0,
+    /// Where in the pixel sample 0 is, in pixels from the pixel's left upper corner.
+    Offset0,
 }
 
 /// How users name them.
-const WORDS: [(&str, Aov); 8] = [
+const WORDS: [(&str, Aov); 16] = [
     ("albedo", Aov::Albedo),
     ("normal", Aov::Normal),
     ("depth", Aov::Depth),
@@ -37,7 +53,34 @@ const WORDS: [(&str, Aov); 8] = [
     ("material", Aov::Material),
     ("direct", Aov::Direct),
     ("indirect", Aov::Indirect),
+    ("motion", Aov::Motion),
+    ("depth0", Aov::Depth0),
+    ("distance0", Aov::Distance0),
+    ("position0", Aov::Position0),
+    ("normal0", Aov::Normal0),
+    ("uv0", Aov::Uv0),
+    ("face0", Aov::Face0),
+    ("offset0", Aov::Offset0),
 ];
+
+/// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each with its
+/// name in the kernels, and the words that kernels store of it.
+const STORED: [(Aov, &str, &[&str]); 8] = [
+    // What the host needs to follow the surface to the frames around.
+    (Aov::Motion, "seen0", &["x", "y", "z", "object", "face", "time"]),
+    (Aov::Depth0, "depth0", &[""]),
+    (Aov::Distance0, "distance0", &[""]),
+    (Aov::Position0, "position0", &["x", "y", "z"]),
+    (Aov::Normal0, "normal0", &["x", "y", "z"]),
+    (Aov::Uv0, "uv0", &["x", "y"]),
+    (Aov::Face0, "face0", &[""]),
+    (Aov::Offset0, "offset0", &["x", "y"]),
+];
+
+/// The words that the film has of a stored channel: as many as kernels store, but of a motion those of [`crate::flatten::Neighbours`].
+fn words_on_film((aov, _, of_kernels): (Aov, &str, &[&str])) -> usize {
+    if aov == Aov::Motion { 4 } else { of_kernels.len() }
+}
 
 /// Of which surface the albedo and the normal are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -202,6 +245,37 @@ impl Aovs {
         self.sums().flat_map(|sum| sum.components().iter().map(move |name| (sum, format!("{}.{name}", sum.name()))))
     }
 
+    pub fn stored(&self) -> impl Iterator<Item = (Aov, &'static str, &'static [&'static str])> {
+        STORED.into_iter().filter(|(aov, ..)| self.has(*aov))
+    }
+
+    /// The words that kernels store of sample 0 of a pixel, as expressions of the modules under shaders/truth.
+    pub fn words_of_kernels(&self) -> Vec<String> {
+        let words = |(_, name, components): (Aov, &str, &'static [&'static str])| {
+            let name = name.to_string();
+            components.iter().map(move |component| if component.is_empty() { name.clone() } else { format!("{name}.{component}") })
+        };
+        self.stored().flat_map(words).collect()
+    }
+
+    /// The names of these modules.
+    pub fn modules_of_kernels(&self) -> impl Iterator<Item = &'static str> {
+        self.stored().map(|(_, name, _)| name)
+    }
+
+    /// The names of the words that the film has of sample 0 of a pixel.
+    pub fn words_on_film(&self) -> Vec<String> {
+        let names = |stored: (Aov, &'static str, &'static [&'static str])| {
+            (0..words_on_film(stored)).map(move |number| format!("{}.{number}", stored.1))
+        };
+        self.stored().flat_map(names).collect()
+    }
+
+    /// The index of the first of them that belongs to a channel.
+    pub fn first_word(&self, aov: Aov) -> usize {
+        self.stored().take_while(|(other, ..)| *other != aov).map(words_on_film).sum()
+    }
+
     /// The channels of an image file.
     pub fn channels(&self) -> Vec<Channel> {
         let of_aov = |aov: &Aov| {
@@ -238,6 +312,15 @@ impl Aovs {
             (ChannelNames::Blender, Aov::Material) => ("IndexMA", &["X"]),
             (_, Aov::Direct) => ("direct", &CHANNELS),
             (_, Aov::Indirect) => ("indirect", &CHANNELS),
+            (ChannelNames::Plain, Aov::Motion) => ("motion", &["X", "Y"]),
+            (ChannelNames::Blender, Aov::Motion) => ("Vector", &["X", "Y", "Z", "W"]),
+            (_, Aov::Depth0) => ("depth0", &["Z"]),
+            (_, Aov::Distance0) => ("distance0", &["Z"]),
+            (_, Aov::Position0) => ("position0", XYZ),
+            (_, Aov::Normal0) => ("normal0", XYZ),
+            (_, Aov::Uv0) => ("uv0", &["U", "V"]),
+            (_, Aov::Face0) => ("face0", &["Y"]),
+            (_, Aov::Offset0) => ("offset0", &["X", "Y"]),
         }
     }
 }
@@ -300,6 +383,10 @@ mod tests {
                     Some(first) => assert!(names[first].starts_with(sum.name()), "{names:?}"),
                     None => assert!(!names.iter().any(|name| name.starts_with(sum.name())), "{names:?}"),
                 }
+            }
+            let words = aovs.words_on_film();
+            for stored in aovs.stored() {
+                assert!(words[aovs.first_word(stored.0)].starts_with(stored.1), "{words:?}");
             }
             // With the nine of every film, a bit each shows which has left its range. The last bit is left to what follows, which may share it.
             assert!(9 + aovs.count() < 32);

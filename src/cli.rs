@@ -51,10 +51,11 @@ pub struct GltfArgs {
     /// as `pane`. `pane`: glass to which the file gives no thickness, as glTF says.
     #[arg(long, value_name = "WORD", value_enum, default_value_t, help_heading = GLTF)]
     pub thin: Thin,
-    /// For a .glb or .gltf: the frame of its animations, at N / --fps seconds [default: its rest pose].
+    /// The frame, at N / --fps seconds: of the animations of a .glb or .gltf [default: its rest pose], or of a scene's motions, to which its
+    /// shutter moves [default: 0].
     #[arg(long, value_name = "N", value_parser = frame_number, allow_negative_numbers = true, help_heading = GLTF)]
     pub frame: Option<f64>,
-    /// Frames per second, for --frame and --frames [default: 24].
+    /// Frames per second, for --frame, --frames and --aov motion [default: 24].
     #[arg(long, value_name = "N", value_parser = frames_per_second, help_heading = GLTF)]
     pub fps: Option<f64>,
 }

@@ -19,6 +19,7 @@ mod words;
 use crate::aov::{Aovs, SceneSpace};
 use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
+use crate::flatten::Neighbours;
 use crate::job::Frame;
 use crate::memory;
 use crate::options::Word;
@@ -164,15 +165,21 @@ impl Film {
     }
 
     /// Adds the totals of pixels in the layout of the device's film. The indices are those of [`Film::add`].
-    pub fn add_from_device(&mut self, pixels: impl IntoIterator<Item = usize>, bytes: &[u8]) {
-        if let (0, Ok(totals)) = (self.channels.count, bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
+    /// `neighbours` finds motions.
+    pub fn add_from_device(
+        &mut self,
+        pixels: impl IntoIterator<Item = usize>,
+        bytes: &[u8],
+        neighbours: Option<&Neighbours>,
+    ) {
+        let each = device_bytes(&self.channels.aovs, self.channels.light_paths) as usize;
+        if let (true, Ok(totals)) = (each == size_of::<PixelTotals>(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
             return self.add(pixels.into_iter().zip(totals), Totals::default());
         }
-        let each = device_bytes(&self.channels.aovs, self.channels.light_paths) as usize;
         for (index, bytes) in pixels.into_iter().zip(bytes.chunks_exact(each)) {
             let (totals, sums) = bytes.split_at(size_of::<PixelTotals>());
             let totals: PixelTotals = bytemuck::pod_read_unaligned(totals);
-            self.channels.add_from_device(index, &totals, sums);
+            self.channels.add_from_device(index, &totals, sums, neighbours);
             self.add([(index, &totals)], Totals::default());
         }
     }

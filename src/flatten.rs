@@ -22,6 +22,7 @@ mod meshes;
 mod motion;
 mod motion_tables;
 mod moving_objects;
+mod neighbours;
 mod octahedral;
 mod pairs;
 mod projection;
@@ -31,10 +32,11 @@ mod tangents;
 mod view;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::aov::SceneSpace;
+use crate::aov::{Aov, SceneSpace};
 use crate::bitmap::FORMATS;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
@@ -63,6 +65,7 @@ pub use features::{
     BACKGROUNDS, BOUNDARIES, DECLARED, Declared, EVERY_FEATURE, Features, NotSampled, PRIMITIVES, Quantities,
 };
 pub use hierarchies::Hierarchies;
+pub use neighbours::Neighbours;
 pub use sampled_lights::MOST_LIGHTS;
 
 /// A walk packs six bits with the index of a node (shaders/scene/traverse). This number of nodes takes 4 GiB.
@@ -96,7 +99,7 @@ pub fn flatten_with(
     let meshes = mesh::shapes(&scene.meshes);
     let camera = scene.camera.at(scene.camera.shutter.0);
     let view = View::new(&camera, size, scene.image);
-    let mut finder = Finder::new(scene, &meshes, view.eye);
+    let mut finder = Finder::new(scene, &meshes, view.eye, &scene.camera);
     let world = Placement::resting(view.to_space);
     scene.objects.iter().for_each(|object| finder.add(object, &world));
     let models = models(scene, &finder);
@@ -127,6 +130,9 @@ pub fn flatten_with(
     flat.warnings.extend(without_direction(scene, &view));
     flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
+    if options.aov.has(Aov::Motion) {
+        flat.neighbours = Some(Arc::new(Neighbours::of(scene, size, to_scene)));
+    }
     flat.lamps = lamps_in_view(scene, &view, options.filter, &finder, &emissions, radiance_scale);
     let mut builder = Builder {
         scene,
@@ -146,6 +152,9 @@ pub fn flatten_with(
         flat,
     };
     builder.find_tables(&finder.primitives);
+    if options.aov.has(Aov::Uv0) {
+        builder.add_frames_of_objects(&finder.primitives);
+    }
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {

@@ -74,6 +74,8 @@ pub struct Kernels {
     pub bounce: Bounce,
     /// Adds finished runs to the film, after some bounces.
     pub accumulate: Kernel,
+    /// What sample 0 sees, if it is asked for.
+    pub truth: Option<Kernel>,
     /// Ends a submission.
     pub receipt: Kernel,
     /// Light paths; absent if none are traced.
@@ -246,6 +248,8 @@ impl Kernels {
         let generate = always("generate", &every_render)?;
         let settings = SettingsLayout::from_module(&generate.module)?;
         let accumulate = always("accumulate", &every_render)?;
+        let link_truth = |reason: &Reason| kernel("truth", "truth", &choices, &reason.to_string(), reason);
+        let truth = reason_of(&choices.facts, "truth").map(link_truth).transpose()?;
         let link_light_path = |reason: &Reason| {
             let (own, _) = choose(&materials, 0, true);
             kernel("light_path", "light_path", &own, &reason.to_string(), reason)
@@ -255,6 +259,7 @@ impl Kernels {
             generate,
             bounce,
             accumulate,
+            truth,
             receipt: always("receipt", &every_render)?,
             light_path,
             path_fields,
@@ -282,6 +287,7 @@ impl Kernels {
                 all.push(refill);
             }
         }
+        all.extend(&self.truth);
         all.push(&self.accumulate);
         all.extend(&self.light_path);
         all.push(&self.receipt);

@@ -37,6 +37,7 @@ pub use animation_frame::{AnimationFrame, FPS};
 pub use assets::{Assets, Stamp, stamp};
 pub use file::OnProgress;
 pub use gltf_options::{GltfOptions, Sky};
+pub use gltf_path::is_gltf;
 pub use inputs::Input;
 pub use model::Scene;
 pub use types::*;

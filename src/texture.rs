@@ -419,16 +419,25 @@ impl Texture {
             Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
             Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),
             Texture::Marble { scale } => (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z),
-            Texture::Image { .. } | Texture::Rgb(..) => (pole, rotation.transpose(), 0.0),
+            Texture::Image { .. } | Texture::Rgb(..) => return Some(Texture::frame_of_coordinates(pole, rotation)),
         };
-        Some(data::Frame {
-            x: f32s(columns.x_axis),
-            phase: phase as f32,
-            y: f32s(columns.y_axis),
-            z: f32s(columns.z_axis),
-            origin: f32s(base),
-            ..data::Frame::default()
-        })
+        Some(frame_of(base, columns, phase))
+    }
+
+    /// The frame of texture coordinates, which spheres have by the directions of their points.
+    pub fn frame_of_coordinates(pole: DVec3, rotation: &DMat3) -> data::Frame {
+        frame_of(pole, rotation.transpose(), 0.0)
+    }
+}
+
+fn frame_of(base: DVec3, columns: DMat3, phase: f64) -> data::Frame {
+    data::Frame {
+        x: f32s(columns.x_axis),
+        phase: phase as f32,
+        y: f32s(columns.y_axis),
+        z: f32s(columns.z_axis),
+        origin: f32s(base),
+        ..data::Frame::default()
     }
 }
 

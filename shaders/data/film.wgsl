@@ -12,6 +12,10 @@ struct PixelTotals {
     // further channels follow (`--aov`), and with light paths nine more: the splats of even runs, those of odd runs, and the squares of
     // the splats.
     sums: array<array<atomic<u32>, 4>, ${film_sums}>,
+    //@ if truth
+    // What sample 0 sees (stage/truth).
+    stored: array<u32, ${stored_words}>,
+    //@ end
 }
 
 // Bits after the binary point of a sum of radiance, in device units, and of a sum of squares, in device units squared.

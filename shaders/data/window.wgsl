@@ -24,6 +24,8 @@ const RUN_LENGTH: u32 = ${run_length}u;
 const STRIP_ROWS: u32 = 8u;
 // Of a run's counts: it is an odd one. The counts proper end below that bit.
 const ODD_RUN: u32 = 0x80000000u;
+// The run has sample 0, and `--aov` asks what that sees.
+const FIRST_RUN: u32 = 0x40000000u;
 
 // One past the last sample of the run that a sample is part of.
 fn end_of_run(sample: u32, end_sample: u32) -> u32 {
@@ -72,7 +74,7 @@ struct RunRecord {
     sum_g: f32,
     sum_b: f32,
     pixel: u32,
-    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | ODD_RUN.
+    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | FIRST_RUN | ODD_RUN.
     counts: u32,
     rays: u32,
     // The sum of the squared deviations of those samples from their mean.

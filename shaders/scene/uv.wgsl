@@ -1,4 +1,4 @@
-//@ alternative uv when texture.image
+//@ alternative uv when texture.image | truth.uv
 //@ each primitive
 //@ use bind/${name}s
 //@ use geometry/${name}

@@ -65,8 +65,8 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
     let accepted = run.counts & 0xffu;
     let nan = (run.counts >> 8u) & 0xffu;
     let infinite = (run.counts >> 16u) & 0xffu;
-    // ODD_RUN is the highest bit.
-    let cut = (run.counts >> 24u) & 0x7fu;
+    // ODD_RUN and FIRST_RUN are the highest bits.
+    let cut = (run.counts >> 24u) & 0x3fu;
     let half = run.counts >> 31u;
     let sum = vec3<f32>(run.sum_r, run.sum_g, run.sum_b);
     let squares = vec3<f32>(run.squares_r, run.squares_g, run.squares_b);

@@ -10,15 +10,16 @@ use crate::flatten::{DeviceScene, flatten};
 use crate::job::Size;
 use crate::options::{MAX_DEPTH, OptionSpec, RenderOptions};
 use crate::output::destination::is_standard;
-use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene, Sky};
+use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene, Sky, is_gltf};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
 pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-    let options = options(&scene.gltf)?;
+    let options = options(&scene.gltf, &scene.path)?;
     match is_standard(&scene.path) {
         true => {
             options.refuse(&scene.path, false)?;
-            Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress)
+            let read = Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress);
+            read.map(|scene| scene.in_frame(options.frame))
         }
         false => Scene::load_as(&scene.path, &options, progress, assets),
     }
@@ -31,18 +32,20 @@ pub fn load(scene: &SceneArgs) -> Result<Scene> {
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.
 pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path, assets: &mut Assets) -> Result<Scene> {
-    Scene::of_model(from, to, &options(gltf)?, assets)
+    Scene::of_model(from, to, &options(gltf, from)?, assets)
 }
 
 /// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.
 ///
 /// # Errors
-/// `Error::Usage` if frames have a rate and no number.
-fn options(args: &GltfArgs) -> Result<GltfOptions> {
-    if let (None, Some(fps)) = (args.frame, args.fps) {
+/// `Error::Usage` if frames of a glTF file have a rate and no number.
+fn options(args: &GltfArgs, path: &Path) -> Result<GltfOptions> {
+    // A scene file without a number is in frame 0, and a glTF file in its rest pose.
+    let number = args.frame.or(args.fps.filter(|_| !is_gltf(path)).map(|_| 0.0));
+    if let (None, Some(fps)) = (number, args.fps) {
         return Err(Error::Usage(format!("--fps {fps}: expected --frame N beside it, whose time it says")));
     }
-    let frame = args.frame.map(|number| AnimationFrame { number, fps: args.fps.unwrap_or(FPS) });
+    let frame = number.map(|number| AnimationFrame { number, fps: args.fps.unwrap_or(FPS) });
     let image = |path: &PathBuf| std::path::absolute(path).unwrap_or(path.clone()).to_string_lossy().into_owned();
     let sky = args.sky.as_ref().map(|path| Sky::of_word(path).unwrap_or_else(|| Sky::Image(image(path))));
     let camera = args.camera.clone();

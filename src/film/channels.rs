@@ -5,9 +5,10 @@ use std::mem::size_of;
 use glam::DVec3;
 
 use super::floats::exp2;
-use crate::aov::{Aovs, SceneSpace, Sum};
+use crate::aov::{Aov, Aovs, SceneSpace, Sum};
 use crate::data::{CHANNELS, FILM_SUMS, PixelTotals, Rgb, RunRecord, SPLAT_SUMS, SUM_FRACTION};
 use crate::error::{Error, Result};
+use crate::flatten::Neighbours;
 use crate::memory;
 
 /// The sums of all pixels.
@@ -22,6 +23,8 @@ pub(super) struct Channels {
     /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`], but for the squares of splats; `i128::MAX` for a sum
     /// that has left its range.
     sums: Vec<i128>,
+    /// The words of sample 0 of each pixel, one pixel after the other; 0 where there is none.
+    stored: Vec<u32>,
 }
 
 /// The sums of the splats that light paths have added to a pixel.
@@ -47,7 +50,8 @@ impl Splats {
 
 /// Bytes of a pixel of the device's film.
 pub fn device_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
-    (size_of::<PixelTotals>() + count(aovs, light_paths) * size_of::<[u32; 4]>()) as u64
+    let words = aovs.words_of_kernels().len();
+    (size_of::<PixelTotals>() + count(aovs, light_paths) * size_of::<[u32; 4]>() + words * size_of::<u32>()) as u64
 }
 
 /// Bytes of a finished run's record.
@@ -73,6 +77,11 @@ pub(super) fn has_saturated(totals: &PixelTotals, sum: usize) -> bool {
     totals.saturated >> sum.min(31) & 1 == 1
 }
 
+/// One film has sample 0 of a pixel, and the others have zeros.
+fn keep_words(mine: &mut [u32], theirs: &[u32]) {
+    mine.iter_mut().zip(theirs).for_each(|(mine, theirs)| *mine |= theirs);
+}
+
 impl Channels {
     pub fn new(pixels: usize, aovs: &Aovs, space: SceneSpace, light_paths: bool) -> Result<Channels> {
         let count = count(aovs, light_paths);
@@ -88,25 +97,39 @@ impl Channels {
                 (true, _) => format!("the film of --light-paths needs {memory} more; use --light-paths off"),
             })
         };
-        if all > 0 {
-            memory::check((all as u64).saturating_mul(size_of::<i128>() as u64)).map_err(needs)?;
+        let words = pixels.saturating_mul(aovs.words_on_film().len());
+        if all + words > 0 {
+            let bytes = all.saturating_mul(size_of::<i128>()).saturating_add(words.saturating_mul(size_of::<u32>()));
+            memory::check(bytes as u64).map_err(needs)?;
         }
         let cannot = |_| needs("more memory than can be had".to_string());
         let sums = bytemuck::allocation::try_zeroed_vec::<i128>(all).map_err(cannot)?;
+        let stored = bytemuck::allocation::try_zeroed_vec::<u32>(words).map_err(cannot)?;
         let space = if aovs.is_empty() { SceneSpace::default() } else { space };
-        Ok(Channels { aovs: aovs.of_film(), space, light_paths, count, sums })
+        Ok(Channels { aovs: aovs.of_film(), space, light_paths, count, sums, stored })
     }
 
     pub fn clear(&mut self) {
         self.sums.fill(0);
+        self.stored.fill(0);
     }
 
     pub fn add(&mut self, other: &Channels) {
         self.sums.iter_mut().zip(&other.sums).for_each(|(mine, theirs)| *mine = mine.saturating_add(*theirs));
+        keep_words(&mut self.stored, &other.stored);
     }
 
-    /// Adds the sums of a pixel from a device, where they follow its totals.
-    pub fn add_from_device(&mut self, index: usize, totals: &PixelTotals, sums: &[u8]) {
+    /// Adds the sums of a pixel from a device, where they follow its totals, and keeps the words of sample 0 behind them.
+    pub fn add_from_device(&mut self, index: usize, totals: &PixelTotals, rest: &[u8], neighbours: Option<&Neighbours>) {
+        let (sums, words) = rest.split_at(self.count * size_of::<[u32; 4]>());
+        let words: Vec<u32> = words.chunks_exact(size_of::<u32>()).map(bytemuck::pod_read_unaligned).collect();
+        match words.split_first_chunk() {
+            Some((seen, others)) if self.aovs.has(Aov::Motion) => {
+                let motion = neighbours.map_or([0; 4], |neighbours| neighbours.motion(*seen));
+                self.keep_words(index, &[&motion, others].concat());
+            }
+            _ => self.keep_words(index, &words),
+        }
         let Some(mine) = self.of_mut(index) else { return };
         for (number, (mine, words)) in mine.iter_mut().zip(sums.chunks_exact(size_of::<[u32; 4]>())).enumerate() {
             let words: [u32; 4] = bytemuck::pod_read_unaligned(words);
@@ -115,6 +138,19 @@ impl Channels {
                 true => i128::MAX,
             };
             *mine = mine.saturating_add(sum);
+        }
+    }
+
+    /// The words of sample 0 of a pixel; empty if the film has none.
+    pub fn words_of_pixel(&self, index: usize) -> &[u32] {
+        let count = self.aovs.words_on_film().len();
+        self.stored.get(index * count..(index + 1) * count).unwrap_or_default()
+    }
+
+    /// Takes the words of sample 0 of a pixel, unless there are some.
+    pub fn keep_words(&mut self, index: usize, words: &[u32]) {
+        if let Some(mine) = self.stored.get_mut(index * words.len()..(index + 1) * words.len()) {
+            keep_words(mine, words);
         }
     }
 

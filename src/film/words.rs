@@ -23,29 +23,36 @@ fn sums_of(words: &[u16]) -> impl Iterator<Item = i128> {
     words.as_chunks::<OF_SUM>().0.iter().map(sum)
 }
 
+fn put_counts(values: &[u32], words: &mut [u16]) {
+    for (words, value) in words.as_chunks_mut::<2>().0.iter_mut().zip(values) {
+        *words = [*value as u16, (value >> 16) as u16];
+    }
+}
+
+fn counts_of(words: &[u16]) -> impl Iterator<Item = u32> {
+    words.as_chunks::<2>().0.iter().map(|[low, high]| u32::from(*low) | u32::from(*high) << 16)
+}
+
 impl Pixel {
     fn put(&self, words: &mut [u16]) {
         let (sums, counts) = words.split_at_mut(9 * OF_SUM);
         put_sums(self.sum.iter().chain(&self.odd_sum).chain(&self.squared_deviations), sums);
-        let values = [self.even, self.odd, self.runs, self.rejected];
-        for (words, value) in counts.as_chunks_mut::<2>().0.iter_mut().zip(values) {
-            *words = [value as u16, (value >> 16) as u16];
-        }
+        put_counts(&[self.even, self.odd, self.runs, self.rejected], counts);
     }
 
     fn of_words(words: &[u16]) -> Pixel {
         let (sums, counts) = words.split_at(9 * OF_SUM);
         let sums: Vec<i128> = sums_of(sums).collect();
         let rgb = |first: usize| [sums[first], sums[first + 1], sums[first + 2]];
-        let count = |index: usize| u32::from(counts[2 * index]) | u32::from(counts[2 * index + 1]) << 16;
+        let counts: Vec<u32> = counts_of(counts).collect();
         Pixel {
             sum: rgb(0),
             odd_sum: rgb(3),
             squared_deviations: rgb(6),
-            even: count(0),
-            odd: count(1),
-            runs: count(2),
-            rejected: count(3),
+            even: counts[0],
+            odd: counts[1],
+            runs: counts[2],
+            rejected: counts[3],
         }
     }
 
@@ -76,9 +83,9 @@ impl Pixel {
 /// The variance of a pixel's samples, by its words in a film of this exponent. `light_paths` are those of even and of odd runs per pixel of
 /// the full image, if the film has light paths.
 pub fn sample_variance_of(words: &[u16], exponent: i32, light_paths: Option<[f64; 2]>) -> SampleVariance {
-    let (of_pixel, of_channels) = words.split_at(OF_PIXEL);
+    let (of_pixel, rest) = words.split_at(OF_PIXEL);
     let splats = match light_paths {
-        Some(_) => Splats::of_sums(&sums_of(of_channels).collect::<Vec<_>>()),
+        Some(_) => Splats::of_sums(&sums_of(&rest[rest.len() % OF_SUM..]).collect::<Vec<_>>()),
         None => Splats::default(),
     };
     let [even, odd] = light_paths.unwrap_or_default();
@@ -91,7 +98,8 @@ pub fn word_names(aovs: &Aovs, light_paths: bool) -> Vec<String> {
     let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), OF_SUM)));
     let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
     let channels = channels::names(aovs, light_paths).map(|name| (name, OF_SUM));
-    let named = sums.chain(counts).chain(channels);
+    let stored = aovs.words_on_film().into_iter().map(|name| (name, 2));
+    let named = sums.chain(counts).chain(stored).chain(channels);
     named.flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
 }
 
@@ -103,27 +111,31 @@ impl Film {
 
     /// Writes the exact totals of a pixel in the order of [`Film::word_names`]; zeros outside the image.
     pub fn put_words(&self, index: usize, words: &mut [u16]) {
-        let (of_pixel, of_channels) = words.split_at_mut(OF_PIXEL);
+        let (of_pixel, rest) = words.split_at_mut(OF_PIXEL);
         self.pixels.get(index).copied().unwrap_or_default().put(of_pixel);
+        let (stored, of_channels) = rest.split_at_mut(rest.len() - OF_SUM * self.channels.count);
+        put_counts(self.channels.words_of_pixel(index), stored);
         put_sums(self.channels.sums_of_pixel(index).iter(), of_channels);
     }
 
     /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
-        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.count];
+        let mut words = vec![0; self.word_names().len()];
         self.put_words(index, &mut words);
         words
     }
 
     /// Adds the words of a pixel of another film of this image.
     pub fn add_words(&mut self, index: usize, words: &[u16]) {
-        let (of_pixel, of_channels) = words.split_at(OF_PIXEL);
+        let (of_pixel, rest) = words.split_at(OF_PIXEL);
+        let (stored, of_channels) = rest.split_at(rest.len() - OF_SUM * self.channels.count);
         if let Some(pixel) = self.pixels.get_mut(index) {
             pixel.add(&Pixel::of_words(of_pixel));
         }
         if let Some(sums) = self.channels.of_mut(index) {
             sums.iter_mut().zip(sums_of(of_channels)).for_each(|(mine, sum)| *mine = mine.saturating_add(sum));
         }
+        self.channels.keep_words(index, &counts_of(stored).collect::<Vec<_>>());
     }
 }
 

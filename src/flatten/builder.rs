@@ -144,6 +144,15 @@ impl Builder<'_> {
         shape.mesh().map(|mesh| self.layout_of_mesh(mesh)).unwrap_or_default()
     }
 
+    /// Adds a frame for the texture coordinates of each object, in the order of their numbers.
+    pub fn add_frames_of_objects(&mut self, primitives: &[Primitive<'_>]) {
+        let frame = |Primitive { shape, to_world, .. }: &Primitive<'_>| {
+            let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
+            Texture::frame_of_coordinates(pole, &to_world.rotation)
+        };
+        self.flat.frames.extend(primitives.iter().map(frame));
+    }
+
     /// The index of a primitive's first frame; 0 if its material has no texture.
     pub fn frame_of(&mut self, primitive: &Primitive) -> u32 {
         let Primitive { shape, to_world, material, .. } = primitive;

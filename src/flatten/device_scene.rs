@@ -1,6 +1,9 @@
 //! A scene in the layout of the kernels.
 
+use std::sync::Arc;
+
 use super::features::Features;
+use super::neighbours::Neighbours;
 use crate::aov::SceneSpace;
 use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
@@ -58,6 +61,8 @@ pub struct DeviceScene {
     pub brightest: f64,
     /// The map from render space to the scene.
     pub space: SceneSpace,
+    /// The frames around the one that is rendered, for motions; only if they are asked for.
+    pub neighbours: Option<Arc<Neighbours>>,
     /// The pixels that lamps cover in part.
     pub lamps: Vec<data::LampPixel>,
     /// The largest radiance, in device units, of what is not sampled as a light.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::motion::{Motion, Placement, Shutter, in_space};
 use super::swept::swept;
 use crate::delta_light::WorldLight;
-use crate::scene::{Object, Scene, Texture};
+use crate::scene::{Camera, Object, Scene, Texture};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
@@ -69,12 +69,17 @@ pub struct MovingLight<'a> {
 }
 
 impl<'a> Finder<'a> {
-    pub fn new(scene: &'a Scene, meshes: &'a BTreeMap<&'a str, MeshShape<'a>>, eye: DVec3) -> Finder<'a> {
+    pub fn new(
+        scene: &'a Scene,
+        meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
+        eye: DVec3,
+        camera: &Camera,
+    ) -> Finder<'a> {
         Finder {
             materials: (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect(),
             meshes,
             eye,
-            shutter: Shutter::new(&scene.camera),
+            shutter: Shutter::new(camera),
             primitives: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use crate::scene::{Camera, Transform, keys_around, keys_up_to};
 use crate::shape::RenderSpace;
@@ -47,7 +47,7 @@ pub struct Shutter {
 }
 
 /// The pose of an object where the shutter opens, and its motion from there.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Placement {
     /// The transform from its own space to the world.
     pub to_world: Similarity,
@@ -55,6 +55,16 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// Where a point of the object's own space is in the world, at a time from 0 to 1.
+    pub fn point_at(&self, p: DVec3, time: f64) -> DVec3 {
+        self.motion.iter().fold(self.to_world.point(p), |p, step| step.point_at(p, time))
+    }
+
+    /// The point of the object's own space that is at `p` in the world, at a time from 0 to 1.
+    pub fn own_point_at(&self, p: DVec3, time: f64) -> DVec3 {
+        self.to_world.inverse().point(self.motion.iter().rev().fold(p, |p, step| step.point_before(p, time)))
+    }
+
     pub fn resting(to_world: Similarity) -> Placement {
         Placement { to_world, motion: Arc::new([]) }
     }
@@ -205,15 +215,25 @@ pub fn similarity(transforms: &[Transform]) -> Similarity {
 impl MotionStep {
     /// Where it takes a point at a time from 0 to 1.
     pub fn point_at(&self, p: DVec3, time: f64) -> DVec3 {
-        let arm = p - self.center;
+        self.center + self.at(time).point(p - self.center)
+    }
+
+    /// The point that it takes to `p` at a time from 0 to 1.
+    pub fn point_before(&self, p: DVec3, time: f64) -> DVec3 {
+        self.center + self.at(time).inverse().point(p - self.center)
+    }
+
+    /// What it does at a time from 0 to 1, relative to the point that it keeps in place.
+    fn at(&self, time: f64) -> Similarity {
+        let mix = |a: &f64, b: &f64, share: f64| a + share * (b - a);
         match &self.kind {
-            StepKind::Shift(track) => p + value_at(track, time, |a, b, share| a.lerp(*b, share)),
-            StepKind::Spin { axis, degrees } => {
-                let degrees = value_at(degrees, time, |a, b, share| a + share * (b - a));
-                self.center + Similarity::rotation(*axis, degrees).vector(arm)
+            StepKind::Shift(track) => Similarity::translation(value_at(track, time, |a, b, share| a.lerp(*b, share))),
+            StepKind::Spin { axis, degrees } => Similarity::rotation(*axis, value_at(degrees, time, mix)),
+            StepKind::Turn(track) => {
+                let turn: DQuat = value_at(track, time, |a, b, share| a.slerp(*b, share));
+                Similarity { rotation: DMat3::from_quat(turn), ..Similarity::IDENTITY }
             }
-            StepKind::Turn(track) => self.center + value_at(track, time, |a, b, share| a.slerp(*b, share)) * arm,
-            StepKind::Scale(track) => self.center + value_at(track, time, |a, b, share| a + share * (b - a)) * arm,
+            StepKind::Scale(track) => Similarity::scale(value_at(track, time, mix)),
         }
     }
 

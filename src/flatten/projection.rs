@@ -194,6 +194,14 @@ impl Film {
         }
     }
 
+    /// A way on the film; around the vertical axis of a panorama the shorter one.
+    pub fn shortest(&self, way: DVec2) -> DVec2 {
+        match self {
+            Film::Panorama { step, .. } => DVec2::new(way.x - (way.x * step.x).round() / step.x, way.y),
+            _ => way,
+        }
+    }
+
     /// A point at distance 1 as Brown's lens shows it, with the derivatives dx/dx, dx/dy = dy/dx, and dy/dy.
     fn distorted(&self, p: DVec2) -> Option<(DVec2, [f64; 3])> {
         let Film::Brown { radial: [k1, k2, k3], tangential: [p1, p2], .. } = self else { return None };

@@ -28,13 +28,18 @@ pub struct View<'a> {
     pub eye: DVec3,
 }
 
+/// The axes of a camera: right, up and backwards.
+pub fn axes_of(camera: &Camera) -> DMat3 {
+    let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
+    let backward = unit(camera.look_from - camera.look_at);
+    let right = unit(unit(camera.up).cross(backward));
+    DMat3::from_cols(right, backward.cross(right), backward)
+}
+
 impl View<'_> {
     /// The view of an image of `size` pixels. `image` is the size that the scene counts in.
     pub fn new(camera: &Camera, size: (u32, u32), image: ImageSize) -> View<'_> {
-        let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
-        let backward = unit(camera.look_from - camera.look_at);
-        let right = unit(unit(camera.up).cross(backward));
-        let axes = DMat3::from_cols(right, backward.cross(right), backward);
+        let axes = axes_of(camera);
         let film = Film::new(camera, size, image);
         let has_camera_axes = film.least_angle().is_some_and(|pixel| pixel < NARROW_PIXEL);
         let to_space = match has_camera_axes {

@@ -176,6 +176,11 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
         };
         components.filter_map(entry).collect::<Vec<Entry>>()
     };
+    let of_truth = |names: Vec<String>| {
+        let why = reason_of(facts, "truth").cloned().unwrap_or(Reason::EveryRender);
+        let entry = |(number, name)| Entry { name, number, closes: false, why: why.clone() };
+        (0..).zip(names).map(entry).collect::<Vec<Entry>>()
+    };
     let channels = (0..).zip(aovs.sums().filter(|sum| sum.finder() == Finder::Hit));
     let channel = |(number, sum): (u32, Sum)| Some((sum.name(), number, reason_of(facts, "aov_hit")?.clone()));
     BTreeMap::from([
@@ -183,6 +188,8 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
         ("hit_sum", sums_of(Finder::Hit, "aov_hit")),
         ("surface_sum", sums_of(Finder::Surface, "aov_surface")),
         ("direct_sum", sums_of(Finder::Direct, "aov.direct")),
+        ("truth_channel", of_truth(aovs.modules_of_kernels().map(str::to_string).collect())),
+        ("truth_word", of_truth(aovs.words_of_kernels())),
     ])
 }
 
@@ -235,6 +242,7 @@ fn values(
         // light.
         ("iterations_of_shading", 64 * (extensions.max(5) + 1 + u32::from(has("parted")))),
         ("run_length", RUN_LENGTH),
+        ("stored_words", options.aov.words_of_kernels().len() as u32),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + options.aov.count() + splat_sums) as u32),
         ("splat_sums", (FILM_SUMS + options.aov.count()) as u32),

@@ -5,7 +5,7 @@
 
 use std::sync::LazyLock;
 
-use crate::aov::{Finder, SeenSurface};
+use crate::aov::{Aov, Finder, SeenSurface};
 use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, Quantities};
 use crate::gpu::link::{Entry, Facts, Reason, When};
 use crate::lobe::evaluated_rows;
@@ -160,7 +160,9 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
     let given = Reason::Requested(options::AOV.as_given(options));
     let found_by = |finder: Finder| options.aov.sums().any(|sum| sum.finder() == finder);
     facts.extend([
-        is("aov", !options.aov.is_empty(), given.clone()),
+        is("aov", options.aov.sums().next().is_some(), given.clone()),
+        is("truth", options.aov.stored().next().is_some(), given.clone()),
+        is("truth.uv", options.aov.has(Aov::Uv0), given.clone()),
         is("aov.hit", found_by(Finder::Hit), given.clone()),
         is("aov.surface", found_by(Finder::Surface), given.clone()),
         is("aov.direct", found_by(Finder::Direct), given.clone()),

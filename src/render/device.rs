@@ -13,6 +13,7 @@ use super::tiles::{MOST_RUNS, Schedule, pixel_in_order, tiles};
 use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
+use crate::flatten::Neighbours;
 use crate::film::{Film, Totals, device_bytes};
 use crate::gpu::buffers::{BufferSpec, Buffers, Readback};
 use crate::gpu::compile_beside::{compile_beside, is_worth_it};
@@ -59,6 +60,8 @@ struct Pipelines {
     bounce: Vec<Stage>,
     is_fused: bool,
     accumulate: Stage,
+    /// What sample 0 sees, if it is asked for.
+    truth: Option<Stage>,
     /// Light paths, if they are traced.
     light_path: Option<Stage>,
     /// The last of a submission.
@@ -109,6 +112,7 @@ struct DeviceFilm {
     exponent: i32,
     /// The channels of `--aov` in the film.
     aovs: Aovs,
+    neighbours: Option<Arc<Neighbours>>,
     /// Whether the film has light paths.
     light_paths: bool,
     /// The film on its way to the host.
@@ -172,6 +176,7 @@ impl Pipelines {
             light_path: { plan.kernels.light_path.as_ref() }
                 .map(|kernel| stage(kernel, StageSize::Slots))
                 .transpose()?,
+            truth: { plan.kernels.truth.as_ref() }.map(|kernel| stage(kernel, StageSize::Slots)).transpose()?,
             receipt: stage(&plan.kernels.receipt, StageSize::One)?,
             settings_layout: plan.kernels.settings.clone(),
         })
@@ -271,6 +276,7 @@ impl DeviceRenderer {
                 exponent: plan.scene.radiance_exponent,
                 aovs: plan.options.aov.of_film(),
                 light_paths,
+                neighbours: plan.scene.neighbours.clone(),
                 readback: Readback::new(device, "film", film_bytes.min(FILM_AT_ONCE)),
                 tile: 0..0,
                 received: Totals::default(),
@@ -288,9 +294,9 @@ impl DeviceRenderer {
     /// Makes the kernels ready, and counts those that are. The first three are small: if they take long, the driver compiles. Then this device
     /// compiles the largest kernel, while another device compiles the others.
     fn warm_up(&self, specs: &[PipelineSpec<'_>], buffers: &[BufferSpec<'_>]) -> Result<()> {
-        let Pipelines { generate, bounce, accumulate, light_path, receipt, .. } = &self.kernels;
+        let Pipelines { generate, bounce, accumulate, truth, light_path, receipt, .. } = &self.kernels;
         let device = &*self.device;
-        let large: Vec<&Stage> = bounce.iter().chain(light_path).collect();
+        let large: Vec<&Stage> = bounce.iter().chain(truth).chain(light_path).collect();
         device.compiling.begin(3 + large.len());
         let warm_up = |stage: &Stage| {
             stage.pipeline.warm_up(device)?;
@@ -484,7 +490,7 @@ impl DeviceRenderer {
 
     /// Adds the totals of the device's film to the film on the host.
     pub fn read_film(&mut self, film: &mut Film) -> Result<()> {
-        let DeviceFilm { size, aovs, light_paths, readback, tile, received, is_stale, .. } = &mut self.film;
+        let DeviceFilm { size, aovs, light_paths, neighbours, readback, tile, received, is_stale, .. } = &mut self.film;
         if *received == Totals::default() {
             return Ok(());
         }
@@ -498,7 +504,7 @@ impl DeviceRenderer {
             readback.copy(&self.device, &mut encoder, self.buffers.get("film")?, from, bytes)?;
             readback.read(&self.device, self.device.submit(encoder), bytes, |bytes| {
                 let indices = (first..end).map(|rank| pixel_in_order(rank, *size));
-                film.add_from_device(indices, bytes);
+                film.add_from_device(indices, bytes, neighbours.as_deref());
             })?;
         }
         film.add([], std::mem::take(received));
@@ -543,11 +549,11 @@ impl DeviceRenderer {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = slots.div_ceil(self.tuning.workgroup);
-        let Pipelines { generate, bounce, is_fused, accumulate, light_path, receipt: last, .. } = &self.kernels;
+        let Pipelines { generate, bounce, is_fused, accumulate, truth, light_path, receipt: last, .. } = &self.kernels;
         let repeated = (0..if *is_fused { 1 } else { bounces }).flat_map(|_| bounce);
         let first = (window.begins == 1).then_some(generate);
         let stages: Vec<&Stage> = match kind {
-            PathKind::Camera => first.into_iter().chain(repeated).chain([accumulate, last]).collect(),
+            PathKind::Camera => first.into_iter().chain(repeated).chain(truth).chain([accumulate, last]).collect(),
             PathKind::Light => light_path.iter().chain([last]).collect(),
         };
         let sizes = self.buffers.get("queue_args").ok();

@@ -119,6 +119,12 @@ impl Camera {
         }
     }
 
+    /// The camera whose shutter opens and closes so many seconds later.
+    pub fn later(&self, seconds: f64) -> Camera {
+        let (open, close) = self.shutter;
+        Camera { shutter: (open + seconds, close + seconds), ..self.clone() }
+    }
+
     /// The camera as it stands at a time, in seconds.
     pub fn at(&self, seconds: f64) -> Camera {
         let mut camera = self.clone();

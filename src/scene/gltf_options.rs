@@ -51,7 +51,7 @@ impl GltfOptions {
             ("--sun", self.sun.is_some() && !is_mesh, "has its own lights", ""),
             ("--watts", self.watts.is_some(), "has `watts` in its Gltf(..)", "has no lights"),
             ("--thin", self.thin != Thin::Auto, "has `thin` in its Gltf(..)", "has no panes of glass"),
-            ("--frame", self.frame.is_some(), "has `frame` in its Gltf(..)", "has no animations"),
+            ("--frame", self.frame.is_some() && is_mesh, "", "has no animations"),
         ];
         let Some((option, _, of_scene, of_mesh)) = given.into_iter().find(|(_, is_given, ..)| *is_given) else {
             return Ok(());

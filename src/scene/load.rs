@@ -53,7 +53,7 @@ impl Scene {
         }
         options.refuse(path, false)?;
         let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
-        parse(text_of(file, path)?, path, progress, assets)
+        parse(text_of(file, path)?, path, progress, assets).map(|scene| scene.in_frame(options.frame))
     }
 
     /// The scene of a glTF file or a mesh file, as the scene file `to` would have it. `assets` then has the files that it was read from.
@@ -315,6 +315,7 @@ impl Scene {
             bitmaps: Bitmaps::default(),
             meshes: BTreeMap::new(),
             frame: None,
+            neighbours: None,
             notes: Vec::new(),
             libraries: Vec::new(),
             source,

@@ -27,6 +27,8 @@ pub struct Scene {
     pub meshes: BTreeMap<String, Arc<Mesh>>,
     /// The frame of the animations of a glTF scene, if one was requested.
     pub frame: Option<AnimationFrame>,
+    /// The frames before and after that, if motions are asked for.
+    pub neighbours: Option<Box<[Scene; 2]>>,
     /// Warnings about what glTF files have and the scene does not.
     pub(super) notes: Vec<String>,
     /// The files of materials of an OBJ file.
@@ -35,6 +37,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The scene in a frame, whose shutter opens and closes so much later.
+    pub fn in_frame(self, frame: Option<AnimationFrame>) -> Scene {
+        let camera = self.camera.later(frame.map_or(0.0, |frame| frame.seconds()));
+        Scene { camera, frame, ..self }
+    }
+
     /// The location in the scene file of the value at the end of `steps`.
     ///
     /// For a value that the file does not give, it is the location of the innermost value around it.

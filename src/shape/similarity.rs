@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 /// A uniform scaling, then a rotation, then a translation.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Similarity {
     pub scale: f64,
     pub rotation: DMat3,
@@ -33,6 +33,11 @@ impl Similarity {
 
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.scale * (self.rotation * v)
+    }
+
+    pub fn inverse(&self) -> Similarity {
+        let (scale, rotation) = (1.0 / self.scale, self.rotation.transpose());
+        Similarity { scale, rotation, translation: -scale * (rotation * self.translation) }
     }
 
     /// First `inner`, then this.

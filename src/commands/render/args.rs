@@ -57,7 +57,7 @@ pub struct FileArgs {
 /// What to render, and until when.
 #[derive(Clone, Debug, Args)]
 pub struct GoalArgs {
-    /// Render the frames A to B - 1 of a .glb or .gltf, each as --frame does: the #### in the names of -o and --png are its number, with as many
+    /// Render the frames A to B - 1, each as --frame does: the #### in the names of -o and --png are its number, with as many
     /// digits or more [default of -o: the scene's name with .####.exr]. --resume leaves out what is complete.
     #[arg(long, value_name = "A..B", value_parser = frame_range, conflicts_with_all = ["frame", "watch"])]
     pub frames: Option<Range<u32>>,

@@ -6,14 +6,15 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::args::RenderArgs;
+use crate::aov::Aov;
 use crate::commands::changes::Changes;
 use crate::commands::console::tell;
 use crate::commands::scene::load_with;
 use crate::commands::signals::Signals;
 use crate::commands::target::tell_driver;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::output::progress::Loading;
-use crate::scene::{Assets, Scene};
+use crate::scene::{Assets, Scene, is_gltf};
 use crate::session::Session;
 
 /// Renders a scene that has been loaded since an instant.
@@ -59,7 +60,17 @@ impl Series {
     pub fn load(&mut self, args: &RenderArgs) -> Result<Scene> {
         let mut loading = Loading::new(args.messages.quiet);
         let progress = &mut |file: &_, done, total| loading.update(file, done, total);
-        load_with(&args.scene, progress, &mut self.assets)
+        // Animations of glTF files are read frame by frame.
+        let frame = args.scene.gltf.frame.filter(|_| args.options.aov.has(Aov::Motion) && is_gltf(&args.scene.path));
+        let mut at = |frame: f64| {
+            let mut scene = args.scene.clone();
+            scene.gltf.frame = Some(frame);
+            load_with(&scene, progress, &mut self.assets)
+        };
+        let neighbours = frame.map(|frame| Ok::<_, Error>(Box::new([at(frame - 1.0)?, at(frame + 1.0)?]))).transpose()?;
+        let mut scene = load_with(&args.scene, progress, &mut self.assets)?;
+        scene.neighbours = neighbours;
+        Ok(scene)
     }
 
     /// Prints warnings unless `quiet`; those of a sequence once, and not for each of its frames.

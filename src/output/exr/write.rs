@@ -13,7 +13,7 @@ use ::exr::meta::{BlockDescription, Headers};
 
 use super::attribute::{Attribute, CHECKSUM, REJECTED, SAMPLES, STATE, VARIANCES, checksum, text, to_io};
 use super::state::State;
-use crate::aov::ChannelNames;
+use crate::aov::{Aov, ChannelNames};
 use crate::chromaticities::REC_709;
 use crate::data::CHANNELS;
 use crate::error::Result;
@@ -26,7 +26,8 @@ const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean;
     samples, rejected: camera samples of the pixel that went into the mean, and that were left out as not finite.";
 /// The end of the `comments` of a file with channels of `--aov`.
 const COMMENTS_OF_AOVS: &str = " Z: distance along the camera's axis, mean over the samples that hit a surface; 3.4028235e38 without any. \
-    N, P: in the world's axes. object, material: numbers from 1; 0 is none.";
+    N, P: in the world's axes. object, material, face0: numbers from 1; 0 is none. depth0, distance0, position0, normal0, uv0, face0, offset0: of \
+    sample 0. motion: pixels to the next frame, x to the right, y down; 3.4028235e38 of what leaves the view.";
 /// The name of the part that holds the picture, of a file with several parts. Blender takes the name for that of the pass, or of the view
 /// layer that has passes.
 const PART: &str = "Combined";
@@ -112,8 +113,9 @@ impl<'a> Contents<'a> {
         }
         for (film, channel) in film.into_iter().flat_map(|film| aovs.channels().into_iter().map(move |aov| (film, aov)))
         {
+            let kind = if channel.aov == Aov::Face0 { SampleType::U32 } else { SampleType::F32 };
             let name = format!("{before}{}", channel.name);
-            float(name, Box::new(move |index, _| film.channel(index, &channel).to_bits()));
+            channels.push((name, kind, Box::new(move |index, _| film.channel_word(index, &channel))));
         }
         channels.sort_by(|(a, ..), (b, ..)| a.cmp(b));
         Contents { part, pixel, has_aovs: !aovs.is_empty(), channels }

@@ -1,0 +1,6 @@
+//@ implements distance0 when truth
+//@ use truth/word
+// The distance to the hit along the ray.
+fn distance0_of(path: ptr<function, Path>) -> u32 {
+    return select(0u, word_of((*path).t), has_hit(path));
+}
