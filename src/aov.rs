@@ -253,7 +253,9 @@ impl Aovs {
     pub fn words_of_kernels(&self) -> Vec<String> {
         let words = |(_, name, components): (Aov, &str, &'static [&'static str])| {
             let name = name.to_string();
-            components.iter().map(move |component| if component.is_empty() { name.clone() } else { format!("{name}.{component}") })
+            components
+                .iter()
+                .map(move |component| if component.is_empty() { name.clone() } else { format!("{name}.{component}") })
         };
         self.stored().flat_map(words).collect()
     }

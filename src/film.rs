@@ -19,13 +19,12 @@ mod words;
 use crate::aov::{Aovs, SceneSpace};
 use crate::data::{PixelTotals, Rgb, Sampler};
 use crate::error::{Error, Result};
-use crate::flatten::Neighbours;
 use crate::job::Frame;
 use crate::memory;
 use crate::options::Word;
 pub use accumulation::{Accumulation, add_devices};
 pub use bound::Bound;
-pub use channels::{device_bytes, record_bytes};
+pub use channels::{MotionOf, device_bytes, record_bytes};
 pub use error::ErrorEstimate;
 pub use totals::{HiddenLight, Rejected, Totals};
 pub use verdict::Verdict;
@@ -165,21 +164,23 @@ impl Film {
     }
 
     /// Adds the totals of pixels in the layout of the device's film. The indices are those of [`Film::add`].
-    /// `neighbours` finds motions.
+    /// `motion` finds what channels have of a motion.
     pub fn add_from_device(
         &mut self,
         pixels: impl IntoIterator<Item = usize>,
         bytes: &[u8],
-        neighbours: Option<&Neighbours>,
+        motion: Option<MotionOf<'_>>,
     ) {
         let each = device_bytes(&self.channels.aovs, self.channels.light_paths) as usize;
-        if let (true, Ok(totals)) = (each == size_of::<PixelTotals>(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes)) {
+        if let (true, Ok(totals)) =
+            (each == size_of::<PixelTotals>(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes))
+        {
             return self.add(pixels.into_iter().zip(totals), Totals::default());
         }
         for (index, bytes) in pixels.into_iter().zip(bytes.chunks_exact(each)) {
             let (totals, sums) = bytes.split_at(size_of::<PixelTotals>());
             let totals: PixelTotals = bytemuck::pod_read_unaligned(totals);
-            self.channels.add_from_device(index, &totals, sums, neighbours);
+            self.channels.add_from_device(index, &totals, sums, motion);
             self.add([(index, &totals)], Totals::default());
         }
     }

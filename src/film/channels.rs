@@ -8,8 +8,10 @@ use super::floats::exp2;
 use crate::aov::{Aov, Aovs, SceneSpace, Sum};
 use crate::data::{CHANNELS, FILM_SUMS, PixelTotals, Rgb, RunRecord, SPLAT_SUMS, SUM_FRACTION};
 use crate::error::{Error, Result};
-use crate::flatten::Neighbours;
 use crate::memory;
+
+/// The words that the film has of a motion, by those that kernels store (`crate::flatten::Neighbours::motion`).
+pub type MotionOf<'a> = &'a dyn Fn([u32; 6]) -> [u32; 4];
 
 /// The sums of all pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -120,12 +122,12 @@ impl Channels {
     }
 
     /// Adds the sums of a pixel from a device, where they follow its totals, and keeps the words of sample 0 behind them.
-    pub fn add_from_device(&mut self, index: usize, totals: &PixelTotals, rest: &[u8], neighbours: Option<&Neighbours>) {
+    pub fn add_from_device(&mut self, index: usize, totals: &PixelTotals, rest: &[u8], motion: Option<MotionOf<'_>>) {
         let (sums, words) = rest.split_at(self.count * size_of::<[u32; 4]>());
         let words: Vec<u32> = words.chunks_exact(size_of::<u32>()).map(bytemuck::pod_read_unaligned).collect();
         match words.split_first_chunk() {
             Some((seen, others)) if self.aovs.has(Aov::Motion) => {
-                let motion = neighbours.map_or([0; 4], |neighbours| neighbours.motion(*seen));
+                let motion = motion.map_or([0; 4], |motion| motion(*seen));
                 self.keep_words(index, &[&motion, others].concat());
             }
             _ => self.keep_words(index, &words),

@@ -186,7 +186,7 @@ mod tests {
     fn lit(sampler: Sampler) -> Film {
         let mut film = film(sampler, &Aovs::default(), true);
         let black = pixel([[0.0; 3]; 3], &splats([[0.0; 3]; 3]), 0);
-        film.add_from_device([0, 1], &[pixel(CAMERA, &splats(SPLATS), 0), black].concat());
+        film.add_from_device([0, 1], &[pixel(CAMERA, &splats(SPLATS), 0), black].concat(), None);
         film.add([], traced(TRACED));
         film
     }
@@ -210,7 +210,7 @@ mod tests {
         let mut none = film.clone();
         none.clear();
         assert!(none.has_light_paths() && none.develop().rgb == [[0.0; 3]; 2]);
-        none.add_from_device([0], &pixel(CAMERA, &splats(SPLATS), 0));
+        none.add_from_device([0], &pixel(CAMERA, &splats(SPLATS), 0), None);
         assert_eq!(none.developed(0).rgb, [2.5, 2.0, 2.5]);
         none.add([], traced([8, 0]));
         assert_eq!(none.developed(0).rgb, [2.5 + 3.75, 2.0 - 0.75, 2.5]);
@@ -221,14 +221,14 @@ mod tests {
     #[test]
     fn splats_alone_make_a_variance() {
         let mut film = film(Sampler::Independent, &Aovs::default(), true);
-        film.add_from_device([0], &pixel([[0.0; 3]; 3], &splats([[3.0; 3], [6.0; 3], [4.5; 3]]), 0));
+        film.add_from_device([0], &pixel([[0.0; 3]; 3], &splats([[3.0; 3], [6.0; 3], [4.5; 3]]), 0), None);
         film.add([], traced(TRACED));
         assert_eq!((film.developed(0).rgb, film.developed(0).variance), ([3.0; 3], [0.5; 3]));
         assert_eq!(film.estimate(0).degrees(Sampler::Independent), 6.0);
         // Squares that the fixed point cannot hold: the halves know more.
         let mut film = lit(Sampler::Independent);
         film.clear();
-        film.add_from_device([0], &pixel([[0.0; 3]; 3], &splats([[3.0; 3], [4.5; 3], [0.0; 3]]), 0));
+        film.add_from_device([0], &pixel([[0.0; 3]; 3], &splats([[3.0; 3], [4.5; 3], [0.0; 3]]), 0), None);
         film.add([], traced(TRACED));
         assert_eq!(film.developed(0).variance, [2.25; 3]);
     }
@@ -255,11 +255,15 @@ mod tests {
             let mut plain = film(sampler, &aovs, false);
             let odd = [[0.1, 0.7, 1e-9], [0.3, 0.2, 5.0], [0.01, 1e-20, 3.0]];
             let pixels = [pixel(CAMERA, &[], 0), pixel(odd, &[], 0)];
-            plain.add_from_device([0, 1], &pixels.concat());
+            plain.add_from_device([0, 1], &pixels.concat(), None);
             for light_paths in [[0, 0], TRACED] {
                 let mut with = film(sampler, &aovs, true);
                 let none = splats([[0.0; 3]; 3]).iter().flat_map(|sum| sum.to_le_bytes()).collect::<Vec<u8>>();
-                with.add_from_device([0, 1], &pixels.clone().map(|bytes| [bytes, none.clone()].concat()).concat());
+                with.add_from_device(
+                    [0, 1],
+                    &pixels.clone().map(|bytes| [bytes, none.clone()].concat()).concat(),
+                    None,
+                );
                 with.add([], traced(light_paths));
                 assert_eq!(with.develop(), plain.develop());
                 assert_eq!(with.error_estimate(0.01), plain.error_estimate(0.01));
@@ -279,7 +283,7 @@ mod tests {
         let part = |number: i32| {
             let mut film = film(Sampler::Sobol, &Aovs::default(), true);
             let times = |sums: [Rgb<f64>; 3]| sums.map(|sums| sums.map(|sum| sum * exp2(-number)));
-            film.add_from_device([number as usize % 2], &pixel(times(CAMERA), &splats(times(SPLATS)), 0));
+            film.add_from_device([number as usize % 2], &pixel(times(CAMERA), &splats(times(SPLATS)), 0), None);
             film.add([], Totals { paths: 8, ..traced([5 + number as u64, 3]) });
             film
         };
@@ -316,7 +320,7 @@ mod tests {
         aovs.set(vec![Aov::Direct, Aov::Indirect]);
         let mut film = film(Sampler::Sobol, &aovs, true);
         let direct = [8.0, 4.0, 20.0].map(|sum| fixed(sum, SUM_FRACTION));
-        film.add_from_device([1], &pixel(CAMERA, &[direct.to_vec(), splats(SPLATS)].concat(), 0));
+        film.add_from_device([1], &pixel(CAMERA, &[direct.to_vec(), splats(SPLATS)].concat(), 0), None);
         film.add([], traced(TRACED));
         assert_eq!(film.developed(1).rgb, [5.0, 1.5, 2.5]);
         let channels = aovs.channels();
@@ -347,7 +351,11 @@ mod tests {
         let known = |film: &Film| film.developed(0).variance.map(|variance| variance < UNKNOWN_VARIANCE);
         let saturated = |aovs: &Aovs, bit: u32| {
             let mut film = film(Sampler::Sobol, aovs, true);
-            film.add_from_device([0], &pixel(CAMERA, &[vec![0; aovs.count()], splats(SPLATS)].concat(), 1 << bit));
+            film.add_from_device(
+                [0],
+                &pixel(CAMERA, &[vec![0; aovs.count()], splats(SPLATS)].concat(), 1 << bit),
+                None,
+            );
             film.add([], traced(TRACED));
             film
         };

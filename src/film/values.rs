@@ -43,7 +43,9 @@ impl Film {
         let direct = || channels.mean(index, Sum::Direct, samples).map(|direct| direct[component]);
         // The kernels store no word of 0 but where there is nothing.
         let words = self.words0(index, aov);
-        let float = |number: usize| words.get(number).filter(|word| **word != 0).map(|word| f64::from(f32::from_bits(*word)));
+        let float = |number: usize| {
+            words.get(number).filter(|word| **word != 0).map(|word| f64::from(f32::from_bits(*word)) + 0.0)
+        };
         let vector = || Some(DVec3::new(float(0)?, float(1)?, float(2)?));
         Some(match aov {
             Aov::Albedo => channels.mean(index, Sum::Albedo, all)?[component].min(1.0),
@@ -73,7 +75,7 @@ impl Film {
             Aov::Depth0 | Aov::Distance0 => float(0).map_or(f64::from(UNKNOWN), |length| space.length(length)),
             Aov::Position0 => vector().map_or(0.0, |point| space.point(point)[component]),
             Aov::Normal0 => vector().map_or(0.0, |normal| space.direction(normal)[component]),
-            Aov::Uv0 | Aov::Offset0 => float(component).map_or(0.0, |x| x + 0.0),
+            Aov::Uv0 | Aov::Offset0 => float(component).unwrap_or(0.0),
             Aov::Face0 => words.first().map_or(0.0, |number| f64::from(*number)),
         })
     }

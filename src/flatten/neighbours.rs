@@ -76,7 +76,8 @@ impl Neighbours {
             Some(self.film.shortest(self.point(other, &then, time)? - from?))
         };
         let bits = |x: f64| if x == 0.0 { (-0.0f32).to_bits() } else { (x as f32).to_bits() };
-        let [before, after] = self.around.each_ref().map(|other| motion(other).map_or([0; 2], |m| [bits(m.x), bits(m.y)]));
+        let [before, after] =
+            self.around.each_ref().map(|other| motion(other).map_or([0; 2], |m| [bits(m.x), bits(m.y)]));
         [before[0], before[1], after[0], after[1]]
     }
 
@@ -86,6 +87,8 @@ impl Neighbours {
         let camera = moment.camera.at(open + time * (close - open));
         let axes = axes_of(&camera);
         let from_eye = match seen {
+            // Parallel rays see one point of the sky.
+            Seen::Sky(_) if matches!(self.film, Film::Parallel { .. }) => return Some(DVec2::ZERO),
             Seen::Sky(direction) => *direction,
             Seen::Point(p) => p - camera.look_from,
         };
@@ -128,7 +131,9 @@ impl Moment {
 fn bent(mesh: &Mesh, then: &Mesh, face: u32, p: DVec3) -> Option<DVec3> {
     let corners = mesh.triangles.get((face as usize).checked_sub(1)?)?;
     let of = |mesh: &Mesh| corners.map(|corner| mesh.positions.get(corner as usize).copied());
-    let ([Some(a), Some(b), Some(c)], [Some(a_then), Some(b_then), Some(c_then)]) = (of(mesh), of(then)) else { return None };
+    let ([Some(a), Some(b), Some(c)], [Some(a_then), Some(b_then), Some(c_then)]) = (of(mesh), of(then)) else {
+        return None;
+    };
     let (u, v, w) = (b - a, c - a, p - a);
     let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
     let area = uu * vv - uv * uv;

@@ -13,8 +13,8 @@ use super::tiles::{MOST_RUNS, Schedule, pixel_in_order, tiles};
 use crate::aov::Aovs;
 use crate::data::{Counters, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
+use crate::film::{Film, MotionOf, Totals, device_bytes};
 use crate::flatten::Neighbours;
-use crate::film::{Film, Totals, device_bytes};
 use crate::gpu::buffers::{BufferSpec, Buffers, Readback};
 use crate::gpu::compile_beside::{compile_beside, is_worth_it};
 use crate::gpu::device::Device;
@@ -494,6 +494,8 @@ impl DeviceRenderer {
         if *received == Totals::default() {
             return Ok(());
         }
+        let motion = neighbours.as_ref().map(|neighbours| |seen| neighbours.motion(seen));
+        let motion = motion.as_ref().map(|motion| motion as MotionOf<'_>);
         let each = device_bytes(aovs, *light_paths);
         let at_once = (readback.room() / each).clamp(1, u64::from(u32::MAX)) as u32;
         for first in tile.clone().step_by(at_once as usize) {
@@ -504,7 +506,7 @@ impl DeviceRenderer {
             readback.copy(&self.device, &mut encoder, self.buffers.get("film")?, from, bytes)?;
             readback.read(&self.device, self.device.submit(encoder), bytes, |bytes| {
                 let indices = (first..end).map(|rank| pixel_in_order(rank, *size));
-                film.add_from_device(indices, bytes, neighbours.as_deref());
+                film.add_from_device(indices, bytes, motion);
             })?;
         }
         film.add([], std::mem::take(received));

@@ -50,7 +50,7 @@ impl Scene {
             warnings.push(camera.field("focus_distance").warning(&message));
         }
         let moving = camera.field("moving");
-        warnings.extend(no_motion(&moving, &self.camera.moving, self.camera.shutter));
+        warnings.extend(self.no_motion(&moving, &self.camera.moving));
         let mut at_rest: Vec<String> = Vec::new();
         let mut reported = HashSet::new();
         self.visit_objects(&mut |at, object| match object {
@@ -74,7 +74,7 @@ impl Scene {
                 for (index, (_, by)) in keys.iter().enumerate() {
                     warnings.extend(angles(&keys_field.index(index).index(1), by));
                 }
-                at_rest.extend(no_motion(&keys_field, keys, self.camera.shutter));
+                at_rest.extend(self.no_motion(&keys_field, keys));
             }
             _ => warnings.extend(object.delta_light().and_then(|light| light.warning(at))),
         });
@@ -82,17 +82,17 @@ impl Scene {
         warnings.extend(at_rest.into_iter().next().map(|first| first + &more));
         warnings
     }
-}
 
-/// The warning that the motion between keys does not show, because the shutter is open for no time.
-fn no_motion<T: PartialEq>(at: &ValuePath, keys: &[(f64, T)], (open, close): (f64, f64)) -> Option<String> {
-    let [(first, _), .., (last, _)] = keys else { return None };
-    let moves = keys.windows(2).any(|keys| keys[0].1 != keys[1].1);
-    let message = format!(
-        "the shutter opens and closes at {open}, so that the motion does not show in the image: write a camera.shutter such as ({first}, \
-         {last})"
-    );
-    (open == close && moves).then(|| at.warning(&message))
+    /// The warning that the motion between keys does not show, because the shutter is open for no time. From frame to frame it shows.
+    fn no_motion<T: PartialEq>(&self, at: &ValuePath, keys: &[(f64, T)]) -> Option<String> {
+        let ([(first, _), .., (last, _)], (open, close)) = (keys, self.camera.shutter) else { return None };
+        let moves = keys.windows(2).any(|keys| keys[0].1 != keys[1].1);
+        let message = format!(
+            "the shutter opens and closes at {open}, so that the motion does not show in the image: write a camera.shutter such as \
+             ({first}, {last})"
+        );
+        (open == close && moves && self.frame.is_none()).then(|| at.warning(&message))
+    }
 }
 
 /// The warnings about the angles of transforms.

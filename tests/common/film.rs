@@ -134,7 +134,7 @@ impl AddRuns for Film {
     }
 
     fn add_splats(&mut self, splats: &[Splat]) {
-        splats.iter().for_each(|splat| self.add_from_device([splat.pixel as usize], &splat.bytes()));
+        splats.iter().for_each(|splat| self.add_from_device([splat.pixel as usize], &splat.bytes(), None));
     }
 }
 

@@ -40,6 +40,7 @@ mod sobol;
 mod sweeps;
 mod thin_faces;
 mod trade_offs;
+mod truth;
 mod uv_sets;
 mod vertex_colours;
 mod walk;

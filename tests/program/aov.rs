@@ -6,7 +6,7 @@ use crate::common::program::words;
 use crate::sandbox::{SPHERE, Sandbox, attribute};
 use exr::prelude::{MetaData, read_first_flat_layer_from_file};
 
-const ALL: &str = "albedo,normal,depth,position,object,material,direct,indirect";
+const ALL: &str = "albedo,normal,depth,position,object,material,direct,indirect,motion,depth0,distance0,position0,normal0,uv0,face0,offset0";
 
 /// The bits of all channels of a file's picture, by their names.
 fn channels(sandbox: &Sandbox, name: &str) -> BTreeMap<String, Vec<u32>> {
@@ -29,7 +29,7 @@ fn channels_are_joined_and_resumed_to_the_bit() {
     sandbox.says("merge b.exr a.exr -o joined.exr").exits(0);
     render(&format!("--spp 24 --aov {ALL} --resume -o a.exr")).exits(0);
     let full = channels(&sandbox, "full.exr");
-    assert_eq!(full.len(), 8 + 3 + 3 + 1 + 3 + 2 + 6);
+    assert_eq!(full.len(), 8 + 3 + 3 + 1 + 3 + 2 + 6 + 15);
     assert!(channels(&sandbox, "joined.exr") == full && channels(&sandbox, "a.exr") == full);
     assert!(channels(&sandbox, "b.exr") != full);
     // Without them, the picture is the same.

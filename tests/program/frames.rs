@@ -7,7 +7,7 @@ use crate::common::gltf::{glb, moving, posed};
 use crate::common::oidn;
 use crate::common::program::Ran;
 use crate::resume::Held;
-use crate::sandbox::Sandbox;
+use crate::sandbox::{SPHERE, Sandbox};
 
 /// A sandbox with moving.glb among its scenes, which moves for a second, and posed.glb, which is its frame 6.
 fn with_moving() -> Sandbox {
@@ -139,11 +139,7 @@ fn sequences_and_frames_that_cannot_be_are_refused() {
         ("moving.glb --frames 0..3 -o a#b#.exr", "a#b#.exr: expected one run of # for the number of the frame with -o"),
         ("moving.glb --frames 0..3 -o gone/#.exr", "gone/0.exr: cannot write"),
         ("moving.glb --frames 0..3 -o #.exr --png #.exr", "0.exr: --png names the same file as -o 0.exr"),
-        (
-            "sphere.ron --frames 0..3",
-            "--frame is for scenes that are .glb or .gltf: ../scenes/sphere.ron has `frame` in its Gltf(..)",
-        ),
-        ("sphere.ron --frame 3", "--frame is for scenes that are .glb or .gltf"),
+        ("face.obj --frame 3", "--frame is for scenes that are .glb or .gltf: ../scenes/face.obj has no animations"),
         ("moving.glb --fps 30", "--fps 30: expected --frame N beside it"),
     ] {
         render(&sandbox, words, "").exits(2).says_last(&format!("error: {says}"));
@@ -157,6 +153,31 @@ fn sequences_and_frames_that_cannot_be_are_refused() {
     for command in ["check", "plan"] {
         sandbox.says(&format!("{command} ../scenes/moving.glb --frame -3 --fps 25")).exits(0);
     }
+}
+
+/// In a frame, the shutter of a scene file opens and closes later: as if the file said so.
+#[test]
+fn frames_of_a_scene_file_move_its_shutter() {
+    let sandbox = Sandbox::new();
+    let text = |shutter: &str| {
+        let moving = "Moving(keys: [(0, [Translate((0, 0, 0))]), (1, [Translate((1, 0, 0))])], object: Sphere";
+        SPHERE
+            .replace("Sphere", moving)
+            .replace("material: \"grey\")", "material: \"grey\"))")
+            .replace("camera: (", &format!("camera: (shutter: {shutter}, "))
+    };
+    sandbox.scene("moves.ron", &text("(0, 0.05)"));
+    sandbox.scene("later.ron", &text("(0.25, 0.3)"));
+    render(&sandbox, "moves.ron", "--spp 8 --frames 0..3 --fps 8 -o #.exr").exits(0);
+    render(&sandbox, "later.ron", "--spp 8 -o later.exr").exits(0);
+    render(&sandbox, "moves.ron", "--spp 8 -o first.exr").exits(0);
+    render(&sandbox, "moves.ron", "--spp 8 --fps 30 -o rate.exr").exits(0);
+    let later = film(&sandbox, "later.exr");
+    assert!(film(&sandbox, "2.exr").has_pixels_of(&later) && !film(&sandbox, "1.exr").has_pixels_of(&later));
+    let first = film(&sandbox, "first.exr");
+    assert!(film(&sandbox, "0.exr").has_pixels_of(&first) && film(&sandbox, "rate.exr").has_pixels_of(&first));
+    let refused = render(&sandbox, "moves.ron", "--spp 16 --frame 1 --fps 8 -o 2.exr --resume").exits(2);
+    assert!(refused.last_line().contains("--frame is 1 in this render and 2 in 2.exr"), "{}", refused.stderr);
 }
 
 /// A signal ends the whole sequence: the frame that is under way keeps its samples, and later ones do not begin.

@@ -67,7 +67,8 @@ impl Series {
             scene.gltf.frame = Some(frame);
             load_with(&scene, progress, &mut self.assets)
         };
-        let neighbours = frame.map(|frame| Ok::<_, Error>(Box::new([at(frame - 1.0)?, at(frame + 1.0)?]))).transpose()?;
+        let neighbours =
+            frame.map(|frame| Ok::<_, Error>(Box::new([at(frame - 1.0)?, at(frame + 1.0)?]))).transpose()?;
         let mut scene = load_with(&args.scene, progress, &mut self.assets)?;
         scene.neighbours = neighbours;
         Ok(scene)
