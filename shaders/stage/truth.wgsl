@@ -4,7 +4,7 @@
 //@ use step/start
 //@ use step/trace
 //@ each truth_channel
-//@ use choice/${name}
+//@ use truth/${name}
 //@ end
 //@ relies on loops
 // Stores what sample 0 of a pixel sees, once its run is finished. It traces that sample's camera ray once more, so that paths carry nothing of it.

@@ -1,4 +1,3 @@
-//@ implements depth0 when truth
 //@ use truth/word
 //@ use choice/camera_pose
 // The distance to the hit along the camera's axis.

@@ -1,4 +1,3 @@
-//@ implements distance0 when truth
 //@ use truth/word
 // The distance to the hit along the ray.
 fn distance0_of(path: ptr<function, Path>) -> u32 {

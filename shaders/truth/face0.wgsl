@@ -1,16 +1,9 @@
-//@ implements face0 when truth & mesh
 //@ use truth/word
-//@ use choice/faces
-// The number of the face of a mesh that is hit, from 1 in the order of the file.
+//@ use choice/face_of_hit
+// The number of the face of a mesh that is hit, from 1 in the order of the file; 0 is none.
 fn face0_of(path: ptr<function, Path>) -> u32 {
-    if !has_hit(path) || primitive_kind((*path).status) != KIND_TRIANGLE {
+    if !has_hit(path) {
         return 0u;
     }
-    return face_number(primitive_index((*path).status)) + 1u;
-}
-
-//@ without
-// There are no meshes.
-fn face0_of(path: ptr<function, Path>) -> u32 {
-    return 0u;
+    return face_of_hit(path);
 }

@@ -1,4 +1,3 @@
-//@ implements offset0 when truth
 //@ use truth/word
 //@ use step/start
 // Where the sample is, from its pixel's left upper corner, in pixels: x to the right, y down.

@@ -1,4 +1,3 @@
-//@ implements position0 when truth
 //@ use truth/word
 // The point of the hit, in render space.
 fn position0_of(path: ptr<function, Path>) -> vec3<u32> {

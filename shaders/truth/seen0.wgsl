@@ -1,8 +1,7 @@
-//@ implements seen0 when truth
 //@ use truth/word
-//@ use choice/object0
-//@ use choice/face0
-//@ use choice/time0
+//@ use choice/object_of_hit
+//@ use choice/face_of_hit
+//@ use choice/time_of_sample
 // What the host needs to follow what the sample sees to another frame.
 struct Seen {
     // The point of the hit in render space; without a hit, the direction of the ray.
@@ -18,9 +17,14 @@ struct Seen {
 
 fn seen0_of(path: ptr<function, Path>) -> Seen {
     let ray = (*path).ray;
-    let at = words_of(select(ray.direction, ray.origin + (*path).t * ray.direction, has_hit(path)));
-    if (*path).status == PATH_ENDED {
+    let time = word_of(time_of_sample());
+    if has_hit(path) {
+        let point = words_of(ray.origin + (*path).t * ray.direction);
+        return Seen(point.x, point.y, point.z, object_of_hit(path), face_of_hit(path), time);
+    }
+    if (*path).status != HIT_NOTHING {
         return Seen();
     }
-    return Seen(at.x, at.y, at.z, object0_of(path), face0_of(path), word_of(time0()));
+    let direction = words_of(ray.direction);
+    return Seen(direction.x, direction.y, direction.z, 0u, 0u, time);
 }

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use gpu_rt::aov::Aovs;
 use gpu_rt::data;
 use gpu_rt::flatten::{Features, MATERIALS, Quantities};
 use gpu_rt::gpu::layout::{Member, members, pack};
@@ -24,19 +25,20 @@ fn modules() -> Vec<naga::Module> {
     linked(LightPaths::Off).into_iter().chain(std::iter::once(probe)).collect()
 }
 
-/// Those modules, and those of renders with light paths, whose films have more sums.
+/// Those modules, and those of renders with light paths, whose films have more sums, and with words of sample 0.
 fn all_modules() -> Vec<naga::Module> {
-    let projections = ["calibrated", "calibrated_fisheye"].map(|projection| linked_as(projection, LightPaths::Off));
-    [modules(), linked(LightPaths::Count(8)), projections.concat()].concat()
+    let projections = ["calibrated", "calibrated_fisheye"].map(|projection| linked_as(projection, "", LightPaths::Off));
+    let truth = linked_as("fisheye", "motion", LightPaths::Off);
+    [modules(), linked(LightPaths::Count(8)), projections.concat(), truth].concat()
 }
 
 /// The modules of every production kernel with every feature on.
 fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
-    linked_as("fisheye", light_paths)
+    linked_as("fisheye", "", light_paths)
 }
 
-/// The same with this projection.
-fn linked_as(projection: &str, light_paths: LightPaths) -> Vec<naga::Module> {
+/// The same with this projection, and with a channel of sample 0, if one is named.
+fn linked_as(projection: &str, truth: &str, light_paths: LightPaths) -> Vec<naga::Module> {
     let mut features =
         Features::default().with_options(&RenderOptions { features: FeatureSet::All, ..RenderOptions::default() });
     features.require("light_paths", || "a test".to_string());
@@ -59,8 +61,9 @@ fn linked_as(projection: &str, light_paths: LightPaths) -> Vec<naga::Module> {
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()
         .flat_map(|scatter| {
-            let options =
+            let mut options =
                 RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), light_paths, ..RenderOptions::default() };
+            options.aov.set(Aovs::parse(truth).unwrap_or_default());
             let kernels =
                 Kernels::link(&features, &options, scatter, &UniformTables::default()).expect("everything links");
             kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()

@@ -544,6 +544,17 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     // `--features all`.
     let all_backgrounds = with(turned(everything()), "background", BACKGROUNDS, all(BACKGROUNDS));
     found.push((all_backgrounds, RenderOptions { features: FeatureSet::All, ..RenderOptions::default() }));
+    // Every channel of sample 0, by itself and with the others.
+    let names = ["motion", "depth0", "distance0", "position0", "normal0", "uv0", "face0", "offset0"];
+    let every = names.join(",");
+    for list in names.into_iter().chain([every.as_str()]) {
+        let mut options = RenderOptions::default();
+        options.aov.set(Aovs::parse(list).expect("they are names"));
+        let sphere = features(1, materials, 0, SOLID, true);
+        let moves = having(sphere.clone(), &["moving_camera"]);
+        let beside = [features(0, 0, 0, SOLID, false), sphere, moves, everything()];
+        found.extend(beside.map(|features| (features, options.clone())));
+    }
     found
 }
 
@@ -725,9 +736,10 @@ scene: background bind data extension geometry lib light lobe material medium mo
 slots: aov bind data generated lib scene slots
 aov: aov bind camera data scene step
 extension: bind data lib
-step: aov background bind camera data filter geometry lib light light_path medium motion sampler scene step
+step: aov background bind camera data filter geometry lib light light_path medium motion sampler scene step truth
 light_path: bind camera data filter geometry lib light light_path lobe material motion sampler scene step
-stage: aov background bind camera data generated geometry lib light_path material motion scene slots step texture
+truth: bind camera data lib motion scene step truth
+stage: aov background bind camera data generated geometry lib light_path material motion scene slots step texture truth
 ";
 
 /// The uses of a module that its folder may not make, each with its line.
