@@ -286,6 +286,12 @@ fn inside<'a>(
     match object {
         Object::Transformed { by, object } => Some((object, transforms(&at.field("by"), by, bound, findings))),
         Object::Moving { keys, object } => Some((object, moving(&at.field("keys"), keys, bound, findings))),
+        Object::Named { name, object } => {
+            let is_bad = name.is_empty() || name.contains(char::is_control);
+            let expected = "a name of one line";
+            findings.record(if is_bad { Err(at.field("name").unexpected(expected)) } else { Ok(()) });
+            Some((object, bound))
+        }
         _ => None,
     }
 }
