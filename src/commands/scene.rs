@@ -1,6 +1,7 @@
 //! The scene that a command names: a file, or `-` for standard input.
 
 use std::ffi::OsStr;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::console::tell;
@@ -14,11 +15,16 @@ use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene, 
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
 pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+    load_from(scene, std::io::stdin().lock(), progress, assets)
+}
+
+/// Reads the scene. `input` is read in place of standard input.
+pub fn load_from(scene: &SceneArgs, input: impl Read, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
     let options = options(&scene.gltf)?;
     match is_standard(&scene.path) {
         true => {
             options.refuse(&scene.path, false)?;
-            Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress)
+            Scene::read(input, Path::new("<stdin>"), progress)
         }
         false => Scene::load_as(&scene.path, &options, progress, assets),
     }

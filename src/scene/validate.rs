@@ -53,7 +53,8 @@ fn image(at: &ValuePath, image: &ImageSize, findings: &mut Findings) {
     findings.record_all(sides);
 }
 
-fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
+/// Checks a camera.
+pub fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
     if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| Range::ANY.check_each(at, "", v).is_ok()) {
         findings.record(directions(at, camera.look_at - camera.look_from, camera.up));
     }

@@ -83,7 +83,7 @@ fn object(object: &Object) -> Result<String, ron::Error> {
 }
 
 /// A value on one line.
-fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
+pub(super) fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
     let config = PrettyConfig::new().depth_limit(0).extensions(ron::extensions::Extensions::IMPLICIT_SOME);
     options().to_string_pretty(value, config)
 }

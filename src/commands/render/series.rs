@@ -62,6 +62,11 @@ impl Series {
         load_with(&args.scene, progress, &mut self.assets)
     }
 
+    /// Whether a render hides its warnings. One of a sequence may itself be quiet and still tell what is new.
+    pub fn hides_warnings(&self, quiet: bool) -> bool {
+        quiet && (self.quiet || self.frames.is_none())
+    }
+
     /// Prints warnings unless `quiet`; those of a sequence once, and not for each of its frames.
     pub fn tell_warnings(&mut self, warnings: &[String], quiet: bool) {
         let mut is_new = |warning: &String| match &mut self.frames {
