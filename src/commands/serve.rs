@@ -12,7 +12,7 @@ use super::console::{path_text, write_stdout};
 use super::render::args::{DenoisingArgs, FileArgs, GoalArgs, KeepArgs, MessageArgs, ViewerArgs};
 use super::render::{RenderArgs, Reported, Series, render};
 use super::requests::{Request, Requests};
-use super::scene::load_from;
+use super::scene::{load_from, size_of};
 use super::signals::Signals;
 use crate::aov::Aovs;
 use crate::cli::{PathArgs, SceneArgs, ViewArgs, samples};
@@ -55,7 +55,8 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let mut server = Server::open(args.clone(), text, signals.clone())?;
     let scene = &server.scene;
     let materials: Vec<&String> = scene.materials.iter().map(|(name, _)| name).collect();
-    print(&json!({"objects": scene.object_names(), "materials": materials}))?;
+    let (image, size) = ((scene.image.width, scene.image.height), size_of(scene, server.args.goal.size));
+    print(&json!({"objects": scene.object_names(), "materials": materials, "image": image, "size": size}))?;
     while let Some(request) = requests.next() {
         let rendered = request.and_then(|request| server.render(&request));
         let lost = server.series.session.devices.iter().find_map(|device| device.check().err());

@@ -238,8 +238,16 @@ fn merged(at: &str, written: &str, fields: &str, gone: impl Fn(&str, &dyn Fn(&st
     let own = Source::new(written.to_owned(), Path::new(REQUEST));
     let is_given = |name: &str| given.iter().any(|(given, _)| *given == name);
     let kept = fields_of(&own).into_iter().filter(|(name, _)| !is_given(name) && !gone(name, &is_given));
-    let all: Vec<String> = kept.chain(given.iter().copied()).map(|(name, value)| format!("{name}: {value}")).collect();
     let name = own.spans.root.map_or("", |root| own.spans.name(own.text(), root));
+    let form = Material::FORMS.iter().find(|form| form.name == name);
+    let takes_texture =
+        |field: &str| form.and_then(|form| form.field(field)).is_some_and(|field| field.takes.is_texture());
+    // Three numbers are a plain colour.
+    let given = given.iter().map(|(name, value)| match takes_texture(name) && value.starts_with('(') {
+        true => format!("{name}: Rgb{value}"),
+        false => format!("{name}: {value}"),
+    });
+    let all: Vec<String> = kept.map(|(name, value)| format!("{name}: {value}")).chain(given).collect();
     Ok(format!("{name}({})", all.join(", ")))
 }
 
