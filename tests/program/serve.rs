@@ -294,9 +294,16 @@ fn the_end_of_its_input_and_signals_end_it() {
     served.ends(0);
 
     let mut served = Served::open(&sandbox, &[]);
-    // While kernels compile, a signal ends the program without an answer.
-    served.renders("a.exr", json!({}));
-    served.send(&format!(r#"{{"output": "endless.exr", "spp": {ENDLESS}}}"#));
+    let endless = format!(r#"{{"output": "endless.exr", "spp": {ENDLESS}}}"#);
+    // While kernels compile, a signal ends the program without an answer: here they are ready before.
+    let mut is_compiled = false;
+    while !is_compiled {
+        served.send(&endless);
+        std::thread::sleep(Duration::from_millis(100));
+        served.send(r#"{"interrupt": true}"#);
+        is_compiled = !served.answer()["report"].is_null();
+    }
+    served.send(&endless);
     std::thread::sleep(Duration::from_millis(300));
     send(&served.child, libc::SIGTERM);
     assert_eq!(served.answer()["error"]["interrupted"], true);
