@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import shutil
@@ -32,6 +33,11 @@ def camera(pose: Any, *, convention: str = "opencv", K: Any = None, **fields: An
     "opengl" it counts from the corner. `look_at` is a point on the axis, at no distance that means something: a lens needs `focus_distance`.
     Other fields are those of the scene file.
     """
+    return _camera(pose, convention, K, (1.0, 1.0), fields)
+
+
+def _camera(pose: Any, convention: str, K: Any, scale: Sequence[float], fields: Mapping[str, Any]) -> Dict[str, Any]:
+    """`scale` is that of the pixels of K to those of the scene's image, along x and y."""
     if convention not in ("opencv", "opengl"):
         raise _gpu_rt.Error(f'convention: expected "opencv" or "opengl", found {convention!r}')
     matrix = _matrix("pose", pose, ((4, 4), (3, 4)))
@@ -47,7 +53,8 @@ def camera(pose: Any, *, convention: str = "opencv", K: Any = None, **fields: An
         if k[0, 1] != 0 or k[1, 0] != 0 or (k[2] != [0, 0, 1]).any():
             raise _gpu_rt.Error(f"K: expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], found {k.tolist()}")
         corner = 0.5 if convention == "opencv" else 0.0
-        place["projection"] = ron.Calibrated(fx=k[0, 0], fy=k[1, 1], cx=k[0, 2] + corner, cy=k[1, 2] + corner)
+        (fx, cx), (fy, cy) = ((scale[axis] * k[axis, axis], scale[axis] * (k[axis, 2] + corner)) for axis in (0, 1))
+        place["projection"] = ron.Calibrated(fx=fx, fy=fy, cx=cx, cy=cy)
     return {**place, **fields}
 
 
@@ -98,7 +105,7 @@ class Session:
         Finalize(self, link.close, exitpriority=10)
         opened = link.ask(None)
         self.objects, self.materials = opened["objects"], opened["materials"]
-        self._image, self._size = opened["image"], opened["size"]
+        self._scale = [image / size for image, size in zip(opened["image"], opened["size"])]
 
     def render(
         self,
@@ -127,31 +134,21 @@ class Session:
             request["objects"] = {name: _matrix(f"objects[{name!r}]", place, ((4, 4),)).tolist() for name, place in objects.items()}
         try:
             if camera is not None:
-                request["camera"] = ron.value(self._camera(camera))
+                if "pose" in camera:
+                    fields = {name: value for name, value in camera.items() if name not in ("pose", "convention", "K")}
+                    camera = _camera(camera["pose"], camera.get("convention", "opencv"), camera.get("K"), self._scale, fields)
+                request["camera"] = ron.value(camera)
             if materials is not None:
                 request["materials"] = {name: ron.value(fields) for name, fields in materials.items()}
         except (TypeError, RecursionError) as error:
             raise _gpu_rt.Error(f"the request: {error}") from None
         return self._link.render({name: _plain(value) for name, value in request.items() if value is not None})
 
-    def _camera(self, fields: Mapping[str, Any]) -> Mapping[str, Any]:
-        if "pose" not in fields:
-            return fields
-        fields = dict(fields)
-        if fields.get("K") is not None:
-            scale = np.divide(self._image, self._size)
-            corner = 0.5 if fields.get("convention", "opencv") == "opencv" else 0.0
-            k = _matrix("K", fields["K"], ((3, 3),)).copy()
-            k[:2, 2] += corner
-            k[:2] *= scale[:, None]
-            k[:2, 2] -= corner
-            fields["K"] = k
-        return _gpu_rt.camera(**fields)
-
     def close(self) -> None:
         """Ends the session, once a render that another thread has begun is complete. Its images stay."""
-        with self._link.lock:
-            self._link.close()
+        if self._link.is_own():
+            with self._link.lock:
+                self._link.close()
 
     def __enter__(self) -> Session:
         return self
@@ -189,7 +186,7 @@ class _Link:
         self._images = 0
         self._pid = os.getpid()
         shared = _SHARED_MEMORY if os.path.isdir(_SHARED_MEMORY) and os.access(_SHARED_MEMORY, os.W_OK) else None
-        self._folders = {shared: _Folder(shared)}
+        self._folders: Dict[Optional[str], _Folder] = {shared: _Folder(shared)}
         line = [_gpu_rt.program(), "serve", scene, f"--temporary={self._folders[shared].path}", *flags]
         try:
             # Its standard input ends with this process, however that ends. In a session of its own it gets no Ctrl-C but by us.
@@ -208,7 +205,7 @@ class _Link:
 
     def _listen(self) -> None:
         """Takes answers. A thread does, because Ctrl-C might lose a part of one between two reads."""
-        with open(self._process.stdout.fileno(), "rb", closefd=False) as answers:  # type: ignore[union-attr]
+        with io.BufferedReader(self._process.stdout) as answers:  # type: ignore[type-var]
             for number, line in enumerate(answers):
                 with self._came:
                     self._answers[number] = line
@@ -227,15 +224,15 @@ class _Link:
             if isinstance(error, ValueError) and not self._closed:
                 raise _gpu_rt.Error(f"the request: {error}") from None
 
+    def is_own(self) -> bool:
+        """Whether it is of this process, and not of one that this one is a fork of."""
+        return os.getpid() == self._pid
+
     def interrupt(self) -> None:
         self._write({"interrupt": True})
 
     def ask(self, request: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
         """The answer to a request; or, without one, what the program says first."""
-        if os.getpid() != self._pid:
-            raise _gpu_rt.Error(f"the session belongs to the process {self._pid}, of which this one is a fork: open one in each")
-        if self._closed:
-            raise _gpu_rt.Error("the session is closed")
         in_thread = threading.current_thread() is not threading.main_thread()
         interrupts, stopped = _gpu_rt._interrupts, None
         try:
@@ -278,14 +275,17 @@ class _Link:
                 self._came.wait()
 
     def render(self, request: Mapping[str, Any]) -> _gpu_rt.Image:
+        if not self.is_own():
+            raise _gpu_rt.Error(f"the session belongs to the process {self._pid}, of which this one is a fork: open one in each")
         with self.lock:
+            if self._closed:
+                raise _gpu_rt.Error("the session is closed")
             within = self._folder()
             self._images += 1
             folder = os.path.join(within.path, str(self._images))
             image = None
             try:
-                if not self._closed and os.getpid() == self._pid:
-                    os.mkdir(folder)
+                os.mkdir(folder)
                 path = os.path.join(folder, "image.exr")
                 answer = self.ask({**request, "output": path})
                 error, report = answer["error"], answer["report"] or {}
@@ -310,13 +310,15 @@ class _Link:
 
     def _folder(self) -> _Folder:
         """The folder of the next image: in memory while there is enough of it."""
-        first = next(iter(self._folders))
-        if first is not None and os.statvfs(first).f_bavail * os.statvfs(first).f_frsize < _LEAST_FREE:
-            first = None
-        return self._folders.setdefault(first, _Folder(first)) if first not in self._folders else self._folders[first]
+        within = next(iter(self._folders))
+        if within is not None and shutil.disk_usage(within).free < _LEAST_FREE:
+            within = None
+        if within not in self._folders:
+            self._folders[within] = _Folder(within)
+        return self._folders[within]
 
     def close(self) -> None:
-        if self._closed or os.getpid() != self._pid:
+        if self._closed or not self.is_own():
             return
         self.interrupt()
         self._closed = True
@@ -337,8 +339,8 @@ _LINKS: weakref.WeakSet[_Link] = weakref.WeakSet()
 def _leave_to_parent() -> None:
     """A fork keeps no session of its parent alive."""
     for link in list(_LINKS):
-        if not link._closed:
-            link._process.stdin.close()  # type: ignore[union-attr]
+        for stream in (link._process.stdin, link._process.stdout, link._process.stderr):
+            stream.close()  # type: ignore[union-attr]
 
 
 if hasattr(os, "register_at_fork"):
