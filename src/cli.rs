@@ -13,6 +13,7 @@ use crate::scene::Thin;
 
 /// The interval of checkpoints where none is given.
 pub const CHECKPOINT: &str = "60s";
+pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 
 /// The help of `--oidn`.
 pub const OIDN: &str = "The folder of the library of Open Image Denoise [default: the environment's OIDN_DIR, or where the system finds it].";
@@ -109,7 +110,7 @@ pub struct PathArgs {
 }
 
 /// How a PNG shows radiance.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Copy, Debug, Default, Args)]
 pub struct ViewArgs {
     /// Exposure of the PNG, in stops.
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]

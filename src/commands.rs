@@ -17,7 +17,9 @@ mod merge;
 mod outputs;
 mod plan;
 mod render;
+mod requests;
 mod scene;
+mod serve;
 mod signals;
 mod status;
 mod submit;
@@ -44,6 +46,8 @@ pub struct Cli {
 enum Command {
     /// Render a scene to a linear EXR.
     Render(render::RenderArgs),
+    /// Render a scene again and again: from other places, with other numbers, as requests on standard input say (JSON lines).
+    Serve(serve::ServeArgs),
     /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
     Merge(merge::MergeArgs),
     /// Make a PNG of an EXR, whichever program wrote it.
@@ -116,6 +120,7 @@ impl Cli {
 pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
+        Command::Serve(args) => serve::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Develop(args) => develop::run(args),
         Command::Denoise(args) => denoise::run(args),

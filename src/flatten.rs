@@ -75,7 +75,7 @@ const MAX_NODES: usize = 1 << 26;
 const MOST_MEDIA: usize = 1024;
 
 /// Flattens a scene for an image of `size` pixels. It reads only the options that change tables: the integrator, the build of the
-/// hierarchies, the features, and the filter.
+/// hierarchies, the features, the filter, and whether there are numbers of objects.
 ///
 /// # Errors
 /// `Error::Scene` if there are more primitives or nodes than codes can number, or more media than a ray can cross.
@@ -101,7 +101,7 @@ pub fn flatten_with(
     let view = View::new(&camera, size, scene.image);
     let mut finder = Finder::new(scene, &meshes, view.eye, &scene.camera);
     let world = Placement::resting(view.to_space);
-    scene.objects.iter().for_each(|object| finder.add(object, &world));
+    finder.add_all(&scene.objects, &world);
     let models = models(scene, &finder);
     let (features, used) = required(scene, &finder, &models);
     check_counts(scene, &finder, options)?;
@@ -120,6 +120,9 @@ pub fn flatten_with(
         SceneSpace { eye: camera.look_from, axes: view.to_space.rotation.transpose(), exponent: length_exponent };
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
+    if options.aov.has(Aov::Object) {
+        flat.object_names = finder.primitives.iter().map(|primitive| primitive.name.to_string()).collect();
+    }
     if brightest == 0.0 {
         let at = scene.location(&[Step::Field("background")]);
         flat.warnings.push(format!(

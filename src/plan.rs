@@ -10,6 +10,7 @@ mod text;
 mod tuning;
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::aov::Aovs;
 use crate::bvh::Quality;
@@ -40,8 +41,11 @@ const LONG_RENDER: u64 = 1 << 19;
 /// Kernels with more expressions than this take longer to compile if they are fused.
 const LARGE_KERNELS: usize = 4500;
 
+/// How many kernels are kept for renders that come later. A render has 15 at most.
+const KEPT_KERNELS: usize = 32;
+
 /// A kernel: a linked shader and what it binds.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Kernel {
     /// `scatter_metal` if it serves one material alone, else the stage's name.
     pub name: String,
@@ -70,16 +74,16 @@ pub struct Plan<'a> {
 /// The kernels of one render.
 #[derive(Debug)]
 pub struct Kernels {
-    pub generate: Kernel,
+    pub generate: Arc<Kernel>,
     pub bounce: Bounce,
     /// Adds finished runs to the film, after some bounces.
-    pub accumulate: Kernel,
+    pub accumulate: Arc<Kernel>,
     /// What sample 0 sees, if it is asked for.
-    pub truth: Option<Kernel>,
+    pub truth: Option<Arc<Kernel>>,
     /// Ends a submission.
-    pub receipt: Kernel,
+    pub receipt: Arc<Kernel>,
     /// Light paths; absent if none are traced.
-    pub light_path: Option<Kernel>,
+    pub light_path: Option<Arc<Kernel>>,
     /// The state of a path that slots keep from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
@@ -115,23 +119,23 @@ impl SettingsLayout {
 /// The kernels of a bounce.
 #[derive(Debug)]
 pub enum Bounce {
-    Fused(Box<Kernel>),
+    Fused(Arc<Kernel>),
     Staged(Box<Staged>),
 }
 
 /// A kernel for each stage of a bounce.
 #[derive(Debug)]
 pub struct Staged {
-    pub intersect: Kernel,
+    pub intersect: Arc<Kernel>,
     /// Samples events in media before the hit; absent if there are no media.
-    pub medium: Option<Kernel>,
+    pub medium: Option<Arc<Kernel>>,
     /// Sizes the scatter dispatches; absent if one linked kernel serves all slots.
-    pub dispatch: Option<Kernel>,
+    pub dispatch: Option<Arc<Kernel>>,
     /// One linked kernel, or one for each queue in the queues' order; none if the scene has no surface.
-    pub scatter: Vec<Kernel>,
+    pub scatter: Vec<Arc<Kernel>>,
     /// Traces shadow rays; absent if no light is sampled.
-    pub shadow: Option<Kernel>,
-    pub refill: Kernel,
+    pub shadow: Option<Arc<Kernel>>,
+    pub refill: Arc<Kernel>,
 }
 
 impl<'a> Plan<'a> {
@@ -162,7 +166,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The kernels in the order in which a pass runs them.
-    pub fn kernels(&self) -> Vec<&Kernel> {
+    pub fn kernels(&self) -> Vec<&Arc<Kernel>> {
         self.kernels.all()
     }
 
@@ -181,7 +185,7 @@ impl<'a> Plan<'a> {
 impl Kernels {
     /// The number of expressions in all functions of all kernels.
     fn expressions(&self) -> usize {
-        let of = |kernel: &Kernel| {
+        let of = |kernel: &Arc<Kernel>| {
             kernel.module.functions.iter().map(|(_, function)| function.expressions.len()).sum::<usize>()
         };
         self.all().into_iter().map(of).sum()
@@ -215,10 +219,7 @@ impl Kernels {
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
-            Bounce::Fused(Box::new(always(
-                "bounce",
-                if all_reasons.is_empty() { &every_render } else { &all_reasons },
-            )?))
+            Bounce::Fused(always("bounce", if all_reasons.is_empty() { &every_render } else { &all_reasons })?)
         } else {
             let if_any = |fact, name, why: &str| {
                 reason_of(&choices.facts, fact).map(|reason| kernel(name, name, &choices, why, reason)).transpose()
@@ -277,7 +278,7 @@ impl Kernels {
     }
 
     /// The kernels in the order in which a pass runs them.
-    pub fn all(&self) -> Vec<&Kernel> {
+    pub fn all(&self) -> Vec<&Arc<Kernel>> {
         let mut all = vec![&self.generate];
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
@@ -318,10 +319,31 @@ pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Uniform
     decide(features, options, tables, &materials, 0, Purpose { served: &materials, bounces, light_path: false }).0
 }
 
-fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, reason: &Reason) -> Result<Kernel> {
+/// A kernel as its choices make it, or as they made it before if it is still kept.
+fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, reason: &Reason) -> Result<Arc<Kernel>> {
+    /// The kernels that were used last. The latest is at the end.
+    static KEPT: Mutex<Vec<Arc<Kernel>>> = Mutex::new(Vec::new());
+    let lock = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_same = |kept: &Arc<Kernel>| {
+        (kept.stage, &*kept.name, &*kept.why) == (stage, name, why)
+            && kept.reason == *reason
+            && kept.choices == *choices
+    };
+    let mut kept = lock();
+    if let Some(at) = kept.iter().position(is_same) {
+        let kernel = kept.remove(at);
+        kept.push(Arc::clone(&kernel));
+        return Ok(kernel);
+    }
+    drop(kept);
     let linked = link(&Embedded, &format!("stage/{stage}"), choices)?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;
     let (name, choices, why, reason) = (name.to_string(), choices.clone(), why.to_string(), reason.clone());
-    Ok(Kernel { name, stage, choices, linked, module, bindings, why, reason })
+    let kernel = Arc::new(Kernel { name, stage, choices, linked, module, bindings, why, reason });
+    let mut kept = lock();
+    kept.push(Arc::clone(&kernel));
+    let too_many = kept.len().saturating_sub(KEPT_KERNELS);
+    kept.drain(..too_many);
+    Ok(kernel)
 }

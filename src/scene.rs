@@ -6,6 +6,7 @@
 
 mod animation_frame;
 mod assets;
+mod change;
 mod declared;
 mod draft;
 mod explain;
@@ -35,6 +36,7 @@ pub use crate::shape::mesh::{Mesh, OpenEdges};
 pub use crate::source::{Step, ValuePath};
 pub use animation_frame::{AnimationFrame, FPS};
 pub use assets::{Assets, Stamp, stamp};
+pub use change::{Change, Rows};
 pub use file::OnProgress;
 pub use gltf_options::{GltfOptions, Sky};
 pub use gltf_path::is_gltf;

@@ -37,6 +37,8 @@ pub struct Session {
     pub submission: Option<Duration>,
     /// `None` before the view's kernels are compiled.
     ready: Option<Ready>,
+    /// The view before, if nothing of it is under way: its buffers may fit the next one.
+    before: Option<Ready>,
     /// The outcome of the last render, also where it failed.
     pub outcome: Outcome,
 }
@@ -47,6 +49,8 @@ struct Ready {
     size: (u32, u32),
     kernels: Vec<String>,
     gpu_bytes: u64,
+    /// Whether nothing of a render is under way.
+    is_idle: bool,
 }
 
 impl Session {
@@ -89,7 +93,8 @@ impl Session {
 
     /// Takes a view that is flattened.
     pub fn show(&mut self, view: DeviceScene, options: &RenderOptions) {
-        (self.scene, self.options, self.ready) = (Arc::new(view), options.clone(), None);
+        (self.scene, self.options) = (Arc::new(view), options.clone());
+        self.before = self.ready.take().filter(|ready| ready.is_idle);
     }
 
     /// A film of this size for the view, without samples.
@@ -132,7 +137,7 @@ impl Session {
         // If the devices do not open, the first failure is reported.
         let (Some(kept), Ok(devices)) = (kept, self.opened_again()) else { return rendered };
         (*film, self.devices) = (kept, devices);
-        self.ready = None;
+        (self.ready, self.before) = (None, None);
         self.attempt(job, film, observer)
     }
 
@@ -145,11 +150,13 @@ impl Session {
         }
         for job in &jobs {
             observer.begin(job, film, self.numerics()?);
-            let Some(Ready { renderer, .. }) = &mut self.ready else { return Ok(()) };
+            let Some(Ready { renderer, is_idle, .. }) = &mut self.ready else { return Ok(()) };
             let before = film.samples.clone();
+            *is_idle = false;
             // A device that has failed has kept back what it rendered last.
             let done = renderer.run(job, film, observer).inspect_err(|_| film.samples = before);
             self.outcome.join(done?);
+            *is_idle = true;
             if self.outcome.interrupted {
                 break;
             }
@@ -183,13 +190,19 @@ impl Session {
     /// probe does not find.
     pub fn compile_plans(&mut self, plans: &[Plan<'_>], job: &Job, observer: &mut dyn Observer) -> Result<()> {
         let pairs: Vec<_> = self.devices.iter().zip(plans).collect();
-        observer.compiling(&self.devices)?;
-        let made = Renderer::new(&pairs, job, self.profile, self.submission);
-        observer.compiled();
-        let renderer = made?;
+        let renderer = match self.before.take().map(|ready| ready.renderer.retaken(&pairs, job)).transpose()?.flatten()
+        {
+            Some(renderer) => renderer,
+            None => {
+                observer.compiling(&self.devices)?;
+                let made = Renderer::new(&pairs, job, self.profile, self.submission);
+                observer.compiled();
+                made?
+            }
+        };
         let kernels = plans.iter().take(1).flat_map(Plan::kernels).map(|kernel| kernel.name.clone()).collect();
         let gpu_bytes = plans.iter().flat_map(Plan::buffers).map(|buffer| buffer.allocated()).sum();
-        self.ready = Some(Ready { renderer, size: job.size, kernels, gpu_bytes });
+        self.ready = Some(Ready { renderer, size: job.size, kernels, gpu_bytes, is_idle: true });
         Ok(())
     }
 

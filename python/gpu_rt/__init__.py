@@ -29,7 +29,7 @@ import OpenEXR
 
 from . import ron
 
-__all__ = ["Error", "Fault", "Image", "Interrupted", "SceneError", "check", "compare", "program", "render", "ron"]
+__all__ = ["Error", "Fault", "Image", "Interrupted", "SceneError", "Session", "camera", "check", "compare", "program", "render", "ron"]
 try:
     __version__ = version("gpu-rt")
 except PackageNotFoundError:  # the folder python/ of a clone is on the path, and nothing is installed
@@ -125,8 +125,8 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
             groups.setdefault(layer if dot else "RGB" if suffix in "RGB" else suffix, []).append(channel)
         layers = {}
         for layer, names in groups.items():
-            # R, G, B, A and X, Y, Z: files have them in alphabetic order.
-            names.sort(key=lambda name: "RGBAXYZ".find(name[-1]))
+            # R, G, B, A and X, Y, Z, W: files have them in alphabetic order.
+            names.sort(key=lambda name: "RGBAXYZW".find(name[-1]))
             pixels = [channels[name].pixels for name in names]
             layers[layer] = np.stack(pixels, axis=-1) if len(pixels) > 1 else pixels[0]
         return layers
@@ -477,16 +477,22 @@ def _run(
     report = json.loads(printed) if printed else {}
     if process.returncode == 0 and not interrupted:
         return report
+    failure = _failure(command, errors, process.returncode, report)
+    if interrupted:
+        raise Interrupted(str(failure), report)
+    raise failure
+
+
+def _failure(command: str, errors: Sequence[str], status: int, report: Mapping[str, Any]) -> Error:
+    """The exception for lines of errors that the program has printed."""
     # Each line that begins an error has the prefix; lines of more words, as usage, belong to the one before.
     messages = [message.strip() for message in "\n".join(errors).split("error: ") if message.strip()]
     faults = [Fault(f[1], int(f[2] or 0), int(f[3] or 0), f[4] or "", f[5]) for f in map(_FAULT.match, messages) if f]
-    words = "\n".join(messages) or f"gpu-rt {command} ended with status {process.returncode}"
-    if interrupted:
-        raise Interrupted(words, report)
-    raise SceneError(words, faults) if faults else Error(words, report)
+    words = "\n".join(messages) or f"gpu-rt {command} ended with status {status}"
+    return SceneError(words, faults) if faults else Error(words, report)
 
 
-_OF_THREADS: Set[subprocess.Popen] = set()  # the programs that threads wait for, but for the main thread's
+_OF_THREADS: Set[Any] = set()  # the programs and sessions that threads wait for, but for the main thread's
 _interrupts = 0  # how often Ctrl-C has come
 
 
@@ -499,7 +505,7 @@ def _interrupt(process: subprocess.Popen) -> None:
 def _interrupt_all() -> None:
     for process in list(_OF_THREADS):
         _OF_THREADS.discard(process)
-        _interrupt(process)
+        process.interrupt() if isinstance(process, _Link) else _interrupt(process)
 
 
 def _interrupt_threads(number: int, frame: Any) -> None:
@@ -542,3 +548,6 @@ def _read(stream: Any, errors: List[str], progress: Optional[_Progress]) -> None
         else:
             show(line)
     stream.close()
+
+
+from .session import Session, _Link, camera  # noqa: E402 - it needs what is above

@@ -1,6 +1,6 @@
 //! `gpu-rt render`: from a scene file to an image file.
 
-mod args;
+pub(super) mod args;
 mod checkpoints;
 mod frames;
 mod last_write;
@@ -31,7 +31,7 @@ pub use record::{Finish, attributes_of};
 pub use request::excluded;
 use request::{Request, denoising_of};
 use resume::starting_film;
-use series::Series;
+pub use series::{Reported, Series};
 pub use summary::{error_words, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
@@ -55,13 +55,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 }
 
 /// Renders a scene that has been loaded since `start`. The image is written now and then and at the end.
-fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant) -> Result<()> {
+pub fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant) -> Result<()> {
     let mut clock = Clock::new(start);
     let quiet = args.messages.quiet;
     let mut request = Request::new(args, scene, start)?;
     // --quiet leaves them to the report and the image's header.
-    series.tell_warnings(&request.warnings, quiet);
-    tell_biases(&args.options, args.paths.max_depth, scene, quiet || series.is_at_later_frame());
+    let hides_warnings = series.hides_warnings(quiet);
+    series.tell_warnings(&request.warnings, hides_warnings);
+    tell_biases(&args.options, args.paths.max_depth, scene, hides_warnings || series.is_at_later_frame());
     series.begin();
     let denoising = denoising_of(args, &request.image)?;
     clock.seconds.load = clock.lap();
@@ -70,8 +71,8 @@ fn render(args: &RenderArgs, scene: &Scene, series: &mut Series, start: Instant)
     let view = Arc::clone(&series.session.scene);
     request.take(&view)?;
     let earlier = request.earlier()?;
-    series.tell_warnings(&view.warnings, quiet);
-    series.tell_devices(quiet);
+    series.tell_warnings(&view.warnings, hides_warnings);
+    series.tell_devices(hides_warnings);
     clock.seconds.build = build.as_secs_f64();
     clock.seconds.device = (clock.lap() - clock.seconds.build).max(0.0);
 

@@ -1,6 +1,7 @@
 //! The scene that a command names: a file, or `-` for standard input.
 
 use std::ffi::OsStr;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::console::tell;
@@ -14,14 +15,35 @@ use crate::scene::{AnimationFrame, Assets, FPS, GltfOptions, OnProgress, Scene, 
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
 pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+    load_from(scene, false, std::io::stdin().lock(), progress, assets)
+}
+
+/// Reads the scene. `input` is read in place of standard input. With `motion`, the frames before and after that of a glTF file are read too.
+pub fn load_from(
+    scene: &SceneArgs,
+    motion: bool,
+    input: impl Read,
+    progress: &mut OnProgress,
+    assets: &mut Assets,
+) -> Result<Scene> {
     let options = options(&scene.gltf, &scene.path)?;
     match is_standard(&scene.path) {
         true => {
             options.refuse(&scene.path, false)?;
-            let read = Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress);
-            read.map(|scene| scene.in_frame(options.frame))
+            Scene::read(input, Path::new("<stdin>"), progress).map(|scene| scene.in_frame(options.frame))
         }
-        false => Scene::load_as(&scene.path, &options, progress, assets),
+        false => {
+            let mut at = |frame: Option<AnimationFrame>| {
+                Scene::load_as(&scene.path, &GltfOptions { frame, ..options.clone() }, progress, assets)
+            };
+            let frame = options.frame.filter(|_| motion && is_gltf(&scene.path));
+            let mut later =
+                |frames: f64| at(frame.map(|frame| AnimationFrame { number: frame.number + frames, ..frame }));
+            let neighbours = if frame.is_some() { Some(Box::new([later(-1.0)?, later(1.0)?])) } else { None };
+            let mut found = at(options.frame)?;
+            found.neighbours = neighbours;
+            Ok(found)
+        }
     }
 }
 

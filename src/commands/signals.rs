@@ -6,9 +6,7 @@
 //! every second from the limit on.
 
 use std::fmt;
-#[cfg(unix)]
-use std::sync::atomic::AtomicBool;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -27,6 +25,8 @@ pub struct Signals(Arc<Received>);
 struct Received {
     /// The number of the first one; 0 before it.
     first: AtomicI32,
+    /// Whether a request wants what a signal wants, of this program's present work alone.
+    stop: AtomicBool,
     ending: Mutex<Ending>,
 }
 
@@ -58,9 +58,19 @@ impl Signals {
         signals
     }
 
-    /// Whether one has come.
+    /// Whether one has come, or a request has the same effect.
     pub fn are_pending(&self) -> bool {
+        self.have_come() || self.0.stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether one has come.
+    pub fn have_come(&self) -> bool {
         self.number() != 0
+    }
+
+    /// Sets whether a request stops the present work, as a signal does.
+    pub fn set_stop(&self, stop: bool) {
+        self.0.stop.store(stop, Ordering::Relaxed);
     }
 
     /// Changes what is lost if a signal ends the program at once.
@@ -126,6 +136,9 @@ impl fmt::Display for Signals {
 }
 
 fn name(signal: i32) -> &'static str {
+    if signal == 0 {
+        return "a request";
+    }
     signal_hook::low_level::signal_name(signal).unwrap_or("a signal")
 }
 

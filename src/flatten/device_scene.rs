@@ -47,6 +47,8 @@ pub struct DeviceScene {
     pub directional_albedos: Vec<[f32; 4]>,
     /// The names in the scene file of the rows of `materials`.
     pub material_names: Vec<String>,
+    /// With `--aov object`: the names of the primitives, in the order of their numbers.
+    pub object_names: Vec<String>,
     /// How objects move while the shutter is open (shaders/data/motion); empty if nothing does.
     pub motions: Vec<[u32; 4]>,
     pub textures: Vec<data::Texture>,

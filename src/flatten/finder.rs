@@ -1,6 +1,7 @@
 //! Finds the primitives and media of a scene, each with the transform from its own space to the world.
 
 use std::collections::{BTreeMap, HashMap};
+use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -16,11 +17,28 @@ use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
 /// A primitive, with the transform that its texture needs.
 pub struct Primitive<'a> {
     pub object: &'a Object,
+    pub name: Name<'a>,
     pub shape: Shape<'a>,
     /// The transform from the object's own space to the world, where the shutter opens.
     pub to_world: Similarity,
     pub motion: Motion,
     pub material: u32,
+}
+
+/// The name of an object: that of the innermost `Named` around it, or else its place among the objects of the scene.
+#[derive(Clone, Copy)]
+pub enum Name<'a> {
+    Given(&'a str),
+    Place(usize),
+}
+
+impl fmt::Display for Name<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Name::Given(name) => f.write_str(name),
+            Name::Place(index) => write!(f, "objects[{index}]"),
+        }
+    }
 }
 
 /// The primitives, each with its index among those of its kind: that in the table of the kind.
@@ -55,6 +73,8 @@ pub struct Finder<'a> {
     /// The camera's position.
     eye: DVec3,
     shutter: Shutter,
+    /// That of the object which is added.
+    name: Name<'a>,
     pub primitives: Vec<Primitive<'a>>,
     pub media: Vec<WorldMedium<'a>>,
     /// The lights without size.
@@ -80,15 +100,28 @@ impl<'a> Finder<'a> {
             meshes,
             eye,
             shutter: Shutter::new(camera),
+            name: Name::Place(0),
             primitives: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),
         }
     }
 
-    /// Adds the primitives, media and lights of an object.
-    pub fn add(&mut self, object: &'a Object, at: &Placement) {
+    /// Adds the primitives, media and lights of the scene's objects.
+    pub fn add_all(&mut self, objects: &'a [Object], world: &Placement) {
+        for (index, object) in objects.iter().enumerate() {
+            self.name = Name::Place(index);
+            self.add(object, world);
+        }
+    }
+
+    fn add(&mut self, object: &'a Object, at: &Placement) {
         match object {
+            Object::Named { name, object } => {
+                let outer = std::mem::replace(&mut self.name, Name::Given(name));
+                self.add(object, at);
+                self.name = outer;
+            }
             Object::Transformed { by, object } => self.add(object, &at.transformed(by)),
             Object::Moving { keys, object } => self.add(object, &at.moving(keys, self.shutter)),
             Object::Group(objects) | Object::Gltf { objects, .. } => {
@@ -119,7 +152,8 @@ impl<'a> Finder<'a> {
                 if let (Some(shape), Some(material)) = (object.shape(self.meshes), material) {
                     let shape = shape.seen_from(to_world, self.eye);
                     let (to_world, motion) = (*to_world, Arc::clone(motion));
-                    self.primitives.push(Primitive { object, shape, to_world, motion, material });
+                    let name = self.name;
+                    self.primitives.push(Primitive { object, name, shape, to_world, motion, material });
                 }
             }
         }
@@ -136,6 +170,7 @@ impl<'a> Finder<'a> {
         match object {
             Object::Transformed { by, object } => self.boundary(object, &at.transformed(by)),
             Object::Moving { keys, object } => self.boundary(object, &at.moving(keys, self.shutter)),
+            Object::Named { object, .. } => self.boundary(object, at),
             _ => object.shape(self.meshes).map(|shape| (shape.seen_from(&at.to_world, self.eye), at.clone())),
         }
     }

@@ -102,7 +102,7 @@ impl Moment {
     fn of(scene: &Scene, camera: &Camera) -> Moment {
         let shapes = mesh::shapes(&scene.meshes);
         let mut finder = Finder::new(scene, &shapes, camera.look_from, camera);
-        scene.objects.iter().for_each(|object| finder.add(object, &Placement::resting(Similarity::IDENTITY)));
+        finder.add_all(&scene.objects, &Placement::resting(Similarity::IDENTITY));
         let mesh_of = |object: &Object| match object {
             Object::Mesh { path, .. } => scene.meshes.get(path).map(Arc::clone),
             _ => None,

@@ -73,6 +73,12 @@ impl<'a> BufferSpec<'a> {
         self.bytes.max(LEAST).next_multiple_of(4)
     }
 
+    /// This buffer without contents.
+    #[must_use]
+    pub fn without_contents(&self) -> BufferSpec<'static> {
+        BufferSpec::new(self.name, self.bytes, self.usage, self.why)
+    }
+
     /// This buffer without contents, and as small as kernels can bind it.
     #[must_use]
     pub fn emptied(&self) -> BufferSpec<'static> {
@@ -161,6 +167,14 @@ impl Buffers {
             }
             None => device.check().map(|()| Buffers { named }),
         }
+    }
+
+    /// Fills the buffers of these specs with their contents.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device has failed.
+    pub fn fill(&self, device: &Device, specs: &[BufferSpec<'_>]) -> Result<()> {
+        specs.iter().try_for_each(|spec| fill(device, self.get(spec.name)?, &spec.contents))
     }
 
     /// The buffer behind a variable.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::io::{self, Write};
+use std::sync::OnceLock;
 
 use serde::Serialize;
 use serde_json::Value;
@@ -14,6 +15,11 @@ use crate::texture::Texture;
 
 /// A hash of all shaders.
 pub fn of_shaders() -> String {
+    static HASH: OnceLock<String> = OnceLock::new();
+    HASH.get_or_init(hash_of_shaders).clone()
+}
+
+fn hash_of_shaders() -> String {
     let mut hasher = Sha256::new();
     for name in Embedded::names() {
         let text = Embedded.module(&name).unwrap_or_default();

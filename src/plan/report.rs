@@ -1,6 +1,7 @@
 //! A plan in words and numbers: kernels, modules and buffers, their sizes, and the object or option that needs each.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::facts::{Known, known_of};
 use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning};
@@ -141,7 +142,7 @@ impl Report {
         let is_alternative = |(name, _): &(&String, _)| heads.get(*name).is_some_and(|own| own.is_alternative);
         let choices = kernels.iter().flat_map(|kernel| &kernel.linked.choices).filter(is_alternative);
         let choices: BTreeMap<_, _> = choices.collect();
-        let of_kernel = |kernel: &&Kernel| KernelReport {
+        let of_kernel = |kernel: &&Arc<Kernel>| KernelReport {
             name: kernel.name.clone(),
             why: kernel.why.clone(),
             features: there
@@ -257,7 +258,7 @@ fn why_module<'a>(kernel: &'a Kernel, module: &str) -> &'a Reason {
 }
 
 /// The reason for a buffer: that of a kernel that has it in every render, or else of the first kernel that has it.
-fn why_buffer<'a>(kernels: &[&'a Kernel], name: &str) -> &'a Reason {
+fn why_buffer<'a>(kernels: &[&'a Arc<Kernel>], name: &str) -> &'a Reason {
     // The modules of queues also read tables that exist without queues.
     let rank = |why: &&Reason| match why {
         Reason::EveryRender => 0,
@@ -277,7 +278,7 @@ fn kind_word(kind: BindingKind) -> &'static str {
 }
 
 /// The numbers that the plan filled into lines of some kernel, and the override constants that some kernel has.
-fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
+fn constants(kernels: &[&Arc<Kernel>], tuning: &Tuning) -> Vec<Constant> {
     let mut found: Vec<Constant> = Vec::new();
     let mut add = |kernel: &Kernel, name: String, value: String, module: &str, is_override| match found
         .iter_mut()

@@ -44,6 +44,8 @@ pub struct DeviceRenderer {
     tuning: Tuning,
     buffers: Buffers,
     kernels: Pipelines,
+    /// The kernels of the plan, and what its buffers are, without contents.
+    planned: (Vec<Arc<Kernel>>, Vec<BufferSpec<'static>>),
     /// By the kind of paths that a submission is of.
     paces: [Workload; 2],
     film: DeviceFilm,
@@ -206,6 +208,25 @@ fn check_limits(device: &Device, plan: &Plan<'_>) -> Result<()> {
     Ok(())
 }
 
+/// The settings of a plan's scene for a job.
+fn settings_of(plan: &Plan<'_>, job: &Job) -> Settings {
+    Settings {
+        light_paths: plan.options.light_paths.count(),
+        max_depth: job.max_depth,
+        seed: job.seed,
+        slots: plan.tuning.slots,
+        film_width: job.size.0,
+        film_height: job.size.1,
+        indirect_limit: plan.indirect_limit(),
+        ..plan.scene.settings
+    }
+}
+
+/// The kernels of a plan, and its buffers without contents.
+fn planned(plan: &Plan<'_>, specs: &[BufferSpec<'_>]) -> (Vec<Arc<Kernel>>, Vec<BufferSpec<'static>>) {
+    (plan.kernels().into_iter().cloned().collect(), specs.iter().map(BufferSpec::without_contents).collect())
+}
+
 impl DeviceRenderer {
     /// Allocates the buffers and compiles the kernels.
     ///
@@ -222,7 +243,7 @@ impl DeviceRenderer {
         check_limits(device, plan)?;
         let tuning = plan.tuning;
         let numerics = probe::numerics(device)?;
-        let allowed = |kernel: &Kernel| numerics.allow(device, &kernel.name, &kernel.linked);
+        let allowed = |kernel: &Arc<Kernel>| numerics.allow(device, &kernel.name, &kernel.linked);
         plan.kernels().into_iter().try_for_each(allowed)?;
         let most_steps = numerics.most_steps().map(f64::from);
         let of_steps = |name| most_steps.map(|most| (name, most));
@@ -256,20 +277,11 @@ impl DeviceRenderer {
             submission: submission.unwrap_or(SUBMISSION),
             last_end: Instant::now(),
         };
-        let settings = Settings {
-            light_paths: plan.options.light_paths.count(),
-            max_depth: job.max_depth,
-            seed: job.seed,
-            slots: tuning.slots,
-            film_width: job.size.0,
-            film_height: job.size.1,
-            indirect_limit: plan.indirect_limit(),
-            ..plan.scene.settings
-        };
         let renderer = DeviceRenderer {
             device: Arc::clone(device),
-            settings,
+            settings: settings_of(plan, job),
             kernels,
+            planned: planned(plan, &buffer_specs),
             paces: [pace(), pace()],
             film: DeviceFilm {
                 size: job.size,
@@ -289,6 +301,29 @@ impl DeviceRenderer {
         };
         renderer.warm_up(&specs, &buffer_specs)?;
         Ok(renderer)
+    }
+
+    /// Takes another plan with the kernels and buffers of the last one, and fills the buffers anew. False if they are others. The renderer must
+    /// have ended all that it has begun.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device has failed.
+    pub fn take(&mut self, plan: &Plan<'_>, job: &Job) -> Result<bool> {
+        let specs = plan.buffers();
+        let (kernels, buffers) = &self.planned;
+        let is_same = |(spec, before): (&BufferSpec<'_>, &BufferSpec<'_>)| {
+            (spec.name, spec.bytes, spec.usage) == (before.name, before.bytes, before.usage)
+        };
+        let has_buffers = specs.len() == buffers.len() && specs.iter().zip(buffers).all(is_same);
+        let has_kernels = plan.kernels().iter().zip(kernels).all(|(a, b)| Arc::ptr_eq(a, b));
+        if !has_buffers || !has_kernels || plan.kernels().len() != kernels.len() || self.tuning != plan.tuning {
+            return Ok(false);
+        }
+        self.buffers.fill(&self.device, &specs)?;
+        self.settings = settings_of(plan, job);
+        self.film.exponent = plan.scene.radiance_exponent;
+        self.film.aovs = plan.options.aov.of_film();
+        Ok(self.film.size == job.size)
     }
 
     /// Makes the kernels ready, and counts those that are. The first three are small: if they take long, the driver compiles. Then this device

@@ -44,6 +44,19 @@ impl Renderer {
         Ok(Renderer { devices: ready.into_iter().collect::<Result<_>>()? })
     }
 
+    /// This renderer for other plans that need the same kernels and buffers, which are filled anew; nothing if a device needs others.
+    ///
+    /// # Errors
+    /// `Error::Device` if a device has failed.
+    pub fn retaken(mut self, plans: &[(&Arc<Device>, &Plan<'_>)], job: &Job) -> Result<Option<Renderer>> {
+        for (renderer, (_, plan)) in self.devices.iter_mut().zip(plans) {
+            if !renderer.take(plan, job)? {
+                return Ok(None);
+            }
+        }
+        Ok(Some(self))
+    }
+
     /// Renders until the goal is reached. The observer follows with the outcome so far; fields that are known only at the end have their defaults. The
     /// job may differ from the one that the renderer was made for, but not in its size.
     ///

@@ -355,8 +355,16 @@ declare! {
             /// The objects.
             objects: Vec<Object> = other("a list of objects: [..]").named("[..]", "");
         )
-        /// What the default scene of a glTF file has, with its materials and transforms, without its cameras. Its materials have the
-        /// names `PATH#NAME` for other objects. [gltf.md](gltf.md) says what is read.
+        /// An object with a name. The attribute `gpu-rt:objects` of an image lists the names, and a session of Python places objects by theirs.
+        /// Several objects may have one name. Of an object inside another, the inner name counts.
+        Named: named, "Named(name: \"ball\", object: Sphere(center: (0, 1, 0), radius: 1, material: \"matt\"))" {
+            /// Its name.
+            name: String = other("a name in quotes");
+            /// Any object, also a group.
+            object: Box<Object> = other("an object");
+        }
+        /// What the default scene of a glTF file has, with its materials and transforms, without its cameras. Its objects have the
+        /// names of their nodes, and its materials the names `PATH#NAME` for other objects. [gltf.md](gltf.md) says what is read.
         Gltf: gltf, "Gltf(path: \"meshes/stool.glb\")" {
             /// A .gltf or .glb.
             #[serde(skip_serializing)]
@@ -398,6 +406,14 @@ impl Object {
     /// Its kind of shape; none for lights without size and for objects that contain others.
     pub fn kind(&self) -> Option<&'static ShapeKind> {
         shape::kinds_in_files().find(|(name, _)| *name == self.name()).map(|(_, kind)| kind)
+    }
+
+    /// The object without the names around it.
+    pub fn unnamed(&self) -> &Object {
+        match self {
+            Object::Named { object, .. } => object.unnamed(),
+            _ => self,
+        }
     }
 
     /// The light without size that it is, if it is one.

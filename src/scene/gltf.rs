@@ -45,6 +45,7 @@ pub use error::{GltfError, Result};
 pub use light::sun;
 pub use material::{default_material, radiance};
 use nodes::Pose;
+pub use nodes::similarity;
 pub use packed::MESHOPT;
 use packed::{Bytes, view_of};
 

@@ -193,7 +193,7 @@ fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
         match object {
             Object::Gltf { path, objects, .. } if path == name => *objects = contents.to_vec(),
             Object::Group(objects) => fill(objects, name, contents),
-            Object::Transformed { object, .. } | Object::Moving { object, .. } => {
+            Object::Transformed { object, .. } | Object::Moving { object, .. } | Object::Named { object, .. } => {
                 fill(std::slice::from_mut(object), name, contents)
             }
             _ => {}

@@ -48,7 +48,8 @@ impl Scene {
     /// Gives the default sky to a scene of these meshes, unless its own lights are enough. Returns a note that says which of both it is, or
     /// nothing where lamps light it.
     pub(super) fn add_sky(&mut self, meshes: &[(String, DAffine3)]) -> Option<String> {
-        let is_lamp = |object: &Object| object.delta_light().is_some_and(|light| light.colour() != Colour::ZERO);
+        let is_lamp =
+            |object: &Object| object.unnamed().delta_light().is_some_and(|light| light.colour() != Colour::ZERO);
         if self.objects.iter().any(is_lamp) {
             return None;
         }

@@ -53,7 +53,8 @@ fn image(at: &ValuePath, image: &ImageSize, findings: &mut Findings) {
     findings.record_all(sides);
 }
 
-fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
+/// Checks a camera.
+pub fn camera(at: &ValuePath, camera: &Camera, findings: &mut Findings) {
     if [camera.look_from, camera.look_at, camera.up].into_iter().all(|v| Range::ANY.check_each(at, "", v).is_ok()) {
         findings.record(directions(at, camera.look_at - camera.look_from, camera.up));
     }
@@ -286,6 +287,12 @@ fn inside<'a>(
     match object {
         Object::Transformed { by, object } => Some((object, transforms(&at.field("by"), by, bound, findings))),
         Object::Moving { keys, object } => Some((object, moving(&at.field("keys"), keys, bound, findings))),
+        Object::Named { name, object } => {
+            let is_bad = name.is_empty() || name.contains(char::is_control);
+            let expected = "a name of one line";
+            findings.record(if is_bad { Err(at.field("name").unexpected(expected)) } else { Ok(()) });
+            Some((object, bound))
+        }
         _ => None,
     }
 }

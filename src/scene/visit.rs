@@ -9,7 +9,7 @@ pub fn visit<'a>(at: &ValuePath, object: &'a Object, visitor: &mut dyn FnMut(&Va
     let at = &at.variant(object.name());
     visitor(at, object);
     match object {
-        Object::Transformed { object, .. } | Object::Moving { object, .. } => {
+        Object::Transformed { object, .. } | Object::Moving { object, .. } | Object::Named { object, .. } => {
             visit(&at.field("object"), object, visitor)
         }
         Object::Medium { boundary, .. } => visit(&at.field("boundary"), boundary, visitor),

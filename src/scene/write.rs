@@ -58,6 +58,7 @@ fn object(object: &Object) -> Result<String, ron::Error> {
         Object::Moving { keys, object } => {
             format!("Moving(keys: {}, object: {})", value(keys)?, self::object(object)?)
         }
+        Object::Named { name, object } => format!("Named(name: {}, object: {})", value(name)?, self::object(object)?),
         Object::Group(objects) => {
             let objects: Result<Vec<_>, _> = objects.iter().map(self::object).collect();
             format!("Group([{}])", objects?.join(", "))
@@ -82,7 +83,7 @@ fn object(object: &Object) -> Result<String, ron::Error> {
 }
 
 /// A value on one line.
-fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
+pub(super) fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
     let config = PrettyConfig::new().depth_limit(0).extensions(ron::extensions::Extensions::IMPLICIT_SOME);
     options().to_string_pretty(value, config)
 }

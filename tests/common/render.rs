@@ -350,7 +350,8 @@ fn relink(plan: &mut Kernels, change: &Change<'_>) {
         return;
     }
     let library = change.library.unwrap_or(&Embedded);
-    let relink = |kernel: &mut Kernel| {
+    let relink = |kernel: &mut Arc<Kernel>| {
+        let kernel = Arc::make_mut(kernel);
         if let Some(change) = change.choices {
             change(&mut kernel.choices);
         }

@@ -73,7 +73,8 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     assert_eq!(scene.objects.len(), 4);
     assert_eq!(scene.objects[0], mesh("meshes/0/primitives/0"));
     // What mirrors is written into the vertices, and its outside is turned with them.
-    assert_eq!(scene.objects[1], mesh("nodes/1/primitives/0"));
+    let object = Box::new(mesh("nodes/1/primitives/0"));
+    assert_eq!(scene.objects[1], Object::Named { name: "mirrored".to_owned(), object });
     let mirrored = &scene.meshes["room.glb#nodes/1/primitives/0"];
     assert_eq!(mirrored.positions[0], DVec3::new(3.5, -1.0, 0.0));
     let [a, b, c] = mirrored.triangles[0].map(|corner| mirrored.positions[corner as usize]);

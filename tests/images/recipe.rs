@@ -3,6 +3,7 @@
 //! cannot be added here, nor its lines in the list: a Lambertian of the scene file stands in for the new material.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::common::render::{Change, Request, Shot, plain, render, render_changed, scene};
 use gpu_rt::aov::Aov;
@@ -358,7 +359,7 @@ fn faults_with_every_feature(options: RenderOptions, library: &With, list: &dyn 
     features.quantities.aims = 1;
     let kernels = Kernels::link(&features, &options, Scatter::Fused, &UniformTables::default()).expect("all links");
     let large = kernels.all().into_iter().filter(|kernel| ["bounce", "light_path"].contains(&kernel.stage));
-    let fault = |kernel: &Kernel| {
+    let fault = |kernel: &Arc<Kernel>| {
         let mut choices = kernel.choices.clone();
         list(&mut choices);
         let linked = link(library, &format!("stage/{}", kernel.stage), &choices).expect("it links");

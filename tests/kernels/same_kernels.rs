@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::flatten::flatten;
@@ -84,6 +85,7 @@ fn a_change_of_a_kernel_is_found() {
         let mut kernels =
             Kernels::link(&flat.features, &options, Scatter::Fused, &UniformTables::default()).expect("they link");
         let Bounce::Fused(kernel) = &mut kernels.bounce else { panic!("it is fused") };
+        let kernel = Arc::make_mut(kernel);
         kernel.linked = link(library, "stage/bounce", &kernel.choices).expect("it links");
         kernel.module = kernel.linked.validate().expect("it is valid").0;
         kernel.bindings = layout::bindings(&kernel.module).expect("it has bindings");

@@ -2,6 +2,7 @@
 //! what their folders may, and the linker's errors name the location.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::bitmap::FORMATS;
@@ -707,8 +708,9 @@ const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
 fn no_kernel_binds_too_many_storage_buffers() {
     for (scatter, most) in MOST_STORAGE_BUFFERS {
         let kernels = kernels(&moving(many_lights(everything()), true), &RenderOptions::default(), scatter);
-        let storage =
-            |kernel: &Kernel| kernel.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
+        let storage = |kernel: &Arc<Kernel>| {
+            kernel.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count()
+        };
         assert_eq!(kernels.all().into_iter().map(storage).max(), Some(most), "{scatter:?}");
     }
 }

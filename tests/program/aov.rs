@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::common::device::index as software;
 use crate::common::program::words;
 use crate::sandbox::{SPHERE, Sandbox, attribute};
 use exr::prelude::{MetaData, read_first_flat_layer_from_file};
@@ -56,6 +57,47 @@ fn a_part_has_the_channels_of_the_full_image() {
     for (name, values) in part {
         let rows = values.chunks(9).zip(full[&name].chunks(20).skip(3));
         assert!(rows.into_iter().all(|(part, full)| *part == full[4..13]), "{name}");
+    }
+}
+
+/// The names of the objects by the numbers of `object.Y`, of each copy apart: those of a render, of one that is resumed, and of parts that are
+/// joined. Each is where its number is.
+#[test]
+fn objects_have_names() {
+    let sandbox = Sandbox::new();
+    let ball = |x: i32| format!("Sphere(center: ({x}, 0, 0), radius: 0.4, material: \"grey\")");
+    let cup =
+        format!("Named(name: \"cup, blue\", object: Group([{}, Named(name: \"ear\", object: {})]))", ball(-1), ball(0));
+    let moved = format!("Transformed(by: [Translate((2, 0, 0))], object: {cup})");
+    let text = SPHERE
+        .replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", &format!("{moved}, {}, {cup}", ball(3)));
+    sandbox.scene("cups.ron", &text.replace("(0, 0, 3)", "(0, 0, 9)").replace("fov: 50", "fov: 10"));
+    let render = |more: &str| {
+        let line = format!("render ../scenes/cups.ron --device {} --size 90x9 --aov object {more}", software());
+        sandbox.says(&line)
+    };
+    render("--spp 16 -o full.exr").exits(0);
+    render("--samples 0..8 -o a.exr").exits(0);
+    render("--samples 8..16 -o b.exr").exits(0);
+    sandbox.says("merge b.exr a.exr -o joined.exr").exits(0);
+    render("--spp 16 --resume -o a.exr").exits(0);
+    let names = "cup, blue\near\nobjects[1]\ncup, blue\near";
+    for file in ["full.exr", "a.exr", "joined.exr"] {
+        assert_eq!(attribute(&sandbox.exr(file), "gpu-rt:objects"), names, "{file}");
+    }
+    // From left to right at x = -1, 0, 1, 2 and 3: the second cup, the first cup, and the ball.
+    let row = &channels(&sandbox, "full.exr")["object.Y"][4 * 90..5 * 90];
+    let mut numbers: Vec<f32> = row.iter().map(|bits| f32::from_bits(*bits)).filter(|number| *number > 0.0).collect();
+    numbers.dedup();
+    assert_eq!(numbers, [4.0, 5.0, 1.0, 2.0, 3.0]);
+
+    // No names without the numbers, and none that no line holds.
+    sandbox.says(&format!("render ../scenes/cups.ron --device {} --size 9x9 --spp 1 -o no.exr", software())).exits(0);
+    assert!(sandbox.exr("no.exr").attributes.iter().all(|(name, _)| name != "gpu-rt:objects"));
+    for name in ["", "a\\nb"] {
+        sandbox.scene("bad.ron", &text.replace("cup, blue", name));
+        let says = ["expected a name of one line, found", "objects[0].Transformed.object.Named.name"];
+        sandbox.says("check ../scenes/bad.ron").exits(2).on_stderr(&says);
     }
 }
 

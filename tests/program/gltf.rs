@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, png, room};
-use crate::sandbox::Sandbox;
+use crate::sandbox::{Sandbox, attribute};
 
 /// A sandbox with room.glb among its scenes.
 fn with_room() -> Sandbox {
@@ -30,6 +30,12 @@ fn a_converted_scene_renders_to_the_same_image() {
         let (expected, found) = (sandbox.exr(&of_glb), sandbox.exr(&of_ron));
         assert_eq!(expected.rgb, found.rgb, "{name}");
         assert!(expected.rgb.iter().any(|rgb| rgb[0] > 0.0));
+    }
+    // Both have the names of the nodes.
+    for scene in ["../scenes/room.glb", "first.ron"] {
+        render(scene, &["--aov", "object", "--force"], "names.exr");
+        let names = "objects[0]\nmirrored\nobjects[2]\nobjects[3]";
+        assert_eq!(attribute(&sandbox.exr("names.exr"), "gpu-rt:objects"), names, "{scene}");
     }
     assert_ne!(sandbox.exr("first-glb.exr").rgb, sandbox.exr("left-glb.exr").rgb);
     let text = fs::read_to_string(sandbox.at("first.ron")).unwrap();

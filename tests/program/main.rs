@@ -23,6 +23,8 @@ mod names;
 mod preview;
 mod resume;
 mod sandbox;
+#[cfg(unix)]
+mod serve;
 mod shells;
 #[cfg(unix)]
 mod signals;

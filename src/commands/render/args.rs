@@ -7,7 +7,8 @@ use std::time::Duration;
 use clap::Args;
 
 use crate::cli::{
-    CHECKPOINT, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error, sample_range, samples,
+    CHECKPOINT, CHECKPOINT_INTERVAL, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error,
+    sample_range, samples,
 };
 use crate::commands::scene::stem_of;
 use crate::job::{Crop, Size};
@@ -41,7 +42,7 @@ pub struct RenderArgs {
 }
 
 /// The files to write.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct FileArgs {
     /// The image to write, .exr or .png [default: the scene's name with .exr].
     ///
@@ -55,7 +56,7 @@ pub struct FileArgs {
 }
 
 /// What to render, and until when.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct GoalArgs {
     /// Render the frames A to B - 1, each as --frame does: the #### in the names of -o and --png are its number, with as many
     /// digits or more [default of -o: the scene's name with .####.exr]. --resume leaves out what is complete.
@@ -85,7 +86,7 @@ pub struct GoalArgs {
     pub crop: Option<Crop>,
 }
 
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct DenoisingArgs {
     #[arg(long, help = DENOISE.about, long_help = DENOISE.help(), help_heading = DENOISE.class.heading())]
     pub denoise: bool,
@@ -94,7 +95,7 @@ pub struct DenoisingArgs {
 }
 
 /// Who sees the image while it renders.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct ViewerArgs {
     /// Draw the image in the terminal, about once a second.
     ///
@@ -133,8 +134,15 @@ pub struct KeepArgs {
     pub force: bool,
 }
 
+impl Default for KeepArgs {
+    fn default() -> KeepArgs {
+        let (resume, watch, mixed_drivers, no_state, force) = (None, false, false, false, false);
+        KeepArgs { checkpoint: CHECKPOINT_INTERVAL, resume, watch, mixed_drivers, no_state, force }
+    }
+}
+
 /// What is said, and what is an error.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct MessageArgs {
     /// Fail if a sample was not finite and therefore rejected.
     #[arg(long)]

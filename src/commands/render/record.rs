@@ -122,7 +122,7 @@ impl Clock {
 
 /// The facts about a render that its header and the JSON have in common.
 pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, seconds: &Seconds) -> Map<String, Value> {
-    let Request { args, scene, job, warnings, materials, .. } = request;
+    let Request { args, scene, job, warnings, materials, objects, .. } = request;
     let options = &args.options;
     let materials = Some(materials).filter(|names| options.aov.has(Aov::Material) && !names.is_empty());
     let mut record = object(json!({
@@ -140,6 +140,7 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
         "max_depth": job.max_depth,
         "aov": options.aov.words(),
         "materials": materials,
+        "objects": Some(objects).filter(|names| !names.is_empty()),
         "biases": request.biases(),
         "warnings": warnings,
         "seconds": seconds,
@@ -154,11 +155,12 @@ pub fn record(request: &Request<'_>, numerics: &Numerics, finish: &Finish, secon
 }
 
 /// The facts that are left out if they are unknown or not requested. Others are null then.
-const OPTIONAL: [&str; 12] = [
+const OPTIONAL: [&str; 13] = [
     "frame",
     "fps",
     "aov",
     "materials",
+    "objects",
     "noise",
     "noise_reached",
     "resumed_from",
@@ -177,7 +179,7 @@ pub fn drop_absent(record: &mut Map<String, Value>) {
 /// A record as the EXR's header has it.
 pub fn attributes_of(record: &Map<String, Value>) -> Vec<(String, Attribute)> {
     let attribute = |(name, value): (String, &Value)| {
-        let list = if name == "warnings" { "\n" } else { ", " };
+        let list = if name == "warnings" || name == "objects" { "\n" } else { ", " };
         Some((format!("gpu-rt:{name}"), attribute(value, list)?))
     };
     let times = record.get("seconds").and_then(Value::as_object).into_iter().flatten();

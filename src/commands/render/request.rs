@@ -42,6 +42,8 @@ pub struct Request<'a> {
     pub warnings: Vec<String>,
     /// The names of the materials, in the order of their numbers.
     pub materials: Vec<String>,
+    /// With `--aov object`: the names of the objects, in the order of their numbers.
+    pub objects: Vec<String>,
     /// Samples of each pixel that the output has already, if the render goes on with them.
     pub held: Option<u64>,
     /// Known when it is first needed: hashing a large scene takes as long as reading it.
@@ -56,9 +58,9 @@ impl<'a> Request<'a> {
     pub fn new(args: &'a RenderArgs, scene: &'a Scene, start: Instant) -> Result<Request<'a>> {
         let (image, format) = checked_image(args, scene)?;
         let (frame, job) = frame_and_job(args, scene, start)?;
-        let (warnings, materials) = (scene.warnings(), Vec::new());
+        let (warnings, materials, objects) = (scene.warnings(), Vec::new(), Vec::new());
         let identity = OnceLock::new();
-        Ok(Request { args, scene, frame, job, image, format, warnings, materials, held: None, identity })
+        Ok(Request { args, scene, frame, job, image, format, warnings, materials, objects, held: None, identity })
     }
 
     /// Takes what the flattened scene says. As `check` has them, its warnings follow those of the scene.
@@ -69,6 +71,7 @@ impl<'a> Request<'a> {
         check_light_paths(&self.job, &self.frame, view.light_paths(&self.args.options))?;
         self.warnings.extend_from_slice(&view.warnings);
         self.materials.clone_from(&view.material_names);
+        self.objects.clone_from(&view.object_names);
         Ok(())
     }
 

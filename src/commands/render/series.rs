@@ -9,12 +9,12 @@ use super::args::RenderArgs;
 use crate::aov::Aov;
 use crate::commands::changes::Changes;
 use crate::commands::console::tell;
-use crate::commands::scene::load_with;
+use crate::commands::scene::load_from;
 use crate::commands::signals::Signals;
 use crate::commands::target::tell_driver;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::output::progress::Loading;
-use crate::scene::{Assets, Scene, is_gltf};
+use crate::scene::{Assets, Scene};
 use crate::session::Session;
 
 /// Renders a scene that has been loaded since an instant.
@@ -60,18 +60,13 @@ impl Series {
     pub fn load(&mut self, args: &RenderArgs) -> Result<Scene> {
         let mut loading = Loading::new(args.messages.quiet);
         let progress = &mut |file: &_, done, total| loading.update(file, done, total);
-        // Animations of glTF files are read frame by frame.
-        let frame = args.scene.gltf.frame.filter(|_| args.options.aov.has(Aov::Motion) && is_gltf(&args.scene.path));
-        let mut at = |frame: f64| {
-            let mut scene = args.scene.clone();
-            scene.gltf.frame = Some(frame);
-            load_with(&scene, progress, &mut self.assets)
-        };
-        let neighbours =
-            frame.map(|frame| Ok::<_, Error>(Box::new([at(frame - 1.0)?, at(frame + 1.0)?]))).transpose()?;
-        let mut scene = load_with(&args.scene, progress, &mut self.assets)?;
-        scene.neighbours = neighbours;
-        Ok(scene)
+        let motion = args.options.aov.has(Aov::Motion);
+        load_from(&args.scene, motion, std::io::stdin().lock(), progress, &mut self.assets)
+    }
+
+    /// Whether a render hides its warnings. One of a sequence may itself be quiet and still tell what is new.
+    pub fn hides_warnings(&self, quiet: bool) -> bool {
+        quiet && (self.quiet || self.frames.is_none())
     }
 
     /// Prints warnings unless `quiet`; those of a sequence once, and not for each of its frames.

@@ -13,10 +13,10 @@ use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::instances::{self, MOST_INSTANCES, has_instances, has_unread_instances};
 use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
-use super::nodes::similarity;
+use super::nodes::{SceneNode, similarity};
 use super::{File, GltfError, Result, is_read};
 use crate::guard::guarded;
-use crate::printable::quote;
+use crate::printable::{one_line, quote};
 use crate::scene::gltf_path::Part;
 use crate::scene::nearest::{meant, one_of};
 use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
@@ -85,7 +85,7 @@ impl Contents {
 
     /// Whether it has lights without size.
     pub fn has_lights(&self) -> bool {
-        self.objects.iter().any(|object| object.delta_light().is_some())
+        self.objects.iter().any(|object| object.unnamed().delta_light().is_some())
     }
 }
 
@@ -149,7 +149,7 @@ impl File {
         for scene_node in pose.nodes(root) {
             contents.views.extend(self.view(&scene_node)?);
             if let Some(light) = self.light(&scene_node, units)? {
-                contents.objects.push(light.object);
+                contents.objects.push(named(&scene_node, light.object));
                 deviations.has_range |= light.has_range;
             }
             let Some(mesh) = scene_node.node.mesh.map(|mesh| mesh.value()) else { continue };
@@ -197,10 +197,11 @@ impl File {
                     };
                     let part = format!("{path}#{part}");
                     let object = Object::Mesh { path: part.clone(), material: Some(material.clone()) };
-                    contents.objects.push(match &transforms {
+                    let object = match &transforms {
                         Some(by) if !by.is_empty() => Object::Transformed { by: by.clone(), object: Box::new(object) },
                         _ => object,
-                    });
+                    };
+                    contents.objects.push(named(&scene_node, object));
                     let to_scene = if transforms.is_some() { to_scene } else { DAffine3::IDENTITY };
                     contents.meshes.push((part, to_scene));
                 }
@@ -211,6 +212,14 @@ impl File {
         notes.extend(note_of_units.filter(|_| has_lights));
         notes.extend(deviations.notes(root, reading));
         Ok(contents)
+    }
+}
+
+/// The object with the name of its node, if that has one.
+fn named(node: &SceneNode, object: Object) -> Object {
+    match node.node.name.as_deref().filter(|name| !name.is_empty()) {
+        Some(name) => Object::Named { name: one_line(name).into_owned(), object: Box::new(object) },
+        None => object,
     }
 }
 

@@ -1,0 +1,170 @@
+//! `gpu-rt serve`: renders one scene again and again, as requests on standard input say. The device with its kernels, textures, and meshes
+//! with their hierarchies stay from one to the next. An answer is a JSON object in a line of standard output.
+
+use std::io::{BufRead, stdin};
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::console::{path_text, write_stdout};
+use super::render::args::{DenoisingArgs, FileArgs, GoalArgs, KeepArgs, MessageArgs, ViewerArgs};
+use super::render::{RenderArgs, Reported, Series, render};
+use super::requests::{Request, Requests};
+use super::scene::{load_from, size_of};
+use super::signals::Signals;
+use crate::aov::{Aov, Aovs};
+use crate::cli::{PathArgs, SceneArgs, ViewArgs, samples};
+use crate::error::{Error, Location, Result};
+use crate::job::{MOST_SAMPLES, Size};
+use crate::options::{RenderOptions, SIZE, SPP};
+use crate::output::destination::is_standard;
+use crate::scene::{Assets, Change, Scene};
+
+#[derive(Clone, Debug, Args)]
+pub struct ServeArgs {
+    /// - is a .ron whose text is a JSON string in the first line of standard input.
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
+    size: Option<Size>,
+    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
+          help_heading = SPP.class.heading())]
+    spp: Option<u32>,
+    #[command(flatten)]
+    paths: PathArgs,
+    #[command(flatten)]
+    options: RenderOptions,
+    /// Leave out of the EXR what --resume and `merge` need.
+    #[arg(long)]
+    no_state: bool,
+    /// Print errors only.
+    #[arg(long)]
+    quiet: bool,
+    /// A folder of images to remove if the parent process ends before the requests do.
+    #[arg(long, value_name = "FOLDER", hide = true)]
+    temporary: Option<PathBuf>,
+}
+
+/// Answers requests up to the last one, until a signal comes or the device is lost.
+pub fn run(args: &ServeArgs) -> Result<()> {
+    let text = is_standard(&args.scene.path).then(text).transpose()?.unwrap_or_default();
+    let signals = Signals::listen("nothing has been written");
+    let mut requests = Requests::listen(&signals, args.temporary.clone())?;
+    let mut server = Server::open(args.clone(), text, signals.clone())?;
+    let scene = &server.scene;
+    let materials: Vec<&String> = scene.materials.iter().map(|(name, _)| name).collect();
+    let (image, size) = ((scene.image.width, scene.image.height), size_of(scene, server.args.goal.size));
+    print(&json!({"objects": scene.object_names(), "materials": materials, "image": image, "size": size}))?;
+    while let Some(request) = requests.next() {
+        let rendered = request.and_then(|request| server.render(&request));
+        let lost = server.series.session.devices.iter().find_map(|device| device.check().err());
+        print(&server.answer(rendered, lost.is_some()))?;
+        match lost {
+            _ if signals.have_come() => return Err(signals.interrupted("the session ends")),
+            Some(error) => return Err(error),
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+struct Server {
+    args: RenderArgs,
+    /// The scene's text, if that is on standard input.
+    text: String,
+    /// The scene at the frame of the last request.
+    scene: Scene,
+    /// That frame, and whether those around it are read.
+    read: (Option<f64>, bool),
+    series: Series,
+}
+
+impl Server {
+    fn open(args: ServeArgs, text: String, signals: Signals) -> Result<Server> {
+        let quiet = args.quiet;
+        let args = args.into_render();
+        let frames = Some(Reported::default());
+        let series =
+            Series { assets: Assets::of_frames(), frames, quiet, signals: Some(signals), ..Series::new(&args) };
+        let mut series = Series { session: series.session.keeping_hierarchies(), ..series };
+        let read = (args.scene.gltf.frame, args.options.aov.has(Aov::Motion));
+        let scene = load_from(&args.scene, read.1, text.as_bytes(), &mut |_, _, _| {}, &mut series.assets)?;
+        Ok(Server { args, text, scene, read, series })
+    }
+
+    fn render(&mut self, request: &Request) -> Result<()> {
+        let start = Instant::now();
+        let mut args = self.args.clone();
+        args.files.output = Some(request.output.clone());
+        args.paths.seed = request.seed.unwrap_or(args.paths.seed);
+        args.goal.spp = request.spp.or(args.goal.spp);
+        if !args.goal.spp.is_none_or(|spp| (1..=MOST_SAMPLES).contains(&i64::from(spp))) {
+            return Err(Error::Usage(format!("spp: expected a number of samples from 1 to {MOST_SAMPLES}")));
+        }
+        if let Some(words) = &request.aov {
+            let list = Aovs::parse(words).map_err(|reason| Error::Usage(format!("aov: {reason}")))?;
+            args.options.aov.set(list);
+        }
+        args.scene.gltf.frame = request.frame.or(args.scene.gltf.frame);
+        let read = (args.scene.gltf.frame, args.options.aov.has(Aov::Motion));
+        if read != self.read {
+            let assets = &mut self.series.assets;
+            self.scene = load_from(&args.scene, read.1, self.text.as_bytes(), &mut |_, _, _| {}, assets)?;
+            self.read = read;
+        }
+        let (camera, objects, materials) = (&request.camera, &request.objects, &request.materials);
+        let change = Change { camera: camera.as_deref(), objects: objects.as_ref(), materials: materials.as_ref() };
+        let scene = self.scene.changed(&change)?;
+        render(&args, &scene, &mut self.series, start)
+    }
+
+    /// The answer to a request. A device that is lost ends the session.
+    fn answer(&mut self, rendered: Result<()>, lost: bool) -> Value {
+        let report = self.series.frames.as_mut().and_then(|reported| reported.reports.pop());
+        let error = rendered.err().map(|error| {
+            let faults: Vec<Value> = error.each().iter().filter_map(fault).collect();
+            let is_interrupt = matches!(error, Error::Interrupted { .. });
+            json!({"message": error.messages().join("\n"), "faults": faults, "interrupted": is_interrupt, "lost": lost})
+        });
+        json!({"report": report, "error": error})
+    }
+}
+
+fn fault(error: &Error) -> Option<Value> {
+    let Error::Scene { location: Location { file, line, column }, field, message } = error else { return None };
+    Some(json!({"file": path_text(file), "line": line, "column": column, "field": field, "message": message}))
+}
+
+impl ServeArgs {
+    /// The arguments of a render without its output.
+    fn into_render(self) -> RenderArgs {
+        let ServeArgs { scene, size, spp, paths, options, no_state, .. } = self;
+        RenderArgs {
+            scene,
+            files: FileArgs::default(),
+            goal: GoalArgs { size, spp, ..GoalArgs::default() },
+            paths,
+            view: ViewArgs::default(),
+            denoising: DenoisingArgs::default(),
+            viewers: ViewerArgs::default(),
+            keep: KeepArgs { no_state, force: true, ..KeepArgs::default() },
+            messages: MessageArgs { quiet: true, json: true, ..MessageArgs::default() },
+            options,
+            profile: false,
+        }
+    }
+}
+
+fn print(answer: &Value) -> Result<()> {
+    write_stdout(&format!("{answer}\n"))
+}
+
+/// The scene's text in the first line.
+fn text() -> Result<String> {
+    let mut line = String::new();
+    stdin().lock().read_line(&mut line).map_err(Error::file("stdin", "read"))?;
+    let expected = |error| Error::Usage(format!("the first line: expected the scene's text as a JSON string: {error}"));
+    serde_json::from_str(&line).map_err(expected)
+}
