@@ -423,6 +423,49 @@ class BesideCycles(InBlender):
         with mock.patch.object(self, "is_near", lambda found: abs(found[0]) < 0.01 and found[1] < 0.02):
             self.beside(lambda: None, lambda: setattr(self.scene.render, "use_motion_blur", False))
 
+    def test_vectors(self):
+        """--aov motion has the signs and the order of Cycles' vectors, for a plane across the axis that shifts unevenly: inside of it they are constant."""
+        bpy.data.objects.remove(bpy.data.objects["Light"])
+        bpy.data.objects.remove(bpy.data.objects["Cube"])
+        bpy.ops.mesh.primitive_plane_add(size=4)
+        plane, camera = bpy.context.object, self.scene.camera
+        matt("Plane")
+        camera.location, camera.rotation_euler = (0, 0, 8), (0, 0, 0)
+        places = {1: (0, 0, 0), 2: (0.3, 0.1, 0), 3: (0.4, -0.2, 0)}
+        for frame, place in places.items():
+            plane.location = place
+            plane.keyframe_insert("location", frame=frame)
+        self.scene.frame_set(2)
+        layer = self.scene.view_layers[0]
+        layer.use_pass_vector, self.scene.render.engine = True, "CYCLES"
+        settings = self.scene.render.image_settings
+        if hasattr(settings, "media_type"):
+            settings.media_type = "MULTI_LAYER_IMAGE"
+        settings.file_format, settings.color_depth, self.scene.cycles.samples = "OPEN_EXR_MULTILAYER", "32", 4
+        self.scene.render.filepath = str(self.folder / "cycles.exr")
+        bpy.ops.render.render(write_still=True)
+        parts = OpenEXR.File(str(self.folder / "cycles.exr"), separate_channels=True).parts
+        theirs = {name: channel.pixels for part in parts for name, channel in part.channels.items()}
+        keys = ", ".join(f"({(frame - 2) / 24}, [Translate({place})])" for frame, place in places.items())
+        fov = 2 * math.atan(math.tan(camera.data.angle_x / 2) * SIZE[1] / SIZE[0])
+        scene = f"""Scene(image: (width: {SIZE[0]}, height: {SIZE[1]}), background: Solid((1, 1, 1)),
+            camera: (look_from: (0, 0, 8), look_at: (0, 0, 0), vertical_fov: {math.degrees(fov)}),
+            materials: {{"grey": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}},
+            objects: [Moving(keys: [{keys}], object: Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: "grey"))])"""
+        (self.folder / "scene.ron").write_text(scene)
+        line = ["render", "scene.ron", "--spp=8", "--frame=0", "--fps=24", "--aov=motion", "--aov-names=blender", "--no-state", "--quiet"]
+        subprocess.run([preferences.program(), *line, f"--device={software_device()}", "-o", "ours.exr"], cwd=self.folder, check=True)
+        ours = read(self.folder / "ours.exr")
+        inside = np.s_[SIZE[1] // 2 - 6:SIZE[1] // 2 + 6, SIZE[0] // 2 - 6:SIZE[0] // 2 + 6]
+        found = {axis: [image[f"ViewLayer.Vector.{axis}"][inside] for image in (ours, theirs)] for axis in "XYZW"}
+        for axis, (mine, cycles) in found.items():
+            # Cycles rounds positions to f32 and keeps vectors in them.
+            np.testing.assert_allclose(mine, cycles, atol=2e-3, err_msg=axis)
+        # The control: all four are different, and none is 0.
+        means = [np.mean(mine) for mine, _ in found.values()]
+        self.assertGreater(min(abs(a - b) for a, b in zip(means, means[1:])), 0.1)
+        self.assertGreater(np.abs(means).min(), 0.1)
+
     def test_startup_file_as_it_is(self):
         """With its plastic, by the bounds of docs/gltf.md: 4 %."""
         reference = self.cycles()
