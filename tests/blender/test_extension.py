@@ -431,7 +431,7 @@ class BesideCycles(InBlender):
         plane, camera = bpy.context.object, self.scene.camera
         matt("Plane")
         camera.location, camera.rotation_euler = (0, 0, 8), (0, 0, 0)
-        places = {1: (0, 0, 0), 2: (0.3, 0.1, 0), 3: (0.4, -0.2, 0)}
+        places = {1: (0, 0, 0), 2: (0.3, 0.1, 0), 3: (0.45, -0.2, 0)}
         for frame, place in places.items():
             plane.location = place
             plane.keyframe_insert("location", frame=frame)
