@@ -13,7 +13,6 @@ use crate::scene::Thin;
 
 /// The interval of checkpoints where none is given.
 pub const CHECKPOINT: &str = "60s";
-pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 
 /// The help of `--oidn`.
 pub const OIDN: &str = "The folder of the library of Open Image Denoise [default: the environment's OIDN_DIR, or where the system finds it].";

@@ -75,15 +75,16 @@ impl Session {
     /// As of [`flatten`](crate::flatten::flatten). `Error::Usage` if the choice names no device, `Error::Device` if one does not open.
     pub fn view(&mut self, scene: &Scene, frame: &Frame, options: &RenderOptions) -> Result<Duration> {
         let Session { devices, choice, hierarchies, .. } = self;
-        let opening = || match devices.is_empty() {
-            true => Adapters::find().choose_several(choice.as_deref())?.into_iter().map(Device::open).collect(),
-            false => Ok(Vec::new()),
-        };
+        let opening = || Adapters::find().choose_several(choice.as_deref())?.into_iter().map(Device::open).collect();
         let begin = Instant::now();
-        let (opened, (flat, took)) = join(opening, || {
+        let mut flatten = || {
             let flat = flatten_with(scene, frame.full, options, hierarchies.as_mut());
             (flat, begin.elapsed())
-        });
+        };
+        let (opened, (flat, took)) = match devices.is_empty() {
+            true => join(opening, flatten),
+            false => (Ok(Vec::new()), flatten()),
+        };
         let (mut flat, opened): (_, Vec<Device>) = (flat?, opened?);
         (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
         self.devices.extend(opened.into_iter().map(Arc::new));

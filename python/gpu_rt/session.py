@@ -140,9 +140,10 @@ class Session:
                 request["camera"] = ron.value(camera)
             if materials is not None:
                 request["materials"] = {name: ron.value(fields) for name, fields in materials.items()}
-        except (TypeError, RecursionError) as error:
+            json.dumps(request, default=_plain)
+        except (TypeError, ValueError, RecursionError) as error:
             raise _gpu_rt.Error(f"the request: {error}") from None
-        return self._link.render({name: _plain(value) for name, value in request.items() if value is not None})
+        return self._link.render(request)
 
     def close(self) -> None:
         """Ends the session, once a render that another thread has begun is complete. Its images stay."""
@@ -161,14 +162,18 @@ class Session:
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    """A number of NumPy as JSON has it."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"expected a number, found {value!r}")
 
 
 class _Folder:
-    """A folder that lives as long as anybody has this object."""
+    """A folder that lives as long as anybody has this object: the session, and each image in it."""
 
-    def __init__(self, within: Optional[str]) -> None:
-        self.path = tempfile.mkdtemp(prefix="gpu-rt-", dir=within)
+    def __init__(self) -> None:
+        shared = os.path.isdir(_SHARED_MEMORY) and shutil.disk_usage(_SHARED_MEMORY).free > _LEAST_FREE
+        self.path = tempfile.mkdtemp(prefix="gpu-rt-", dir=_SHARED_MEMORY if shared else None)
         Finalize(self, shutil.rmtree, (self.path, True), exitpriority=0)
 
 
@@ -177,27 +182,22 @@ class _Link:
 
     def __init__(self, scene: str, text: Optional[str], flags: List[str], quiet: bool) -> None:
         self.lock = threading.Lock()  # of a request and its answer
-        self._writing = threading.Lock()
-        self._came = threading.Condition()
+        self._writing, self._came = threading.Lock(), threading.Condition()
         self._answers: Dict[int, bytes] = {}
-        self._asked = 0
+        self._asked = self._images = 0
         self._ended = self._closed = False
         self._errors: List[str] = []
-        self._images = 0
-        self._pid = os.getpid()
-        shared = _SHARED_MEMORY if os.path.isdir(_SHARED_MEMORY) and os.access(_SHARED_MEMORY, os.W_OK) else None
-        self._folders: Dict[Optional[str], _Folder] = {shared: _Folder(shared)}
-        line = [_gpu_rt.program(), "serve", scene, f"--temporary={self._folders[shared].path}", *flags]
+        self._pid, self._folder = os.getpid(), _Folder()
+        line = [_gpu_rt.program(), "serve", scene, f"--temporary={self._folder.path}", *flags]
+        pipe = subprocess.PIPE
         try:
             # Its standard input ends with this process, however that ends. In a session of its own it gets no Ctrl-C but by us.
-            self._process = subprocess.Popen(
-                line, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0, start_new_session=True
-            )
+            self._process = subprocess.Popen(line, stdin=pipe, stdout=pipe, stderr=pipe, bufsize=0, start_new_session=True)
         except (OSError, ValueError) as error:
             raise _gpu_rt.Error(f"gpu-rt serve cannot be run: {error}") from None
         _LINKS.add(self)
-        progress = None if quiet else _gpu_rt._Progress()
-        self._reading = threading.Thread(target=_gpu_rt._read, args=(self._process.stderr, self._errors, progress), daemon=True)
+        errors = (self._process.stderr, self._errors, None if quiet else _gpu_rt._Progress())
+        self._reading = threading.Thread(target=_gpu_rt._read, args=errors, daemon=True)
         self._reading.start()
         threading.Thread(target=self._listen, daemon=True).start()
         if text is not None:
@@ -215,21 +215,25 @@ class _Link:
             self._came.notify_all()
 
     def _write(self, value: Any) -> None:
+        line = json.dumps(value, default=_plain).encode() + b"\n"
         try:
-            line = json.dumps(value).encode() + b"\n"
             with self._writing:
                 while line:
                     line = line[os.write(self._process.stdin.fileno(), line) :]  # type: ignore[union-attr]
-        except (BrokenPipeError, ValueError) as error:
-            if isinstance(error, ValueError) and not self._closed:
-                raise _gpu_rt.Error(f"the request: {error}") from None
+        except (OSError, ValueError):
+            pass  # It has ended, which whoever waits for the answer is told.
+
+    def interrupt(self) -> None:
+        self._write({"interrupt": True})
 
     def is_own(self) -> bool:
         """Whether it is of this process, and not of one that this one is a fork of."""
         return os.getpid() == self._pid
 
-    def interrupt(self) -> None:
-        self._write({"interrupt": True})
+    def _wait(self) -> None:
+        with self._came:
+            while self._asked not in self._answers and not self._ended:
+                self._came.wait()
 
     def ask(self, request: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
         """The answer to a request; or, without one, what the program says first."""
@@ -249,30 +253,23 @@ class _Link:
                 stopped = reason
                 self.interrupt()
                 self._wait()
-            if in_thread and self not in _gpu_rt._OF_THREADS:
-                stopped = KeyboardInterrupt()
         except BaseException:
-            # What is on its way is not known.
-            self.close()
+            self.close()  # What is on its way is not known.
             raise
         finally:
+            if in_thread and self not in _gpu_rt._OF_THREADS:
+                stopped = KeyboardInterrupt()
             _gpu_rt._OF_THREADS.discard(self)
-        line = self._answers.pop(self._asked, None)
-        if line is None:
+        if self._asked not in self._answers:
             self.close()
             self._reading.join(_PATIENCE)
             raise _gpu_rt._failure("serve", self._errors, self._process.returncode, {})
-        answer: Dict[str, Any] = json.loads(line)
-        if stopped is not None and not isinstance(stopped, KeyboardInterrupt):
+        answer: Dict[str, Any] = json.loads(self._answers.pop(self._asked))
+        if stopped is not None and (request is None or not isinstance(stopped, KeyboardInterrupt)):
             raise stopped
-        if stopped is not None and request is not None:
+        if stopped is not None:
             answer["error"] = {**(answer["error"] or {"message": "interrupted"}), "interrupted": True}
         return answer
-
-    def _wait(self) -> None:
-        with self._came:
-            while self._asked not in self._answers and not self._ended:
-                self._came.wait()
 
     def render(self, request: Mapping[str, Any]) -> _gpu_rt.Image:
         if not self.is_own():
@@ -280,23 +277,19 @@ class _Link:
         with self.lock:
             if self._closed:
                 raise _gpu_rt.Error("the session is closed")
-            within = self._folder()
             self._images += 1
-            folder = os.path.join(within.path, str(self._images))
-            image = None
+            image, folder = None, os.path.join(self._folder.path, str(self._images))
             try:
                 os.mkdir(folder)
-                path = os.path.join(folder, "image.exr")
-                answer = self.ask({**request, "output": path})
+                answer = self.ask({**request, "output": os.path.join(folder, "image.exr")})
                 error, report = answer["error"], answer["report"] or {}
-                if report and os.path.exists(path) and (not error or error["interrupted"]):
-                    image = _gpu_rt.Image(path, report, folder)
-                    image._within = within  # type: ignore[attr-defined]
+                if report and (not error or error["interrupted"]):
+                    image = _gpu_rt.Image(report["output"], report, folder)
+                    image._folder = self._folder  # type: ignore[attr-defined]
             finally:
                 if image is None:
                     shutil.rmtree(folder, ignore_errors=True)
-            if not error:
-                assert image is not None
+            if image is not None and not error:
                 return image
             if error["interrupted"]:
                 interrupted = _gpu_rt.Interrupted(error["message"], report)
@@ -307,15 +300,6 @@ class _Link:
                 raise _gpu_rt.Error(f"{error['message']}; the session is not usable any more: open another one", report)
             faults = [_gpu_rt.Fault(**fault) for fault in error["faults"]]
             raise _gpu_rt.SceneError(error["message"], faults) if faults else _gpu_rt.Error(error["message"], report)
-
-    def _folder(self) -> _Folder:
-        """The folder of the next image: in memory while there is enough of it."""
-        within = next(iter(self._folders))
-        if within is not None and shutil.disk_usage(within).free < _LEAST_FREE:
-            within = None
-        if within not in self._folders:
-            self._folders[within] = _Folder(within)
-        return self._folders[within]
 
     def close(self) -> None:
         if self._closed or not self.is_own():
@@ -330,7 +314,7 @@ class _Link:
             self._process.wait()
             if not isinstance(reason, subprocess.TimeoutExpired):
                 raise
-        self._folders = {}
+        del self._folder
 
 
 _LINKS: weakref.WeakSet[_Link] = weakref.WeakSet()

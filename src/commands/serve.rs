@@ -1,9 +1,9 @@
 //! `gpu-rt serve`: renders one scene again and again, as requests on standard input say. The device with its kernels, textures, and meshes
 //! with their hierarchies stay from one to the next. An answer is a JSON object in a line of standard output.
 
-use std::io::{BufRead, stdin};
+use std::io::stdin;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -85,18 +85,16 @@ impl Server {
     fn open(args: ServeArgs, text: String, signals: Signals) -> Result<Server> {
         let quiet = args.quiet;
         let args = args.into_render();
-        let frames = Some(Reported::default());
-        let series =
-            Series { assets: Assets::of_frames(), frames, quiet, signals: Some(signals), ..Series::new(&args) };
-        let mut series = Series { session: series.session.keeping_hierarchies(), ..series };
+        let mut series = Series::new(&args);
+        (series.session, series.assets) = (series.session.keeping_hierarchies(), Assets::of_frames());
+        (series.frames, series.quiet, series.signals) = (Some(Reported::default()), quiet, Some(signals));
         let read = (args.scene.gltf.frame, args.options.aov.has(Aov::Motion));
         let scene = load_from(&args.scene, read.1, text.as_bytes(), &mut |_, _, _| {}, &mut series.assets)?;
         Ok(Server { args, text, scene, read, series })
     }
 
     fn render(&mut self, request: &Request) -> Result<()> {
-        let start = Instant::now();
-        let mut args = self.args.clone();
+        let (start, mut args) = (Instant::now(), self.args.clone());
         args.files.output = Some(request.output.clone());
         args.paths.seed = request.seed.unwrap_or(args.paths.seed);
         args.goal.spp = request.spp.or(args.goal.spp);
@@ -104,8 +102,7 @@ impl Server {
             return Err(Error::Usage(format!("spp: expected a number of samples from 1 to {MOST_SAMPLES}")));
         }
         if let Some(words) = &request.aov {
-            let list = Aovs::parse(words).map_err(|reason| Error::Usage(format!("aov: {reason}")))?;
-            args.options.aov.set(list);
+            args.options.aov.set(Aovs::parse(words).map_err(|reason| Error::Usage(format!("aov: {reason}")))?);
         }
         args.scene.gltf.frame = request.frame.or(args.scene.gltf.frame);
         let read = (args.scene.gltf.frame, args.options.aov.has(Aov::Motion));
@@ -114,9 +111,8 @@ impl Server {
             self.scene = load_from(&args.scene, read.1, self.text.as_bytes(), &mut |_, _, _| {}, assets)?;
             self.read = read;
         }
-        let (camera, objects, materials) = (&request.camera, &request.objects, &request.materials);
-        let change = Change { camera: camera.as_deref(), objects: objects.as_ref(), materials: materials.as_ref() };
-        let scene = self.scene.changed(&change)?;
+        let (objects, materials) = (request.objects.as_ref(), request.materials.as_ref());
+        let scene = self.scene.changed(&Change { camera: request.camera.as_deref(), objects, materials })?;
         render(&args, &scene, &mut self.series, start)
     }
 
@@ -125,8 +121,8 @@ impl Server {
         let report = self.series.frames.as_mut().and_then(|reported| reported.reports.pop());
         let error = rendered.err().map(|error| {
             let faults: Vec<Value> = error.each().iter().filter_map(fault).collect();
-            let is_interrupt = matches!(error, Error::Interrupted { .. });
-            json!({"message": error.messages().join("\n"), "faults": faults, "interrupted": is_interrupt, "lost": lost})
+            let interrupted = matches!(error, Error::Interrupted { .. });
+            json!({"message": error.messages().join("\n"), "faults": faults, "interrupted": interrupted, "lost": lost})
         });
         json!({"report": report, "error": error})
     }
@@ -141,6 +137,7 @@ impl ServeArgs {
     /// The arguments of a render without its output.
     fn into_render(self) -> RenderArgs {
         let ServeArgs { scene, size, spp, paths, options, no_state, .. } = self;
+        let checkpoint = Duration::from_secs(60);
         RenderArgs {
             scene,
             files: FileArgs::default(),
@@ -149,7 +146,7 @@ impl ServeArgs {
             view: ViewArgs::default(),
             denoising: DenoisingArgs::default(),
             viewers: ViewerArgs::default(),
-            keep: KeepArgs { no_state, force: true, ..KeepArgs::default() },
+            keep: KeepArgs { checkpoint, resume: None, watch: false, mixed_drivers: false, no_state, force: true },
             messages: MessageArgs { quiet: true, json: true, ..MessageArgs::default() },
             options,
             profile: false,
@@ -164,7 +161,7 @@ fn print(answer: &Value) -> Result<()> {
 /// The scene's text in the first line.
 fn text() -> Result<String> {
     let mut line = String::new();
-    stdin().lock().read_line(&mut line).map_err(Error::file("stdin", "read"))?;
+    stdin().read_line(&mut line).map_err(Error::file("stdin", "read"))?;
     let expected = |error| Error::Usage(format!("the first line: expected the scene's text as a JSON string: {error}"));
     serde_json::from_str(&line).map_err(expected)
 }

@@ -71,9 +71,9 @@ fn objects_have_names() {
     let moved = format!("Transformed(by: [Translate((2, 0, 0))], object: {cup})");
     let text = SPHERE
         .replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", &format!("{moved}, {}, {cup}", ball(3)));
-    sandbox.scene("cups.ron", &text.replace("(0, 0, 3)", "(0, 0, 9)").replace("fov: 50", "fov: 10"));
+    let scene = sandbox.scene("cups.ron", &text.replace("(0, 0, 3)", "(0, 0, 9)").replace("fov: 50", "fov: 10"));
     let render = |more: &str| {
-        let line = format!("render ../scenes/cups.ron --device {} --size 90x9 --aov object {more}", software());
+        let line = format!("render {scene} --device {} --size 90x9 --aov object {more}", software());
         sandbox.says(&line)
     };
     render("--spp 16 -o full.exr").exits(0);
@@ -92,7 +92,7 @@ fn objects_have_names() {
     assert_eq!(numbers, [4.0, 5.0, 1.0, 2.0, 3.0]);
 
     // No names without the numbers, and none that no line holds.
-    sandbox.says(&format!("render ../scenes/cups.ron --device {} --size 9x9 --spp 1 -o no.exr", software())).exits(0);
+    sandbox.says(&format!("render {scene} --device {} --size 9x9 --spp 1 -o no.exr", software())).exits(0);
     assert!(sandbox.exr("no.exr").attributes.iter().all(|(name, _)| name != "gpu-rt:objects"));
     for name in ["", "a\\nb"] {
         sandbox.scene("bad.ron", &text.replace("cup, blue", name));

@@ -312,6 +312,7 @@ fn a_full_standard_output_is_an_error_of_every_command() {
         "converge SPHERE --reference b.exr --spp 2 --json",
         "plan SPHERE",
         "plan SPHERE --json",
+        "serve SPHERE",
         "check SPHERE",
         "check SPHERE --json",
         "devices",

@@ -55,8 +55,8 @@ impl Served {
 
     /// A session of the scene in a sandbox, which has begun.
     fn open(sandbox: &Sandbox, more: &[&str]) -> Served {
-        sandbox.scene("cup.ron", &scene(CAMERA, "", LAMP, BULB));
-        let arguments = [&["serve", "../scenes/cup.ron", "--device", software()], more].concat();
+        sandbox.scene("sphere.ron", &scene(CAMERA, "", LAMP, BULB));
+        let arguments = [&["serve", "../scenes/sphere.ron", "--device", software()], more].concat();
         let mut served = Served::start(&mut sandbox.command(&arguments));
         let expected = json!({"objects": ["cup", "bulb"], "materials": ["table", "glass", "lamp"], "image": [24, 16], "size": [24, 16]});
         assert_eq!(served.answer(), expected);
@@ -173,8 +173,9 @@ fn images_are_those_of_the_command_line() {
             let found = contents(&sandbox.at(&file));
             if round == 0 {
                 // The session has read its scene.
-                sandbox.scene("cup.ron", text);
-                let line = format!("render ../scenes/cup.ron --device {} {options} -o fresh{number}.exr", software());
+                sandbox.scene("sphere.ron", text);
+                let line =
+                    format!("render ../scenes/sphere.ron --device {} {options} -o fresh{number}.exr", software());
                 sandbox.says(&line).exits(0);
                 // The places in warnings and the hash of the objects are those of another text where something is placed.
                 let is_moved = request.get("objects").is_some();
@@ -312,7 +313,7 @@ fn the_end_of_its_input_and_signals_end_it() {
     // Its parent's end, while it renders: the images are gone with it.
     fs::create_dir(sandbox.at("images")).expect("a folder is made");
     let program = env!("CARGO_BIN_EXE_gpu-rt");
-    let line = format!("{program} serve ../scenes/cup.ron --device {} --temporary images <&3 & wait", software());
+    let line = format!("{program} serve ../scenes/sphere.ron --device {} --temporary images <&3 & wait", software());
     let mut shell = Command::new("sh");
     let mut served = Served::start(
         shell.args(["-c", &format!("exec 3<&0; {line}")]).current_dir(sandbox.work()).stdout(Stdio::piped()),
@@ -333,8 +334,8 @@ fn the_end_of_its_input_and_signals_end_it() {
 fn a_lost_device_ends_the_session_if_it_stays_lost() {
     let sandbox = Sandbox::new();
     let folder = sandbox.work();
-    sandbox.scene("cup.ron", &scene(CAMERA, "", LAMP, BULB));
-    let serve = || sandbox.command(&["serve", "../scenes/cup.ron", "--device", software()]);
+    sandbox.scene("sphere.ron", &scene(CAMERA, "", LAMP, BULB));
+    let serve = || sandbox.command(&["serve", "../scenes/sphere.ron", "--device", software()]);
     let mut command = serve();
     let once = Fault::once(&folder, "vkQueueSubmit", 60, "lost");
     once.put_under(&mut command);
@@ -345,7 +346,7 @@ fn a_lost_device_ends_the_session_if_it_stays_lost() {
     }
     assert!(once.has_happened());
     for seed in [0, 4, 8] {
-        let line = format!("render ../scenes/cup.ron --device {} --seed {seed} -o fresh.exr --force", software());
+        let line = format!("render ../scenes/sphere.ron --device {} --seed {seed} -o fresh.exr --force", software());
         sandbox.says(&line).exits(0);
         assert!(contents(&sandbox.at("fresh.exr")).0 == contents(&sandbox.at(format!("{seed}.exr"))).0, "{seed}");
     }

@@ -468,8 +468,9 @@ class Progress(InAFolder):
 class Documents(InAFolder):
     def test_the_examples_run(self):
         examples = re.findall(r"^```python\n(.*?)^```$", (ROOT / "docs/python.md").read_text(), re.M | re.S)
-        self.assertEqual(len(examples), 5)
-        os.symlink(ROOT / "scenes", "scenes")
+        self.assertEqual(len(examples), 6)
+        for folder in ("scenes", "examples"):
+            os.symlink(ROOT / folder, folder)
         for example in examples:
             ran = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True)
             self.assertEqual(ran.returncode, 0, example + ran.stderr)

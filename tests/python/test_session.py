@@ -16,7 +16,7 @@ from pathlib import Path
 import gpu_rt
 import numpy as np
 from gpu_rt import ron
-from test_gpu_rt import CORNELL, FOREVER, InAFolder, until
+from test_gpu_rt import CORNELL, InAFolder, until
 
 SCENE = {
     "image": {"width": 24, "height": 16},

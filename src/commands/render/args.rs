@@ -7,8 +7,7 @@ use std::time::Duration;
 use clap::Args;
 
 use crate::cli::{
-    CHECKPOINT, CHECKPOINT_INTERVAL, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error,
-    sample_range, samples,
+    CHECKPOINT, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error, sample_range, samples,
 };
 use crate::commands::scene::stem_of;
 use crate::job::{Crop, Size};
@@ -132,13 +131,6 @@ pub struct KeepArgs {
     /// Overwrite an image of this render that has more samples.
     #[arg(long)]
     pub force: bool,
-}
-
-impl Default for KeepArgs {
-    fn default() -> KeepArgs {
-        let (resume, watch, mixed_drivers, no_state, force) = (None, false, false, false, false);
-        KeepArgs { checkpoint: CHECKPOINT_INTERVAL, resume, watch, mixed_drivers, no_state, force }
-    }
 }
 
 /// What is said, and what is an error.
