@@ -67,7 +67,7 @@ const WORDS: [(&str, Aov); 16] = [
 /// name in the kernels, and the words that kernels store of it.
 const STORED: [(Aov, &str, &[&str]); 8] = [
     // What the host needs to follow the surface to the frames around.
-    (Aov::Motion, "seen0", &["x", "y", "z", "object", "face", "time"]),
+    (Aov::Motion, "seen0", &["at.x", "at.y", "at.z", "object", "face", "time"]),
     (Aov::Depth0, "depth0", &[""]),
     (Aov::Distance0, "distance0", &[""]),
     (Aov::Position0, "position0", &["x", "y", "z"]),

@@ -3,9 +3,8 @@
 //@ use bind/window
 //@ use step/start
 //@ use step/trace
-//@ each truth_channel
-//@ use truth/${name}
-//@ end
+//@ use choice/surface0
+//@ use truth/ray
 //@ relies on loops
 // Stores what sample 0 of a pixel sees, once its run is finished. It traces that sample's camera ray once more, so that paths carry nothing of it.
 override WORKGROUP_SIZE: u32 = 64u;

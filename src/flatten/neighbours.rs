@@ -54,7 +54,7 @@ impl Neighbours {
     }
 
     /// The motion in pixels since the frame before, and until the next one: x to the right and y down, as the bits of f32, none of which is 0 where
-    /// there is a motion. `seen` is what kernels say of a sample (shaders/truth/seen0): a point, or the direction of the sky; the number of the
+    /// there is a motion. `seen` is what kernels say of a sample (shaders/truth/ray): a point, or the direction of the sky; the number of the
     /// object, or 0; that of the face; and the time while the shutter is open.
     pub fn motion(&self, seen: [u32; 6]) -> [u32; 4] {
         let [x, y, z, object, face, time] = seen;
