@@ -58,7 +58,7 @@ impl Served {
         sandbox.scene("sphere.ron", &scene(CAMERA, "", LAMP, BULB));
         let arguments = [&["serve", "../scenes/sphere.ron", "--device", software()], more].concat();
         let mut served = Served::start(&mut sandbox.command(&arguments));
-        let expected = json!({"objects": ["cup", "bulb"], "materials": ["table", "glass", "lamp"], "image": [24, 16], "size": [24, 16]});
+        let expected = json!({"objects": ["cup", "bulb"], "materials": ["table", "glass", "lamp"], "image": [24, 16], "size": [24, 16], "focus": null});
         assert_eq!(served.answer(), expected);
         served
     }
