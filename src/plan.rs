@@ -321,7 +321,7 @@ pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Uniform
 
 /// A kernel as its choices make it, or as they made it before if it is still kept.
 fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, reason: &Reason) -> Result<Arc<Kernel>> {
-    /// The kernels that were used last. The latest is at the end.
+    /// The latest ones, in the order in which they were made.
     static KEPT: Mutex<Vec<Arc<Kernel>>> = Mutex::new(Vec::new());
     let lock = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     let is_same = |kept: &Arc<Kernel>| {
@@ -329,13 +329,9 @@ fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, reason:
             && kept.reason == *reason
             && kept.choices == *choices
     };
-    let mut kept = lock();
-    if let Some(at) = kept.iter().position(is_same) {
-        let kernel = kept.remove(at);
-        kept.push(Arc::clone(&kernel));
-        return Ok(kernel);
+    if let Some(kernel) = lock().iter().find(|kept| is_same(kept)) {
+        return Ok(Arc::clone(kernel));
     }
-    drop(kept);
     let linked = link(&Embedded, &format!("stage/{stage}"), choices)?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;

@@ -40,11 +40,6 @@ def dumps(scene: Mapping[str, Any]) -> str:
     return "Scene(\n" + "".join(f"    {name}: {_field(name, value)},\n" for name, value in scene.items()) + ")\n"
 
 
-def value(value: Any) -> str:
-    """The text of a value of a scene file: of a struct, a word, a point. TypeError for a value that has no form there."""
-    return _text(value)
-
-
 def _field(name: str, value: Any) -> str:
     if name == "materials" and isinstance(value, Mapping):
         return "{\n" + "".join(f"        {_text(str(key))}: {_text(material)},\n" for key, material in value.items()) + "    }"

@@ -19,6 +19,7 @@ import numpy as np
 import gpu_rt as _gpu_rt
 
 from . import ron
+from .ron import _text
 
 _SHARED_MEMORY = "/dev/shm"
 _LEAST_FREE = 256 << 20  # bytes of shared memory that images leave to others
@@ -30,8 +31,8 @@ def camera(pose: Any, *, convention: str = "opencv", K: Any = None, **fields: An
 
     With the convention "opencv" the camera's axes are x to the right, y down and z forwards; with "opengl" y up and z backwards. K (3x3, pixels)
     becomes the projection Calibrated. OpenCV counts pixels from the middle of the first one, so that it gets 0.5 added to cx and cy; with
-    "opengl" it counts from the corner. `look_at` is a point on the axis, at no distance that means something: a lens needs `focus_distance`.
-    Other fields are those of the scene file.
+    "opengl" it counts from the corner. `look_at` is a point on the axis, at no distance that means something: a lens needs `focus_distance`, which
+    in a session stays that of the scene. Other fields are those of the scene file.
     """
     return _camera(pose, convention, K, (1.0, 1.0), fields)
 
@@ -106,6 +107,7 @@ class Session:
         opened = link.ask(None)
         self.objects, self.materials = opened["objects"], opened["materials"]
         self._scale = [image / size for image, size in zip(opened["image"], opened["size"])]
+        self._lens = {} if opened["focus"] is None else {"focus_distance": opened["focus"]}
 
     def render(
         self,
@@ -136,10 +138,10 @@ class Session:
             if camera is not None:
                 if "pose" in camera:
                     fields = {name: value for name, value in camera.items() if name not in ("pose", "convention", "K")}
-                    camera = _camera(camera["pose"], camera.get("convention", "opencv"), camera.get("K"), self._scale, fields)
-                request["camera"] = ron.value(camera)
+                    camera = _camera(camera["pose"], camera.get("convention", "opencv"), camera.get("K"), self._scale, {**self._lens, **fields})
+                request["camera"] = _text(camera)
             if materials is not None:
-                request["materials"] = {name: ron.value(fields) for name, fields in materials.items()}
+                request["materials"] = {name: _text(fields) for name, fields in materials.items()}
             json.dumps(request, default=_plain)
         except (TypeError, ValueError, RecursionError) as error:
             raise _gpu_rt.Error(f"the request: {error}") from None

@@ -20,7 +20,7 @@ use crate::error::{Error, Location, Result};
 use crate::job::{MOST_SAMPLES, Size};
 use crate::options::{RenderOptions, SIZE, SPP};
 use crate::output::destination::is_standard;
-use crate::scene::{Assets, Change, Scene};
+use crate::scene::{Assets, Camera, Change, Scene};
 
 #[derive(Clone, Debug, Args)]
 pub struct ServeArgs {
@@ -56,7 +56,10 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let scene = &server.scene;
     let materials: Vec<&String> = scene.materials.iter().map(|(name, _)| name).collect();
     let (image, size) = ((scene.image.width, scene.image.height), size_of(scene, server.args.goal.size));
-    print(&json!({"objects": scene.object_names(), "materials": materials, "image": image, "size": size}))?;
+    let Camera { look_from, look_at, aperture, focus_distance, .. } = scene.camera;
+    let focus = (aperture > 0.0).then(|| focus_distance.unwrap_or((look_at - look_from).length()));
+    let names = scene.object_names();
+    print(&json!({"objects": names, "materials": materials, "image": image, "size": size, "focus": focus}))?;
     while let Some(request) = requests.next() {
         let rendered = request.and_then(|request| server.render(&request));
         let lost = server.series.session.devices.iter().find_map(|device| device.check().err());

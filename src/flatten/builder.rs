@@ -245,7 +245,7 @@ impl Builder<'_> {
         // The table of a lobe stands behind that of metals.
         let tables: Vec<_> = LOBES.iter().filter(|lobe| has(lobe.name())).filter_map(|lobe| lobe.table).collect();
         if has("multiscatter") || !tables.is_empty() {
-            self.flat.directional_albedos = microfacets::directional_albedos();
+            self.flat.directional_albedos = microfacets::directional_albedos().to_vec();
         }
         tables.iter().for_each(|table| self.flat.directional_albedos.extend(table()));
     }

@@ -73,12 +73,6 @@ impl<'a> BufferSpec<'a> {
         self.bytes.max(LEAST).next_multiple_of(4)
     }
 
-    /// This buffer without contents.
-    #[must_use]
-    pub fn without_contents(&self) -> BufferSpec<'static> {
-        BufferSpec::new(self.name, self.bytes, self.usage, self.why)
-    }
-
     /// This buffer without contents, and as small as kernels can bind it.
     #[must_use]
     pub fn emptied(&self) -> BufferSpec<'static> {
@@ -173,8 +167,8 @@ impl Buffers {
     ///
     /// # Errors
     /// `Error::Device` if the device has failed.
-    pub fn fill(&self, device: &Device, specs: &[BufferSpec<'_>]) -> Result<()> {
-        specs.iter().try_for_each(|spec| fill(device, self.get(spec.name)?, &spec.contents))
+    pub fn fill<'a>(&self, device: &Device, mut specs: impl Iterator<Item = &'a BufferSpec<'a>>) -> Result<()> {
+        specs.try_for_each(|spec| fill(device, self.get(spec.name)?, &spec.contents))
     }
 
     /// The buffer behind a variable.

@@ -21,7 +21,7 @@ pub struct Lobe {
     /// The widths that it has where it is there.
     pub widths: fn(&Pbr, &Bitmaps) -> Vec<LobeWidth>,
     /// A table of its directional albedo, four elements each. At most one lobe has one.
-    pub table: Option<fn() -> Vec<[f32; 4]>>,
+    pub table: Option<fn() -> &'static [[f32; 4]]>,
     /// The extension of glTF that it is, unless the crate reads that one.
     pub gltf: Option<Gltf>,
 }

@@ -2,6 +2,7 @@
 //! interpolates.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 use super::kind::{Gltf, Lobe, To, field};
 use crate::bitmap::Channel;
@@ -115,7 +116,12 @@ impl Charlie {
 /// The directional albedo of white sheen, four columns an element. Row `i` has the roughness 0.07 + 0.93 (i/31)², and column `j` the cosine
 /// (j/31)⁴, because the albedo changes most at grazing angles. Between them it is interpolated, and is nowhere less than the true one, so that no
 /// light is added.
-pub fn sheen_albedos() -> Vec<[f32; 4]> {
+pub fn sheen_albedos() -> &'static [[f32; 4]] {
+    static TABLE: LazyLock<Vec<[f32; 4]>> = LazyLock::new(make_sheen_albedos);
+    &TABLE
+}
+
+fn make_sheen_albedos() -> Vec<[f32; 4]> {
     let fine = |count: usize| (count - 1) * FINER + 1;
     let share = |at: usize, count: usize| at as f64 / (fine(count) - 1) as f64;
     let cosines: Vec<f64> = (0..fine(COLUMNS)).map(|at| share(at, COLUMNS).powi(4)).collect();

@@ -1,6 +1,7 @@
 //! The directional albedo of single scattering by microfacets: a table that shaders/scene/directional_albedo interpolates.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use super::width::LEAST_ROUGHNESS;
 
@@ -13,7 +14,12 @@ const SECTORS: u32 = 32;
 
 /// The directional albedo of a rough white metal, four columns an element. Row `i` has the roughness i/31. Column `j` has the
 /// cosine at which cosine (1 + alpha)/(cosine + alpha) is j/31, because the albedo changes most where the cosine is about alpha.
-pub fn directional_albedos() -> Vec<[f32; 4]> {
+pub fn directional_albedos() -> &'static [[f32; 4]] {
+    static TABLE: LazyLock<Vec<[f32; 4]>> = LazyLock::new(make_directional_albedos);
+    &TABLE
+}
+
+fn make_directional_albedos() -> Vec<[f32; 4]> {
     let albedo = |at: usize| {
         let (row, column) = (at / COLUMNS, at % COLUMNS);
         let roughness = (row as f64 / (ROWS - 1) as f64).max(f64::from(LEAST_ROUGHNESS));

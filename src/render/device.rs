@@ -44,8 +44,7 @@ pub struct DeviceRenderer {
     tuning: Tuning,
     buffers: Buffers,
     kernels: Pipelines,
-    /// The kernels of the plan, and what its buffers are, without contents.
-    planned: (Vec<Arc<Kernel>>, Vec<BufferSpec<'static>>),
+    planned: Planned,
     /// By the kind of paths that a submission is of.
     paces: [Workload; 2],
     film: DeviceFilm,
@@ -222,9 +221,27 @@ fn settings_of(plan: &Plan<'_>, job: &Job) -> Settings {
     }
 }
 
-/// The kernels of a plan, and its buffers without contents.
-fn planned(plan: &Plan<'_>, specs: &[BufferSpec<'_>]) -> (Vec<Arc<Kernel>>, Vec<BufferSpec<'static>>) {
-    (plan.kernels().into_iter().cloned().collect(), specs.iter().map(BufferSpec::without_contents).collect())
+/// What a renderer has of a plan, and may have of the next one.
+struct Planned {
+    kernels: Vec<Arc<Kernel>>,
+    buffers: Vec<(&'static str, u64, wgpu::BufferUsages)>,
+    /// The texels of the scene's images.
+    images: Vec<Arc<Vec<u32>>>,
+}
+
+impl Planned {
+    fn new(plan: &Plan<'_>, specs: &[BufferSpec<'_>]) -> Planned {
+        Planned {
+            kernels: plan.kernels().into_iter().cloned().collect(),
+            buffers: specs.iter().map(|spec| (spec.name, spec.bytes, spec.usage)).collect(),
+            images: plan.scene.images.iter().map(|(_, bitmap)| Arc::clone(&bitmap.words)).collect(),
+        }
+    }
+}
+
+/// Whether these are one by one the same.
+fn same<T>(a: &[Arc<T>], b: &[Arc<T>]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
 }
 
 impl DeviceRenderer {
@@ -281,7 +298,7 @@ impl DeviceRenderer {
             device: Arc::clone(device),
             settings: settings_of(plan, job),
             kernels,
-            planned: planned(plan, &buffer_specs),
+            planned: Planned::new(plan, &buffer_specs),
             paces: [pace(), pace()],
             film: DeviceFilm {
                 size: job.size,
@@ -310,16 +327,15 @@ impl DeviceRenderer {
     /// `Error::Device` if the device has failed.
     pub fn take(&mut self, plan: &Plan<'_>, job: &Job) -> Result<bool> {
         let specs = plan.buffers();
-        let (kernels, buffers) = &self.planned;
-        let is_same = |(spec, before): (&BufferSpec<'_>, &BufferSpec<'_>)| {
-            (spec.name, spec.bytes, spec.usage) == (before.name, before.bytes, before.usage)
-        };
-        let has_buffers = specs.len() == buffers.len() && specs.iter().zip(buffers).all(is_same);
-        let has_kernels = plan.kernels().iter().zip(kernels).all(|(a, b)| Arc::ptr_eq(a, b));
-        if !has_buffers || !has_kernels || plan.kernels().len() != kernels.len() || self.tuning != plan.tuning {
+        let next = Planned::new(plan, &specs);
+        let before = std::mem::replace(&mut self.planned, next);
+        let has_kernels = same(&before.kernels, &self.planned.kernels);
+        if !has_kernels || before.buffers != self.planned.buffers || self.tuning != plan.tuning {
             return Ok(false);
         }
-        self.buffers.fill(&self.device, &specs)?;
+        let has_images = same(&before.images, &self.planned.images);
+        let is_new = |spec: &&BufferSpec<'_>| !(has_images && spec.name == "texels");
+        self.buffers.fill(&self.device, specs.iter().filter(is_new))?;
         self.settings = settings_of(plan, job);
         self.film.exponent = plan.scene.radiance_exponent;
         self.film.aovs = plan.options.aov.of_film();

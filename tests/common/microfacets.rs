@@ -97,7 +97,7 @@ pub fn kernel_with(material: &str, with: &[&str], setup: &Setup<'_>) -> Kernel {
 pub fn albedo_table() -> &'static [[f32; 4]] {
     static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
     let tables = || LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table());
-    TABLE.get_or_init(|| directional_albedos().into_iter().chain(tables()).collect())
+    TABLE.get_or_init(|| directional_albedos().iter().chain(tables()).copied().collect())
 }
 
 /// So many answers to rows, as many to each.

@@ -58,7 +58,7 @@ impl Served {
         sandbox.scene("sphere.ron", &scene(CAMERA, "", LAMP, BULB));
         let arguments = [&["serve", "../scenes/sphere.ron", "--device", software()], more].concat();
         let mut served = Served::start(&mut sandbox.command(&arguments));
-        let expected = json!({"objects": ["cup", "bulb"], "materials": ["table", "glass", "lamp"], "image": [24, 16], "size": [24, 16]});
+        let expected = json!({"objects": ["cup", "bulb"], "materials": ["table", "glass", "lamp"], "image": [24, 16], "size": [24, 16], "focus": null});
         assert_eq!(served.answer(), expected);
         served
     }
@@ -195,6 +195,26 @@ fn images_are_those_of_the_command_line() {
         }
     }
     served.ends(0);
+}
+
+/// Textures, a sky, meshes with their hierarchies, and what moves stay on the device or are made anew, as they must.
+#[test]
+fn scenes_with_files_are_those_of_the_command_line() {
+    let sandbox = Sandbox::new();
+    for name in ["window", "sky", "instances", "motion", "mesh"] {
+        let scene = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
+        let settings = ["--size", "24x16", "--spp", "2", "--device", software()];
+        sandbox.run(&[&["render", &scene, "-o", "fresh.exr", "--force"], &settings[..]].concat()).exits(0);
+        let mut served = Served::start(&mut sandbox.command(&[&["serve", &scene], &settings[..]].concat()));
+        served.answer();
+        let elsewhere = json!({"camera": "(look_from: (0.5, 2, 3), look_at: (0, 1, 0))", "seed": 1});
+        for request in [json!({}), elsewhere.clone(), json!({"seed": 1}), elsewhere, json!({})] {
+            served.renders("served.exr", request.clone());
+            let is_same = contents(&sandbox.at("served.exr")) == contents(&sandbox.at("fresh.exr"));
+            assert_eq!(is_same, request.get("seed").is_none(), "{name}: {request}");
+        }
+        served.ends(0);
+    }
 }
 
 #[test]

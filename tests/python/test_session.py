@@ -82,6 +82,16 @@ class Images(InAFolder):
             # Nothing of all that stays.
             np.testing.assert_array_equal(session.render()["RGB"], plain["RGB"])
 
+    def test_a_lens_stays_focused(self):
+        camera = SCENE["camera"] | {"aperture": 0.5}
+        pose = pose_of(np.eye(3), (0, 0, 4))
+        with gpu_rt.Session(SCENE | {"camera": camera}, quiet=True) as session:
+            image = session.render(camera={"pose": pose, "convention": "opengl"})
+            placed = gpu_rt.camera(pose, convention="opengl", vertical_fov=50, aperture=0.5, focus_distance=np.sqrt(26))
+            self.assert_same(image, SCENE | {"camera": placed})
+            sharp = session.render(camera={"pose": pose, "convention": "opengl", "focus_distance": 3.5})
+            self.assertTrue((image["RGB"] != sharp["RGB"]).any())
+
     def test_frames_of_a_gltf_file(self):
         stool = next((Path(__file__).resolve().parents[2] / "scenes").rglob("*.glb"))
         with gpu_rt.Session(stool, size=16, spp=1, quiet=True) as session:

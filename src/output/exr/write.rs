@@ -235,7 +235,9 @@ fn write_parts(
         }
     };
     let write = |file: &mut File| {
-        ::exr::block::write(BufWriter::new(&mut *file), headers, true, |meta, chunks| {
+        ::exr::block::write(BufWriter::new(&mut *file), headers, true, |mut meta, chunks| {
+            // They are written, and the compressor copies the headers for each block.
+            meta.headers.iter_mut().for_each(|header| header.own_attributes.other.clear());
             let blocks = enumerate_ordered_header_block_indices(&meta.headers);
             let blocks = blocks.map(|(number, index)| (number, UncompressedBlock { index, data: data(&index) }));
             compress(&meta, chunks, blocks)
