@@ -90,7 +90,7 @@ class Chessboards(unittest.TestCase):
     """Twelve pictures of a chessboard give back the camera that has taken them.
 
     OpenCV's cornerSubPix is 0.05 pixels off at edges as sharp as a renderer's. So the picture is blurred here, and a corner is where a paraboloid
-    fitted to it has its saddle: that is 0.01 off, as a corner has 49 pixels with 32 samples each, and lines bend by less than that within them.
+    fitted to it has its saddle: that is 0.01 off, as a corner has 81 pixels with 96 samples each, and lines bend by less than that within them.
     """
 
     CORNERS = (9, 6)
@@ -126,7 +126,7 @@ class Chessboards(unittest.TestCase):
                 ron.Quad(corner=(-3, -3, 0.49), u=(14, 0, 0), v=(0, 11, 0), material="margin"),
             ],
         }
-        with gpu_rt.Session(scene, spp=32, max_depth=0, quiet=True) as session:
+        with gpu_rt.Session(scene, spp=96, max_depth=0, quiet=True) as session:
             for number in range(12):
                 yield np.array(session.render(camera=self.camera(number))[..., 1])
 
@@ -134,11 +134,11 @@ class Chessboards(unittest.TestCase):
         found, corners = cv2.findChessboardCorners(np.uint8(np.round(255 * picture.clip(0, 1))), self.CORNERS)
         self.assertTrue(found)
         blurred = cv2.GaussianBlur(picture, (0, 0), 2)
-        y, x = np.mgrid[-3:4, -3:4].reshape(2, -1)
-        fit = np.linalg.pinv(np.stack([x * x, x * y, y * y, x, y, np.ones(49)], axis=1))
+        y, x = np.mgrid[-4:5, -4:5].reshape(2, -1)
+        fit = np.linalg.pinv(np.stack([x * x, x * y, y * y, x, y, np.ones(81)], axis=1))
         for corner in corners.reshape(-1, 2):
             for _ in range(10):
-                xx, xy, yy, dx, dy, _ = fit @ cv2.getRectSubPix(blurred, (7, 7), corner.tolist()).ravel()
+                xx, xy, yy, dx, dy, _ = fit @ cv2.getRectSubPix(blurred, (9, 9), corner.tolist()).ravel()
                 corner -= np.linalg.solve([[2 * xx, xy], [xy, 2 * yy]], [dx, dy]).clip(-1, 1)
         return corners
 
