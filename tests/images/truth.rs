@@ -328,7 +328,8 @@ fn faces_move_with_skins_and_morphs() {
     };
     let strip = |truth: &Truth, seconds: [f64; 2]| {
         let faces = [[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]];
-        let corner = |number: usize| DVec3::new(if number.is_multiple_of(2) { -0.5 } else { 0.5 }, (number / 2) as f64, 0.0);
+        let corner =
+            |number: usize| DVec3::new(if number.is_multiple_of(2) { -0.5 } else { 0.5 }, (number / 2) as f64, 0.0);
         let corners = |seconds: f64| faces[truth.face as usize - 1].map(|number| vertex(corner(number), seconds));
         let ([a, b, c], [a_then, b_then, c_then]) = (corners(seconds[0]), corners(seconds[1]));
         // By areas: all of it lies in the plane z = 0.
