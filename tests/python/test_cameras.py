@@ -35,10 +35,10 @@ class ProjectPoints(unittest.TestCase):
     SIZE = (160, 120)
     LIMIT = 0.001
 
-    def image(self, K, distortion):
+    def image(self, K, distortion, mirror=False):
         scene = {
             "image": {"width": self.SIZE[0], "height": self.SIZE[1]},
-            "camera": {**self.PLACE, "projection": ron.Calibrated(**from_corner(K), distortion=distortion)},
+            "camera": {**self.PLACE, "projection": ron.Calibrated(**from_corner(K), distortion=distortion), "mirror": mirror},
             "background": ron.Solid((0, 0, 0)),
             "materials": {"lamp": ron.DiffuseLight(emit=ron.Rgb(1, 1, 1))},
             "objects": [ron.Sphere(center=(0, 0, 0), radius=10, material="lamp")],
@@ -63,10 +63,11 @@ class ProjectPoints(unittest.TestCase):
         print(self.id().split(".")[-1], "off by %.1e pixels at most, of %d" % (off, count))
         self.assertLess(off, self.LIMIT)
         self.assertGreater(count, 0.9 * self.SIZE[0] * self.SIZE[1])
-        # Controls: K with its corner at another place, and no distortion.
+        # Controls: K with its corner at another place, no distortion, and a mirrored image.
         shifted = K + [[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]]
         self.assertGreater(self.off(image, lambda *at: project(*at, shifted))[0], 0.5)
         self.assertGreater(self.off(image, lambda *at: plain(*at, K))[0], 0.5)
+        self.assertGreater(self.off(self.image(K, distortion, mirror=True), lambda *at: project(*at, K))[0], 0.5)
 
     def test_brown(self):
         K = np.array([[120, 0, 74.5], [0, 132, 62.5], [0, 0, 1]])
