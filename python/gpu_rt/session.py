@@ -306,7 +306,7 @@ class _Link:
     def close(self) -> None:
         if self._closed or not self.is_own():
             return
-        self.interrupt()
+        self._write({"interrupt": True, "close": True})
         self._closed = True
         self._process.stdin.close()  # type: ignore[union-attr]
         try:

@@ -29,6 +29,8 @@ pub struct Request {
     pub materials: Option<BTreeMap<String, String>>,
     /// This one renders nothing and has no answer: it ends the renders that were requested before it.
     interrupt: bool,
+    /// Beside it: there are no more requests, and the folder of temporary files stays.
+    close: bool,
 }
 
 /// The requests that come.
@@ -36,6 +38,9 @@ pub struct Requests {
     coming: Receiver<Result<Request>>,
     turns: Arc<Mutex<Turns>>,
     signals: Signals,
+    /// The folder of temporary files, and the parent process.
+    temporary: Option<PathBuf>,
+    parent: u32,
 }
 
 /// How many requests have come, how many have begun, and how many are interrupted.
@@ -44,6 +49,7 @@ struct Turns {
     read: u64,
     begun: u64,
     interrupted: u64,
+    closed: bool,
 }
 
 impl Requests {
@@ -56,26 +62,43 @@ impl Requests {
         let (sender, coming) = channel();
         let turns = Arc::new(Mutex::new(Turns::default()));
         let reader = Reader { sender, turns: Arc::clone(&turns), signals: signals.clone() };
-        let parent = parent();
+        let (parent, images) = (parent(), temporary.clone());
         let read = move || {
             reader.read();
             while parent == self::parent() {
                 sleep(WAIT);
             }
-            temporary.iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
+            images.iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
             signal_hook::low_level::exit(1);
         };
         Builder::new().name("requests".to_owned()).spawn(read).map_err(Error::file("stdin", "read"))?;
-        Ok(Requests { coming, turns, signals: signals.clone() })
+        Ok(Requests { coming, turns, signals: signals.clone(), temporary, parent })
     }
 
     /// The next request, or what is wrong with it; nothing behind the last one.
     pub fn next(&mut self) -> Option<Result<Request>> {
-        let request = self.coming.recv().ok()?;
+        let Ok(request) = self.coming.recv() else {
+            self.end();
+            return None;
+        };
         let mut turns = locked(&self.turns);
         turns.begun += 1;
         self.signals.set_stop(turns.interrupted >= turns.begun);
         Some(request)
+    }
+}
+
+impl Requests {
+    /// Removes the folder of temporary files if the parent has ended. Its end of the input closes a moment before that.
+    fn end(&self) {
+        let Some(folder) = self.temporary.as_ref().filter(|_| !locked(&self.turns).closed) else { return };
+        for _ in 0..100 {
+            if self.parent != parent() {
+                let _ = std::fs::remove_dir_all(folder);
+                return;
+            }
+            sleep(WAIT);
+        }
     }
 }
 
@@ -96,6 +119,10 @@ impl Reader {
             if request.as_ref().is_ok_and(|request| request.interrupt) {
                 turns.interrupted = turns.read;
                 self.signals.set_stop(turns.begun == turns.read);
+                turns.closed = request.is_ok_and(|request| request.close);
+                if turns.closed {
+                    return;
+                }
                 continue;
             }
             turns.read += 1;

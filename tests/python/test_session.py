@@ -211,9 +211,10 @@ class Lives(InAFolder):
             f"sys.path.insert(0, {str(Path(__file__).parent)!r}); from test_session import *\n"
             "session = open_session(); image = session.render(); print(session._link._process.pid, image.path.parents[1], flush=True)\n"
             "if 'fork' in sys.argv and os.fork() == 0: time.sleep(60); os._exit(0)\n"
+            "if 'idle' in sys.argv: time.sleep(60)\n"
             "if 'end' not in sys.argv: session.render(spp=ENDLESS)\n"
         )
-        for how in ("kill", "fork", "end"):
+        for how in ("kill", "idle", "fork", "end"):
             python = subprocess.Popen([sys.executable, "-c", code, how], stdout=subprocess.PIPE, text=True, start_new_session=True)
             child, folder = python.stdout.readline().split()
             if how != "end":
