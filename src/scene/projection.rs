@@ -168,7 +168,7 @@ impl Projection {
             Projection::Fisheye { model, fov } => {
                 let most = if *model == FisheyeModel::Orthographic { 180.0 } else { 360.0 };
                 let fits = *fov < most || *fov == most && *model != FisheyeModel::Stereographic;
-                let below = if *model == FisheyeModel::Stereographic { "below" } else { "of at most" };
+                let below = if *model == FisheyeModel::Stereographic { "below" } else { "at most" };
                 let error = || {
                     at.field("fov").error(format!("fov: expected {below} {most} degrees with {model:?}, found {fov}"))
                 };
