@@ -338,6 +338,7 @@ impl DeviceRenderer {
         self.buffers.fill(&self.device, specs.iter().filter(is_new))?;
         self.settings = settings_of(plan, job);
         self.film.exponent = plan.scene.radiance_exponent;
+        self.film.neighbours = plan.scene.neighbours.clone();
         self.film.aovs = plan.options.aov.of_film();
         Ok(self.film.size == job.size)
     }

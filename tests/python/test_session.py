@@ -98,6 +98,17 @@ class Images(InAFolder):
             self.assert_same(session.render(frame=3), stool, frame=3, size=16, spp=1)
             self.assert_same(session.render(), stool, size=16, spp=1)
 
+    def test_frames_of_a_scene_file(self):
+        """Each has the light and the motion of its own time, though kernels and buffers stay."""
+        keys = [(0, [ron.Translate((-1, 0, 0))]), (1, [ron.Translate((0, 0, 0))]), (2, [ron.Translate((0, 1, 0))])]
+        scene = SCENE | {"objects": [ron.Moving(keys=keys, object=SCENE["objects"][0]), *SCENE["objects"][1:]]}
+        options = {"aov": "motion,object", "fps": 24, "size": (24, 16), "spp": 1}
+        with gpu_rt.Session(scene, quiet=True, **options) as session:
+            images = [session.render(frame=frame) for frame in (6, 30, 12)]
+            for frame, image in zip((6, 30, 12), images):
+                self.assert_same(image, scene, frame=frame, **options)
+            self.assertTrue((images[0]["motion"] != images[1]["motion"]).any())
+
     def test_a_pose_and_its_convention_are_where_they_should_be(self):
         """A ball at a known place, through OpenCV's own formula: K (R^T (X - t)) is where its middle is.
 
