@@ -6,7 +6,7 @@
 //!    2. `medium`: media scatter paths before their hits. `dispatch`: the sizes of the material queues.
 //!    3. `scatter`: paths are scattered by material. `shadow`: the light along shadow rays.
 //!    4. `refill`: ended paths join their runs, and their slots get new ones.
-//! 3. `accumulate`: finished runs are added to the film.
+//! 3. `truth`, if it is asked for: what sample 0 of each pixel sees is stored. `accumulate`: finished runs are added to the film.
 //!
 //! Three things decide what is rendered next: [`goals`] how many samples, one [`sample_range`] after another; the sample range which device
 //! gets which blocks of samples; and the [`tiles`] how many blocks a device takes at a time, and for which pixels.

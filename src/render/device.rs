@@ -652,8 +652,8 @@ impl DeviceRenderer {
         };
         let kernels = self.kernels.bounce.len() as u32;
         let timed = match self.readings.iter().any(|reading| reading.timing.is_some()) {
-            // Without the first kernel and the last two.
-            true => (MAX_PASSES as u32 - 3) / kernels,
+            // Without the first kernel and the last three.
+            true => (MAX_PASSES as u32 - 4) / kernels,
             false => u32::MAX,
         };
         ((self.tuning.records_per_slot - 1) * shortest).clamp(1, timed)
