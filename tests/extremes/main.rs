@@ -22,6 +22,7 @@ mod lights;
 mod media;
 mod noise;
 mod positions;
+mod projections;
 mod quad;
 mod rejection;
 mod roughness;
@@ -43,8 +44,8 @@ type Filler = fn() -> Vec<Cell>;
 
 /// The rows, and who fills the cells of each. Every row must have the cells that the file declares, or the run fails.
 const ROWS: &[(&str, &[Filler])] = &[
-    ("scale of the scene", &[positions::powers_of_two, positions::scales]),
-    ("position of the scene", &[positions::positions]),
+    ("scale of the scene", &[positions::powers_of_two, positions::scales, projections::powers_of_two]),
+    ("position of the scene", &[positions::positions, projections::positions]),
     ("distance over radius, D/r", &[sphere::distances, sphere::on_the_axis, geometry::distances, views::telescopes]),
     ("radius", &[geometry::radii]),
     (
@@ -75,7 +76,7 @@ const ROWS: &[(&str, &[Filler])] = &[
     ("anisotropy", &[media::cosines, media::directions, media::densities]),
     ("size of a light over its distance, r/D", &[lights::densities, lights::irradiances, lights::floors]),
     ("radiance", &[lights::radiances, lights::rooms]),
-    ("vertical_fov", &[views::fields_of_view]),
+    ("vertical_fov", &[views::fields_of_view, projections::fisheyes]),
     ("aperture", &[views::apertures]),
     ("focus_distance", &[views::focuses]),
     ("bases around a normal", &[basis::cells]),

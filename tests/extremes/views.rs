@@ -13,7 +13,7 @@ use crate::positions::chance_limit;
 use crate::table::{Cell, TEXTBOOK_SPHERE};
 
 /// Samples of a pixel.
-const SAMPLES: u32 = 256;
+pub const SAMPLES: u32 = 256;
 /// How much above its expectation a root mean square of hundreds of pixels' errors may be by chance: a chi-square of
 /// 100 degrees is above 1.8 times its mean once in a million.
 const CHANCE: f64 = 1.35;
@@ -67,7 +67,7 @@ fn integrated((width, height): (u32, u32), vertical_fov: f64, f: impl Fn(DVec3) 
 }
 
 /// Root mean square of the differences, over the pixels for which `counts` holds.
-fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
+pub fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     let squares: Vec<f64> =
         found.iter().zip(expected).filter(|(_, e)| counts(**e)).map(|(f, e)| (f - e) * (f - e)).collect();
     assert!(squares.len() > 60, "{} pixels count", squares.len());
@@ -104,11 +104,11 @@ fn edge_error(distance: f64, radius: f64, vertical_fov: f64) -> f64 {
 const WIDER: f64 = 1.05;
 const WIDER_NAME: &str = "view a twentieth wider";
 
-const EDGE: &str = "Root mean square error of the share of edge pixels that a sphere covers";
-const EDGE_BECAUSE: &str =
+pub const EDGE: &str = "Root mean square error of the share of edge pixels that a sphere covers";
+pub const EDGE_BECAUSE: &str =
     "the standard error of a pixel's 256 samples is at most 1/32 of it; chance does not reach 1.35 times that.";
 
-fn edge_limit() -> f64 {
+pub fn edge_limit() -> f64 {
     CHANCE * 0.5 / f64::from(SAMPLES).sqrt()
 }
 
