@@ -123,14 +123,17 @@ fn edge_error(model: &str, angle: Angle, radius: fn(f64) -> f64, fov: f64, wider
     rms(&found, &covered, |c| c > 0.0 && c < 1.0)
 }
 
+/// A model's name, its angle at a radius, its radius at an angle, and the widest of its lenses here, in degrees.
+type Model = (&'static str, Angle, fn(f64) -> f64, f64);
+
 pub fn fisheyes() -> Vec<Cell> {
-    let models: [(&str, Angle, fn(f64) -> f64, f64); 4] = [
+    let models: [Model; 4] = [
         ("Equidistant", |r| r, |t| t, 360.0),
         ("Equisolid", |r| 2.0 * (0.5 * r).asin(), |t| 2.0 * (0.5 * t).sin(), 360.0),
         ("Stereographic", |r| 2.0 * (0.5 * r).atan(), |t| 2.0 * (0.5 * t).tan(), 200.0),
         ("Orthographic", f64::asin, f64::sin, 180.0),
     ];
-    let of = |(model, angle, radius, most): (&'static str, Angle, fn(f64) -> f64, f64)| {
+    let of = |(model, angle, radius, most): Model| {
         [1e-3, most].map(|fov| {
             Cell::new(format!("fisheye, {model}, {fov} degrees"), EDGE, edge_limit(), EDGE_BECAUSE)
                 .achieved(edge_error(model, angle, radius, fov, 1.0))
