@@ -146,6 +146,11 @@ fn converted_scenes_render_to_the_same_bytes() {
     }
 }
 
+/// What an object of a glTF file is, whose node has a name.
+fn without_name(object: &mut Object) -> &mut Object {
+    if let Object::Named { object, .. } = object { object } else { object }
+}
+
 /// A scene with one thing else in it.
 type Planted = fn(&mut Scene);
 
@@ -159,7 +164,7 @@ fn a_wrong_roughness_and_a_wrong_light_are_found() {
         *roughness = Texture::grey(0.6);
     };
     let wider: Planted = |scene| {
-        let spots = scene.objects.iter_mut().filter_map(|object| match object {
+        let spots = scene.objects.iter_mut().map(without_name).filter_map(|object| match object {
             Object::SpotLight { inner, outer, .. } => Some((inner, outer)),
             _ => None,
         });
@@ -168,7 +173,7 @@ fn a_wrong_roughness_and_a_wrong_light_are_found() {
         *inner = (1.0 - 0.4 * edge).acos().to_degrees();
     };
     let dimmer: Planted = |scene| {
-        for object in &mut scene.objects {
+        for object in scene.objects.iter_mut().map(without_name) {
             if let Object::DirectionalLight { irradiance, .. } = object {
                 *irradiance *= 0.8;
             }
@@ -290,7 +295,7 @@ fn scenes_of_users_that_are_read_otherwise_are_found() {
     read("world", with_sky("world-in-blender"), nothing);
     read("startup", GltfOptions::default(), |scene| scene.background = Background::Solid(DVec3::ZERO));
     read("sun", GltfOptions::default(), |scene| {
-        for object in &mut scene.objects {
+        for object in scene.objects.iter_mut().map(without_name) {
             if let Object::DirectionalLight { irradiance, .. } = object {
                 *irradiance *= 0.99;
             }
