@@ -118,7 +118,7 @@ impl Reader {
             let mut turns = locked(&self.turns);
             if request.as_ref().is_ok_and(|request| request.interrupt) {
                 turns.interrupted = turns.read;
-                self.signals.set_stop(turns.begun == turns.read);
+                self.signals.set_stop(true);
                 turns.closed = request.is_ok_and(|request| request.close);
                 if turns.closed {
                     return;
