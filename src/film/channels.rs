@@ -25,7 +25,9 @@ pub(super) struct Channels {
     /// The sums of each pixel, one pixel after the other, in units of 2^-[`SUM_FRACTION`], but for the squares of splats; `i128::MAX` for a sum
     /// that has left its range.
     sums: Vec<i128>,
-    /// The words of sample 0 of each pixel, one pixel after the other; 0 where there is none.
+    /// The number of words of sample 0 of a pixel.
+    pub words: usize,
+    /// These words of each pixel, one pixel after the other; 0 where there is none.
     stored: Vec<u32>,
 }
 
@@ -99,16 +101,18 @@ impl Channels {
                 (true, _) => format!("the film of --light-paths needs {memory} more; use --light-paths off"),
             })
         };
-        let words = pixels.saturating_mul(aovs.words_on_film().len());
-        if all + words > 0 {
-            let bytes = all.saturating_mul(size_of::<i128>()).saturating_add(words.saturating_mul(size_of::<u32>()));
+        let words = aovs.words_on_film().len();
+        let all_words = pixels.saturating_mul(words);
+        if all > 0 || all_words > 0 {
+            let bytes =
+                all.saturating_mul(size_of::<i128>()).saturating_add(all_words.saturating_mul(size_of::<u32>()));
             memory::check(bytes as u64).map_err(needs)?;
         }
         let cannot = |_| needs("more memory than can be had".to_string());
         let sums = bytemuck::allocation::try_zeroed_vec::<i128>(all).map_err(cannot)?;
-        let stored = bytemuck::allocation::try_zeroed_vec::<u32>(words).map_err(cannot)?;
+        let stored = bytemuck::allocation::try_zeroed_vec::<u32>(all_words).map_err(cannot)?;
         let space = if aovs.is_empty() { SceneSpace::default() } else { space };
-        Ok(Channels { aovs: aovs.of_film(), space, light_paths, count, sums, stored })
+        Ok(Channels { aovs: aovs.of_film(), space, light_paths, count, sums, words, stored })
     }
 
     pub fn clear(&mut self) {
@@ -145,8 +149,7 @@ impl Channels {
 
     /// The words of sample 0 of a pixel; empty if the film has none.
     pub fn words_of_pixel(&self, index: usize) -> &[u32] {
-        let count = self.aovs.words_on_film().len();
-        self.stored.get(index * count..(index + 1) * count).unwrap_or_default()
+        self.stored.get(index * self.words..(index + 1) * self.words).unwrap_or_default()
     }
 
     /// Takes the words of sample 0 of a pixel, unless there are some.

@@ -66,7 +66,7 @@ impl Film {
                 let rest = total - direct;
                 if rest.abs() <= ROUNDING * total.abs().max(direct.abs()) { 0.0 } else { rest * radiance }
             }
-            // Blender counts rows upwards, has the motion since the frame before, and both point backwards in time.
+            // Blender counts rows upwards. X and Y are the place in the frame before minus this one; Z and W are this place minus the next one.
             Aov::Motion if channels.aovs.names == ChannelNames::Blender => {
                 let sign = if component == 1 || component == 2 { -1.0 } else { 1.0 };
                 float(component).map_or(f64::from(UNKNOWN), |motion| sign * motion)

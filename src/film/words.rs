@@ -120,7 +120,7 @@ impl Film {
 
     /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
-        let mut words = vec![0; self.word_names().len()];
+        let mut words = vec![0; OF_PIXEL + 2 * self.channels.words + OF_SUM * self.channels.count];
         self.put_words(index, &mut words);
         words
     }
