@@ -63,8 +63,8 @@ const WORDS: [(&str, Aov); 16] = [
     ("offset0", Aov::Offset0),
 ];
 
-/// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each with its
-/// name in the kernels, and the words that kernels store of it.
+/// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each has its
+/// name in the kernels, and the components that kernels store of it.
 const STORED: [(Aov, &str, &[&str]); 8] = [
     // What the host needs to follow the surface to the frames around.
     (Aov::Motion, "seen0", &["at.x", "at.y", "at.z", "object", "face", "time"]),
@@ -245,11 +245,12 @@ impl Aovs {
         self.sums().flat_map(|sum| sum.components().iter().map(move |name| (sum, format!("{}.{name}", sum.name()))))
     }
 
+    /// The channels of sample 0, each with its name in the kernels and the components that they store of it.
     pub fn stored(&self) -> impl Iterator<Item = (Aov, &'static str, &'static [&'static str])> {
         STORED.into_iter().filter(|(aov, ..)| self.has(*aov))
     }
 
-    /// The words that kernels store of sample 0 of a pixel, as expressions of the modules under shaders/truth.
+    /// The words that kernels store of sample 0 of a pixel, as expressions of the kernel `truth`.
     pub fn words_of_kernels(&self) -> Vec<String> {
         let words = |(_, name, components): (Aov, &str, &'static [&'static str])| {
             let name = name.to_string();
@@ -260,8 +261,8 @@ impl Aovs {
         self.stored().flat_map(words).collect()
     }
 
-    /// The names of these modules.
-    pub fn modules_of_kernels(&self) -> impl Iterator<Item = &'static str> {
+    /// The names of these channels in the kernels.
+    pub fn names_in_kernels(&self) -> impl Iterator<Item = &'static str> {
         self.stored().map(|(_, name, _)| name)
     }
 

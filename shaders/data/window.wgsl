@@ -22,7 +22,7 @@ struct Window {
 const RUN_LENGTH: u32 = ${run_length}u;
 // Rows of the strips in which slots take pixels (step/pixel_order).
 const STRIP_ROWS: u32 = 8u;
-// Of a run's counts: it is an odd one. The counts proper end below that bit.
+// Flags above a run's counts. The run is an odd one.
 const ODD_RUN: u32 = 0x80000000u;
 // The run has sample 0, and `--aov` asks what that sees.
 const FIRST_RUN: u32 = 0x40000000u;

@@ -86,9 +86,7 @@ impl Requests {
         self.signals.set_stop(turns.interrupted >= turns.begun);
         Some(request)
     }
-}
 
-impl Requests {
     /// Removes the folder of temporary files if the parent has ended. Its end of the input closes a moment before that.
     fn end(&self) {
         let Some(folder) = self.temporary.as_ref().filter(|_| !locked(&self.turns).closed) else { return };

@@ -36,10 +36,13 @@ pub fn load_from(
             let mut at = |frame: Option<AnimationFrame>| {
                 Scene::load_as(&scene.path, &GltfOptions { frame, ..options.clone() }, progress, assets)
             };
-            let frame = options.frame.filter(|_| motion && is_gltf(&scene.path));
-            let mut later =
-                |frames: f64| at(frame.map(|frame| AnimationFrame { number: frame.number + frames, ..frame }));
-            let neighbours = if frame.is_some() { Some(Box::new([later(-1.0)?, later(1.0)?])) } else { None };
+            let neighbours = match options.frame.filter(|_| motion && is_gltf(&scene.path)) {
+                Some(frame) => {
+                    let mut later = |frames| at(Some(AnimationFrame { number: frame.number + frames, ..frame }));
+                    Some(Box::new([later(-1.0)?, later(1.0)?]))
+                }
+                None => None,
+            };
             let mut found = at(options.frame)?;
             found.neighbours = neighbours;
             Ok(found)

@@ -57,12 +57,12 @@ impl Neighbours {
     /// there is a motion. `seen` is what kernels say of a sample (shaders/truth/ray): a point, or the direction of the sky; the number of the
     /// object, or 0; that of the face; and the time while the shutter is open.
     pub fn motion(&self, seen: [u32; 6]) -> [u32; 4] {
+        if seen == [0; 6] {
+            return [0; 4];
+        }
         let [x, y, z, object, face, time] = seen;
         let [x, y, z, time] = [x, y, z, time].map(|word| f64::from(f32::from_bits(word)));
         let seen_at = DVec3::new(x, y, z);
-        if seen_at == DVec3::ZERO && object == 0 {
-            return [0; 4];
-        }
         let now = match object {
             0 => Seen::Sky(self.space.direction(seen_at)),
             _ => Seen::Point(self.space.point(seen_at)),

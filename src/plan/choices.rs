@@ -188,7 +188,7 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
         ("hit_sum", sums_of(Finder::Hit, "aov_hit")),
         ("surface_sum", sums_of(Finder::Surface, "aov_surface")),
         ("direct_sum", sums_of(Finder::Direct, "aov.direct")),
-        ("truth_channel", of_truth(aovs.modules_of_kernels().map(str::to_string).collect())),
+        ("truth_channel", of_truth(aovs.names_in_kernels().map(str::to_string).collect())),
         ("truth_word", of_truth(aovs.words_of_kernels())),
     ])
 }

@@ -162,13 +162,8 @@ fn lights(object: &mut Object) -> Vec<&mut Object> {
             lights(object)
         }
         Object::Group(objects) | Object::Gltf { objects, .. } => objects.iter_mut().flat_map(lights).collect(),
-        light => {
-            if light.delta_light().is_some() {
-                vec![light]
-            } else {
-                Vec::new()
-            }
-        }
+        light if light.delta_light().is_some() => vec![light],
+        _ => Vec::new(),
     }
 }
 
