@@ -55,7 +55,7 @@ use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
 use motion_tables::Motions;
-use projection::Film;
+use projection::{Film, Lens};
 use view::View;
 
 pub use crate::material::MATERIALS;
@@ -284,7 +284,7 @@ fn require_camera(features: &mut Features, scene: &Scene, view: &View) {
     if let Some(fact) = view.film.fact() {
         features.require(fact, projection);
     }
-    if let Film::Fisheye { model, .. } = view.film {
+    if let Film::Round { lens: Lens::Fisheye(model), .. } = view.film {
         features.quantities.fisheye = model as u32;
     }
 }

@@ -1,10 +1,10 @@
 //@ alternative projection when projection.calibrated
 //@ use camera/pixel
+//@ use camera/radial
 //@ use choice/camera_pose
 //@ relies on loops
 // A calibrated camera, as OpenCV has it: a plane at distance 1 whose points a lens distorts (Brown, "Decentering Distortion of Lenses", 1966). `film`
-// has the principal point, in pixels from the image's middle, and 1 over the focal lengths. `distortion` has k1, k2 and k3, and in its last
-// component the largest r² before the fold, where points that are farther out begin to lie nearer to the middle. The camera's pixels are unit vectors.
+// has the principal point, in pixels from the image's middle, and 1 over the focal lengths. The camera's pixels are unit vectors.
 
 // A point of the film, and the derivatives of its x and of its y.
 struct Distorted {
@@ -31,17 +31,18 @@ fn determinant_of(found: Distorted) -> f32 {
 }
 
 fn is_before_fold(p: vec2<f32>, found: Distorted) -> bool {
-    return dot(p, p) <= settings.distortion.w && determinant_of(found) > 0.0;
+    return length(p) <= settings.fold && determinant_of(found) > 0.0;
 }
 
-// The inverse by Newton's steps: from the distorted point they arrive from one side if the distortion is radial.
-const MOST_STEPS_OF_NEWTON: u32 = 24u;
+// From the radial distortion's inverse, the tangential one is a few steps of Newton's away.
+const MOST_STEPS_BEYOND_RADIAL: u32 = 8u;
 
 fn film_direction(at: vec2<f32>) -> vec3<f32> {
     let aim = (at - settings.film.xy) * settings.film.zw;
-    var p = aim;
+    let r = length(aim);
+    var p = select(inverse_radial(r) / r, 1.0, r == 0.0) * aim;
     var found = distorted(p);
-    for (var i = 0u; i < MOST_STEPS_OF_NEWTON; i++) {
+    for (var i = 0u; i < MOST_STEPS_BEYOND_RADIAL; i++) {
         let rest = aim - found.point;
         let step = vec2<f32>(found.dy.y * rest.x - found.dx.y * rest.y, found.dx.x * rest.y - found.dy.x * rest.x) / determinant_of(found);
         p += step;

@@ -1,35 +1,16 @@
 //@ alternative projection when projection.calibrated_fisheye
 //@ use camera/pixel
+//@ use camera/radial
 //@ use choice/camera_pose
-//@ relies on loops
 // A calibrated fisheye lens, as OpenCV has it: the distance from the principal point is t + k1 t³ + k2 t⁵ + k3 t⁷ + k4 t⁹ of the angle t to the axis
 // (Kannala, Brandt, "A Generic Camera Model and Calibration Method", IEEE TPAMI 28(8), 2006, equation 6). `film` has the principal point, in
 // pixels from the image's middle, and 1 over the focal lengths. The camera's pixels are unit vectors.
 
-// The distance of an angle, and its derivative.
-fn distance_of(angle: f32) -> vec2<f32> {
-    let k = settings.distortion;
-    let s = angle * angle;
-    let distance = angle * (1.0 + s * (k.x + s * (k.y + s * (k.z + s * k.w))));
-    return vec2<f32>(distance, 1.0 + s * (3.0 * k.x + s * (5.0 * k.y + s * (7.0 * k.z + s * 9.0 * k.w))));
-}
-
-// The inverse by Newton's steps, within the angle of the fold.
-const MOST_STEPS_OF_NEWTON: u32 = 24u;
-
 fn film_direction(at: vec2<f32>) -> vec3<f32> {
     let aim = (at - settings.film.xy) * settings.film.zw;
     let r = length(aim);
-    var angle = min(r, settings.fold);
-    for (var i = 0u; i < MOST_STEPS_OF_NEWTON; i++) {
-        let found = distance_of(angle);
-        let step = (r - found.x) / found.y;
-        angle = clamp(angle + step, 0.0, settings.fold);
-        if !(abs(step) > 1e-7 * angle) {
-            break;
-        }
-    }
-    let is_found = abs(distance_of(angle).x - r) <= 1e-5 * (1.0 + r);
+    let angle = inverse_radial(r);
+    let is_found = abs(radial_of(angle).x - r) <= 1e-5 * (1.0 + r);
     let on_circle = circle_point(angle * TURNS_OF_RADIAN);
     let sine = select(on_circle.y / r, 1.0, r == 0.0);
     let direction = on_circle.x * camera_forward() + sine * (aim.x * camera_pixel_x() + aim.y * camera_pixel_y());
@@ -39,7 +20,7 @@ fn film_direction(at: vec2<f32>) -> vec3<f32> {
 fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
     let across = in_pixels(direction);
     let sine = length(across);
-    let r = distance_of(angle_of(sine, dot(direction, camera_forward()))).x;
+    let r = radial_of(angle_of(sine, dot(direction, camera_forward()))).x;
     return from_corner(select(r / sine, 1.0, sine == 0.0) * across / settings.film.zw + settings.film.xy);
 }
 
@@ -47,7 +28,7 @@ fn film_point(direction: vec3<f32>, shift: vec3<f32>) -> vec2<f32> {
 fn density_of_camera_ray(direction: vec3<f32>, shift: vec3<f32>) -> f32 {
     let sine = length(in_pixels(direction));
     let angle = angle_of(sine, dot(direction, camera_forward()));
-    let found = distance_of(angle);
+    let found = radial_of(angle);
     let area = select(found.x / sine, 1.0, sine == 0.0) * found.y;
     return select(0.0, area / abs(settings.film.z * settings.film.w), angle < settings.fold && area > 0.0);
 }

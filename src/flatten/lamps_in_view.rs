@@ -416,6 +416,8 @@ mod tests {
     use std::path::Path;
     use std::time::{Duration, Instant};
 
+    use glam::DMat2;
+
     use super::*;
     use crate::flatten::flatten;
     use crate::options::RenderOptions;
@@ -445,6 +447,26 @@ mod tests {
         assert!((found / expected - 1.0).abs() < share, "{found} {expected}");
     }
 
+    /// The direction of a point of a film: the one that it shows there, by Gauss and Newton's steps. They start along the axis.
+    fn direction_of(film: &Film, at: DVec2) -> Option<DVec3> {
+        let mut direction = DVec3::Z;
+        if matches!(film, Film::Parallel { .. }) {
+            return Some(direction);
+        }
+        for _ in 0..40 {
+            let (u, v) = direction.any_orthonormal_pair();
+            let rest = film.shortest(at - film.point(direction)?);
+            let slope = |axis: DVec3| Some((film.point(direction + 1e-6 * axis)? - film.point(direction)?) * 1e6);
+            let step = DMat2::from_cols(slope(u)?, slope(v)?).inverse() * rest;
+            let step = step * (0.3 / step.length()).min(1.0);
+            direction = (direction + step.x * u + step.y * v).normalize();
+            if step.length() < 1e-9 {
+                break;
+            }
+        }
+        (film.point(direction)?.distance(at) < 1e-6).then_some(direction)
+    }
+
     /// On films that bend lines, a lamp covers the pixels whose rays meet it: before the camera, beside it, and behind it, where a panorama has its
     /// seam.
     #[test]
@@ -464,29 +486,34 @@ mod tests {
                     background: Solid((0, 0, 0)), materials: {{ \"lamp\": DiffuseLight(emit: Rgb(8, 4, 2)) }}, objects: [{objects}])"
                 )
             };
+            const RAYS: usize = 16;
+            let scene = Scene::parse(&text(""), Path::new("test.ron")).unwrap();
+            let film = Film::new(&scene.camera, (32, 18), scene.image);
+            let ray = |i: usize, pixel: usize| {
+                let corner = DVec2::new((pixel % 32) as f64, (pixel / 32) as f64) - DVec2::new(16.0, 9.0);
+                let at = corner + (DVec2::new((i % RAYS) as f64, (i / RAYS) as f64) + 0.5) / RAYS as f64;
+                let origin = match film {
+                    Film::Parallel { pixel } => (pixel * at).extend(0.0),
+                    _ => DVec3::ZERO,
+                };
+                Some((origin, direction_of(&film, at)?))
+            };
+            let pixels: Vec<Vec<_>> =
+                (0..32 * 18).map(|pixel| (0..RAYS * RAYS).map(|i| ray(i, pixel)).collect()).collect();
             let mut seen = 0;
             for (x, y, z) in [(0.4, 0.2, -3.0), (-0.9, -0.1, -4.0), (3.0, 0.5, 0.2), (-0.5, 2.5, 0.1), (0.1, 0.3, 3.0)]
             {
                 let object = format!("Sphere(center: ({x}, {y}, {z}), radius: 0.4, material: \"lamp\")");
                 let scene = Scene::parse(&text(&object), Path::new("test.ron")).unwrap();
                 let found = flatten(&scene, (32, 18), &RenderOptions::default()).unwrap().lamps;
-                let film = Film::new(&scene.camera, (32, 18), scene.image);
                 let center = DVec3::new(x, -y, -z);
-                let meets = |at: DVec2| {
-                    let Some(direction) = film.direction(at) else { return false };
-                    let origin = match film {
-                        Film::Parallel { pixel } => (pixel * at).extend(0.0),
-                        _ => DVec3::ZERO,
-                    };
-                    let to = center - origin;
-                    to.dot(direction) > 0.0 && to.reject_from_normalized(direction).length() < 0.4
+                let meets = |(origin, direction): &(DVec3, DVec3)| {
+                    let to = center - *origin;
+                    to.dot(*direction) > 0.0 && to.reject_from_normalized(*direction).length() < 0.4
                 };
-                const RAYS: usize = 16;
                 let mut area = 0.0;
-                for pixel in 0..32 * 18 {
-                    let corner = DVec2::new(f64::from(pixel % 32), f64::from(pixel / 32)) - DVec2::new(16.0, 9.0);
-                    let at = |i: usize| corner + (DVec2::new((i % RAYS) as f64, (i / RAYS) as f64) + 0.5) / RAYS as f64;
-                    let share = (0..RAYS * RAYS).filter(|i| meets(at(*i))).count() as f64 / (RAYS * RAYS) as f64;
+                for (pixel, rays) in (0..).zip(&pixels) {
+                    let share = rays.iter().flatten().filter(|ray| meets(ray)).count() as f64 / (RAYS * RAYS) as f64;
                     area += share;
                     let own =
                         found.iter().filter(|own| own.pixel == pixel).map(|own| f64::from(own.share)).sum::<f64>();

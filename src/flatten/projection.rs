@@ -16,12 +16,71 @@ pub enum Film {
     Parallel { pixel: f64 },
     /// Longitude and latitude in the image's middle, and how they change from one pixel to the next, in turns.
     Panorama { middle: DVec2, step: DVec2 },
-    /// The change of r from one pixel to the next.
-    Fisheye { model: FisheyeModel, step: f64 },
-    /// `middle`: the principal point; `step`: 1 over the focal lengths; `fold`: the largest r².
-    Brown { middle: DVec2, step: DVec2, radial: [f64; 3], tangential: [f64; 2], fold: f64 },
-    /// `fold`: the largest angle.
-    KannalaBrandt { middle: DVec2, step: DVec2, radial: [f64; 4], fold: f64 },
+    /// A lens that shows angles to its axis at distances from it. `middle`: where the axis meets the film; `step`: how the distance changes from
+    /// one pixel to the next; `most`: the largest angle.
+    Round { lens: Lens, middle: DVec2, step: DVec2, most: f64 },
+    /// The same of points of a plane at distance 1, and a tangential distortion beside it.
+    Brown { lens: Brown, middle: DVec2, step: DVec2 },
+}
+
+/// A lens that is the same around its axis.
+#[derive(Clone, Copy, Debug)]
+pub enum Lens {
+    Fisheye(FisheyeModel),
+    /// x + k1 x³ + k2 x⁵ + k3 x⁷ + k4 x⁹ (shaders/camera/radial).
+    Radial([f64; 4]),
+}
+
+impl Lens {
+    /// The distance from the axis at which it shows an angle.
+    fn distance(self, angle: f64) -> f64 {
+        let s = angle * angle;
+        match self {
+            Lens::Fisheye(model) => model.radius(angle),
+            Lens::Radial([k1, k2, k3, k4]) => angle * (1.0 + s * (k1 + s * (k2 + s * (k3 + s * k4)))),
+        }
+    }
+}
+
+/// The distortion of Brown (shaders/camera/calibrated). `fold`: the largest distance at which it is not yet folded.
+#[derive(Clone, Copy, Debug)]
+pub struct Brown {
+    radial: [f64; 4],
+    tangential: [f64; 2],
+    fold: f64,
+}
+
+impl Brown {
+    /// A point at distance 1 as it shows it, with the derivatives dx/dx, dx/dy = dy/dx, and dy/dy.
+    fn distorted(&self, p: DVec2) -> (DVec2, [f64; 3]) {
+        let Brown { radial: [k1, k2, k3, _], tangential: [p1, p2], .. } = self;
+        let s = p.length_squared();
+        let radial = 1.0 + s * (k1 + s * (k2 + s * k3));
+        let slope = k1 + s * (2.0 * k2 + s * 3.0 * k3);
+        let shift = DVec2::new(p2 * (s + 2.0 * p.x * p.x), p1 * (s + 2.0 * p.y * p.y));
+        let point = radial * p + 2.0 * p.x * p.y * DVec2::new(*p1, *p2) + shift;
+        let dx = radial + 2.0 * (p.x * p.x * slope + p1 * p.y + 3.0 * p2 * p.x);
+        let dy = radial + 2.0 * (p.y * p.y * slope + 3.0 * p1 * p.y + p2 * p.x);
+        (point, [dx, 2.0 * (p.x * p.y * slope + p1 * p.x + p2 * p.y), dy])
+    }
+
+    /// The same where the image is not folded.
+    fn shown(&self, p: DVec2) -> Option<DVec2> {
+        let (point, [dx, mixed, dy]) = self.distorted(p);
+        (p.length() <= self.fold && dx * dy > mixed * mixed).then_some(point)
+    }
+
+    /// Whether it shows a point here.
+    fn shows(&self, aim: DVec2) -> bool {
+        let distance = |r: f64| Lens::Radial(self.radial).distance(r) - aim.length();
+        let mut p = root(distance, -self.fold, self.fold).unwrap_or(self.fold) * aim.normalize_or_zero();
+        for _ in 0..8 {
+            let (found, [dx, mixed, dy]) = self.distorted(p);
+            let rest = (aim - found) / (dx * dy - mixed * mixed);
+            p += DVec2::new(dy * rest.x - mixed * rest.y, dx * rest.y - mixed * rest.x);
+        }
+        self.shown(p).is_some_and(|found| (found - aim).length() < 1e-6 * (1.0 + aim.length()))
+    }
 }
 
 impl Film {
@@ -39,28 +98,30 @@ impl Film {
                 middle: DVec2::new(flip * 0.5 * (left + right), 0.5 * (bottom + top)) / 360.0,
                 step: DVec2::new(right - left, bottom - top) / 360.0 / extent,
             },
-            Projection::Fisheye { model, fov } => {
-                Film::Fisheye { model, step: 2.0 * model.radius((0.5 * fov).to_radians()) / extent.y }
-            }
+            Projection::Fisheye { model, fov } => Film::Round {
+                lens: Lens::Fisheye(model),
+                middle: DVec2::ZERO,
+                step: DVec2::splat(2.0 * model.radius((0.5 * fov).to_radians()) / extent.y),
+                most: model.most_angle(),
+            },
             Projection::Calibrated { fx, fy, cx, cy, distortion } => {
                 let scale = extent / DVec2::new(f64::from(image.width), f64::from(image.height));
                 let middle = DVec2::new(cx, cy) * scale - 0.5 * extent;
                 let middle = DVec2::new(flip * middle.x, middle.y);
                 let step = 1.0 / (DVec2::new(fx, fy) * scale);
+                let fold = |[k1, k2, k3, k4]: [f64; 4], most: f64| {
+                    first_root(&[1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4], most * most).sqrt()
+                };
                 match distortion.unwrap_or(Distortion::Brown { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 }) {
-                    Distortion::Brown { k1, k2, p1, p2, k3 } => Film::Brown {
-                        middle,
-                        step,
-                        radial: [k1, k2, k3],
-                        tangential: [p1, flip * p2],
-                        fold: first_root(&[1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3], FARTHEST),
-                    },
-                    Distortion::KannalaBrandt { k1, k2, k3, k4 } => Film::KannalaBrandt {
-                        middle,
-                        step,
-                        radial: [k1, k2, k3, k4],
-                        fold: first_root(&[1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4], PI * PI).sqrt(),
-                    },
+                    Distortion::Brown { k1, k2, p1, p2, k3 } => {
+                        let (radial, tangential) = ([k1, k2, k3, 0.0], [p1, flip * p2]);
+                        let lens = Brown { radial, tangential, fold: fold(radial, FARTHEST) };
+                        Film::Brown { lens, middle, step }
+                    }
+                    Distortion::KannalaBrandt { k1, k2, k3, k4 } => {
+                        let radial = [k1, k2, k3, k4];
+                        Film::Round { lens: Lens::Radial(radial), middle, step, most: fold(radial, PI) }
+                    }
                 }
             }
         }
@@ -72,9 +133,9 @@ impl Film {
             Film::Plane { .. } => None,
             Film::Parallel { .. } => Some("projection.orthographic"),
             Film::Panorama { .. } => Some("projection.equirectangular"),
-            Film::Fisheye { .. } => Some("projection.fisheye"),
+            Film::Round { lens: Lens::Fisheye(_), .. } => Some("projection.fisheye"),
+            Film::Round { .. } => Some("projection.calibrated_fisheye"),
             Film::Brown { .. } => Some("projection.calibrated"),
-            Film::KannalaBrandt { .. } => Some("projection.calibrated_fisheye"),
         }
     }
 
@@ -84,8 +145,7 @@ impl Film {
             Film::Plane { pixel } => Some(*pixel),
             Film::Parallel { .. } => None,
             Film::Panorama { step, .. } => Some(TAU * step.abs().min_element()),
-            Film::Fisheye { step, .. } => Some(*step),
-            Film::Brown { step, .. } | Film::KannalaBrandt { step, .. } => Some(step.min_element()),
+            Film::Round { step, .. } | Film::Brown { step, .. } => Some(step.min_element()),
         }
     }
 
@@ -100,77 +160,36 @@ impl Film {
 
     /// Writes the numbers that kernels have of it.
     pub fn write(&self, settings: &mut data::Settings) {
-        let film = |a: DVec2, b: DVec2| [a.x, a.y, b.x, b.y].map(|x| x as f32);
+        let (Film::Panorama { middle, step } | Film::Round { middle, step, .. } | Film::Brown { middle, step, .. }) =
+            self
+        else {
+            return;
+        };
+        settings.film = [middle.x, middle.y, step.x, step.y].map(|x| x as f32);
         match self {
-            Film::Plane { .. } | Film::Parallel { .. } => {}
-            Film::Panorama { middle, step } => settings.film = film(*middle, *step),
-            Film::Fisheye { step, .. } => settings.film = film(DVec2::ZERO, DVec2::splat(*step)),
-            Film::Brown { middle, step, radial: [k1, k2, k3], tangential, fold } => {
-                settings.film = film(*middle, *step);
-                settings.distortion = [*k1, *k2, *k3, *fold].map(|x| x as f32);
+            Film::Round { lens: Lens::Radial(radial), most, .. } => {
+                (settings.distortion, settings.fold) = (radial.map(|x| x as f32), *most as f32);
+            }
+            Film::Brown { lens: Brown { radial, tangential, fold }, .. } => {
+                (settings.distortion, settings.fold) = (radial.map(|x| x as f32), *fold as f32);
                 settings.tangential = tangential.map(|x| x as f32);
             }
-            Film::KannalaBrandt { middle, step, radial, fold } => {
-                settings.film = film(*middle, *step);
-                settings.distortion = radial.map(|x| x as f32);
-                settings.fold = *fold as f32;
-            }
+            _ => {}
         }
     }
 
-    /// The unit direction of a point of the film, if it has one. Of parallel rays it is forward.
-    pub fn direction(&self, at: DVec2) -> Option<DVec3> {
-        let around = |p: DVec2, angle: f64| {
-            let (sine, cosine) = angle.sin_cos();
-            (p.normalize_or_zero() * sine).extend(cosine)
-        };
+    /// Whether a point of the film has a direction.
+    fn has_direction(&self, at: DVec2) -> bool {
         match self {
-            Film::Plane { pixel } => Some((*pixel * at).extend(1.0).normalize()),
-            Film::Parallel { .. } => Some(DVec3::Z),
-            Film::Panorama { middle, step } => {
-                let (longitude, latitude) = (TAU * (*middle + at * *step)).into();
-                let (sine, cosine) = latitude.sin_cos();
-                Some(DVec3::new(cosine.abs() * longitude.sin(), -sine, cosine.abs() * longitude.cos()))
-            }
-            Film::Fisheye { model, step } => {
-                let p = *step * at;
-                model.angle(p.length()).map(|angle| around(p, angle))
-            }
-            Film::Brown { middle, step, fold, .. } => {
-                let aim = (at - *middle) * *step;
-                let mut p = aim;
-                for _ in 0..64 {
-                    let (found, [dx, mixed, dy]) = self.distorted(p)?;
-                    let (rest, slope) = (aim - found, dx * dy - mixed * mixed);
-                    let step = DVec2::new(dy * rest.x - mixed * rest.y, dx * rest.y - mixed * rest.x) / slope;
-                    p += step;
-                    if step.length() <= f64::EPSILON * p.length() {
-                        break;
-                    }
-                }
-                let (found, [dx, mixed, dy]) = self.distorted(p)?;
-                let is_before = p.length_squared() <= *fold && dx * dy > mixed * mixed;
-                (is_before && (found - aim).length() < 1e-6 * (1.0 + aim.length())).then(|| p.extend(1.0).normalize())
-            }
-            Film::KannalaBrandt { middle, step, fold, .. } => {
-                let aim = (at - *middle) * *step;
-                let (mut low, mut high) = (0.0, *fold);
-                if self.distance(high)? < aim.length() {
-                    return None;
-                }
-                for _ in 0..64 {
-                    let half = 0.5 * (low + high);
-                    *if self.distance(half)? < aim.length() { &mut low } else { &mut high } = half;
-                }
-                Some(around(aim, low))
-            }
+            Film::Plane { .. } | Film::Parallel { .. } | Film::Panorama { .. } => true,
+            Film::Round { lens, middle, step, most } => ((at - *middle) * *step).length() <= lens.distance(*most),
+            Film::Brown { lens, middle, step } => lens.shows((at - *middle) * *step),
         }
     }
 
     /// The point of the film where a direction of any length, or for parallel rays a point, is seen.
     pub fn point(&self, p: DVec3) -> Option<DVec2> {
         let (across, forward) = (p.truncate(), p.z);
-        let angle = across.length().atan2(forward);
         match self {
             Film::Plane { pixel } => (forward > 0.0).then(|| across / forward / *pixel),
             Film::Parallel { pixel } => (forward > 0.0).then(|| across / *pixel),
@@ -178,19 +197,12 @@ impl Film {
                 let turns = DVec2::new(p.x.atan2(forward), (-p.y).atan2(p.x.hypot(forward))) / TAU - *middle;
                 Some(DVec2::new(turns.x - turns.x.round(), turns.y) / *step)
             }
-            Film::Fisheye { model, step } => {
-                let is_seen = *model != FisheyeModel::Orthographic || forward >= 0.0;
-                is_seen.then(|| across.normalize_or_zero() * model.radius(angle) / *step)
+            Film::Round { lens, middle, step, most } => {
+                let angle = across.length().atan2(forward);
+                (angle <= *most).then(|| across.normalize_or_zero() * lens.distance(angle) / *step + *middle)
             }
-            Film::Brown { middle, step, fold, .. } => {
-                let (found, [dx, mixed, dy]) = self.distorted(across / forward)?;
-                let is_before = (across / forward).length_squared() <= *fold && dx * dy > mixed * mixed;
-                (forward > 0.0 && is_before).then(|| found / *step + *middle)
-            }
-            Film::KannalaBrandt { middle, step, fold, .. } => {
-                let r = self.distance(angle)?;
-                (angle <= *fold).then(|| across.normalize_or_zero() * r / *step + *middle)
-            }
+            Film::Brown { lens, middle, step } if forward > 0.0 => Some(lens.shown(across / forward)? / *step + *middle),
+            Film::Brown { .. } => None,
         }
     }
 
@@ -202,47 +214,19 @@ impl Film {
         }
     }
 
-    /// A point at distance 1 as Brown's lens shows it, with the derivatives dx/dx, dx/dy = dy/dx, and dy/dy.
-    fn distorted(&self, p: DVec2) -> Option<(DVec2, [f64; 3])> {
-        let Film::Brown { radial: [k1, k2, k3], tangential: [p1, p2], .. } = self else { return None };
-        let s = p.length_squared();
-        let radial = 1.0 + s * (k1 + s * (k2 + s * k3));
-        let slope = k1 + s * (2.0 * k2 + s * 3.0 * k3);
-        let shift = DVec2::new(p2 * (s + 2.0 * p.x * p.x), p1 * (s + 2.0 * p.y * p.y));
-        let point = radial * p + 2.0 * p.x * p.y * DVec2::new(*p1, *p2) + shift;
-        let dx = radial + 2.0 * (p.x * p.x * slope + p1 * p.y + 3.0 * p2 * p.x);
-        let dy = radial + 2.0 * (p.y * p.y * slope + 3.0 * p1 * p.y + p2 * p.x);
-        Some((point, [dx, 2.0 * (p.x * p.y * slope + p1 * p.x + p2 * p.y), dy]))
-    }
-
-    /// The distance from the middle at which Kannala and Brandt's lens shows an angle.
-    fn distance(&self, angle: f64) -> Option<f64> {
-        let Film::KannalaBrandt { radial: [k1, k2, k3, k4], .. } = self else { return None };
-        let s = angle * angle;
-        Some(angle * (1.0 + s * (k1 + s * (k2 + s * (k3 + s * k4)))))
-    }
-
     /// The share of the image that no direction belongs to, by the middles of pixels: of all, or of some million in large images.
     pub fn share_without_direction(&self, size: (u32, u32)) -> f64 {
-        if matches!(self, Film::Plane { .. } | Film::Parallel { .. } | Film::Panorama { .. }) {
-            return 0.0;
-        }
         let stride = (f64::from(size.0) * f64::from(size.1) / 1e6).sqrt().ceil().max(1.0) as usize;
         let middle = 0.5 * DVec2::new(f64::from(size.0), f64::from(size.1));
-        let (mut all, mut without) = (0u64, 0u64);
-        for y in (0..size.1).step_by(stride) {
-            for x in (0..size.0).step_by(stride) {
-                let at = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - middle;
-                all += 1;
-                without += u64::from(self.direction(at).is_none());
-            }
-        }
-        without as f64 / all as f64
+        let of_row = |y: u32| (0..size.0).step_by(stride).map(move |x| DVec2::new(f64::from(x), f64::from(y)));
+        let points = || (0..size.1).step_by(stride).flat_map(of_row);
+        let without = points().filter(|at| !self.has_direction(*at + 0.5 - middle)).count();
+        without as f64 / points().count() as f64
     }
 }
 
-/// The largest r² of a lens without a fold: kernels square it.
-const FARTHEST: f64 = 1e12;
+/// The largest distance of a lens without a fold.
+const FARTHEST: f64 = 1e6;
 
 /// The first root of a polynomial between 0 and `end`, or `end`. The lowest coefficient comes first, and is positive.
 fn first_root(polynomial: &[f64], end: f64) -> f64 {
@@ -251,24 +235,22 @@ fn first_root(polynomial: &[f64], end: f64) -> f64 {
 
 /// The roots between 0 and `end` at which a polynomial changes its sign. Between those of its derivative it has one at most.
 fn roots(polynomial: &[f64], end: f64) -> Vec<f64> {
-    if polynomial.len() < 2 {
-        return Vec::new();
-    }
+    let Some((_, rest)) = polynomial.split_first().filter(|(_, rest)| !rest.is_empty()) else { return Vec::new() };
     let value = |x: f64| polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient);
-    let derivative: Vec<f64> = (1u32..).zip(&polynomial[1..]).map(|(power, c)| f64::from(power) * c).collect();
-    let mut ends = vec![0.0];
-    ends.extend(roots(&derivative, end));
-    ends.push(end);
-    let root = |pair: &[f64]| {
-        let (mut low, mut high) = (pair[0], pair[1]);
-        if (value(low) < 0.0) == (value(high) < 0.0) {
-            return None;
-        }
-        for _ in 0..200 {
-            let half = 0.5 * (low + high);
-            *if (value(half) < 0.0) == (value(low) < 0.0) { &mut low } else { &mut high } = half;
-        }
-        Some(low)
-    };
-    ends.windows(2).filter_map(root).collect()
+    let derivative: Vec<f64> = (1u32..).zip(rest).map(|(power, c)| f64::from(power) * c).collect();
+    let ends = [vec![0.0], roots(&derivative, end), vec![end]].concat();
+    ends.windows(2).filter_map(|pair| root(value, pair[0], pair[1])).collect()
+}
+
+/// Where a function changes its sign between two numbers, if it does so once.
+fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> {
+    let is_negative = value(low) < 0.0;
+    if is_negative == (value(high) < 0.0) {
+        return None;
+    }
+    for _ in 0..200 {
+        let half = 0.5 * (low + high);
+        *if (value(half) < 0.0) == is_negative { &mut low } else { &mut high } = half;
+    }
+    Some(low)
 }

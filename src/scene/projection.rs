@@ -1,5 +1,7 @@
 //! How directions are laid out on the image, as the scene file says it.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -10,7 +12,8 @@ use crate::source::{DEGREES, NO_UNIT, Range, SCENE_UNITS, ValuePath};
 const PIXELS: &str = "pixels of the scene's image";
 const FOCAL_LENGTH: Field = number(Range::POSITIVE, PIXELS);
 const PIXEL: Field = number(Range::ANY, PIXELS);
-const COEFFICIENT: Field = number(Range::ANY, NO_UNIT).or("0");
+/// Kernels compute its polynomial in f32.
+const COEFFICIENT: Field = number(Range::from_to(-1e9, 1e9), NO_UNIT).or("0");
 
 declare! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -122,10 +125,15 @@ impl FisheyeModel {
         }
     }
 
+    /// The largest angle that it shows.
+    pub fn most_angle(self) -> f64 {
+        if self == FisheyeModel::Orthographic { FRAC_PI_2 } else { PI }
+    }
+
     /// The angle of r in radians, if there is one.
     pub fn angle(self, radius: f64) -> Option<f64> {
         match self {
-            FisheyeModel::Equidistant => (radius <= std::f64::consts::PI).then_some(radius),
+            FisheyeModel::Equidistant => (radius <= PI).then_some(radius),
             FisheyeModel::Equisolid => (radius <= 2.0).then(|| 2.0 * (0.5 * radius).asin()),
             FisheyeModel::Stereographic => Some(2.0 * (0.5 * radius).atan()),
             FisheyeModel::Orthographic => (radius <= 1.0).then(|| radius.asin()),
