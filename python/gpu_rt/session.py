@@ -232,15 +232,14 @@ class _Link:
         """Whether it is of this process, and not of one that this one is a fork of."""
         return os.getpid() == self._pid
 
-    def _wait(self) -> None:
-        with self._came:
-            while self._asked not in self._answers and not self._ended:
-                self._came.wait()
+    def _waits(self) -> bool:
+        return self._asked not in self._answers and not self._ended
 
     def ask(self, request: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
         """The answer to a request; or, without one, what the program says first."""
         in_thread = threading.current_thread() is not threading.main_thread()
-        interrupts, stopped = _gpu_rt._interrupts, None
+        interrupts = _gpu_rt._interrupts
+        stops: List[BaseException] = []
         try:
             if request is not None:
                 self._write(request)
@@ -249,27 +248,30 @@ class _Link:
                 _gpu_rt._OF_THREADS.add(self)
                 if interrupts != _gpu_rt._interrupts:
                     _gpu_rt._interrupt_all()
-            try:
-                self._wait()
-            except BaseException as reason:
-                stopped = reason
-                self.interrupt()
-                self._wait()
+            while self._waits():
+                try:
+                    with self._came:
+                        self._came.wait_for(lambda: not self._waits())
+                except BaseException as reason:
+                    stops.append(reason)
+                    if len(stops) > 2:
+                        raise
+                    self.interrupt()
         except BaseException:
             self.close()  # What is on its way is not known.
             raise
         finally:
             if in_thread and self not in _gpu_rt._OF_THREADS:
-                stopped = KeyboardInterrupt()
+                stops.append(KeyboardInterrupt())
             _gpu_rt._OF_THREADS.discard(self)
         if self._asked not in self._answers:
             self.close()
             self._reading.join(_PATIENCE)
             raise _gpu_rt._failure("serve", self._errors, self._process.returncode, {})
         answer: Dict[str, Any] = json.loads(self._answers.pop(self._asked))
-        if stopped is not None and (request is None or not isinstance(stopped, KeyboardInterrupt)):
-            raise stopped
-        if stopped is not None:
+        for reason in stops:
+            if request is None or not isinstance(reason, KeyboardInterrupt):
+                raise reason
             answer["error"] = {**(answer["error"] or {"message": "interrupted"}), "interrupted": True}
         return answer
 

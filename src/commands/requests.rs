@@ -1,15 +1,14 @@
 //! The requests of `gpu-rt serve`: a JSON object in each line of standard input.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::stdin;
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{Builder, sleep};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::Builder;
 
 use serde::Deserialize;
 
-use super::signals::{Signals, WAIT};
+use super::signals::Signals;
 use crate::error::{Error, Result};
 use crate::scene::Rows;
 
@@ -29,119 +28,80 @@ pub struct Request {
     pub materials: Option<BTreeMap<String, String>>,
     /// This one renders nothing and has no answer: it ends the renders that were requested before it.
     interrupt: bool,
-    /// Beside it: there are no more requests, and the folder of temporary files stays.
+    /// Beside it: there are no more requests.
     close: bool,
 }
 
 /// The requests that come.
+#[derive(Clone)]
 pub struct Requests {
-    coming: Receiver<Result<Request>>,
-    turns: Arc<Mutex<Turns>>,
+    queue: Arc<(Mutex<Queue>, Condvar)>,
     signals: Signals,
-    /// The folder of temporary files, and the parent process.
-    temporary: Option<PathBuf>,
-    parent: u32,
 }
 
-/// How many requests have come, how many have begun, and how many are interrupted.
+/// Those that wait, and whether no more come.
 #[derive(Default)]
-struct Turns {
-    read: u64,
-    begun: u64,
-    interrupted: u64,
-    closed: bool,
+struct Queue {
+    /// Each with whether it is interrupted.
+    waiting: VecDeque<(Result<Request>, bool)>,
+    has_ended: bool,
 }
 
 impl Requests {
-    /// Listens from now on. An interrupt is as a signal that ends no program. If the parent process ends first, so does this one, and removes the
-    /// folder of temporary files.
+    /// Listens from now on. An interrupt is as a signal that ends no program. `temporary` is the folder of a parent process: if standard input ends without
+    /// `close`, the parent has died. So does this program then, and removes the folder.
     ///
     /// # Errors
     /// `Error::File` if the system gives no thread.
     pub fn listen(signals: &Signals, temporary: Option<PathBuf>) -> Result<Requests> {
-        let (sender, coming) = channel();
-        let turns = Arc::new(Mutex::new(Turns::default()));
-        let reader = Reader { sender, turns: Arc::clone(&turns), signals: signals.clone() };
-        let (parent, images) = (parent(), temporary.clone());
+        let requests = Requests { queue: Arc::default(), signals: signals.clone() };
+        let reader = requests.clone();
         let read = move || {
-            reader.read();
-            while parent == self::parent() {
-                sleep(WAIT);
+            let is_closed = reader.read();
+            if let Some(folder) = temporary.filter(|_| !is_closed) {
+                // A file may be made in it meanwhile.
+                let _ = std::fs::remove_dir_all(&folder).or_else(|_| std::fs::remove_dir_all(&folder));
+                signal_hook::low_level::exit(1);
             }
-            images.iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
-            signal_hook::low_level::exit(1);
+            reader.locked().has_ended = true;
+            reader.queue.1.notify_all();
         };
         Builder::new().name("requests".to_owned()).spawn(read).map_err(Error::file("stdin", "read"))?;
-        Ok(Requests { coming, turns, signals: signals.clone(), temporary, parent })
+        Ok(requests)
     }
 
     /// The next request, or what is wrong with it; nothing behind the last one.
     pub fn next(&mut self) -> Option<Result<Request>> {
-        let Ok(request) = self.coming.recv() else {
-            self.end();
-            return None;
-        };
-        let mut turns = locked(&self.turns);
-        turns.begun += 1;
-        self.signals.set_stop(turns.interrupted >= turns.begun);
+        let is_empty = |queue: &mut Queue| queue.waiting.is_empty() && !queue.has_ended;
+        let mut queue = self.queue.1.wait_while(self.locked(), is_empty).unwrap_or_else(PoisonError::into_inner);
+        let (request, is_interrupted) = queue.waiting.pop_front()?;
+        self.signals.set_stop(is_interrupted);
         Some(request)
     }
 
-    /// Removes the folder of temporary files if the parent has ended. Its end of the input closes a moment before that.
-    fn end(&self) {
-        let Some(folder) = self.temporary.as_ref().filter(|_| !locked(&self.turns).closed) else { return };
-        for _ in 0..100 {
-            if self.parent != parent() {
-                let _ = std::fs::remove_dir_all(folder);
-                return;
-            }
-            sleep(WAIT);
-        }
-    }
-}
-
-struct Reader {
-    sender: Sender<Result<Request>>,
-    turns: Arc<Mutex<Turns>>,
-    signals: Signals,
-}
-
-impl Reader {
-    /// Reads requests up to the end of standard input.
-    fn read(self) {
+    /// Reads requests up to the end of standard input. Whether they end with `close`.
+    fn read(&self) -> bool {
         for line in stdin().lines() {
             let line = line.map_err(Error::file("stdin", "read"));
             let wrong = |error: serde_json::Error| Error::Usage(format!("the request: {error}"));
             let request = line.and_then(|line| serde_json::from_str::<Request>(&line).map_err(wrong));
-            let mut turns = locked(&self.turns);
-            if request.as_ref().is_ok_and(|request| request.interrupt) {
-                turns.interrupted = turns.read;
-                self.signals.set_stop(true);
-                turns.closed = request.is_ok_and(|request| request.close);
-                if turns.closed {
-                    return;
+            let mut queue = self.locked();
+            match request {
+                Ok(Request { interrupt: true, close, .. }) => {
+                    queue.waiting.iter_mut().for_each(|(_, is_interrupted)| *is_interrupted = true);
+                    self.signals.set_stop(true);
+                    if close {
+                        return true;
+                    }
                 }
-                continue;
+                request => queue.waiting.push_back((request, false)),
             }
-            turns.read += 1;
-            if self.sender.send(request).is_err() {
-                return;
-            }
+            self.queue.1.notify_all();
         }
+        false
     }
-}
 
-fn locked(turns: &Mutex<Turns>) -> MutexGuard<'_, Turns> {
-    turns.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The number of the parent process, which is another one when that has ended.
-#[cfg(unix)]
-fn parent() -> u32 {
-    std::os::unix::process::parent_id()
-}
-
-#[cfg(not(unix))]
-fn parent() -> u32 {
-    0
+    fn locked(&self) -> MutexGuard<'_, Queue> {
+        self.queue.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }

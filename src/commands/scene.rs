@@ -60,17 +60,22 @@ pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path, assets: &mut Assets) -> 
     Scene::of_model(from, to, &options(gltf, from)?, assets)
 }
 
-/// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.
+/// The frame that is asked for.
 ///
 /// # Errors
 /// `Error::Usage` if frames of a glTF file have a rate and no number.
-fn options(args: &GltfArgs, path: &Path) -> Result<GltfOptions> {
+pub fn frame_of(args: &GltfArgs, path: &Path) -> Result<Option<AnimationFrame>> {
     // A scene file without a number is in frame 0, and a glTF file in its rest pose.
     let number = args.frame.or(args.fps.filter(|_| !is_gltf(path)).map(|_| 0.0));
     if let (None, Some(fps)) = (number, args.fps) {
         return Err(Error::Usage(format!("--fps {fps}: expected --frame N beside it, whose time it says")));
     }
-    let frame = number.map(|number| AnimationFrame { number, fps: args.fps.unwrap_or(FPS) });
+    Ok(number.map(|number| AnimationFrame { number, fps: args.fps.unwrap_or(FPS) }))
+}
+
+/// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.
+fn options(args: &GltfArgs, path: &Path) -> Result<GltfOptions> {
+    let frame = frame_of(args, path)?;
     let image = |path: &PathBuf| std::path::absolute(path).unwrap_or(path.clone()).to_string_lossy().into_owned();
     let sky = args.sky.as_ref().map(|path| Sky::of_word(path).unwrap_or_else(|| Sky::Image(image(path))));
     let camera = args.camera.clone();

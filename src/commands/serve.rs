@@ -12,7 +12,7 @@ use super::console::{path_text, write_stdout};
 use super::render::args::{DenoisingArgs, FileArgs, GoalArgs, KeepArgs, MessageArgs, ViewerArgs};
 use super::render::{RenderArgs, Reported, Series, render};
 use super::requests::{Request, Requests};
-use super::scene::{load_from, size_of};
+use super::scene::{frame_of, load_from, size_of};
 use super::signals::Signals;
 use crate::aov::{Aov, Aovs};
 use crate::cli::{PathArgs, SceneArgs, ViewArgs, samples};
@@ -20,7 +20,7 @@ use crate::error::{Error, Location, Result};
 use crate::job::{MOST_SAMPLES, Size};
 use crate::options::{RenderOptions, SIZE, SPP};
 use crate::output::destination::is_standard;
-use crate::scene::{Assets, Camera, Change, Scene};
+use crate::scene::{Assets, Camera, Change, Scene, is_gltf};
 
 #[derive(Clone, Debug, Args)]
 pub struct ServeArgs {
@@ -52,7 +52,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let text = is_standard(&args.scene.path).then(text).transpose()?.unwrap_or_default();
     let signals = Signals::listen("nothing has been written");
     let mut requests = Requests::listen(&signals, args.temporary.clone())?;
-    let mut server = Server::open(args.clone(), text, signals.clone())?;
+    let mut server = Server::open(args.clone(), &text, signals.clone())?;
     let scene = &server.scene;
     let materials: Vec<&String> = scene.materials.iter().map(|(name, _)| name).collect();
     let (image, size) = ((scene.image.width, scene.image.height), size_of(scene, server.args.goal.size));
@@ -73,27 +73,27 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     Ok(())
 }
 
+/// The frame that a glTF file is read for, and whether those around it are. In a scene file, frames move the shutter.
+type OfGltf = (Option<f64>, bool);
+
 struct Server {
     args: RenderArgs,
-    /// The scene's text, if that is on standard input.
-    text: String,
-    /// The scene at the frame of the last request.
+    /// The scene, and what of a glTF file was read.
     scene: Scene,
-    /// That frame, and whether those around it are read.
-    read: (Option<f64>, bool),
+    read: OfGltf,
     series: Series,
 }
 
 impl Server {
-    fn open(args: ServeArgs, text: String, signals: Signals) -> Result<Server> {
+    fn open(args: ServeArgs, text: &str, signals: Signals) -> Result<Server> {
         let quiet = args.quiet;
         let args = args.into_render();
         let mut series = Series::new(&args);
         (series.session, series.assets) = (series.session.keeping_hierarchies(), Assets::of_frames());
         (series.frames, series.quiet, series.signals) = (Some(Reported::default()), quiet, Some(signals));
-        let read = (args.scene.gltf.frame, args.options.aov.has(Aov::Motion));
-        let scene = load_from(&args.scene, read.1, text.as_bytes(), &mut |_, _, _| {}, &mut series.assets)?;
-        Ok(Server { args, text, scene, read, series })
+        let read = read_for(&args);
+        let scene = load(&args, read, text, &mut series.assets)?;
+        Ok(Server { args, scene, read, series })
     }
 
     fn render(&mut self, request: &Request) -> Result<()> {
@@ -108,14 +108,15 @@ impl Server {
             args.options.aov.set(Aovs::parse(words).map_err(|reason| Error::Usage(format!("aov: {reason}")))?);
         }
         args.scene.gltf.frame = request.frame.or(args.scene.gltf.frame);
-        let read = (args.scene.gltf.frame, args.options.aov.has(Aov::Motion));
+        let read = read_for(&args);
         if read != self.read {
-            let assets = &mut self.series.assets;
-            self.scene = load_from(&args.scene, read.1, self.text.as_bytes(), &mut |_, _, _| {}, assets)?;
-            self.read = read;
+            (self.scene, self.read) = (load(&args, read, "", &mut self.series.assets)?, read);
         }
         let (objects, materials) = (request.objects.as_ref(), request.materials.as_ref());
-        let scene = self.scene.changed(&Change { camera: request.camera.as_deref(), objects, materials })?;
+        let mut scene = self.scene.changed(&Change { camera: request.camera.as_deref(), objects, materials })?;
+        if !is_gltf(&args.scene.path) {
+            scene = scene.in_frame(frame_of(&args.scene.gltf, &args.scene.path)?);
+        }
         render(&args, &scene, &mut self.series, start)
     }
 
@@ -129,6 +130,19 @@ impl Server {
         });
         json!({"report": report, "error": error})
     }
+}
+
+fn read_for(args: &RenderArgs) -> OfGltf {
+    match is_gltf(&args.scene.path) {
+        true => (args.scene.gltf.frame, args.options.aov.has(Aov::Motion)),
+        false => (None, false),
+    }
+}
+
+fn load(args: &RenderArgs, (frame, motion): OfGltf, text: &str, assets: &mut Assets) -> Result<Scene> {
+    let mut scene = args.scene.clone();
+    scene.gltf.frame = frame;
+    load_from(&scene, motion, text.as_bytes(), &mut |_, _, _| {}, assets)
 }
 
 fn fault(error: &Error) -> Option<Value> {
