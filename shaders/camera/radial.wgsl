@@ -12,7 +12,7 @@ fn radial_of(x: f32) -> vec2<f32> {
 }
 
 // The inverse by Newton's steps, halved where one would leave the interval that holds the root: between two bends of the curve they may go in circles.
-const MOST_STEPS_OF_NEWTON: u32 = 48u;
+const MOST_STEPS_OF_NEWTON: u32 = 128u;
 
 fn inverse_radial(distance: f32) -> f32 {
     var low = 0.0;
