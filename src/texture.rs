@@ -56,8 +56,7 @@ declare! {
             tint: Colour = COLOUR.or("(1, 1, 1)");
             /// Of a number, such as a roughness: the channel that it is taken from. Its codes are linear, and the red of `tint` is its
             /// factor.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            channel: Option<Channel> = other("R, G, B or A").or("for a number R");
+            @default channel: Option<Channel> = other("R, G, B or A").or("for a number R");
             /// On a mesh: which of its sets of texture coordinates it has. A part of a glTF file has one for each pair of TEXCOORD and
             /// KHR_texture_transform among the textures of its material in the file; other meshes have one.
             #[serde(default, skip_serializing_if = "is_first")]

@@ -175,40 +175,26 @@ impl Eye {
         self.film.point(seen).map(|at| self.middle + at).filter(|at| at.is_finite())
     }
 
-    /// The part of the film that may show a ball: its lowest and highest coordinates, within the image and what filters reach around it.
+    /// The part of the film that may show a ball, by the cube around it: its lowest and highest coordinates, within the image and what filters reach
+    /// around it.
     fn bounds(&self, center: DVec3, radius: f64) -> Option<(DVec2, DVec2)> {
-        let (depth, image) = (self.depth(center), 2.0 * self.middle);
-        let (least, most) = (DVec2::splat(-REACH), image + REACH);
-        let (min, max) = match self.film {
-            Film::Plane { pixel } if depth > 2.0 * radius => {
-                let beside = center.reject_from_normalized(self.forward).length();
-                let extent = ((beside + radius) / (depth - radius) - beside / depth) / pixel;
-                let middle = self.project(center)?;
-                (middle - extent, middle + extent)
-            }
-            Film::Plane { .. } | Film::Parallel { .. } if depth <= -radius => return None,
-            Film::Plane { .. } => (least, most),
-            // The corners of the cube around the ball are at 1.74 times its radius.
-            _ if center.length() > 1.75 * radius || matches!(self.film, Film::Parallel { .. }) => {
-                self.bounds_of_cube(center, radius)?
-            }
-            _ => (least, most),
-        };
-        let (min, max) = (min.max(least), max.min(most));
-        (min.x < max.x && min.y < max.y).then_some((min, max))
-    }
-
-    /// The part of the film that may show a cube.
-    fn bounds_of_cube(&self, center: DVec3, half: f64) -> Option<(DVec2, DVec2)> {
+        let (least, most) = (DVec2::splat(-REACH), 2.0 * self.middle + REACH);
+        // The corners of the cube are at 1.74 times the radius.
+        if center.length() <= 1.75 * radius && !matches!(self.film, Film::Parallel { .. }) {
+            return Some((least, most));
+        }
         let mut found = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for (axis, side) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [(axis, -half), (axis, half)]) {
-            let (u, v) = (half * axis.yzx(), half * axis.zxy());
+        for (axis, side) in
+            [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [(axis, -radius), (axis, radius)])
+        {
+            let (u, v) = (radius * axis.yzx(), radius * axis.zxy());
             let middle = center + side * axis;
             self.polygons(&[middle - u - v, middle + u - v, middle + u + v, middle - u + v], &mut |seen| {
                 found = seen.iter().fold(found, |(min, max), p| (min.min(*p), max.max(*p)));
             });
         }
-        found.0.is_finite().then_some((found.0 - 1.0, found.1 + 1.0))
+        let (min, max) = ((found.0 - 1.0).max(least), (found.1 + 1.0).min(most));
+        (min.x < max.x && min.y < max.y).then_some((min, max))
     }
 
     /// A polygon as polygons on the film, within the image and what filters reach around it.
@@ -236,26 +222,13 @@ impl Eye {
     /// A triangle as triangles whose edges are straight on a film that bends lines. At the end of the film, some are left out.
     fn halve(&self, corners: [DVec3; 3], left: u32, add: &mut dyn FnMut(&[DVec2])) {
         let [a, b, c] = corners;
-        let between = |a: DVec3, b: DVec3| 0.5 * (a + b);
-        let middles = [between(a, b), between(b, c), between(c, a)];
+        let middles = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
         // A panorama sees its left edge at its right one, too: all is where the first corner is.
-        let width = match &self.film {
-            Film::Panorama { step, .. } => 1.0 / step.x,
-            _ => f64::INFINITY,
-        };
         let start = self.project(a);
-        let seen = |p: DVec3| {
-            let (at, start) = (self.project(p)?, start?);
-            let turns = ((at.x - start.x) / width).round();
-            Some(DVec2::new(if turns == 0.0 { at.x } else { at.x - turns * width }, at.y))
-        };
+        let seen = |p: DVec3| Some(start? + self.film.shortest(self.project(p)? - start?));
         let is_straight = |from: DVec3, half: DVec3, to: DVec3| {
-            let (Some(from_at), Some(half), Some(to_at)) = (seen(from), seen(half), seen(to)) else { return false };
-            let edge = to_at - from_at;
-            let bend = edge.perp_dot(half - from_at).abs();
-            let along = edge.dot(half - from_at) / edge.length_squared();
-            let is_even = (0.2..0.8).contains(&along) && bend < STRAIGHT * edge.length();
-            edge.length() < STRAIGHT || (is_even && from.angle_between(to) < 1.0)
+            let (Some(from_at), Some(half_at), Some(to_at)) = (seen(from), seen(half), seen(to)) else { return false };
+            half_at.distance(0.5 * (from_at + to_at)) < STRAIGHT && from.angle_between(to) < 1.0
         };
         if !(0..3).all(|i| is_straight(corners[i], middles[i], corners[(i + 1) % 3])) {
             let [ab, bc, ca] = middles;
@@ -265,8 +238,8 @@ impl Eye {
             return;
         }
         if let [Some(a), Some(b), Some(c)] = corners.map(seen) {
-            for shift in [0.0, -width, width].into_iter().filter(|shift| shift.is_finite()) {
-                add(&self.within(&[a, b, c].map(|p| p + DVec2::new(shift, 0.0))));
+            for turns in if self.film.turn() > 0.0 { -1..=1 } else { 0..=0 } {
+                add(&self.within(&[a, b, c].map(|p| p + DVec2::new(f64::from(turns) * self.film.turn(), 0.0))));
             }
         }
     }

@@ -208,12 +208,15 @@ impl Film {
         }
     }
 
+    /// The width on the film of a whole turn around the vertical axis; 0 where the film has an edge there.
+    pub fn turn(&self) -> f64 {
+        if let Film::Panorama { step, .. } = self { 1.0 / step.x } else { 0.0 }
+    }
+
     /// A way on the film; around the vertical axis of a panorama the shorter one.
     pub fn shortest(&self, way: DVec2) -> DVec2 {
-        match self {
-            Film::Panorama { step, .. } => DVec2::new(way.x - (way.x * step.x).round() / step.x, way.y),
-            _ => way,
-        }
+        let turn = self.turn();
+        if turn > 0.0 { DVec2::new(way.x - turn * (way.x / turn).round(), way.y) } else { way }
     }
 
     /// The share of the image that no direction belongs to, by the middles of pixels: of all, or of some million in large images.

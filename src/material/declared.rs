@@ -39,24 +39,19 @@ declare! {
             /// The reflected share of light.
             albedo: Texture = ALBEDO;
             /// The radiance that it emits beside what it reflects, on both sides.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
+            @default emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
             /// The share of light that it stops; the rest passes straight on, as if the surface were not there.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = SHARE.or("1");
             /// With it, the surface stops all light where its alpha is at least this, and none elsewhere.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            alpha_cutoff: Option<f64> = number(Range::NOT_NEGATIVE, NO_UNIT).or("no cutoff");
+            @default alpha_cutoff: Option<f64> = number(Range::NOT_NEGATIVE, NO_UNIT).or("no cutoff");
             /// Whether the colours of a mesh's vertices multiply its colour. Those of .ply and glTF files (`COLOR_0`) are read.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            vertex_colors: bool = flag().or("false");
+            @default vertex_colors: bool = flag().or("false");
             /// Whether the alpha of a mesh's vertices multiplies its alpha. That of glTF files is read (`COLOR_0`) where the file's own
             /// material has the alphaMode MASK or BLEND.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            vertex_alpha: bool = flag().or("false");
+            @default vertex_alpha: bool = flag().or("false");
             /// Whether the colours of a mesh's vertices multiply its `emission`.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            vertex_emission: bool = flag().or("false");
+            @default vertex_emission: bool = flag().or("false");
             /// A normal map: an image whose red, green and blue are the x, y and z of the normal, each from -1 at 0 to 1 at its largest
             /// code. x is along u, y along v, and z is the normal of the surface. Its codes are linear.
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
@@ -77,17 +72,14 @@ declare! {
             /// Index of refraction, relative to what is outside: 1.5 for glass, 1.33 for water, 0.667 for air in glass.
             ior: f64 = number(Range::POSITIVE, NO_UNIT);
             /// The share of the refracted light that each surface lets pass. Light through a body passes two surfaces.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            transmittance: Option<Texture> = ALBEDO.or("all of it");
+            @default transmittance: Option<Texture> = ALBEDO.or("all of it");
             /// What the inside absorbs per scene unit: exp(-absorption · distance) is left of light that reaches the body's surface from
             /// inside. The surface must be closed. Light that ends on another object inside the body keeps all.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            absorption: Option<Colour> = colour(Range::from_to(0.0, MOST_ABSORPTION)).or("none: it is clear");
+            @default absorption: Option<Colour> = colour(Range::from_to(0.0, MOST_ABSORPTION)).or("none: it is clear");
             /// How much the index of refraction depends on the colour: 20 over the Abbe number, as glTF has it; 0.36 for common glass, 0.8 for
             /// flint. Red, green and blue have an index each, (ior - 1) / 40 of this apart. Light that it bends is followed in one of the
             /// three channels, with three times its weight, which is noisier. The index must be at least 1.
-            #[serde(default, skip_serializing_if = "is_none")]
-            dispersion: f64 = number(Range::from_to(0.0, MOST_DISPERSION), NO_UNIT).or("0");
+            @default dispersion: f64 = number(Range::from_to(0.0, MOST_DISPERSION), NO_UNIT).or("0");
         }
         /// A lamp: it emits the same radiance in all directions, and reflects nothing.
         DiffuseLight: diffuse_light, "DiffuseLight(emit: Rgb(15, 15, 15), two_sided: false)" {
@@ -102,29 +94,23 @@ declare! {
         /// metal. Light that microfacets would reflect more than once is lost, unless `multiscatter` is true.
         Conductor: conductor, "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)" {
             /// The reflected share of light that falls straight on it. At grazing angles it rises to 1 by Schlick's formula.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            albedo: Option<Texture> = ALBEDO.or("none if `eta` and `k` are given");
+            @default albedo: Option<Texture> = ALBEDO.or("none if `eta` and `k` are given");
             /// The index of refraction for red, green and blue, with `k` instead of `albedo`: the reflection is exact.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            eta: Option<Colour> = colour(Range::from_to(1e-3, 1e3)).or("none if `albedo` is given");
+            @default eta: Option<Colour> = colour(Range::from_to(1e-3, 1e3)).or("none if `albedo` is given");
             /// The extinction coefficient for red, green and blue.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            k: Option<Colour> = colour(Range::from_to(0.0, 1e3)).or("none if `albedo` is given");
+            @default k: Option<Colour> = colour(Range::from_to(0.0, 1e3)).or("none if `albedo` is given");
             /// 0 is a perfect mirror. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
             /// counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
             /// Whether it makes up for the light that its microfacets would reflect more than once, by Turquin's factor. Otherwise that
             /// light is lost.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            multiscatter: bool = flag().or("false");
+            @default multiscatter: bool = flag().or("false");
             /// How much rougher microfacets are along a direction than across it: α there is mix(α, 1, anisotropy²). With it, they are
             /// never smooth.
-            #[serde(default, skip_serializing_if = "is_none")]
-            anisotropy: f64 = number(Range::SHARE, NO_UNIT).or("0");
+            @default anisotropy: f64 = number(Range::SHARE, NO_UNIT).or("0");
             /// The angle of that direction with u, towards v. Objects need texture coordinates for it.
-            #[serde(default, skip_serializing_if = "is_none")]
-            anisotropy_rotation: f64 = number(Range::ANY, "degrees").or("0");
+            @default anisotropy_rotation: f64 = number(Range::ANY, "degrees").or("0");
             /// An image whose red and green are the direction in the axes of u and v, each from -1 at 0 to 1 at its largest code, and
             /// whose blue multiplies the strength. Its codes are linear.
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
@@ -142,16 +128,11 @@ declare! {
             /// counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            absorption: Option<Colour> = dielectric::FIELDS.absorption;
-            #[serde(default, skip_serializing_if = "is_none")]
-            dispersion: f64 = dielectric::FIELDS.dispersion;
-            #[serde(default, skip_serializing_if = "is_none")]
-            anisotropy: f64 = conductor::FIELDS.anisotropy;
-            #[serde(default, skip_serializing_if = "is_none")]
-            anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
+            @default transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
+            @default absorption: Option<Colour> = dielectric::FIELDS.absorption;
+            @default dispersion: f64 = dielectric::FIELDS.dispersion;
+            @default anisotropy: f64 = conductor::FIELDS.anisotropy;
+            @default anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             anisotropy_texture: Option<Texture> = conductor::FIELDS.anisotropy_texture;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
@@ -187,12 +168,9 @@ declare! {
             transmission: Texture = SHARE.or("0");
             /// Whether the glass is a body, which bends light. Otherwise it is a thin pane. Unlike a smooth `ThinDielectric`, it scatters the
             /// light that passes straight on, so that lights behind it are not sampled where it is smooth.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            solid: bool = flag().or("false");
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            absorption: Option<Colour> = dielectric::FIELDS.absorption;
-            #[serde(default, skip_serializing_if = "is_none")]
-            dispersion: f64 = dielectric::FIELDS.dispersion;
+            @default solid: bool = flag().or("false");
+            @default absorption: Option<Colour> = dielectric::FIELDS.absorption;
+            @default dispersion: f64 = dielectric::FIELDS.dispersion;
             /// The share of the light which the matt body scatters that leaves it on the far side, as through leaves and paper.
             #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
             diffuse_transmission: Texture = SHARE.or("0");
@@ -237,22 +215,15 @@ declare! {
             /// The perceptual roughness of the sheen. Below 0.07 it counts as 0.07.
             #[serde(default = "zero", with = "number", skip_serializing_if = "is_zero")]
             sheen_roughness: Texture = SHARE.or("0");
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            multiscatter: bool = conductor::FIELDS.multiscatter;
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            emission: Option<Texture> = lambertian::FIELDS.emission;
+            @default multiscatter: bool = conductor::FIELDS.multiscatter;
+            @default emission: Option<Texture> = lambertian::FIELDS.emission;
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            alpha_cutoff: Option<f64> = lambertian::FIELDS.alpha_cutoff;
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            vertex_colors: bool = lambertian::FIELDS.vertex_colors;
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            vertex_alpha: bool = lambertian::FIELDS.vertex_alpha;
-            #[serde(default, skip_serializing_if = "is_none")]
-            anisotropy: f64 = conductor::FIELDS.anisotropy;
-            #[serde(default, skip_serializing_if = "is_none")]
-            anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
+            @default alpha_cutoff: Option<f64> = lambertian::FIELDS.alpha_cutoff;
+            @default vertex_colors: bool = lambertian::FIELDS.vertex_colors;
+            @default vertex_alpha: bool = lambertian::FIELDS.vertex_alpha;
+            @default anisotropy: f64 = conductor::FIELDS.anisotropy;
+            @default anisotropy_rotation: f64 = conductor::FIELDS.anisotropy_rotation;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             anisotropy_texture: Option<Texture> = conductor::FIELDS.anisotropy_texture;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
@@ -270,8 +241,7 @@ declare! {
             /// 0 is clear. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
+            @default transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -328,8 +298,4 @@ defaults! {
 
 fn yes() -> bool {
     true
-}
-
-fn is_none(number: &f64) -> bool {
-    *number == 0.0
 }

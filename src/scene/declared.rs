@@ -53,14 +53,11 @@ declare! {
         #[serde(default = "up")]
         up: DVec3 = vector().or("(0, 1, 0)");
         /// The angle between the upper and the lower edge of the image: short for the projection `Perspective`.
-        #[serde(default, skip_serializing_if = "is_default")]
-        vertical_fov: Option<f64> = number(Range::between(0.0, 180.0), DEGREES).or("that of the projection");
+        @default vertical_fov: Option<f64> = number(Range::between(0.0, 180.0), DEGREES).or("that of the projection");
         /// How directions are laid out on the image.
-        #[serde(default, skip_serializing_if = "is_default")]
-        projection: Option<Projection> = other(PROJECTION).or("`Perspective`, with `vertical_fov`");
+        @default projection: Option<Projection> = other(PROJECTION).or("`Perspective`, with `vertical_fov`");
         /// Whether the image is flipped left to right.
-        #[serde(default, skip_serializing_if = "is_default")]
-        mirror: bool = flag().or("false");
+        @default mirror: bool = flag().or("false");
         /// The diameter of the lens; 0 is a pinhole, which shows everything sharp.
         #[serde(default)]
         aperture: f64 = number(Range::NOT_NEGATIVE, SCENE_UNITS).or("0");
@@ -68,12 +65,10 @@ declare! {
         #[serde(default)]
         focus_distance: Option<f64> = LENGTH.or("the distance to `look_at`");
         /// When the shutter opens and closes. What moves between these times is blurred.
-        #[serde(default, skip_serializing_if = "is_default")]
-        shutter: (f64, f64) = other("two numbers of seconds: (open, close)").or("(0, 0)");
+        @default shutter: (f64, f64) = other("two numbers of seconds: (open, close)").or("(0, 0)");
         /// Where the camera is at which times, in place of `look_from` and `look_at`. Both points move straight from key to key. The times do
         /// not decrease; before the first key and behind the last one the camera rests.
-        #[serde(default, skip_serializing_if = "is_default")]
-        moving: Vec<(f64, CameraKey)> = other("a list of keys: [(seconds, (look_from: .., look_at: ..)), ..]").or("[]");
+        @default moving: Vec<(f64, CameraKey)> = other("a list of keys: [(seconds, (look_from: .., look_at: ..)), ..]").or("[]");
     }
 }
 
@@ -85,10 +80,6 @@ declare! {
         look_from: DVec3 = camera::FIELDS.look_from;
         look_at: DVec3 = camera::FIELDS.look_at;
     }
-}
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 /// What a projection is.

@@ -58,8 +58,7 @@ declare! {
             /// The same from the upper edge.
             cy: f64 = PIXEL;
             /// What the lens does to the flat image.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            distortion: Option<Distortion> = other("Brown(k1: ..) or KannalaBrandt(k1: ..)").or("no distortion");
+            @default distortion: Option<Distortion> = other("Brown(k1: ..) or KannalaBrandt(k1: ..)").or("no distortion");
         }
     }
 }
@@ -71,27 +70,18 @@ declare! {
     pub enum Distortion {
         /// OpenCV's radial and tangential distortion.
         Brown: brown, "Brown(k1: -0.2, k2: 0.05)" {
-            #[serde(default)]
-            k1: f64 = COEFFICIENT;
-            #[serde(default)]
-            k2: f64 = COEFFICIENT;
-            #[serde(default)]
-            p1: f64 = COEFFICIENT;
-            #[serde(default)]
-            p2: f64 = COEFFICIENT;
-            #[serde(default)]
-            k3: f64 = COEFFICIENT;
+            @default k1: f64 = COEFFICIENT;
+            @default k2: f64 = COEFFICIENT;
+            @default p1: f64 = COEFFICIENT;
+            @default p2: f64 = COEFFICIENT;
+            @default k3: f64 = COEFFICIENT;
         }
         /// OpenCV's fisheye lens: t + k1 t³ + k2 t⁵ + k3 t⁷ + k4 t⁹ from the middle at the angle t.
         KannalaBrandt: kannala_brandt, "KannalaBrandt(k1: -0.02)" {
-            #[serde(default)]
-            k1: f64 = COEFFICIENT;
-            #[serde(default)]
-            k2: f64 = COEFFICIENT;
-            #[serde(default)]
-            k3: f64 = COEFFICIENT;
-            #[serde(default)]
-            k4: f64 = COEFFICIENT;
+            @default k1: f64 = COEFFICIENT;
+            @default k2: f64 = COEFFICIENT;
+            @default k3: f64 = COEFFICIENT;
+            @default k4: f64 = COEFFICIENT;
         }
     }
 }

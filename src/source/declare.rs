@@ -11,9 +11,8 @@
 ///         Metal: metal, "Metal(albedo: Rgb(0.8, 0.6, 0.2))" {
 ///             /// What the field means, for docs/scene.md.
 ///             albedo: Texture = texture(Range::SHARE);
-///             /// A field with a default may be left out.
-///             #[serde(default)]
-///             fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
+///             /// A field with a default may be left out. This one has its type's, and is not written then.
+///             @default fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
 ///             // A field of an earlier variant has the same meaning here.
 ///             shine: f64 = plastic::FIELDS.shine;
 ///             // One that files do not have.
@@ -33,6 +32,7 @@ macro_rules! declare {
         $variant:ident: $module:ident, $example:literal $({ $(
             $(#[doc = $meaning:literal])*
             $(#[serde $serde:tt])?
+            $(@$default:ident)?
             $field:ident: $type:ty = $form:expr;
         )* $(.. $(#[$not_read:meta])* $other:ident: $other_type:ty)? })? $(( $(
             $(#[doc = $unnamed_meaning:literal])*
@@ -43,7 +43,12 @@ macro_rules! declare {
         pub enum $enum { $(
             $(#[doc = $about])*
             $variant $({
-                $($(#[doc = $meaning])* $(#[serde $serde])? $field: $type,)*
+                $(
+                    $(#[doc = $meaning])*
+                    $(#[serde $serde])?
+                    $(#[serde($default, skip_serializing_if = "crate::source::declare::is_default")])?
+                    $field: $type,
+                )*
                 $($(#[$not_read])* $other: $other_type)?
             })? $(($($unnamed_type),*))?
         ),* }
@@ -82,6 +87,7 @@ macro_rules! declare {
         $variant:ident: $module:ident, $example:literal { $(
             $(#[doc = $meaning:literal])*
             $(#[serde $serde:tt])?
+            $(@$default:ident)?
             $field:ident: $type:ty = $form:expr;
         )* }
     )* }) => {
@@ -89,7 +95,11 @@ macro_rules! declare {
         pub enum $enum { $($(#[doc = $about])* $variant($variant)),* }
 
         $(#[$written_attribute])*
-        enum $written { $($variant { $($(#[serde $serde])? $field: $type),* }),* }
+        enum $written { $($variant { $(
+            $(#[serde $serde])?
+            $(#[serde($default, skip_serializing_if = "crate::source::declare::is_default")])?
+            $field: $type
+        ),* }),* }
 
         impl From<$written> for $enum {
             fn from(written: $written) -> $enum {
@@ -135,12 +145,18 @@ macro_rules! declare {
     pub struct $struct:ident: $module:ident, $example:literal { $(
         $(#[doc = $meaning:literal])*
         $(#[serde $serde:tt])?
+        $(@$default:ident)?
         $field:ident: $type:ty = $form:expr;
     )* }) => {
         $(#[doc = $about])*
         #[derive $derive]
         #[serde $read]
-        pub struct $struct { $($(#[doc = $meaning])* $(#[serde $serde])? pub $field: $type),* }
+        pub struct $struct { $(
+            $(#[doc = $meaning])*
+            $(#[serde $serde])?
+            $(#[serde($default, skip_serializing_if = "crate::source::declare::is_default")])?
+            pub $field: $type
+        ),* }
 
         impl $struct {
             /// The errors of its numbers; `at` is its path.
@@ -176,3 +192,8 @@ macro_rules! declare {
 }
 
 pub(crate) use declare;
+
+/// Whether a value is its type's default, which is not written.
+pub fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
