@@ -32,14 +32,6 @@ struct Moment {
     objects: Vec<(Placement, Option<Arc<Mesh>>)>,
 }
 
-/// What a sample sees.
-enum Seen {
-    /// The sky in a direction.
-    Sky(DVec3),
-    /// A point of a surface.
-    Point(DVec3),
-}
-
 impl Neighbours {
     /// The neighbours of a scene's frame, whose image has `size` pixels. The motion of a glTF file's frame is in [`Scene::neighbours`]; in other scenes
     /// the shutter moves.
@@ -63,17 +55,13 @@ impl Neighbours {
         let [x, y, z, object, face, time] = seen;
         let [x, y, z, time] = [x, y, z, time].map(|word| f64::from(f32::from_bits(word)));
         let seen_at = DVec3::new(x, y, z);
-        let now = match object {
-            0 => Seen::Sky(self.space.direction(seen_at)),
-            _ => Seen::Point(self.space.point(seen_at)),
-        };
-        let from = self.point(&self.now, &now, time);
+        // The sky is seen in the same direction from everywhere.
+        let is_sky = object == 0;
+        let p = if is_sky { self.space.direction(seen_at) } else { self.space.point(seen_at) };
+        let from = self.point(&self.now, p, is_sky, time);
         let motion = |other: &Moment| {
-            let then = match now {
-                Seen::Sky(direction) => Seen::Sky(direction),
-                Seen::Point(p) => Seen::Point(self.now.follow(other, p, (object, face), time)?),
-            };
-            Some(self.film.shortest(self.point(other, &then, time)? - from?))
+            let then = if is_sky { p } else { self.now.follow(other, p, (object, face), time)? };
+            Some(self.film.shortest(self.point(other, then, is_sky, time)? - from?))
         };
         let bits = |x: f64| if x == 0.0 { (-0.0f32).to_bits() } else { (x as f32).to_bits() };
         let [before, after] =
@@ -81,18 +69,15 @@ impl Neighbours {
         [before[0], before[1], after[0], after[1]]
     }
 
-    /// Where on the film a moment's camera sees something.
-    fn point(&self, moment: &Moment, seen: &Seen, time: f64) -> Option<DVec2> {
+    /// Where on the film a moment's camera sees a point, or a direction of the sky.
+    fn point(&self, moment: &Moment, p: DVec3, is_sky: bool, time: f64) -> Option<DVec2> {
+        if is_sky && matches!(self.film, Film::Parallel { .. }) {
+            return Some(DVec2::ZERO);
+        }
         let (open, close) = moment.camera.shutter;
         let camera = moment.camera.at(open + time * (close - open));
-        let axes = axes_of(&camera);
-        let from_eye = match seen {
-            // Parallel rays see one point of the sky.
-            Seen::Sky(_) if matches!(self.film, Film::Parallel { .. }) => return Some(DVec2::ZERO),
-            Seen::Sky(direction) => *direction,
-            Seen::Point(p) => p - camera.look_from,
-        };
-        let DVec3 { x: right, y: up, z: backward } = DMat3::transpose(&axes) * from_eye;
+        let from_eye = if is_sky { p } else { p - camera.look_from };
+        let DVec3 { x: right, y: up, z: backward } = DMat3::transpose(&axes_of(&camera)) * from_eye;
         self.film.point(DVec3::new(if camera.mirror { -right } else { right }, -up, -backward))
     }
 }

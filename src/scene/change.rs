@@ -140,29 +140,30 @@ impl Scene {
 }
 
 /// The objects of this name, but not those inside of others of it.
-fn named<'a>(objects: &'a mut [Object], name: &str) -> Vec<&'a mut Object> {
-    let inside = |object: &'a mut Object| match object {
-        Object::Named { name: own, object } => match own == name {
-            true => vec![&mut **object],
-            false => named(std::slice::from_mut(object), name),
-        },
-        Object::Transformed { object, .. }
-        | Object::Moving { object, .. }
-        | Object::Medium { boundary: object, .. } => named(std::slice::from_mut(object), name),
-        Object::Group(objects) | Object::Gltf { objects, .. } => named(objects, name),
-        _ => Vec::new(),
+fn named<'a>(objects: impl IntoIterator<Item = &'a mut Object>, name: &str) -> Vec<&'a mut Object> {
+    let inside = |object: &'a mut Object| {
+        let is_it = matches!(object, Object::Named { name: own, .. } if own == name);
+        if is_it { children(object) } else { named(children(object), name) }
     };
-    objects.iter_mut().flat_map(inside).collect()
+    objects.into_iter().flat_map(inside).collect()
 }
 
 /// The lights without size of an object.
 fn lights(object: &mut Object) -> Vec<&mut Object> {
+    match object.delta_light() {
+        Some(_) => vec![object],
+        None => children(object).into_iter().flat_map(lights).collect(),
+    }
+}
+
+/// The objects that an object has.
+fn children(object: &mut Object) -> Vec<&mut Object> {
     match object {
-        Object::Named { object, .. } | Object::Transformed { object, .. } | Object::Moving { object, .. } => {
-            lights(object)
-        }
-        Object::Group(objects) | Object::Gltf { objects, .. } => objects.iter_mut().flat_map(lights).collect(),
-        light if light.delta_light().is_some() => vec![light],
+        Object::Named { object, .. }
+        | Object::Transformed { object, .. }
+        | Object::Moving { object, .. }
+        | Object::Medium { boundary: object, .. } => vec![object],
+        Object::Group(objects) | Object::Gltf { objects, .. } => objects.iter_mut().collect(),
         _ => Vec::new(),
     }
 }

@@ -40,7 +40,7 @@ declare! {
 
 declare! {
     /// A camera with a thin lens.
-    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
     #[serde(deny_unknown_fields)]
     pub struct Camera: camera,
         "(look_from: (13, 2, 3), look_at: (0, 0, 0), vertical_fov: 20, aperture: 0.1, focus_distance: 10)"
@@ -94,20 +94,7 @@ impl Camera {
 
     /// A pinhole that rests.
     pub fn pinhole(look_from: DVec3, look_at: DVec3, up: DVec3, vertical_fov: f64) -> Camera {
-        let (shutter, moving) = ((0.0, 0.0), Vec::new());
-        let vertical_fov = Some(vertical_fov);
-        Camera {
-            look_from,
-            look_at,
-            up,
-            vertical_fov,
-            projection: None,
-            mirror: false,
-            aperture: 0.0,
-            focus_distance: None,
-            shutter,
-            moving,
-        }
+        Camera { look_from, look_at, up, vertical_fov: Some(vertical_fov), ..Camera::default() }
     }
 
     /// The camera whose shutter opens and closes so many seconds later.
