@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::coverage::{Coverage, clip};
 use super::finder::{Finder, Primitive};
@@ -67,7 +67,7 @@ pub fn lamps_in_view(
         size: view.size,
         filter,
         cells: (MOST_CELLS / lamps.len()).max(64),
-        corners: CORNERS[usize::from(lamps.len() > MANY)],
+        is_many: lamps.len() > MANY,
         pixels: HashMap::new(),
     };
     (0..).zip(&lamps).for_each(|(number, lamp)| projection.add(lamp, number));
@@ -125,9 +125,10 @@ struct Eye {
     middle: DVec2,
 }
 
-/// So many times may a triangle be halved along its edges until they are straight on the film, to this, in pixels.
-const MOST_HALVINGS: u32 = 9;
+/// So straight are edges on the film, in pixels, in a single view.
 const STRAIGHT: f64 = 0.02;
+/// So often may a triangle be halved along its edges where this makes none of its points seen.
+const BLIND_HALVINGS: u32 = 4;
 
 impl Eye {
     fn new(scene: &Scene, view: &View<'_>, Moment { time, lens }: Moment) -> Eye {
@@ -175,30 +176,42 @@ impl Eye {
         self.film.point(seen).map(|at| self.middle + at).filter(|at| at.is_finite())
     }
 
-    /// The part of the film that may show a ball, by the cube around it: its lowest and highest coordinates, within the image and what filters reach
-    /// around it.
+    /// The part of the film that may show a ball, by points of its outline: its lowest and highest coordinates, within the image and what filters
+    /// reach around it.
     fn bounds(&self, center: DVec3, radius: f64) -> Option<(DVec2, DVec2)> {
         let (least, most) = (DVec2::splat(-REACH), 2.0 * self.middle + REACH);
-        // The corners of the cube are at 1.74 times the radius.
-        if center.length() <= 1.75 * radius && !matches!(self.film, Film::Parallel { .. }) {
-            return Some((least, most));
+        if matches!(self.film, Film::Plane { .. } | Film::Parallel { .. }) && self.depth(center) <= -radius {
+            return None;
         }
-        let mut found = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for (axis, side) in
-            [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [(axis, -radius), (axis, radius)])
-        {
-            let (u, v) = (radius * axis.yzx(), radius * axis.zxy());
-            let middle = center + side * axis;
-            self.polygons(&[middle - u - v, middle + u - v, middle + u + v, middle - u + v], &mut |seen| {
-                found = seen.iter().fold(found, |(min, max), p| (min.min(*p), max.max(*p)));
-            });
+        let (sine, axis) = (radius / center.length(), center / center.length());
+        let (u, v) = axis.any_orthonormal_pair();
+        let at = |turn: u32| {
+            let (s, c) = (0.25 * PI * f64::from(turn)).sin_cos();
+            self.seen_beside(center, center + radius / (1.0 - sine * sine).sqrt() * (c * u + s * v))
+        };
+        let seen: Option<Vec<DVec2>> = (0..8).map(at).collect();
+        // A panorama shows a pole along a whole edge.
+        let may_have_pole = self.film.turn() > 0.0 && axis.dot(self.up).abs() > 0.9 - sine;
+        let Some(seen) = seen.filter(|_| sine < 1.0 && !may_have_pole) else { return Some((least, most)) };
+        let (low, high) = seen.iter().fold((seen[0], seen[0]), |(low, high), p| (low.min(*p), high.max(*p)));
+        // Between two of the points an ellipse is up to 8 % farther out.
+        let around = 1.0 + 0.1 * (high - low);
+        let (mut min, mut max) = ((low - around).max(least), (high + around).min(most));
+        // What is beyond the seam is seen at the other side.
+        if self.film.turn() > 0.0 && (low.x < 0.0 || high.x > 2.0 * self.middle.x) {
+            (min.x, max.x) = (least.x, most.x);
         }
-        let (min, max) = ((found.0 - 1.0).max(least), (found.1 + 1.0).min(most));
         (min.x < max.x && min.y < max.y).then_some((min, max))
     }
 
-    /// A polygon as polygons on the film, within the image and what filters reach around it.
-    fn polygons(&self, corners: &[DVec3], add: &mut dyn FnMut(&[DVec2])) {
+    /// Where a point is seen. A panorama sees its left edge at its right one, too: it is where the way from another point is short.
+    fn seen_beside(&self, start: DVec3, p: DVec3) -> Option<DVec2> {
+        let start = self.project(start)?;
+        Some(start + self.film.shortest(self.project(p)? - start))
+    }
+
+    /// A polygon as polygons on the film, within the image and what filters reach around it. Their edges are straight to this, in pixels.
+    fn polygons(&self, corners: &[DVec3], straight: f64, add: &mut dyn FnMut(&[DVec2])) {
         match self.film {
             Film::Plane { .. } | Film::Parallel { .. } => {
                 let farthest = corners.iter().map(|p| p.length()).fold(0.0, f64::max);
@@ -207,7 +220,7 @@ impl Eye {
             }
             _ => {
                 let Some((first, others)) = corners.split_first() else { return };
-                others.windows(2).for_each(|pair| self.halve([*first, pair[0], pair[1]], MOST_HALVINGS, add));
+                others.windows(2).for_each(|pair| self.halve([*first, pair[0], pair[1]], 0, straight, add));
             }
         }
     }
@@ -220,28 +233,30 @@ impl Eye {
     }
 
     /// A triangle as triangles whose edges are straight on a film that bends lines. At the end of the film, some are left out.
-    fn halve(&self, corners: [DVec3; 3], left: u32, add: &mut dyn FnMut(&[DVec2])) {
+    fn halve(&self, corners: [DVec3; 3], halvings: u32, straight: f64, add: &mut dyn FnMut(&[DVec2])) {
         let [a, b, c] = corners;
         let middles = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
-        // A panorama sees its left edge at its right one, too: all is where the first corner is.
-        let start = self.project(a);
-        let seen = |p: DVec3| Some(start? + self.film.shortest(self.project(p)? - start?));
-        let is_straight = |from: DVec3, half: DVec3, to: DVec3| {
-            let (Some(from_at), Some(half_at), Some(to_at)) = (seen(from), seen(half), seen(to)) else { return false };
-            half_at.distance(0.5 * (from_at + to_at)) < STRAIGHT && from.angle_between(to) < 1.0
+        let seen = corners.map(|p| self.seen_beside(a, p));
+        let between = middles.map(|p| self.seen_beside(a, p));
+        let is_straight = |i: usize| {
+            let (Some(from), Some(half), Some(to)) = (seen[i], between[i], seen[(i + 1) % 3]) else { return false };
+            half.distance(0.5 * (from + to)) < straight && corners[i].angle_between(corners[(i + 1) % 3]) < 1.0
         };
-        if !(0..3).all(|i| is_straight(corners[i], middles[i], corners[(i + 1) % 3])) {
-            let [ab, bc, ca] = middles;
-            let parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-            // What is left at last is at the end of the film, or around the one point of a fisheye that is a circle there.
-            parts.into_iter().filter(|_| left > 0).for_each(|part| self.halve(part, left - 1, add));
-            return;
-        }
-        if let [Some(a), Some(b), Some(c)] = corners.map(seen) {
+        if let ([Some(a), Some(b), Some(c)], true) = (seen, (0..3).all(is_straight)) {
             for turns in if self.film.turn() > 0.0 { -1..=1 } else { 0..=0 } {
                 add(&self.within(&[a, b, c].map(|p| p + DVec2::new(f64::from(turns) * self.film.turn(), 0.0))));
             }
+            return;
         }
+        // What is left at last is at the end of the film, or around the one point of a fisheye that is a circle there.
+        let is_outside = || corners.into_iter().chain(middles).all(|p| self.project(p).is_none());
+        let most = f64::from(BLIND_HALVINGS) + (1.0 / straight).log2().max(0.0);
+        if f64::from(halvings) > most || (halvings >= BLIND_HALVINGS && is_outside()) {
+            return;
+        }
+        let [ab, bc, ca] = middles;
+        let parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        parts.into_iter().for_each(|part| self.halve(part, halvings + 1, straight, add));
     }
 }
 
@@ -252,8 +267,7 @@ struct Projection {
     filter: Filter,
     /// So many cells may be computed for a lamp.
     cells: usize,
-    /// Corners of the polygon in the place of a circle.
-    corners: u32,
+    is_many: bool,
     /// By the pixel, and by how many it stands for.
     pixels: HashMap<(u32, usize), LampPixel>,
 }
@@ -287,19 +301,23 @@ impl Projection {
         // A mesh of very many faces counts as the box around it.
         let most = MOST_CELLS.min(16 * self.cells);
         let around = shape.mesh().filter(|mesh| views * mesh.mesh.triangles.len() > most).map(|mesh| mesh.around);
+        // Each view is a small part of what is seen.
+        let straight = STRAIGHT * (views as f64).sqrt();
+        let is_plane = matches!(self.eyes[0].film, Film::Plane { .. } | Film::Parallel { .. });
+        let corners = CORNERS[usize::from(self.is_many || (several && !is_plane))];
         let is_closed = around.is_some() || KINDS[shape.number()].encloses();
         for view in 0..views {
             let (eye, to_world) = (eye(view), pose(view));
             let at = eye.sees(&to_world);
-            let mut add = |corners: &[DVec3]| {
-                let is_front = matches!(corners, [a, b, c, ..] if (*b - *a).cross(*c - *a).dot(*a) < 0.0);
+            let mut add = |face: &[DVec3]| {
+                let is_front = matches!(face, [a, b, c, ..] if (*b - *a).cross(*c - *a).dot(*a) < 0.0);
                 if is_front || (lamp.two_sided && !is_closed) {
-                    eye.polygons(corners, &mut |seen| coverage.add(seen, is_front, 1.0 / views as f64));
+                    eye.polygons(face, straight, &mut |seen| coverage.add(seen, is_front, 1.0 / views as f64));
                 }
             };
             match around {
-                Some(around) => Cuboid { min: around.min, max: around.max }.faces(&at, self.corners, &mut add),
-                None => shape.faces(&at, self.corners, &mut add),
+                Some(around) => Cuboid { min: around.min, max: around.max }.faces(&at, corners, &mut add),
+                None => shape.faces(&at, corners, &mut add),
             }
         }
         for (middle, share) in coverage.cells() {

@@ -25,7 +25,19 @@ const PARALLEL: &str = "projection: Orthographic(height: 5)";
 #[test]
 fn light_paths_change_no_expectation_of_any_camera() {
     let off = || Request::default().mis().roulette();
-    for (camera, filter) in [(PARALLEL, Filter::Gauss), ("projection: Equirectangular()", Filter::Mitchell)] {
+    for (camera, filter) in [
+        (PARALLEL, Filter::Gauss),
+        ("projection: Equirectangular()", Filter::Mitchell),
+        ("projection: Fisheye(model: Equidistant, fov: 200)", Filter::Box),
+        ("projection: Fisheye(model: Equisolid, fov: 200)", Filter::Box),
+        ("projection: Fisheye(model: Stereographic, fov: 200)", Filter::Box),
+        ("projection: Fisheye(model: Orthographic, fov: 180), mirror: true", Filter::Box),
+        (
+            "projection: Calibrated(fx: 8, fy: 9, cx: 7, cy: 9, distortion: Brown(k1: -0.2, p1: 0.02)), aperture: 0.2",
+            Filter::Box,
+        ),
+        ("projection: Calibrated(fx: 6, fy: 7, cx: 7, cy: 9, distortion: KannalaBrandt(k1: -0.03))", Filter::Box),
+    ] {
         let room = scene(&lit(camera));
         let by = |request: Request| request.with(|options| options.filter = filter);
         let alone = render(&room, &by(off()).seed(1));
