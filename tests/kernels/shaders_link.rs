@@ -229,7 +229,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    let rows = "roughness metallic multiscatter specular specular_share transmission coat coat_roughness coat_normal \
+    let rows = "roughness metallic multiscatter one_sided specular specular_share transmission coat coat_roughness coat_normal \
                 sheen sheen_roughness anisotropy iridescence iridescence_thickness diffuse_transmission diffuse_transmission_share dispersion";
     let surfaces = varying(surfaces, &rows.split(' ').collect::<Vec<_>>());
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(&BOUNDARIES), true), all(PRIMITIVES), true), true);

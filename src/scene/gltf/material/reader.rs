@@ -108,6 +108,7 @@ impl File {
                     anisotropy_texture: pbr.anisotropy_texture,
                     normal: pbr.normal,
                     normal_scale: pbr.normal_scale,
+                    one_sided: false,
                 })
             }
             // A DiffuseLight has no alpha.
@@ -273,6 +274,7 @@ impl<'a> Reader<'a> {
             vertex_emission: of_vertices.colors && is_unlit,
             normal: pbr.normal,
             normal_scale: pbr.normal_scale,
+            one_sided: false,
         })
     }
 
