@@ -59,8 +59,7 @@ declare! {
             /// What x and y of the normal map are multiplied by.
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = number(Range::from_to(-1e3, 1e3), NO_UNIT).or("1");
-            /// Whether its back is black: it stops light there, but reflects and emits none. The front is where u × v of a quad points, and the
-            /// outside of a sphere, box or mesh. Otherwise both sides are alike.
+            /// Whether its back is black: the side that a one-sided `DiffuseLight` does not light.
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             one_sided: bool = flag().or("false");
         }
@@ -251,6 +250,9 @@ declare! {
             /// 0 is clear. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
+            /// Whether it reflects as both sides of a slab do, with all reflections between them: 2R / (1 + R) instead of R.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            inner_reflections: bool = flag().or("false");
             @default transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;

@@ -233,7 +233,14 @@ impl<'a> Reader<'a> {
         let absorption = self.volume().and_then(absorption);
         let is_smooth = roughness == Texture::grey(0.0) && normal.is_none() && anisotropy == 0.0;
         match glass.is_solid {
-            false => Material::ThinDielectric(ThinDielectric { ior, roughness, transmittance, normal, normal_scale }),
+            false => Material::ThinDielectric(ThinDielectric {
+                ior,
+                roughness,
+                transmittance,
+                normal,
+                normal_scale,
+                inner_reflections: false,
+            }),
             true if is_smooth => Material::Dielectric(Dielectric { ior, transmittance, absorption, dispersion }),
             true => Material::RoughDielectric(RoughDielectric {
                 ior,
