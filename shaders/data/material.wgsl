@@ -133,7 +133,8 @@ fn mixed_response(inner: Response, outer: Response, weight: f32, share: f32) -> 
     return Response(value, pdf, select(0.0, min(narrow / pdf, 1.0), pdf > 0.0));
 }
 
-// Glass: its roughness, its index of refraction, and its contrasts (n - 1)(n + 1) from outside and from inside (lib/fresnel). A pane has no index.
+// Glass: its roughness, its index of refraction, and its contrasts (n - 1)(n + 1) from outside and from inside (lib/fresnel). A pane has no index:
+// 1 in its place gives it inner reflections (material/inner_reflections).
 struct Glass {
     roughness: f32,
     ior: f32,

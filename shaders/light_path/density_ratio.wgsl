@@ -6,6 +6,7 @@
 //@ use choice/delta_lights
 //@ use choice/light_surfaces
 //@ use choice/normal_map
+//@ use choice/one_sided
 //@ use light_path/emission
 //@ use scene/at_run_time
 //@ use scene/interaction
@@ -78,7 +79,7 @@ fn follow_ratio(
         let frame = shading_frame(hit, surface, incoming);
         let reverse = interaction_at(hit, surface, frame, evaluated, incoming);
         let lobe = select(LOBE_WIDE, bsdf.lobe, i == 1u);
-        let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), lobe), reverse.normal, frame.shading).event == SCATTERED;
+        let is_kept = keep_side(scatter_towards(to_camera, vec3<f32>(1.0), lobe), reverse.normal, frame.shading).event == SCATTERED && !is_behind(surface, frame.front);
         let own = ReverseEvent(reverse, is_kept, response_of_material(evaluated.material, reverse, to_camera));
         reversed = ReverseEvents(reversed.of_sample, own);
     }

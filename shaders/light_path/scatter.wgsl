@@ -3,6 +3,7 @@
 //@ use choice/followed_channel
 //@ use choice/light_absorption
 //@ use choice/normal_map
+//@ use choice/one_sided
 //@ use choice/both_sides
 //@ use choice/roulette
 //@ use choice/sampler
@@ -84,7 +85,7 @@ fn orders_of_event(event: LightEvent, u: vec4<f32>) -> Orders {
         if event.is_rough {
             response = response_of_material(material, interaction, outgoing);
         }
-        let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED;
+        let is_kept = keep_side(scatter_towards(outgoing, vec3<f32>(1.0), LOBE_WIDE), interaction.normal, own.shading).event == SCATTERED && !is_behind(surface, own.front);
         let origin = spawn_ray(event.hit, surface, own.facing, own.shading, own.point, outgoing).origin;
         orders = Orders(orders.of_sample, orders.of_lens, Order(interaction, response, is_kept, origin), drawn);
     }
@@ -141,6 +142,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let frame = shading_frame(hit, surface, ray.direction);
     let evaluated = follow_channel(path, evaluate_material(hit, surface, frame.front));
     absorb_ray(path, hit.t);
+    (*path).throughput = absorb_behind((*path).throughput, surface, frame.front);
     let is_first = (*path).depth == FIRST_LIGHT_EVENT;
     let is_rough = is_non_specular(evaluated);
     let to_light = -ray.direction;

@@ -1,18 +1,19 @@
 //@ use choice/facets
 //@ use choice/film
 //@ use choice/fresnel
+//@ use choice/inner_reflections
 // A thin pane of glass with microfacets: light that it refracts leaves it in the direction in which it came. A microfacet is drawn from those that
 // are visible. It reflects with the probability of its reflectance. The light that passes is spread as the reflected light is, on the other side
 // of the pane, so both have the weight of a microfacet's reflection.
 
 // What a facet of the pane reflects.
 fn reflected_by_pane(glass: Glass, hit: Interaction, cos_incident: f32) -> Reflected {
-    return film_on_glass(Reflected(vec3<f32>(1.0), reflectance_of_pane(glass.contrasts.x, cos_incident)), hit, cos_incident);
+    return film_on_glass(Reflected(vec3<f32>(1.0), reflectance_of_pane(glass.contrasts.x, glass.ior, cos_incident)), hit, cos_incident);
 }
 
-// The share of light that a pane or a facet reflects. `contrast` is that of its glass from outside.
-fn reflectance_of_pane(contrast: f32, cos_incident: f32) -> f32 {
-    return fresnel(cos_incident, sqrt(1.0 + contrast), contrast).reflectance;
+// The share of light that a pane or a facet reflects. `contrast` is that of its glass from outside; `inner` is not 0 if it has inner reflections.
+fn reflectance_of_pane(contrast: f32, inner: f32, cos_incident: f32) -> f32 {
+    return with_inner_reflections(fresnel(cos_incident, sqrt(1.0 + contrast), contrast).reflectance, inner);
 }
 
 fn scatter_at_pane(glass: Glass, hit: Interaction, u: vec4<f32>) -> Scatter {

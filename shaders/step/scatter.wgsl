@@ -5,6 +5,7 @@
 //@ use choice/followed_channel
 //@ use choice/normal_map
 //@ use choice/absorption
+//@ use choice/one_sided
 //@ use choice/tint
 //@ use choice/roulette
 //@ use choice/surface_emission
@@ -27,6 +28,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let evaluated = follow_channel(path, evaluate_material(hit, surface, frame.front));
     let interaction = interaction_at(hit, surface, frame, evaluated, ray.direction);
     (*path).throughput = absorb_inside((*path).throughput, surface, frame.front, hit.t);
+    (*path).throughput = absorb_behind((*path).throughput, surface, frame.front);
 
     // The BSDF sample.
     let depth = (*path).depth;

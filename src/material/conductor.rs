@@ -3,7 +3,7 @@
 use super::declared::Conductor;
 use super::declared::conductor::FIELDS;
 use super::model::{MaterialKind, Model, with_numbers};
-use super::row::{MULTISCATTER, NORMAL, ROUGHNESS, Slot, varying};
+use super::row::{MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Slot, varying};
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
 use crate::data::{self, f32s};
@@ -13,7 +13,7 @@ use crate::texture::{Colour, Use};
 pub const KIND: MaterialKind = MaterialKind {
     numbers: &["roughness"],
     second_part: &["is_measured"],
-    rows: &[ROUGHNESS, MULTISCATTER, NORMAL, ANISOTROPY],
+    rows: &[ROUGHNESS, MULTISCATTER, NORMAL, ANISOTROPY, ONE_SIDED],
     ..MaterialKind::new("conductor", ANY_WIDTH)
 };
 
@@ -44,7 +44,8 @@ impl Conductor {
         };
         let model = model
             .flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter)
-            .bumped(&self.normal, self.normal_scale);
+            .bumped(&self.normal, self.normal_scale)
+            .one_sided(self.one_sided);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
 

@@ -59,6 +59,9 @@ declare! {
             /// What x and y of the normal map are multiplied by.
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = number(Range::from_to(-1e3, 1e3), NO_UNIT).or("1");
+            /// Whether its back is black: the side that a one-sided `DiffuseLight` does not light.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            one_sided: bool = flag().or("false");
         }
         /// A mirror, perfect or rough. It has no Fresnel term. Rays that would go below the surface are absorbed.
         Metal: metal, "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)" {
@@ -66,6 +69,8 @@ declare! {
             /// Roughness. A random vector of at most this length is added to the reflected direction, which has the length 1.
             #[serde(default)]
             fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// A clear solid, such as glass or water. It reflects and refracts.
         Dielectric: dielectric, "Dielectric(ior: 1.5)" {
@@ -119,6 +124,8 @@ declare! {
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets of GGX. Light that
         /// microfacets would scatter more than once is lost.
@@ -230,6 +237,8 @@ declare! {
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// A pane that is thin: one surface stands for both of its sides, and what passes is not bent. It reflects as one surface
         /// does, as glTF has it for transmission without a volume. A smooth pane lets light pass straight on, which is no scattering
@@ -241,6 +250,9 @@ declare! {
             /// 0 is clear. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
+            /// Whether it reflects as both sides of a slab do, with all reflections between them: 2R / (1 + R) instead of R.
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            inner_reflections: bool = flag().or("false");
             @default transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;

@@ -2,7 +2,8 @@
 
 use super::declared::{dielectric, is_white, is_zero, lambertian};
 use super::row::{
-    ALPHA, EMISSION, MULTISCATTER, NORMAL, ROUGHNESS, Row, RowKind, Slot, VERTEX_ALPHA, VERTEX_COLOURS, VERTEX_EMISSION,
+    ALPHA, EMISSION, MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Row, RowKind, Slot, VERTEX_ALPHA, VERTEX_COLOURS,
+    VERTEX_EMISSION,
 };
 use super::width::{LEAST_ROUGHNESS, LobeWidth};
 use crate::bitmap::Bitmaps;
@@ -116,6 +117,14 @@ impl Emitted {
 }
 
 impl<'a> Model<'a> {
+    /// Makes its back black, if `is_so`. An emission that it has is that of its front alone.
+    pub fn one_sided(mut self, is_so: bool) -> Model<'a> {
+        if let Some(emission) = self.rows.iter_mut().find(|row| row.kind == EMISSION && is_so) {
+            emission.numbers[0] = 0.0;
+        }
+        self.flagged(&lambertian::FIELDS.one_sided, ONE_SIDED, is_so)
+    }
+
     /// Adds an emission to a material that scatters.
     pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };

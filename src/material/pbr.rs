@@ -1,10 +1,10 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
-use super::declared::Pbr;
 use super::declared::pbr::FIELDS;
+use super::declared::{Pbr, is_zero};
 use super::model::{MaterialKind, Model, with_numbers};
 use super::row::{
-    ALPHA, EMISSION, METALLIC, MULTISCATTER, NORMAL, ROUGHNESS, Slot, VERTEX_ALPHA, VERTEX_COLOURS, varying,
+    ALPHA, EMISSION, METALLIC, MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Slot, VERTEX_ALPHA, VERTEX_COLOURS, varying,
 };
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
@@ -14,7 +14,7 @@ use crate::texture::Use;
 pub const KIND: MaterialKind = MaterialKind {
     // f0 is the reflectance of the layer for light straight on it.
     numbers: &["roughness", "f0", "metallic"],
-    rows: &[EMISSION, ALPHA, VERTEX_COLOURS, VERTEX_ALPHA, ROUGHNESS, METALLIC, MULTISCATTER, NORMAL],
+    rows: &[EMISSION, ALPHA, VERTEX_COLOURS, VERTEX_ALPHA, ROUGHNESS, METALLIC, MULTISCATTER, NORMAL, ONE_SIDED],
     has_lobes: true,
     ..MaterialKind::new("pbr", ANY_WIDTH)
 };
@@ -33,14 +33,18 @@ impl Pbr {
         let model = self.base().emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
         let model = model.flagged(&FIELDS.vertex_colors, VERTEX_COLOURS, self.vertex_colors);
         let model = model.flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter);
-        let model = model.bumped(&self.normal, self.normal_scale);
+        let model = model.bumped(&self.normal, self.normal_scale).one_sided(self.one_sided);
         let lobes = LOBES.iter().filter(|lobe| counts(lobe));
         let model = lobes.fold(model, |model, lobe| model.with_rows((lobe.rows_of)(self)));
         let lacks = (self.absorption.is_some() && !self.has_inside())
             .then_some("no absorption without `solid: true` and a transmission: it is of the inside of a body");
         let disperses_nothing = (self.dispersion != 0.0 && !self.has_inside())
             .then_some("no dispersion without `solid: true` and a transmission: it is of light that a body bends");
-        Model { lacks: lacks.or(disperses_nothing), absorption: self.absorption, ..model }
+        let passes = !is_zero(&self.transmission) || !is_zero(&self.diffuse_transmission);
+        let blocks = (self.one_sided && passes).then_some(
+            "no transmission and no diffuse_transmission with `one_sided: true`, whose back lets nothing pass",
+        );
+        Model { lacks: lacks.or(disperses_nothing).or(blocks), absorption: self.absorption, ..model }
     }
 
     /// The widths of its lobes. Those of a roughness that varies are as narrow as its least number makes them, and wider.

@@ -52,10 +52,25 @@ pub const MULTISCATTER: &RowKind = &RowKind::new("multiscatter", &[], Sets::Noth
 pub const VERTEX_ALPHA: &RowKind = &RowKind::new("vertex_alpha", &[], Sets::Nothing);
 /// The colours of a mesh's vertices multiply its emission. The row is not read.
 pub const VERTEX_EMISSION: &RowKind = &RowKind::new("vertex_emission", &[], Sets::Nothing);
+/// Its back is black: it scatters and emits nothing there. The row is not read.
+pub const ONE_SIDED: &RowKind = &RowKind::new("one_sided", &[], Sets::Nothing);
+/// A pane reflects as both sides of a slab do. The row is not read.
+pub const INNER_REFLECTIONS: &RowKind = &RowKind::new("inner_reflections", &[], Sets::Nothing);
 
 /// The kinds of row that are of no lobe.
-pub const ROWS: &[&RowKind] =
-    &[EMISSION, ALPHA, ROUGHNESS, METALLIC, NORMAL, VERTEX_COLOURS, MULTISCATTER, VERTEX_ALPHA, VERTEX_EMISSION];
+pub const ROWS: &[&RowKind] = &[
+    EMISSION,
+    ALPHA,
+    ROUGHNESS,
+    METALLIC,
+    NORMAL,
+    VERTEX_COLOURS,
+    MULTISCATTER,
+    VERTEX_ALPHA,
+    VERTEX_EMISSION,
+    ONE_SIDED,
+    INNER_REFLECTIONS,
+];
 
 /// A texture of a material, with the field that holds it.
 #[derive(Clone, Copy, Debug)]

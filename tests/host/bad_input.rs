@@ -410,7 +410,7 @@ fn every_feature_of_the_format_parses() {
     let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     let in_order = "ground|steel|mirror|glass|air \"in\" glass|lamp é|one \"side\"|cloud|marble";
     assert_eq!(names.join("|"), in_order);
-    let mirror = Material::Metal(Metal { albedo: Texture::Rgb(0.0, 1.0, 1.0), fuzz: 0.0 });
+    let mirror = Material::Metal(Metal { albedo: Texture::Rgb(0.0, 1.0, 1.0), fuzz: 0.0, one_sided: false });
     assert_eq!(scene.materials[2].1, mirror);
     assert!(matches!(scene.materials[5].1, Material::DiffuseLight(DiffuseLight { two_sided: true, .. })));
     assert!(matches!(scene.materials[6].1, Material::DiffuseLight(DiffuseLight { two_sided: false, .. })));

@@ -121,6 +121,19 @@ fn scenes() -> Vec<(&'static str, String)> {
             ),
         ),
         (
+            "black backs beside glass",
+            lit(
+                "",
+                ", \"black\": Lambertian(albedo: Rgb(0.8, 0.7, 0.6), one_sided: true),
+                 \"front\": Conductor(albedo: Rgb(0.9, 0.8, 0.6), roughness: 0.6, one_sided: true)",
+                &format!(
+                    "{ball} {LAMP}, Quad(corner: (-2, 0.2, 1.2), u: (1.2, 0, 0), v: (0, 1, -0.4), material: \"black\"),
+                     Quad(corner: (0.6, 0.2, 1.2), u: (0, 1, -0.4), v: (1.2, 0, 0), material: \"front\"),
+                     Sphere(center: (1.7, 0.5, 0.4), radius: 0.4, material: \"front\")"
+                ),
+            ),
+        ),
+        (
             "a bulb in a closed room",
             lit(
                 "",

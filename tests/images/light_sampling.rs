@@ -244,6 +244,24 @@ pub const EMISSIVE: Room = Room {
     )],
 };
 
+/// Surfaces whose back is black, some of them seen from there.
+pub const ONE_SIDED: Room = Room {
+    walls: ["front", "metal", ""],
+    lamp: 0.5,
+    brighter: 1.02,
+    materials: r#"
+        "front": Lambertian(albedo: Rgb(0.7, 0.6, 0.5), one_sided: true),
+        "metal": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.6, one_sided: true),
+        "glow": Pbr(base_color: Rgb(0.9, 0.8, 0.7), metallic: 0, roughness: 0.5, emission: Rgb(3, 2, 1), one_sided: true),"#,
+    objects: r#"
+        Quad(corner: (-0.9, 0.3, 0.3), u: (0.8, 0, 0), v: (0, 0.9, 0.2), material: "glow"),
+        Quad(corner: (0.1, 0.2, 0.2), u: (0, 0.8, 0.2), v: (0.8, 0, 0), material: "glow"),
+        Mesh(path: "octahedron.obj", material: "metal"),"#,
+    max_depth: 6,
+    // Light of their backs.
+    faults: &[("scene", "emission: Rgb(3, 2, 1), one_sided: true", "emission: Rgb(3, 2, 1)")],
+};
+
 impl Room<'_> {
     pub fn scene(&self) -> Scene {
         let folder = normal_maps::folder();
@@ -289,6 +307,7 @@ macro_rules! rooms {
 }
 
 rooms! {
+    behind_black_backs ONE_SIDED
     beside_lobes LOBES
     beside_metals_that_lose_nothing MULTISCATTER
     beside_layers LAYERS

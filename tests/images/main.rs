@@ -29,6 +29,7 @@ mod multiscatter;
 mod narrow_lobes;
 mod normal_maps;
 mod numbers;
+mod one_sided;
 mod panes;
 mod parted_lights;
 mod projections;

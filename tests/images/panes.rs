@@ -327,3 +327,44 @@ fn any_number_of_panes_lets_light_pass() {
         assert!((found[c] / expected - 1.0).abs() < 1e-4, "{found:?}, expected {expected} of {c}");
     }
 }
+
+/// What reaches the floor through a slab: 1 - 2R / (1 + R). A pane without inner reflections beside it
+/// keeps its own, and a kernel without them is found.
+#[test]
+fn inner_reflections_are_those_of_a_slab() {
+    let light = "DirectionalLight(direction: (0, -1, 0), irradiance: (3, 3, 3))";
+    let without = Overlay::new(&[("material/inner_reflections", "inner > 0.0", "inner < 0.0")]);
+    for degrees in [0.0, 30.0, 60.0, 85.0f64] {
+        let r = reflectance(degrees.to_radians().cos());
+        let slab = 1.0 - 2.0 * r / (1.0 + r);
+        for (count, expected) in [(1, slab), (2, slab * (1.0 - r))] {
+            let text = floor(light, &turned(count, degrees), "Solid((0, 0, 0))")
+                .replace("transmittance: Rgb(0.5, 0.9, 1)", "inner_reflections: true");
+            // As of panes without them; the share of r and its derivative are at most twice as large.
+            let close = 1e-5 + count as f64 * 8.0 * f64::from(f32::EPSILON) / degrees.to_radians().cos();
+            let off = |value: f64| (value / (3.0 / PI * expected) - 1.0).abs();
+            let scene = scene(&text);
+            for scatter in [Scatter::Fused, Scatter::Queues] {
+                let request = Request::spp(16).mis().scatter(scatter);
+                let found = off(render(&scene, &request).mean_of_all().value[1]);
+                assert!(found < close, "{count} panes at {degrees} degrees, {scatter:?}: off by {found}");
+                let planted = off(render_planted(&scene, &request, &without).mean_of_all().value[1]);
+                assert!(
+                    planted > 10.0 * close,
+                    "{count} panes at {degrees} degrees: the fault is not found, {planted}"
+                );
+            }
+        }
+    }
+    // Straight on a white sky, all light comes back or passes: a furnace.
+    for roughness in [0.0, 0.1] {
+        let furnace = format!(
+            "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 5),
+            background: Solid((1, 1, 1)), materials: {{\"slab\": ThinDielectric(roughness: {roughness}, inner_reflections: true)}},
+            objects: [Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"slab\")])"
+        );
+        let found = render(&scene(&furnace), &Request::spp(64).mis()).mean_of_all().value[1];
+        // Single scattering at alpha 0.01 loses less than 1e-3 straight on.
+        assert!((found - 1.0).abs() < 1e-3, "{roughness}: {found}");
+    }
+}

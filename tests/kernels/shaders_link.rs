@@ -229,7 +229,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    let rows = "roughness metallic multiscatter specular specular_share transmission coat coat_roughness coat_normal \
+    let rows = "roughness metallic multiscatter one_sided inner_reflections specular specular_share transmission coat coat_roughness coat_normal \
                 sheen sheen_roughness anisotropy iridescence iridescence_thickness diffuse_transmission diffuse_transmission_share dispersion";
     let surfaces = varying(surfaces, &rows.split(' ').collect::<Vec<_>>());
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(&BOUNDARIES), true), all(PRIMITIVES), true), true);
@@ -725,7 +725,7 @@ geometry: bind/meshes data geometry lib
 tangent: bind/meshes data geometry lib
 light: data geometry lib light
 medium: bind data geometry lib medium motion scene/face_pairs
-material: choice/multiscatter data geometry lib lobe material
+material: choice/inner_reflections choice/multiscatter data geometry lib lobe material
 lobe: bind data lib lobe material
 bind: bind data geometry/triangle scene/at_run_time
 texture: choice/number_texels data lib scene/texel

@@ -187,6 +187,7 @@ impl Given {
                 vertex_emission: false,
                 normal,
                 normal_scale: 1.0,
+                one_sided: false,
             })
         } else {
             let default = default_material(true, false);

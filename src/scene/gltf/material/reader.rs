@@ -108,6 +108,7 @@ impl File {
                     anisotropy_texture: pbr.anisotropy_texture,
                     normal: pbr.normal,
                     normal_scale: pbr.normal_scale,
+                    one_sided: false,
                 })
             }
             // A DiffuseLight has no alpha.
@@ -232,7 +233,14 @@ impl<'a> Reader<'a> {
         let absorption = self.volume().and_then(absorption);
         let is_smooth = roughness == Texture::grey(0.0) && normal.is_none() && anisotropy == 0.0;
         match glass.is_solid {
-            false => Material::ThinDielectric(ThinDielectric { ior, roughness, transmittance, normal, normal_scale }),
+            false => Material::ThinDielectric(ThinDielectric {
+                ior,
+                roughness,
+                transmittance,
+                normal,
+                normal_scale,
+                inner_reflections: false,
+            }),
             true if is_smooth => Material::Dielectric(Dielectric { ior, transmittance, absorption, dispersion }),
             true => Material::RoughDielectric(RoughDielectric {
                 ior,
@@ -273,6 +281,7 @@ impl<'a> Reader<'a> {
             vertex_emission: of_vertices.colors && is_unlit,
             normal: pbr.normal,
             normal_scale: pbr.normal_scale,
+            one_sided: false,
         })
     }
 
