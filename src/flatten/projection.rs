@@ -201,7 +201,9 @@ impl Film {
                 let angle = across.length().atan2(forward);
                 (angle <= *most).then(|| across.normalize_or_zero() * lens.distance(angle) / *step + *middle)
             }
-            Film::Brown { lens, middle, step } if forward > 0.0 => Some(lens.shown(across / forward)? / *step + *middle),
+            Film::Brown { lens, middle, step } if forward > 0.0 => {
+                Some(lens.shown(across / forward)? / *step + *middle)
+            }
             Film::Brown { .. } => None,
         }
     }

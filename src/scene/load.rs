@@ -1,6 +1,6 @@
 //! Reads a scene file: text, then values, then checks, then images and meshes.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -14,6 +14,7 @@ use super::file::{OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
+use super::mitsuba::{self, is_mitsuba};
 use super::model::Scene;
 use super::recover::{Parts, parts_of};
 use super::sky::SKY;
@@ -26,7 +27,7 @@ use crate::shape::Aabb;
 use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
-const LONGEST_FILE: u64 = 1 << 28;
+pub const LONGEST_FILE: u64 = 1 << 28;
 
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
@@ -48,6 +49,9 @@ impl Scene {
         if is_gltf(path) || mesh_files::is_mesh(path) {
             return of_model(path, path, options, progress, assets);
         }
+        if is_mitsuba(path) {
+            return of_mitsuba(path, path, options, progress, assets);
+        }
         if let Some(what) = other_kind(path) {
             return Err(of_file(path, what));
         }
@@ -58,8 +62,12 @@ impl Scene {
 
     /// The scene of a glTF file or a mesh file, as the scene file `to` would have it. `assets` then has the files that it was read from.
     pub fn of_model(path: &Path, to: &Path, options: &GltfOptions, assets: &mut Assets) -> Result<Scene> {
+        if is_mitsuba(path) {
+            assets.begin(path);
+            return of_mitsuba(path, to, options, &mut |_, _, _| {}, assets);
+        }
         if !is_gltf(path) && !mesh_files::is_mesh(path) {
-            let expected = "expected a file that ends in .glb, .gltf, .obj, .ply or .stl";
+            let expected = "expected a file that ends in .glb, .gltf, .xml, .obj, .ply or .stl";
             return Err(Error::Usage(format!("{}: {expected}", path.display())));
         }
         assets.begin(path);
@@ -209,6 +217,7 @@ fn of_model(
     progress: &mut OnProgress,
     assets: &mut Assets,
 ) -> Result<Scene> {
+    options.refuse_mitsuba(path)?;
     let source = Source::without_text(path);
     let broken = |gltf::GltfError { at, reason }: gltf::GltfError| Error::Scene {
         location: source.location(0),
@@ -284,6 +293,24 @@ fn of_model(
     Ok(scene)
 }
 
+/// The scene of a file of Mitsuba, as the scene file `to` would have it.
+fn of_mitsuba(
+    path: &Path,
+    to: &Path,
+    options: &GltfOptions,
+    progress: &mut OnProgress,
+    assets: &mut Assets,
+) -> Result<Scene> {
+    GltfOptions { defines: Vec::new(), lossless: false, ..options.clone() }.refuse(path, false)?;
+    let mitsuba::Contents { parts, meshes, notes, files, places, findings } =
+        mitsuba::contents(path, to, options, progress, assets)?;
+    let made = meshes.keys().cloned().collect();
+    let scene = Scene::of_parts(parts, Source::with_places(to, places));
+    let mut scene = Scene { meshes, made, notes, libraries: files, ..scene };
+    finish(&mut scene, findings, progress, assets)?;
+    Ok(scene.in_frame(options.frame))
+}
+
 /// Checks a scene, and reads its images and meshes.
 fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, assets: &mut Assets) -> Result<()> {
     validate::validate(scene, &mut findings);
@@ -318,6 +345,7 @@ impl Scene {
             neighbours: None,
             notes: Vec::new(),
             libraries: Vec::new(),
+            made: HashSet::new(),
             source,
         }
     }
