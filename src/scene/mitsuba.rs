@@ -72,7 +72,7 @@ struct Reader<'a> {
     files: Vec<PathBuf>,
     places: HashMap<String, Location>,
     findings: Findings,
-    /// How many references are being followed.
+    /// How many BSDFs are being read, each inside the one before.
     depth: usize,
     assets: &'a mut Assets,
 }
@@ -156,10 +156,10 @@ pub fn contents(
     while let Some(node) = all.pop() {
         if node.tag == "alias" {
             aliases.push(node);
-        } else if let Some(id) = node.attribute("id").filter(|_| node.tag != "ref") {
-            if reader.ids.insert(id, node).is_some() {
-                reader.findings.refuse(node.error_at("id", "another element has this id"));
-            }
+        } else if let Some(id) = node.attribute("id").filter(|_| node.tag != "ref")
+            && reader.ids.insert(id, node).is_some()
+        {
+            reader.findings.refuse(node.error_at("id", "another element has this id"));
         }
         all.extend(&node.children);
     }

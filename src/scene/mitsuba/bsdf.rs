@@ -1,7 +1,7 @@
 //! BSDFs and textures as materials.
 
 use super::Reader;
-use super::document::Node;
+use super::document::{DEEPEST, Node};
 use super::values::{Properties, colour, unknown};
 use crate::error::Result;
 use crate::printable::quote;
@@ -40,6 +40,16 @@ const INDICES: [(&str, f64); 24] = [
 
 /// A BSDF: nothing if it is `null`.
 pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
+    if reader.depth > DEEPEST {
+        return Err(node.error("expected a bsdf that is not inside itself"));
+    }
+    reader.depth += 1;
+    let found = of_kind(node, two_sided, reader);
+    reader.depth -= 1;
+    found
+}
+
+fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
     let own = Properties::of(node);
     let kind = own.kind()?;
     let found = match kind {

@@ -13,7 +13,7 @@ use crate::scene::file;
 use crate::scene::load::LONGEST_FILE;
 
 /// How deep elements may be nested, included files with them.
-const DEEPEST: usize = 100;
+pub const DEEPEST: usize = 100;
 
 /// Where an element or an attribute begins.
 #[derive(Clone, Debug)]

@@ -36,7 +36,7 @@ fn one(step: &Node) -> Result<DAffine3> {
             let forward = forward.ok_or_else(|| step.error("expected a target that is not the origin"))?;
             let left = up.cross(forward).try_normalize();
             let left = left.ok_or_else(|| step.error("expected an up that is not parallel to the view"))?;
-            Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward).into(), translation: origin })
+            Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: origin })
         }
         "matrix" => match numbers(step, "value")?[..] {
             [a, b, c, d, e, f, g, h, i] => Ok(rows([a, b, c, d, e, f, g, h, i], DVec3::ZERO)),
