@@ -30,7 +30,9 @@ fn folder() -> PathBuf {
 impl Reference {
     fn load(name: &str) -> Reference {
         let file = |extension: &str| folder().join(name).with_extension(extension);
-        let scene = Scene::load(&file("ron")).unwrap_or_else(|error| panic!("{error}"));
+        let of_mitsuba = file("xml");
+        let path = if of_mitsuba.exists() { of_mitsuba } else { file("ron") };
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let exr = read_exr(&file("exr")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((exr.width, exr.height), (scene.image.width, scene.image.height));
         let json = fs::read_to_string(file("json")).expect("the reference says how it was made");

@@ -74,10 +74,12 @@ pub fn shape<'a>(
     let material = surface.material.clone();
     let object = match kind {
         "sphere" => {
+            let radius = own.number_or("radius", 1.0)?;
+            if radius <= 0.0 {
+                return Err(node.error(format!("expected a radius above 0, found {radius}")));
+            }
             let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
-            let by = to_world
-                * DAffine3::from_translation(center)
-                * DAffine3::from_scale(DVec3::splat(own.number_or("radius", 1.0)?));
+            let by = to_world * DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
             // A mirror image of a sphere is a sphere whose inside is out.
             let ours = if by.matrix3.determinant() < 0.0 { by * DAffine3::from_scale(DVec3::NEG_ONE) } else { by };
             let is_flipped = flips != (by.matrix3.determinant() < 0.0);
@@ -127,6 +129,9 @@ pub fn shape<'a>(
         "cylinder" => {
             let (p0, p1) = (own.vector("p0")?.unwrap_or(DVec3::ZERO), own.vector("p1")?.unwrap_or(DVec3::Z));
             let radius = own.number_or("radius", 1.0)?;
+            if radius <= 0.0 {
+                return Err(node.error(format!("expected a radius above 0, found {radius}")));
+            }
             let along = p1 - p0;
             let Some(axis) = along.try_normalize() else { return Err(node.error("expected p0 and p1 to differ")) };
             let turn = DQuat::from_rotation_arc(DVec3::Z, axis);
