@@ -141,7 +141,16 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, reader: &mut Reader<'a>) 
     let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
     let outside = own.number_or("ext_eta", 1.0)?;
     let (albedo, eta, k) = match (name, has("eta") || has("k")) {
-        (None | Some("none"), false) => (Some(tint), None, None),
+        (None | Some("none"), false) if !is_rough => {
+            own.number("ext_eta")?;
+            return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0 }));
+        }
+        (None | Some("none"), false) => {
+            if tint != Texture::grey(1.0) {
+                reader.lose(node, "its reflectance rises to 1 at grazing angles here");
+            }
+            (Some(tint), None, None)
+        }
         (Some(name), _) if name != "none" => {
             let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
             return Err(own.find("material").unwrap_or(node).error_at("value", message));

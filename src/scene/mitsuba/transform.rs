@@ -25,9 +25,13 @@ fn one(step: &Node) -> Result<DAffine3> {
         "translate" => Ok(DAffine3::from_translation(vector(step, 0.0)?)),
         "scale" => Ok(DAffine3::from_scale(vector(step, 1.0)?)),
         "rotate" => {
-            let axis =
-                vector(step, 0.0)?.try_normalize().ok_or_else(|| step.error("expected an axis of a length above 0"))?;
-            Ok(DAffine3::from_axis_angle(axis, number(step, "angle")?.to_radians()))
+            let axis = vector(step, 0.0)?;
+            let Some(unit) = axis.try_normalize().filter(|_| (axis.length() - 1.0).abs() < 1e-4) else {
+                return Err(
+                    step.error("expected an axis of the length 1: about others Mitsuba does not turn but shear")
+                );
+            };
+            Ok(DAffine3::from_axis_angle(unit, number(step, "angle")?.to_radians()))
         }
         "lookat" => {
             let origin = point(step, "origin")?;
