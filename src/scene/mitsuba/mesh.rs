@@ -46,13 +46,14 @@ impl Builder {
         }
     }
 
-    /// The square from -1 to 1 in the plane of x and y.
-    fn square(&mut self, place: &dyn Fn(DVec3) -> DVec3) {
+    /// The square from -1 to 1 in the plane of x and y, with u along x, or along y.
+    fn square(&mut self, u_is_y: bool, place: &dyn Fn(DVec3) -> DVec3) {
         let normal = place(DVec3::Z) - place(DVec3::ZERO);
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let corner =
-            |(x, y): (f64, f64)| self.vertex(place(DVec3::new(x, y, 0.0)), normal, 0.5 + 0.5 * x, 0.5 + 0.5 * y);
-        let corners = corners.map(corner);
+        let corners = corners.map(|(x, y): (f64, f64)| {
+            let (u, v) = if u_is_y { (y, x) } else { (x, y) };
+            self.vertex(place(DVec3::new(x, y, 0.0)), normal, 0.5 + 0.5 * u, 0.5 + 0.5 * v)
+        });
         self.quad(corners);
     }
 
@@ -78,22 +79,22 @@ impl Builder {
 
 pub fn rectangle() -> Mesh {
     let mut all = Builder::new();
-    all.square(&|p| p);
+    all.square(false, &|p| p);
     all.0
 }
 
-/// The cube from -1 to 1. Each face shows a whole image.
+/// The cube from -1 to 1. Each face shows a whole image, with the axes that Mitsuba gives it.
 pub fn cube() -> Mesh {
     let mut all = Builder::new();
     for (x, y, z) in [
         (DVec3::X, DVec3::Z, DVec3::NEG_Y),
-        (DVec3::X, DVec3::NEG_Z, DVec3::Y),
-        (DVec3::Y, DVec3::Z, DVec3::X),
-        (DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X),
+        (DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
+        (DVec3::NEG_Z, DVec3::Y, DVec3::X),
+        (DVec3::Z, DVec3::Y, DVec3::NEG_X),
         (DVec3::X, DVec3::Y, DVec3::Z),
-        (DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z),
+        (DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
     ] {
-        all.square(&|p| z + p.x * x + p.y * y + p.z * z);
+        all.square(true, &|p| z + p.x * x + p.y * y + p.z * z);
     }
     all.0
 }

@@ -239,13 +239,14 @@ fn file_mesh(
     let mut mesh = (*read).clone();
     if faceted {
         mesh.normals = Vec::new();
-    } else if mesh.normals.is_empty() {
-        mesh::smooth(&mut mesh);
     }
     if turns_uvs {
         mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
     }
     mesh::transformed(&mut mesh, to_world);
+    if !faceted && mesh.normals.is_empty() {
+        mesh::smooth(&mut mesh);
+    }
     if flips {
         mesh::flip(&mut mesh);
     }

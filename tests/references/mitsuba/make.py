@@ -1,6 +1,7 @@
 """Makes the images of the scenes here by Mitsuba: `pip install mitsuba==3.9.1 OpenEXR numpy`, then `python make.py [NAME..]`.
 
-sky.exr and squares.exr, which scenes name, are made first if they are not there.
+sky.exr and squares.exr, which scenes name, are made first if they are not there. The sky is the same in all rows: Mitsuba's rows reach from pole
+to pole, ours have their middles half a row off.
 """
 
 import json
@@ -24,8 +25,8 @@ def write(name, image):
 
 
 def inputs():
-    y, x = np.mgrid[0:16, 0:32] / 16
-    sky = np.stack([0.4 + 0.3 * np.sin(np.pi * x), 0.5 + 0.3 * np.cos(np.pi * x), 0.3 + 0.5 * (1 - y)], axis=2)
+    _, x = np.mgrid[0:16, 0:32] / 16
+    sky = np.stack([0.4 + 0.3 * np.sin(np.pi * x), 0.5 + 0.3 * np.cos(np.pi * x), 0.5 + 0 * x], axis=2)
     y, x = np.mgrid[0:8, 0:8]
     squares = np.stack([0.2 + 0.07 * x, 0.2 + 0.07 * y, 0.1 + 0.6 * ((x // 2 + y // 2) % 2)], axis=2)
     for name, image in [("sky", sky), ("squares", squares)]:
