@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::animation_frame::AnimationFrame;
 use super::assets::Assets;
 use super::explain::hash_at_start;
-use super::file::{OnProgress, Reading};
+use super::file::{LONGEST_SCENE, OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
@@ -25,9 +25,6 @@ use crate::error::{Error, Result};
 use crate::printable::one_line;
 use crate::shape::Aabb;
 use crate::source::{MOST_VALUES, Source};
-
-/// The longest scene file, in bytes. A scene of two million spheres is half as long.
-pub const LONGEST_FILE: u64 = 1 << 28;
 
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
@@ -117,7 +114,7 @@ fn other_kind(path: &Path) -> Option<String> {
 /// The text of a scene file, whose name is `path`.
 fn text_of(reader: impl Read, path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
-    reader.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
+    reader.take(LONGEST_SCENE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
     if bytes.starts_with(b"glTF") {
         let message = "expected the text of a scene, found a glTF file: its name ends in .glb";
         return Err(Source::new(String::new(), path).error(&[], message));
@@ -137,8 +134,8 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
-    if text.len() as u64 > LONGEST_FILE {
-        let message = format!("the scene file is longer than {LONGEST_FILE} bytes");
+    if text.len() as u64 > LONGEST_SCENE {
+        let message = format!("the scene file is longer than {LONGEST_SCENE} bytes");
         return Err(Source::new(String::new(), path).error(&[], message));
     }
     let source = Source::new(text, path);

@@ -7,6 +7,8 @@ mod bsdf;
 mod document;
 mod emitter;
 mod mesh;
+mod properties;
+mod reader;
 mod sensor;
 mod serialized;
 mod shape;
@@ -27,11 +29,11 @@ use super::gltf_options::GltfOptions;
 use super::gltf_path::has_ending;
 use super::recover::Parts;
 use super::types::*;
-use super::write::relative;
 use crate::error::{Error, Location, Result};
 use crate::shape::mesh::Mesh;
-use document::{Loader, Node, resolve};
+use document::{Loader, Node};
 use emitter::Emitter;
+use reader::Reader;
 pub use write_ply::write_ply;
 
 /// Whether the ending of a path says Mitsuba.
@@ -50,72 +52,6 @@ pub struct Contents {
     /// Where values of the scene stand, by their paths such as `objects[3]`.
     pub places: HashMap<String, Location>,
     pub findings: Findings,
-}
-
-struct Reader<'a> {
-    ids: HashMap<&'a str, &'a Node>,
-    folders: Vec<PathBuf>,
-    /// The scene file that is written, to whose folder paths are relative.
-    to: PathBuf,
-    /// Whether the scene is read from where it stays.
-    is_in_place: bool,
-    lossless: bool,
-    materials: Vec<(String, Material)>,
-    /// The names of the materials of BSDFs, by the element and the emission.
-    known: HashMap<(*const Node, String), Option<String>>,
-    names: HashSet<String>,
-    meshes: BTreeMap<String, Arc<Mesh>>,
-    /// The meshes of files as they are.
-    of_files: HashMap<PathBuf, Arc<Mesh>>,
-    told: HashSet<*const Node>,
-    notes: Vec<String>,
-    files: Vec<PathBuf>,
-    places: HashMap<String, Location>,
-    findings: Findings,
-    /// How many BSDFs are being read, each inside the one before.
-    depth: usize,
-    assets: &'a mut Assets,
-}
-
-impl<'a> Reader<'a> {
-    /// Tells what is not as the file says; with `--lossless` it is an error.
-    fn lose(&mut self, node: &Node, message: &str) {
-        if !self.told.insert(std::ptr::from_ref(node)) {
-            return;
-        }
-        match self.lossless {
-            true => self.findings.refuse(node.error(format!("{message} (--lossless)"))),
-            false => self.notes.push(node.error(message).to_string()),
-        }
-    }
-
-    /// The element, or the one that it refers to.
-    fn follow(&self, node: &'a Node, tag: &str) -> Result<&'a Node> {
-        let found = match node.tag == "ref" {
-            false => node,
-            true => {
-                let id = node.required("id")?;
-                let missing =
-                    || node.error_at("id", format!("there is no element of the id {}", crate::printable::quote(id)));
-                self.ids.get(id).copied().ok_or_else(missing)?
-            }
-        };
-        match found.tag == tag {
-            true => Ok(found),
-            false => Err(node.error(format!("expected a {tag}, found {}", found.title()))),
-        }
-    }
-
-    /// The path of a file as the scene names it.
-    fn path(&self, name: &str, node: &Node) -> String {
-        self.named(&resolve(name, &node.at, &self.folders))
-    }
-
-    fn named(&self, file: &Path) -> String {
-        let folder = self.to.parent().unwrap_or(Path::new(""));
-        let beside = file.strip_prefix(folder).ok().filter(|_| self.is_in_place);
-        beside.map_or_else(|| relative(folder, file), Path::to_owned).to_string_lossy().into_owned()
-    }
 }
 
 /// Reads a scene, as the scene file `to` would have it.

@@ -167,7 +167,7 @@ fn errors_have_places() {
         ),
         (
             "<bsdf type=\"conductor\" id=\"x\"><string name=\"material\" value=\"Au\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
-            "a.xml:5:54: string material.value: the metal \"Au\" is not known here",
+            "a.xml:5:55: string material.value: the metal \"Au\" is not known here",
         ),
         (
             "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"400:1, 700:1\"/></emitter>",

@@ -1,8 +1,9 @@
 //! BSDFs and textures as materials.
 
-use super::Reader;
 use super::document::{DEEPEST, Node};
-use super::values::{Properties, colour, unknown};
+use super::properties::{Properties, unknown};
+use super::reader::Reader;
+use super::values::colour;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::types::*;

@@ -9,8 +9,7 @@ use roxmltree::{Document, ParsingOptions};
 use crate::error::{Error, Location, Result};
 use crate::printable::quote;
 use crate::scene::assets::Assets;
-use crate::scene::file;
-use crate::scene::load::LONGEST_FILE;
+use crate::scene::file::{self, LONGEST_SCENE};
 
 /// How deep elements may be nested, included files with them.
 pub const DEEPEST: usize = 100;
@@ -104,7 +103,7 @@ impl<'a> Loader<'a> {
             Error::Scene { location, field: "scene".to_owned(), message }
         };
         self.assets.stamp_files(path);
-        let bytes = file::read(path, "scene file", LONGEST_FILE).map_err(whole)?;
+        let bytes = file::read(path, "scene file", LONGEST_SCENE).map_err(whole)?;
         let text = String::from_utf8(bytes).map_err(|_| whole("expected UTF-8 text".to_owned()))?;
         let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|error| {

@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::Reader;
 use super::document::Node;
-use super::values::{Properties, unknown};
+use super::properties::{Properties, unknown};
+use super::reader::Reader;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::types::{Background, Colour, Object, Texture};

@@ -6,9 +6,10 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 
 use super::document::{Node, resolve};
 use super::emitter::{Medium, medium};
+use super::properties::{Properties, unknown};
+use super::reader::Reader;
 use super::transform::moved;
-use super::values::{Properties, unknown};
-use super::{Reader, bsdf, mesh, serialized};
+use super::{bsdf, mesh, serialized};
 use crate::error::Result;
 use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
