@@ -171,7 +171,7 @@ fn errors_have_places() {
         ),
         (
             "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"400:1, 700:1\"/></emitter>",
-            "a.xml:5:51: spectrum radiance.value: spectra by wavelengths are not read",
+            "a.xml:5:52: spectrum radiance.value: spectra by wavelengths are not read",
         ),
         (
             "<emitter type=\"point\"><rgb name=\"intensity\" value=\"-1\"/></emitter>",
