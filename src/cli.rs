@@ -20,7 +20,7 @@ pub const OIDN: &str = "The folder of the library of Open Image Denoise [default
 /// The scene, from a file or standard input.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
-    /// The scene: a .ron, .glb, .gltf, .obj, .ply or .stl file.
+    /// The scene: a .ron, .glb, .gltf, .obj, .ply or .stl file, or a .xml of Mitsuba.
     ///
     /// - is a .ron on standard input.
     #[arg(id = "scene", value_name = "SCENE")]
@@ -58,6 +58,17 @@ pub struct GltfArgs {
     /// Frames per second, for --frame, --frames and --aov motion [default: 24].
     #[arg(long, value_name = "N", value_parser = frames_per_second, help_heading = GLTF)]
     pub fps: Option<f64>,
+    /// For a .xml of Mitsuba: the value of $NAME in it, in place of its `default`.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = MITSUBA)]
+    pub define: Vec<(String, String)>,
+    /// For a .xml of Mitsuba: what cannot be as the file says is an error, not a warning.
+    #[arg(long, help_heading = MITSUBA)]
+    pub lossless: bool,
+}
+
+fn define(text: &str) -> Result<(String, String), String> {
+    let pair = text.split_once('=').filter(|(name, _)| !name.is_empty());
+    pair.map(|(name, value)| (name.to_owned(), value.to_owned())).ok_or_else(|| "expected NAME=VALUE".to_owned())
 }
 
 /// A number in a range; `expected` says what that is.
@@ -88,6 +99,9 @@ fn sun(text: &str) -> Result<(f64, f64), String> {
     let fits = |(elevation, azimuth): &(f64, f64)| elevation.abs() <= 90.0 && azimuth.abs() <= 360.0;
     angles.filter(fits).ok_or_else(|| "expected an elevation of at most 90 and an azimuth, such as 45,60".to_owned())
 }
+
+/// The heading of the options of files of Mitsuba in helps.
+pub const MITSUBA: &str = "Scenes that are Mitsuba's";
 
 /// The heading of the options of glTF files in helps.
 pub const GLTF: &str = "Scenes that are glTF";

@@ -5,6 +5,7 @@ pub mod form;
 mod numbers;
 mod spans;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location};
@@ -24,6 +25,8 @@ pub struct Source {
     pub spans: Spans,
     /// Whether the file is a text, so that values have lines and columns.
     is_text: bool,
+    /// Where values stand that were read from another text, by their paths such as `objects[3]`.
+    places: HashMap<String, Location>,
 }
 
 impl Source {
@@ -35,12 +38,18 @@ impl Source {
             spans: Spans::scan(&text),
             text,
             is_text: true,
+            places: HashMap::new(),
         }
     }
 
     /// A file whose values have no locations in a text.
     pub fn without_text(path: &Path) -> Source {
         Source { is_text: false, ..Source::new(String::new(), path) }
+    }
+
+    /// A file whose values stand in these places.
+    pub fn with_places(path: &Path, places: HashMap<String, Location>) -> Source {
+        Source { places, ..Source::without_text(path) }
     }
 
     pub fn text(&self) -> &str {
@@ -74,6 +83,10 @@ impl Source {
 
     /// The location of the value at the end of the path. If the text lacks it, that of the innermost value on the path.
     pub fn location_of(&self, steps: &[Step<'_>]) -> Location {
+        if !self.places.is_empty() {
+            let known = |length: usize| self.places.get(&field(steps.get(..length)?)).cloned();
+            return (0..=steps.len()).rev().find_map(known).unwrap_or_else(|| self.location(0));
+        }
         let id = self.spans.find(&self.text, steps);
         self.location(id.map_or(0, |id| self.spans.value(id).start as usize))
     }

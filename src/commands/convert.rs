@@ -1,4 +1,4 @@
-//! `gpu-rt convert`: a glTF scene in the form of a scene file.
+//! `gpu-rt convert`: a scene of glTF or of Mitsuba in the form of a scene file.
 
 use std::path::PathBuf;
 
@@ -11,11 +11,11 @@ use crate::cli::GltfArgs;
 use crate::error::{Error, Result};
 use crate::output::destination::{Destination, same_file};
 use crate::output::{atomic, writable};
-use crate::scene::Assets;
+use crate::scene::{Assets, write_ply};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// The .glb or .gltf file. Its meshes and images stay in it.
+    /// The .glb or .gltf file, whose meshes and images stay in it, or the .xml of Mitsuba.
     pub scene: PathBuf,
     #[command(flatten)]
     pub gltf: GltfArgs,
@@ -58,5 +58,12 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     // Also the files that the scene names: their names may end in .ron.
     check_inputs(assets.files.keys().collect())?;
     scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    for (path, mesh) in scene.made_meshes() {
+        let path = to.with_file_name(path);
+        if path.exists() && !args.force {
+            return Err(refused(format!("{} is there already: --force overwrites it", path.display())));
+        }
+        atomic::replace_if(&path, |file| write_ply(mesh, file), || Ok(()))?;
+    }
     atomic::replace_if(to, |file| std::io::Write::write_all(file, scene.text().as_bytes()), may)
 }

@@ -79,7 +79,8 @@ fn options(args: &GltfArgs, path: &Path) -> Result<GltfOptions> {
     let image = |path: &PathBuf| std::path::absolute(path).unwrap_or(path.clone()).to_string_lossy().into_owned();
     let sky = args.sky.as_ref().map(|path| Sky::of_word(path).unwrap_or_else(|| Sky::Image(image(path))));
     let camera = args.camera.clone();
-    Ok(GltfOptions { camera, sky, sun: args.sun, watts: args.watts, thin: args.thin, frame })
+    let (defines, lossless) = (args.define.clone(), args.lossless);
+    Ok(GltfOptions { camera, sky, sun: args.sun, watts: args.watts, thin: args.thin, frame, defines, lossless })
 }
 
 /// The scene's name, which names of outputs begin with: that of its file without the ending, or `stdin`.

@@ -266,6 +266,8 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
     words.extend((args.gltf.thin == Thin::Pane).then(|| "--thin=pane".to_string()));
     words.extend(args.gltf.frame.map(|frame| format!("--frame={frame}")));
     words.extend(args.gltf.fps.map(|fps| format!("--fps={fps}")));
+    words.extend(args.gltf.define.iter().map(|(name, value)| format!("-D{name}={value}")));
+    words.extend(args.gltf.lossless.then(|| "--lossless".to_string()));
     words.extend(args.options.words());
     words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
     Ok(words)

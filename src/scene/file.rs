@@ -11,6 +11,9 @@ pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
 /// fits a device. A mesh of 50 million triangles needs no more as a binary PLY. Sparse files can claim any length.
 pub const LONGEST: u64 = 1 << 30;
 
+/// The longest scene file, in bytes. A scene of two million spheres is half as long.
+pub const LONGEST_SCENE: u64 = 1 << 28;
+
 /// What is read of the files that a scene names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {

@@ -40,11 +40,27 @@ pub struct GltfOptions {
     pub thin: Thin,
     /// The frame of its animations; its rest pose if it is not given.
     pub frame: Option<AnimationFrame>,
+    /// Of a scene of Mitsuba: the values of names.
+    pub defines: Vec<(String, String)>,
+    /// Of a scene of Mitsuba: whether what is not as the file says is an error.
+    pub lossless: bool,
 }
 
 impl GltfOptions {
+    /// Refuses what only scenes of Mitsuba have.
+    pub fn refuse_mitsuba(&self, path: &Path) -> Result<()> {
+        let given = [("-D", !self.defines.is_empty()), ("--lossless", self.lossless)];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => {
+                Err(Error::Usage(format!("{option} is for scenes of Mitsuba, which are .xml: {}", path.display())))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Refuses what a scene of our own form says itself, or what a mesh file does not have.
     pub fn refuse(&self, path: &Path, is_mesh: bool) -> Result<()> {
+        self.refuse_mitsuba(path)?;
         let given = [
             ("--camera", self.camera.is_some(), "has its own camera", "has no camera"),
             ("--sky", self.sky.is_some() && !is_mesh, "has its own background", ""),

@@ -1,6 +1,6 @@
 //! Reads a scene file: text, then values, then checks, then images and meshes.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -10,10 +10,11 @@ use glam::DVec3;
 use super::animation_frame::AnimationFrame;
 use super::assets::Assets;
 use super::explain::hash_at_start;
-use super::file::{OnProgress, Reading};
+use super::file::{LONGEST_SCENE, OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
+use super::mitsuba::{self, is_mitsuba};
 use super::model::Scene;
 use super::recover::{Parts, parts_of};
 use super::sky::SKY;
@@ -24,9 +25,6 @@ use crate::error::{Error, Result};
 use crate::printable::one_line;
 use crate::shape::Aabb;
 use crate::source::{MOST_VALUES, Source};
-
-/// The longest scene file, in bytes. A scene of two million spheres is half as long.
-const LONGEST_FILE: u64 = 1 << 28;
 
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
@@ -48,6 +46,9 @@ impl Scene {
         if is_gltf(path) || mesh_files::is_mesh(path) {
             return of_model(path, path, options, progress, assets);
         }
+        if is_mitsuba(path) {
+            return of_mitsuba(path, path, options, progress, assets);
+        }
         if let Some(what) = other_kind(path) {
             return Err(of_file(path, what));
         }
@@ -58,8 +59,12 @@ impl Scene {
 
     /// The scene of a glTF file or a mesh file, as the scene file `to` would have it. `assets` then has the files that it was read from.
     pub fn of_model(path: &Path, to: &Path, options: &GltfOptions, assets: &mut Assets) -> Result<Scene> {
+        if is_mitsuba(path) {
+            assets.begin(path);
+            return of_mitsuba(path, to, options, &mut |_, _, _| {}, assets);
+        }
         if !is_gltf(path) && !mesh_files::is_mesh(path) {
-            let expected = "expected a file that ends in .glb, .gltf, .obj, .ply or .stl";
+            let expected = "expected a file that ends in .glb, .gltf, .xml, .obj, .ply or .stl";
             return Err(Error::Usage(format!("{}: {expected}", path.display())));
         }
         assets.begin(path);
@@ -109,7 +114,7 @@ fn other_kind(path: &Path) -> Option<String> {
 /// The text of a scene file, whose name is `path`.
 fn text_of(reader: impl Read, path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
-    reader.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
+    reader.take(LONGEST_SCENE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
     if bytes.starts_with(b"glTF") {
         let message = "expected the text of a scene, found a glTF file: its name ends in .glb";
         return Err(Source::new(String::new(), path).error(&[], message));
@@ -129,8 +134,8 @@ fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut 
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
-    if text.len() as u64 > LONGEST_FILE {
-        let message = format!("the scene file is longer than {LONGEST_FILE} bytes");
+    if text.len() as u64 > LONGEST_SCENE {
+        let message = format!("the scene file is longer than {LONGEST_SCENE} bytes");
         return Err(Source::new(String::new(), path).error(&[], message));
     }
     let source = Source::new(text, path);
@@ -209,6 +214,7 @@ fn of_model(
     progress: &mut OnProgress,
     assets: &mut Assets,
 ) -> Result<Scene> {
+    options.refuse_mitsuba(path)?;
     let source = Source::without_text(path);
     let broken = |gltf::GltfError { at, reason }: gltf::GltfError| Error::Scene {
         location: source.location(0),
@@ -284,6 +290,24 @@ fn of_model(
     Ok(scene)
 }
 
+/// The scene of a file of Mitsuba, as the scene file `to` would have it.
+fn of_mitsuba(
+    path: &Path,
+    to: &Path,
+    options: &GltfOptions,
+    progress: &mut OnProgress,
+    assets: &mut Assets,
+) -> Result<Scene> {
+    GltfOptions { defines: Vec::new(), lossless: false, ..options.clone() }.refuse(path, false)?;
+    let mitsuba::Contents { parts, meshes, notes, files, places, findings } =
+        mitsuba::contents(path, to, options, progress, assets)?;
+    let made = meshes.keys().cloned().collect();
+    let scene = Scene::of_parts(parts, Source::with_places(to, places));
+    let mut scene = Scene { meshes, made, notes, libraries: files, ..scene };
+    finish(&mut scene, findings, progress, assets)?;
+    Ok(scene.in_frame(options.frame))
+}
+
 /// Checks a scene, and reads its images and meshes.
 fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, assets: &mut Assets) -> Result<()> {
     validate::validate(scene, &mut findings);
@@ -318,6 +342,7 @@ impl Scene {
             neighbours: None,
             notes: Vec::new(),
             libraries: Vec::new(),
+            made: HashSet::new(),
             source,
         }
     }

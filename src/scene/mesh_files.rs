@@ -39,8 +39,9 @@ pub fn load_all(
     progress: &mut OnProgress,
     assets: &mut Assets,
 ) -> BTreeMap<String, Arc<Mesh>> {
-    let mut meshes = BTreeMap::new();
-    let mut found = HashSet::new();
+    // Those that no file has are there.
+    let mut meshes = scene.meshes.clone();
+    let mut found: HashSet<String> = meshes.keys().cloned().collect();
     let mut room = MOST_BYTES;
     scene.visit_objects(&mut |at, object| {
         let Object::Mesh { path, .. } = object else { return };
@@ -126,7 +127,8 @@ fn load(path: &Path, room: usize, progress: &mut OnProgress, assets: &mut Assets
     Ok(Some((Arc::new(draft.finish()?), left)))
 }
 
-fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result::Result<Loaded, String> {
+/// The mesh of a file that is no glTF file.
+pub fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result::Result<Loaded, String> {
     let (parse, format) = parser(path)?;
     let bytes = file::read(path, "mesh", file::LONGEST)?;
     if bytes.is_empty() {

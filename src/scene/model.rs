@@ -1,6 +1,6 @@
 //! A scene, with the location of every value in its file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -33,6 +33,8 @@ pub struct Scene {
     pub(super) notes: Vec<String>,
     /// The files of materials of an OBJ file.
     pub(super) libraries: Vec<PathBuf>,
+    /// The paths of the meshes that no file has.
+    pub(super) made: HashSet<String>,
     pub(super) source: Source,
 }
 
@@ -41,6 +43,11 @@ impl Scene {
     pub fn in_frame(self, frame: Option<AnimationFrame>) -> Scene {
         let camera = self.camera.later(frame.map_or(0.0, |frame| frame.seconds()));
         Scene { camera, frame, ..self }
+    }
+
+    /// The meshes that no file has, with the paths of the files that the scene names in their place.
+    pub fn made_meshes(&self) -> impl Iterator<Item = (&str, &Mesh)> {
+        self.made.iter().filter_map(|path| Some((path.as_str(), &**self.meshes.get(path)?)))
     }
 
     /// The location in the scene file of the value at the end of `steps`.

@@ -17,6 +17,7 @@ mod gltf_packed;
 mod image_files;
 mod mesh_files;
 mod mesh_scenes;
+mod mitsuba;
 mod named_files;
 mod page;
 mod plan;

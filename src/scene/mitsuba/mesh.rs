@@ -1,0 +1,173 @@
+//! Meshes that no file has as the scene needs them: shapes of Mitsuba as triangles, and meshes that are changed.
+
+use std::f64::consts::TAU;
+
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+
+use crate::shape::mesh::Mesh;
+
+/// The edges around a sphere, a disk or a cylinder, and half of them from pole to pole.
+pub const AROUND: u32 = 128;
+
+/// A mesh of vertices with normals and texture coordinates, v downwards as Mitsuba has it.
+struct Builder(Mesh);
+
+impl Builder {
+    fn new() -> Builder {
+        Builder(Mesh {
+            positions: Vec::new(),
+            triangles: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            further_uvs: Vec::new(),
+            tangents: Vec::new(),
+            colours: Vec::new(),
+            alphas: Vec::new(),
+            faces: Vec::new(),
+            warnings: Vec::new(),
+        })
+    }
+
+    fn vertex(&mut self, position: DVec3, normal: DVec3, u: f64, v: f64) -> u32 {
+        self.0.positions.push(position);
+        self.0.normals.push(normal.as_vec3());
+        self.0.uvs.push(Vec2::new(u as f32, 1.0 - v as f32));
+        self.0.positions.len() as u32 - 1
+    }
+
+    fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
+        for triangle in [[a, b, c], [a, c, d]] {
+            let spans = |i: u32, j: u32| self.0.positions.get(i as usize) != self.0.positions.get(j as usize);
+            let [i, j, k] = triangle;
+            if spans(i, j) && spans(j, k) && spans(k, i) {
+                self.0.faces.push(self.0.triangles.len() as u32);
+                self.0.triangles.push(triangle);
+            }
+        }
+    }
+
+    /// The square from -1 to 1 in the plane of x and y, with u along x, or along y.
+    fn square(&mut self, u_is_y: bool, place: &dyn Fn(DVec3) -> DVec3) {
+        let normal = place(DVec3::Z) - place(DVec3::ZERO);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let corners = corners.map(|(x, y): (f64, f64)| {
+            let (u, v) = if u_is_y { (y, x) } else { (x, y) };
+            self.vertex(place(DVec3::new(x, y, 0.0)), normal, 0.5 + 0.5 * u, 0.5 + 0.5 * v)
+        });
+        self.quad(corners);
+    }
+
+    /// A grid of `AROUND` columns around the z axis: `at` gives position and normal for the share of a turn and the row.
+    fn turned(&mut self, rows: u32, at: &dyn Fn(f64, f64) -> (DVec3, DVec3)) {
+        for row in 0..=rows {
+            for column in 0..=AROUND {
+                let (u, v) = (f64::from(column) / f64::from(AROUND), f64::from(row) / f64::from(rows));
+                // The last column is where the first is, to the last bit.
+                let (position, normal) = at(u % 1.0, v);
+                self.vertex(position, normal, u, v);
+            }
+        }
+        let number = |row: u32, column: u32| row * (AROUND + 1) + column;
+        for row in 0..rows {
+            for column in 0..AROUND {
+                let low = [number(row + 1, column), number(row + 1, column + 1)];
+                self.quad([number(row, column), low[0], low[1], number(row, column + 1)]);
+            }
+        }
+    }
+}
+
+pub fn rectangle() -> Mesh {
+    let mut all = Builder::new();
+    all.square(false, &|p| p);
+    all.0
+}
+
+/// The cube from -1 to 1. Each face shows a whole image, with the axes that Mitsuba gives it.
+pub fn cube() -> Mesh {
+    let mut all = Builder::new();
+    for (x, y, z) in [
+        (DVec3::X, DVec3::Z, DVec3::NEG_Y),
+        (DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
+        (DVec3::NEG_Z, DVec3::Y, DVec3::X),
+        (DVec3::Z, DVec3::Y, DVec3::NEG_X),
+        (DVec3::X, DVec3::Y, DVec3::Z),
+        (DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
+    ] {
+        all.square(true, &|p| z + p.x * x + p.y * y + p.z * z);
+    }
+    all.0
+}
+
+fn around(share: f64) -> DVec3 {
+    let (sin, cos) = (TAU * share).sin_cos();
+    DVec3::new(cos, sin, 0.0)
+}
+
+pub fn sphere() -> Mesh {
+    let mut all = Builder::new();
+    all.turned(AROUND / 2, &|u, v| {
+        let (sin, cos) = match v {
+            0.0 => (0.0, 1.0),
+            1.0 => (0.0, -1.0),
+            _ => (0.5 * TAU * v).sin_cos(),
+        };
+        let p = sin * around(u) + cos * DVec3::Z;
+        (p, p)
+    });
+    all.0
+}
+
+pub fn disk() -> Mesh {
+    let mut all = Builder::new();
+    all.turned(1, &|u, v| (v * around(u), DVec3::Z));
+    all.0
+}
+
+/// The side of a cylinder of radius 1 from z = 0 to 1.
+pub fn cylinder() -> Mesh {
+    let mut all = Builder::new();
+    all.turned(1, &|u, v| (around(u) + (1.0 - v) * DVec3::Z, around(u)));
+    all.0
+}
+
+/// A mesh with its transform in its vertices. Normals decide what is outside; without them the order of corners does.
+pub fn transformed(mesh: &mut Mesh, by: &DAffine3) {
+    for position in &mut mesh.positions {
+        *position = by.transform_point3(*position);
+    }
+    if mesh.normals.is_empty() {
+        return;
+    }
+    let of_normals = by.matrix3.inverse().transpose();
+    for normal in &mut mesh.normals {
+        *normal = (of_normals * normal.as_dvec3()).normalize_or(DVec3::Z).as_vec3();
+    }
+    if by.matrix3.determinant() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+}
+
+/// Turns the inside out.
+pub fn flip(mesh: &mut Mesh) {
+    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+}
+
+/// Gives a mesh without normals those of its faces, each by its angle at the vertex.
+pub fn smooth(mesh: &mut Mesh) {
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    let at = |corner: u32| mesh.positions.get(corner as usize).copied().unwrap_or_default();
+    for triangle in &mesh.triangles {
+        let corners = triangle.map(at);
+        for (number, own) in triangle.iter().enumerate() {
+            let [p, q, r] = [corners[number], corners[(number + 1) % 3], corners[(number + 2) % 3]];
+            let (a, b) = (q - p, r - p);
+            let weight = a.angle_between(b);
+            if let (Some(sum), true) = (sums.get_mut(*own as usize), weight.is_finite()) {
+                *sum += weight * a.cross(b).normalize_or_zero();
+            }
+        }
+    }
+    mesh.normals = sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z).as_vec3()).collect::<Vec<Vec3>>();
+}

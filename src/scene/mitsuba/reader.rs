@@ -1,0 +1,80 @@
+//! What the elements of a scene have become so far, and what was said about them.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::document::{Node, resolve};
+use crate::error::{Location, Result};
+use crate::scene::assets::Assets;
+use crate::scene::findings::Findings;
+use crate::scene::types::Material;
+use crate::scene::write::relative;
+use crate::shape::mesh::Mesh;
+
+/// What has been made of the elements so far.
+pub struct Reader<'a> {
+    pub ids: HashMap<&'a str, &'a Node>,
+    pub folders: Vec<PathBuf>,
+    /// The scene file that is written, to whose folder paths are relative.
+    pub to: PathBuf,
+    /// Whether the scene is read from where it stays.
+    pub is_in_place: bool,
+    pub lossless: bool,
+    pub materials: Vec<(String, Material)>,
+    /// The names of the materials of BSDFs, by the element and the emission.
+    pub known: HashMap<(*const Node, String), Option<String>>,
+    pub names: HashSet<String>,
+    pub meshes: BTreeMap<String, Arc<Mesh>>,
+    /// The meshes of files as they are.
+    pub of_files: HashMap<PathBuf, Arc<Mesh>>,
+    pub told: HashSet<*const Node>,
+    pub notes: Vec<String>,
+    pub files: Vec<PathBuf>,
+    pub places: HashMap<String, Location>,
+    pub findings: Findings,
+    /// How many BSDFs are being read, each inside the one before.
+    pub depth: usize,
+    pub assets: &'a mut Assets,
+}
+
+impl<'a> Reader<'a> {
+    /// Tells what is not as the file says; with `--lossless` it is an error.
+    pub fn lose(&mut self, node: &Node, message: &str) {
+        if !self.told.insert(std::ptr::from_ref(node)) {
+            return;
+        }
+        match self.lossless {
+            true => self.findings.refuse(node.error(format!("{message} (--lossless)"))),
+            false => self.notes.push(node.error(message).to_string()),
+        }
+    }
+
+    /// The element, or the one that it refers to.
+    pub fn follow(&self, node: &'a Node, tag: &str) -> Result<&'a Node> {
+        let found = match node.tag == "ref" {
+            false => node,
+            true => {
+                let id = node.required("id")?;
+                let missing =
+                    || node.error_at("id", format!("there is no element of the id {}", crate::printable::quote(id)));
+                self.ids.get(id).copied().ok_or_else(missing)?
+            }
+        };
+        match found.tag == tag {
+            true => Ok(found),
+            false => Err(node.error(format!("expected a {tag}, found {}", found.title()))),
+        }
+    }
+
+    /// The path of a file as the scene names it.
+    pub fn path(&self, name: &str, node: &Node) -> String {
+        self.named(&resolve(name, &node.at, &self.folders))
+    }
+
+    pub fn named(&self, file: &Path) -> String {
+        let folder = self.to.parent().unwrap_or(Path::new(""));
+        let beside = file.strip_prefix(folder).ok().filter(|_| self.is_in_place);
+        beside.map_or_else(|| relative(folder, file), Path::to_owned).to_string_lossy().into_owned()
+    }
+}

@@ -1,0 +1,350 @@
+//! Shapes: as our own where they are the same, as meshes elsewhere.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
+
+use super::document::{Node, resolve};
+use super::emitter::{Medium, medium};
+use super::properties::{Properties, unknown};
+use super::reader::Reader;
+use super::transform::moved;
+use super::{bsdf, mesh, serialized};
+use crate::error::Result;
+use crate::scene::draft::MOST_BYTES;
+use crate::scene::file::{self, OnProgress};
+use crate::scene::mesh_files::load_file;
+use crate::scene::types::*;
+use crate::shape::mesh::Mesh;
+
+const KNOWN: &str = "obj, ply, serialized, sphere, rectangle, cube, disk, cylinder, shapegroup, instance";
+
+/// Their spheres have poles on z, ours on y: this takes ours to theirs.
+const POLES: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y);
+
+/// What is inside a shape and on it.
+struct Surface {
+    material: Option<String>,
+    is_textured: bool,
+    inside: Option<Medium>,
+}
+
+/// The objects of a shape. `world` is applied after its own transform.
+pub fn shape<'a>(
+    node: &'a Node,
+    world: &DAffine3,
+    progress: &mut OnProgress,
+    reader: &mut Reader<'a>,
+) -> Result<Vec<Object>> {
+    let own = Properties::of(node);
+    let kind = own.kind()?;
+    let id = node.attribute("id");
+    let named = |object: Object| match id {
+        Some(id) => Object::Named { name: id.to_owned(), object: Box::new(object) },
+        None => object,
+    };
+    if kind == "shapegroup" {
+        return Ok(Vec::new());
+    }
+    let to_world = *world * own.transform("to_world")?;
+    if to_world.matrix3.determinant() == 0.0 || !to_world.is_finite() {
+        return Err(node.error("expected a to_world that leaves the shape a size"));
+    }
+    if kind == "instance" {
+        let group = own.take(|child| child.tag == "ref" || child.tag == "shape");
+        let [group] = group[..] else { return Err(node.error("expected one shapegroup in it")) };
+        let group = reader.follow(group, "shape")?;
+        if group.attribute("type") != Some("shapegroup") {
+            return Err(node.error(format!("expected a shapegroup, found {}", group.title())));
+        }
+        own.end(reader);
+        let is_even = moved(&to_world, Object::Group(Vec::new())).is_some();
+        let inner = if is_even { DAffine3::IDENTITY } else { to_world };
+        let mut objects = Vec::new();
+        for child in group.children.iter().filter(|child| child.tag == "shape") {
+            if ["instance", "shapegroup"].contains(&child.required("type")?) {
+                return Err(child.error("expected no instance inside a shapegroup"));
+            }
+            objects.extend(shape(child, &inner, progress, reader)?);
+        }
+        let group = Object::Group(objects);
+        return Ok(vec![named(if is_even { moved(&to_world, group.clone()).unwrap_or(group) } else { group })]);
+    }
+    let surface = surface(&own, reader)?;
+    let flips = own.flag_or("flip_normals", false)?;
+    let material = surface.material.clone();
+    let object = match kind {
+        "sphere" => {
+            let radius = own.number_or("radius", 1.0)?;
+            if radius <= 0.0 {
+                return Err(node.error(format!("expected a radius above 0, found {radius}")));
+            }
+            let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
+            let by = to_world * DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
+            // A mirror image of a sphere is a sphere whose inside is out.
+            let ours = if by.matrix3.determinant() < 0.0 { by * DAffine3::from_scale(DVec3::NEG_ONE) } else { by };
+            let is_flipped = flips != (by.matrix3.determinant() < 0.0);
+            match moved(&ours, Object::Group(Vec::new())) {
+                Some(_) if !is_flipped && !surface.is_textured => {
+                    let radius = by.matrix3.determinant().abs().cbrt();
+                    Object::Sphere { center: by.translation, radius, material }
+                }
+                Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 => {
+                    let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
+                    moved(&(by * DAffine3::from_mat3(POLES)), sphere)
+                        .ok_or_else(|| node.error("expected a sphere of a size"))?
+                }
+                _ => made(node, mesh::sphere(), &by, is_flipped, &surface, reader),
+            }
+        }
+        "rectangle" => {
+            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
+            match surface.is_textured || flips || x.cross(y).dot(z) < 0.0 {
+                true => made(node, mesh::rectangle(), &to_world, flips, &surface, reader),
+                false => Object::Quad { corner: to_world.translation - x - y, u: 2.0 * x, v: 2.0 * y, material },
+            }
+        }
+        "cube" => {
+            let sides = to_world.matrix3.to_cols_array_2d().map(|column| DVec3::from_array(column).length());
+            let half = DVec3::from_array(sides);
+            let placed = to_world * DAffine3::from_scale(half.recip());
+            let cube = Object::Box { min: -half, max: half, material };
+            match moved(&placed, cube).filter(|_| !surface.is_textured && !flips) {
+                Some(object) => object,
+                None => made(node, mesh::cube(), &to_world, flips, &surface, reader),
+            }
+        }
+        "disk" => {
+            let normal = to_world.matrix3.inverse().transpose().z_axis;
+            let (x, y) = (to_world.matrix3.x_axis, to_world.matrix3.y_axis);
+            let is_round =
+                (x.length() - y.length()).abs() < 1e-6 * x.length() && x.dot(y).abs() < 1e-6 * x.length_squared();
+            match is_round && !surface.is_textured {
+                true => {
+                    let normal = normal.normalize_or(DVec3::Z) * if flips { -1.0 } else { 1.0 };
+                    Object::Disk { center: to_world.translation, normal, radius: x.length(), material }
+                }
+                false => made(node, mesh::disk(), &to_world, flips, &surface, reader),
+            }
+        }
+        "cylinder" => {
+            let (p0, p1) = (own.vector("p0")?.unwrap_or(DVec3::ZERO), own.vector("p1")?.unwrap_or(DVec3::Z));
+            let radius = own.number_or("radius", 1.0)?;
+            if radius <= 0.0 {
+                return Err(node.error(format!("expected a radius above 0, found {radius}")));
+            }
+            let along = p1 - p0;
+            let Some(axis) = along.try_normalize() else { return Err(node.error("expected p0 and p1 to differ")) };
+            let turn = DQuat::from_rotation_arc(DVec3::Z, axis);
+            let by = DAffine3::from_scale_rotation_translation(DVec3::new(radius, radius, along.length()), turn, p0);
+            let by = to_world * by;
+            made(node, mesh::cylinder(), &by, flips, &surface, reader)
+        }
+        "obj" | "ply" | "serialized" => file_mesh(&own, kind, &to_world, flips, &surface, progress, reader)?,
+        _ => return Err(unknown(node, KNOWN)),
+    };
+    own.end(reader);
+    let mut objects = Vec::new();
+    if let Some(medium) = &surface.inside {
+        objects.push(named(medium.inside(without_material(object.clone()))));
+    }
+    if surface.material.is_some() {
+        objects.push(named(object));
+    } else if surface.inside.is_none() {
+        reader.lose(node, "it has neither a surface nor a medium, and is left out");
+    }
+    Ok(objects)
+}
+
+/// The same shape as the boundary of a medium.
+fn without_material(mut object: Object) -> Object {
+    let inner = if let Object::Transformed { object, .. } = &mut object { &mut **object } else { &mut object };
+    if let Object::Sphere { material, .. }
+    | Object::Quad { material, .. }
+    | Object::Box { material, .. }
+    | Object::Disk { material, .. }
+    | Object::Mesh { material, .. } = inner
+    {
+        *material = None;
+    }
+    object
+}
+
+/// A mesh of a shape of Mitsuba.
+fn made(node: &Node, mut mesh: Mesh, by: &DAffine3, flips: bool, surface: &Surface, reader: &mut Reader) -> Object {
+    if mesh.positions.len() > 24 {
+        let edges = mesh::AROUND;
+        reader.lose(node, &format!("it becomes a mesh with {edges} edges around"));
+    }
+    mesh::transformed(&mut mesh, by);
+    if flips {
+        mesh::flip(&mut mesh);
+    }
+    add(mesh, surface, reader)
+}
+
+/// Adds a mesh that no file has.
+fn add(mesh: Mesh, surface: &Surface, reader: &mut Reader) -> Object {
+    let (name, number) = (reader.to.clone(), reader.meshes.len());
+    let path = match reader.is_in_place {
+        true => format!("{}#meshes/{number}", name.file_name().unwrap_or_default().to_string_lossy()),
+        false => format!("{}-{number}.ply", name.file_stem().unwrap_or_default().to_string_lossy()),
+    };
+    reader.meshes.insert(path.clone(), Arc::new(mesh));
+    Object::Mesh { path, material: surface.material.clone() }
+}
+
+fn file_mesh(
+    own: &Properties,
+    kind: &str,
+    to_world: &DAffine3,
+    flips: bool,
+    surface: &Surface,
+    progress: &mut OnProgress,
+    reader: &mut Reader,
+) -> Result<Object> {
+    let node = own.node;
+    let name = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
+    let path = resolve(name, &node.at, &reader.folders);
+    let broken = |reason: String| {
+        own.find("filename").unwrap_or(node).error_at("value", format!("{}: {reason}", path.display()))
+    };
+    reader.assets.stamp_files(&path);
+    if !path.exists() {
+        return Err(broken("there is no such file".to_owned()));
+    }
+    let faceted = own.flag_or("face_normals", false)?;
+    let flipped_uvs = own.flag_or("flip_tex_coords", kind == "obj")?;
+    let number = own.integer_or("shape_index", 0)?;
+    let number = usize::try_from(number).map_err(|_| node.error("expected a shape_index of 0 or more"))?;
+    let read = match reader.of_files.get(&path).filter(|_| kind != "serialized") {
+        Some(known) => Arc::clone(known),
+        None if kind == "serialized" => {
+            let bytes = file::read(&path, "mesh", file::LONGEST).map_err(broken)?;
+            Arc::new(serialized::read(&bytes, number).map_err(broken)?)
+        }
+        None => load_file(&path, MOST_BYTES, progress).map_err(broken)?.0,
+    };
+    if kind != "serialized" {
+        reader.of_files.insert(path.clone(), Arc::clone(&read));
+    }
+    let turns_uvs = !flipped_uvs && !read.uvs.is_empty();
+    let changes_normals = faceted != read.normals.is_empty();
+    if kind != "serialized" && !turns_uvs && !changes_normals && !flips {
+        let mesh = Object::Mesh { path: reader.named(&path), material: surface.material.clone() };
+        if let Some(object) = moved(to_world, mesh) {
+            return Ok(object);
+        }
+    }
+    reader.files.push(path);
+    let mut mesh = (*read).clone();
+    if faceted {
+        mesh.normals = Vec::new();
+    }
+    if turns_uvs {
+        mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
+    }
+    mesh::transformed(&mut mesh, to_world);
+    if !faceted && mesh.normals.is_empty() {
+        mesh::smooth(&mut mesh);
+    }
+    if flips {
+        mesh::flip(&mut mesh);
+    }
+    Ok(add(mesh, surface, reader))
+}
+
+/// The material and the medium of a shape.
+fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface> {
+    let node = own.node;
+    let (mut of_bsdf, mut inside) = (None, None);
+    for child in own.take(|child| ["bsdf", "medium", "ref"].contains(&child.tag.as_str())) {
+        let is_bsdf = child.tag == "bsdf" || child.tag == "ref" && reader.follow(child, "bsdf").is_ok();
+        if is_bsdf {
+            if of_bsdf.replace(reader.follow(child, "bsdf")?).is_some() {
+                return Err(child.error("expected one bsdf, found another"));
+            }
+            continue;
+        }
+        let found = reader.follow(child, "medium")?;
+        match child.attribute("name") {
+            Some("interior") => inside = Some(medium(found, reader)?),
+            _ => return Err(child.error("expected the name interior: other media are not read")),
+        }
+    }
+    let emitters = own.take(|child| child.tag == "emitter");
+    let emission = match emitters[..] {
+        [] => None,
+        [emitter] => {
+            let of_emitter = Properties::of(emitter);
+            if of_emitter.kind()? != "area" {
+                return Err(unknown(emitter, "area"));
+            }
+            of_emitter.ignore(&["sampling_weight"]);
+            let found = bsdf::texture_or(&of_emitter, "radiance", 1.0, reader)?;
+            of_emitter.end(reader);
+            Some((emitter, found))
+        }
+        _ => return Err(node.error("expected one emitter in it")),
+    };
+    let key = (std::ptr::from_ref(of_bsdf.unwrap_or(node)), format!("{:?}", emission.as_ref().map(|(_, found)| found)));
+    let name = match reader.known.get(&key) {
+        Some(name) => name.clone(),
+        None => {
+            let found = match of_bsdf {
+                Some(found) => bsdf::material(found, false, reader)?,
+                None if emission.is_some() => Some(bsdf::lambertian(Texture::grey(0.0))),
+                None => {
+                    reader.lose(node, "its diffuse surface is black from behind, and has two sides here");
+                    Some(bsdf::lambertian(Texture::grey(0.5)))
+                }
+            };
+            let found = match (found, emission) {
+                (found, None) => found,
+                (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
+                (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter, reader)?),
+            };
+            let name = found.map(|material| {
+                let base = of_bsdf.unwrap_or(node);
+                let base = base.attribute("id").or(base.attribute("type")).unwrap_or("default").to_owned();
+                let mut name = base.clone();
+                let mut number = 1;
+                while !reader.names.insert(name.clone()) {
+                    number += 1;
+                    name = format!("{base} {number}");
+                }
+                reader.places.insert(format!("materials[{name:?}]"), of_bsdf.unwrap_or(node).at.location());
+                reader.materials.push((name.clone(), material));
+                name
+            });
+            reader.known.insert(key, name.clone());
+            name
+        }
+    };
+    let of_name = reader.materials.iter().find(|(known, _)| Some(known) == name.as_ref());
+    let is_textured = of_name.is_some_and(|(_, material)| {
+        material.model().slots().into_iter().any(|slot| matches!(slot.texture, Texture::Image { .. }))
+    });
+    Ok(Surface { material: name, is_textured, inside })
+}
+
+/// A material that emits.
+fn emitting(material: Material, emission: Texture, emitter: &Node, reader: &mut Reader) -> Result<Material> {
+    let both = "it emits on both sides here";
+    match material {
+        Material::Lambertian(Lambertian { albedo, alpha, .. })
+            if albedo == Texture::grey(0.0) && alpha == Texture::grey(1.0) =>
+        {
+            Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false }))
+        }
+        Material::Lambertian(own) => {
+            reader.lose(emitter, both);
+            Ok(Material::Lambertian(Lambertian { emission: Some(emission), ..own }))
+        }
+        Material::Pbr(own) => {
+            reader.lose(emitter, both);
+            Ok(Material::Pbr(Pbr { emission: Some(emission), ..own }))
+        }
+        _ => Err(emitter.error("only diffuse and plastic surfaces can emit here")),
+    }
+}

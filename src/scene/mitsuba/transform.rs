@@ -1,0 +1,65 @@
+//! Transforms: each is applied after those above it.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::document::Node;
+use super::values::{number, numbers, point, vector};
+use crate::error::Result;
+use crate::scene::gltf;
+use crate::scene::types::Object;
+
+/// The transform of an element.
+pub fn of(node: &Node) -> Result<DAffine3> {
+    let mut all = DAffine3::IDENTITY;
+    for step in &node.children {
+        all = one(step)? * all;
+    }
+    match all.to_cols_array().iter().all(|x| x.is_finite()) {
+        true => Ok(all),
+        false => Err(node.error("expected finite numbers in the product of its transforms")),
+    }
+}
+
+fn one(step: &Node) -> Result<DAffine3> {
+    match step.tag.as_str() {
+        "translate" => Ok(DAffine3::from_translation(vector(step, 0.0)?)),
+        "scale" => Ok(DAffine3::from_scale(vector(step, 1.0)?)),
+        "rotate" => {
+            let axis = vector(step, 0.0)?;
+            let Some(unit) = axis.try_normalize().filter(|_| (axis.length() - 1.0).abs() < 1e-4) else {
+                return Err(
+                    step.error("expected an axis of the length 1: about others Mitsuba does not turn but shear")
+                );
+            };
+            Ok(DAffine3::from_axis_angle(unit, number(step, "angle")?.to_radians()))
+        }
+        "lookat" => {
+            let origin = point(step, "origin")?;
+            let up = if step.attribute("up").is_some() { point(step, "up")? } else { DVec3::Y };
+            let forward = (point(step, "target")? - origin).try_normalize();
+            let forward = forward.ok_or_else(|| step.error("expected a target that is not the origin"))?;
+            let left = up.cross(forward).try_normalize();
+            let left = left.ok_or_else(|| step.error("expected an up that is not parallel to the view"))?;
+            Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: origin })
+        }
+        "matrix" => match numbers(step, "value")?[..] {
+            [a, b, c, d, e, f, g, h, i] => Ok(rows([a, b, c, d, e, f, g, h, i], DVec3::ZERO)),
+            [a, b, c, x, d, e, f, y, g, h, i, z, 0.0, 0.0, 0.0, 1.0] => {
+                Ok(rows([a, b, c, d, e, f, g, h, i], DVec3::new(x, y, z)))
+            }
+            ref all if all.len() == 16 => Err(step.error_at("value", "expected 0 0 0 1 in the last row")),
+            ref all => Err(step.error_at("value", format!("expected 9 or 16 numbers, found {}", all.len()))),
+        },
+        _ => Err(step.error("expected translate, rotate, scale, lookat or matrix")),
+    }
+}
+
+fn rows(numbers: [f64; 9], translation: DVec3) -> DAffine3 {
+    DAffine3 { matrix3: DMat3::from_cols_array(&numbers).transpose(), translation }
+}
+
+/// An object that is moved; nothing if the transform mirrors or scales unevenly.
+pub fn moved(by: &DAffine3, object: Object) -> Option<Object> {
+    let by = gltf::similarity(by)?;
+    Some(if by.is_empty() { object } else { Object::Transformed { by, object: Box::new(object) } })
+}

@@ -1,0 +1,333 @@
+//! Scenes of Mitsuba: what elements become, where errors are, and that no text makes the reader panic.
+
+use std::fs;
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use glam::DVec3;
+use gpu_rt::error::Error;
+use gpu_rt::scene::{Assets, GltfOptions, Object, Scene};
+use std::io::Write;
+use tempfile::TempDir;
+
+use crate::common::stats::Random;
+
+const VIEW: &str = r#"<integrator type="path"><integer name="max_depth" value="5"/></integrator>
+<sensor type="perspective"><float name="fov" value="90"/><string name="fov_axis" value="y"/>
+<film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="20"/><rfilter type="box"/></film>
+<sampler type="independent"><integer name="sample_count" value="16"/></sampler></sensor>
+"#;
+const VIEW_IN_RON: &str = "image: (width: 40, height: 20),
+    camera: (look_from: (0, 0, 0), look_at: (0, 0, 1), up: (0, 1, 0), vertical_fov: 90), render: (samples: 16, max_depth: 4),";
+
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+/// A scene with a view, whose elements begin in line 5.
+fn xml(elements: &str) -> String {
+    format!("<scene version=\"3.0.0\">{VIEW}{elements}</scene>")
+}
+
+fn load(path: &Path, options: &GltfOptions) -> Result<Scene, Error> {
+    Scene::load_as(path, options, &mut |_, _, _| {}, &mut Assets::default())
+}
+
+fn read(text: &str, options: &GltfOptions) -> Result<Scene, Error> {
+    let folder = folder(&[("a.xml", text)]);
+    load(&folder.path().join("a.xml"), options)
+}
+
+fn defines(given: &[(&str, &str)]) -> GltfOptions {
+    let defines = given.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
+    GltfOptions { defines, ..GltfOptions::default() }
+}
+
+/// Errors without the folder of their file.
+fn error(text: &str, options: &GltfOptions) -> String {
+    let folder = folder(&[("a.xml", text)]);
+    let error = load(&folder.path().join("a.xml"), options).expect_err(text).to_string();
+    error.replace(&format!("{}/", folder.path().display()), "")
+}
+
+#[test]
+fn a_scene_is_that_of_the_scene_file() {
+    for (elements, ron) in [
+        (
+            r##"<default name="red" value="0.2"/>
+            <bsdf type="twosided" id="a"><bsdf type="diffuse"><rgb name="reflectance" value="$red, 0.3 0.4"/></bsdf></bsdf>
+            <alias id="a" as="b"/>
+            <shape type="sphere" id="ball"><point name="center" x="1" y="2" z="3"/><float name="radius" value="2"/><ref id="b"/></shape>
+            <shape type="rectangle"><transform name="to_world"><scale x="2" y="3"/><translate z="4"/></transform>
+              <emitter type="area"><rgb name="radiance" value="#ff0000"/></emitter></shape>
+            <emitter type="constant"><spectrum name="radiance" value="0.5"/></emitter>"##,
+            r#"background: Solid((0.5, 0.5, 0.5)),
+            materials: {
+                "a": Lambertian(albedo: Rgb(0.2, 0.3, 0.4)),
+                "rectangle": DiffuseLight(emit: Rgb(1, 0, 0), two_sided: false),
+            },
+            objects: [
+                Named(name: "ball", object: Sphere(center: (1, 2, 3), radius: 2, material: "a")),
+                Quad(corner: (-2, -3, 4), u: (4, 0, 0), v: (0, 6, 0), material: "rectangle"),
+            ],"#,
+        ),
+        (
+            r#"<bsdf type="dielectric" id="g"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>
+            <bsdf type="twosided" id="m"><bsdf type="roughconductor"><string name="distribution" value="ggx"/>
+              <float name="alpha" value="0.25"/><rgb name="eta" value="0.2 0.9 1"/><rgb name="k" value="3.9 2.4 2"/></bsdf></bsdf>
+            <shape type="cube"><transform name="to_world"><scale x="1" y="2" z="3"/></transform><ref id="g"/></shape>
+            <shape type="disk"><transform name="to_world"><scale value="2"/></transform><ref id="m"/></shape>
+            <shape type="sphere"><bsdf type="null"/><medium name="interior" type="homogeneous"><float name="sigma_t" value="2"/>
+              <float name="albedo" value="0.5"/><phase type="hg"><float name="g" value="0.25"/></phase></medium></shape>
+            <emitter type="point"><point name="position" value="1 2 3"/><rgb name="intensity" value="1"/></emitter>"#,
+            r#"background: Solid((0, 0, 0)),
+            materials: { "g": Dielectric(ior: 1.5), "m": Conductor(eta: (0.2, 0.9, 1), k: (3.9, 2.4, 2), roughness: 0.5) },
+            objects: [
+                Box(min: (-1, -2, -3), max: (1, 2, 3), material: "g"),
+                Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 2, material: "m"),
+                Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 2, albedo: Rgb(0.5, 0.5, 0.5), anisotropy: 0.25),
+                PointLight(at: (1, 2, 3), intensity: (1, 1, 1)),
+            ],"#,
+        ),
+    ] {
+        let found = read(&xml(elements), &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let expected = Scene::parse(&format!("Scene({VIEW_IN_RON} {ron})"), Path::new("a.ron")).expect(ron);
+        // 90 degrees are 2 atan(1) but for the last bit.
+        let text = found.text().replace("89.99999999999999", "90.0");
+        assert_eq!(text, expected.text());
+        // A planted fault is found.
+        let planted = read(&xml(&elements.replacen("value=\"0.", "value=\"0.1", 1)), &GltfOptions::default());
+        assert_ne!(planted.expect("it is valid").text(), expected.text());
+        assert_eq!(found.warnings(), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn old_names_and_views_are_read() {
+    let text = r#"<scene version="0.6.0"><integrator type="volpath"><integer name="maxDepth" value="-1"/></integrator>
+        <sensor type="thinlens"><float name="fov" value="90"/><string name="fovAxis" value="larger"/><float name="apertureRadius" value="0.25"/>
+        <float name="focusDistance" value="3"/>
+        <transform name="toWorld"><scale x="-1"/><lookAt origin="1, 0, 0" target="1, 0, -5" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="20"/><integer name="height" value="40"/>
+        <integer name="cropOffsetX" value="5"/><integer name="cropWidth" value="10"/></film></sensor></scene>"#;
+    let scene = read(text, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let camera = &scene.camera;
+    assert_eq!(scene.render.max_depth, 1_000_000);
+    assert_eq!((scene.image.width, scene.image.height), (10, 40));
+    assert!(camera.mirror && camera.aperture == 0.5 && camera.focus_distance == Some(3.0));
+    assert_eq!((camera.look_from, camera.look_at), (DVec3::X, DVec3::new(1.0, 0.0, -1.0)));
+    // 40 pixels show 90 degrees: the focal length is 20 pixels. The axis is at 10 of 20 pixels, 5 of those that are left.
+    let shown = format!("{:?}", camera.projection);
+    assert!(shown.contains("cx: 5.0, cy: 20.0"), "{shown}");
+    assert!(
+        shown.contains("fx: 20.00000000000") || shown.contains("fx: 19.99999999999") || shown.contains("fx: 20.0,")
+    );
+}
+
+#[test]
+fn errors_have_places() {
+    let none = GltfOptions::default();
+    for (elements, expected) in [
+        ("\n<shape type=\"hair\"/>", "a.xml:6:8: shape hair.type: this plugin is not read: expected one of obj, "),
+        (
+            "<bsdf type=\"measured\" id=\"x\"/><shape type=\"sphere\"><ref id=\"x\"/></shape>",
+            "a.xml:5:7: bsdf measured.type: ",
+        ),
+        ("<shape type=\"sphere\"><ref id=\"x\"/></shape>", "a.xml:5:27: ref x.id: there is no element of the id \"x\""),
+        (
+            "<shape type=\"sphere\"><float name=\"radius\" value=\"-\"/></shape>",
+            "a.xml:5:43: float radius.value: expected a number, found \"-\"",
+        ),
+        (
+            "<shape type=\"sphere\"><float name=\"size\" value=\"1\"/></shape>",
+            "a.xml:5:22: float size: this property of shape sphere is not read",
+        ),
+        (
+            "<shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape>",
+            "a.xml:5:43: float radius.value: $r has no value: give one by -D r=VALUE",
+        ),
+        (
+            "<shape type=\"obj\"><string name=\"filename\" value=\"no.obj\"/></shape>",
+            "a.xml:5:43: string filename.value: no.obj: there is no such file",
+        ),
+        (
+            "<shape type=\"sphere\"><bsdf type=\"null\"/><medium name=\"interior\" type=\"homogeneous\">\
+             <rgb name=\"sigma_t\" value=\"1 2 3\"/></medium></shape>",
+            "a.xml:5:84: rgb sigma_t: expected one number for all channels, found [1.0, 2.0, 3.0]: coloured extinction is not read",
+        ),
+        (
+            "<bsdf type=\"twosided\" id=\"x\"><ref id=\"x\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
+            "a.xml:5:1: bsdf twosided: expected a bsdf that is not inside itself",
+        ),
+        (
+            "<bsdf type=\"conductor\" id=\"x\"><string name=\"material\" value=\"Au\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
+            "a.xml:5:55: string material.value: the metal \"Au\" is not known here",
+        ),
+        (
+            "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"400:1, 700:1\"/></emitter>",
+            "a.xml:5:52: spectrum radiance.value: spectra by wavelengths are not read",
+        ),
+        (
+            "<emitter type=\"point\"><rgb name=\"intensity\" value=\"-1\"/></emitter>",
+            "a.xml:5:1: objects[0].PointLight.intensity",
+        ),
+        ("<include filename=\"a.xml\"/>", "a.xml:5:10: include.filename: a.xml includes itself: expected no circle"),
+    ] {
+        let found = error(&xml(elements), &none);
+        assert!(found.contains(expected), "{found}\nexpected {expected}");
+    }
+    assert!(error("<scene><a></scene>", &none).starts_with("a.xml:1:"));
+    assert!(error("<!DOCTYPE a [<!ENTITY b \"c\">]><scene version=\"3.0.0\"/>", &none).contains("DTD"));
+    assert!(error("<scene version=\"3.0.0\"/>", &none).contains("expected a <sensor>"));
+}
+
+#[test]
+fn included_files_have_their_own_places() {
+    let inner =
+        "<scene version=\"3.0.0\">\n\n <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape></scene>";
+    let files = folder(&[("a.xml", &xml("<include filename=\"in/b.xml\"/>")), ("in/b.xml", inner)]);
+    let path = files.path().join("a.xml");
+    let scene = load(&path, &defines(&[("r", "2")])).unwrap_or_else(|error| panic!("{error}"));
+    assert!(matches!(scene.objects[..], [Object::Sphere { radius: 2.0, .. }]));
+    assert!(scene.inputs().contains(&files.path().join("in/b.xml")), "{:?}", scene.inputs());
+    let [warning] = &scene.warnings()[..] else { panic!("{:?}", scene.warnings()) };
+    assert!(warning.contains("in/b.xml:3:2: shape sphere: its diffuse surface is black from behind"), "{warning}");
+    for (options, expected) in [
+        (defines(&[("r", "x")]), "in/b.xml:3:44: float radius.value: expected a number, found \"x\""),
+        (defines(&[("r", "-2")]), "in/b.xml:3:2: shape sphere: expected a radius above 0"),
+        (defines(&[("r", "2"), ("unused", "1")]), "-D unused: "),
+        (GltfOptions { lossless: true, ..defines(&[("r", "2")]) }, "in/b.xml:3:2: shape sphere: its diffuse surface"),
+    ] {
+        let found = load(&path, &options).expect_err(expected).to_string();
+        assert!(found.contains(expected), "{found}");
+    }
+}
+
+#[test]
+fn names_are_for_scenes_of_mitsuba_alone() {
+    let files = folder(&[("a.ron", ""), ("a.obj", "")]);
+    for name in ["a.ron", "a.obj"] {
+        let found = load(&files.path().join(name), &defines(&[("r", "2")])).expect_err(name).to_string();
+        assert!(found.starts_with("-D is for scenes of Mitsuba, which are .xml: "), "{found}");
+    }
+}
+
+#[test]
+fn deep_and_circular_files_are_refused() {
+    for levels in [101, 10_000] {
+        let text = xml(&format!("{}{}", "<bsdf type=\"twosided\">".repeat(levels), "</bsdf>".repeat(levels)));
+        let found = error(&text, &GltfOptions::default());
+        assert!(found.contains("expected at most 100 elements within each other"), "{found}");
+    }
+    let files = folder(&[
+        ("a.xml", &xml("<include filename=\"b.xml\"/>")),
+        ("b.xml", "<scene version=\"3.0.0\">\n<include filename=\"a.xml\"/></scene>"),
+    ]);
+    let found = load(&files.path().join("a.xml"), &GltfOptions::default()).expect_err("a circle").to_string();
+    assert!(found.contains("b.xml:2:10: include.filename: ") && found.contains("includes itself"), "{found}");
+}
+
+/// Two meshes: a square, then a triangle with normals.
+fn serialized() -> Vec<u8> {
+    let mesh = |flags: u32, numbers: &[f32], count: u64, triangles: &[u32]| {
+        let mut all = Vec::from((flags | 0x1000).to_le_bytes());
+        all.extend(b"name\0");
+        all.extend(count.to_le_bytes());
+        all.extend((triangles.len() as u64 / 3).to_le_bytes());
+        all.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        all.extend(triangles.iter().flat_map(|corner| corner.to_le_bytes()));
+        let mut packed = ZlibEncoder::new(Vec::from([0x1c, 0x04, 4, 0]), Compression::default());
+        packed.write_all(&all).unwrap();
+        packed.finish().unwrap()
+    };
+    let mut file = mesh(0, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0], 4, &[0, 1, 2, 0, 2, 3]);
+    let second = file.len() as u64;
+    let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let normals = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    file.extend(mesh(1, &[corners, normals].concat(), 3, &[0, 1, 2]));
+    file.extend([0u64.to_le_bytes(), second.to_le_bytes()].concat());
+    file.extend(2u32.to_le_bytes());
+    file
+}
+
+#[test]
+fn meshes_are_read_and_converted() {
+    let elements = "<shape type=\"serialized\"><string name=\"filename\" value=\"m.serialized\"/><integer name=\"shape_index\" value=\"N\"/>\
+                    <transform name=\"to_world\"><scale x=\"2\" y=\"-1\"/></transform></shape>";
+    for (number, triangles) in [(0, 2), (1, 1)] {
+        let files = folder(&[("a.xml", &xml(&elements.replace('N', &number.to_string())))]);
+        fs::write(files.path().join("m.serialized"), serialized()).unwrap();
+        let path = files.path().join("a.xml");
+        let scene = load(&path, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let mesh = &scene.meshes["a.xml#meshes/0"];
+        assert_eq!(mesh.triangles.len(), triangles);
+        // A mirror image whose normals say what is outside.
+        let [a, b, c] = mesh.triangles[0].map(|corner| mesh.positions[corner as usize]);
+        assert!((b - a).cross(c - a).z * f64::from(mesh.normals[0].z) > 0.0);
+        assert!(scene.inputs().contains(&files.path().join("m.serialized")));
+
+        let to = files.path().join("b.ron");
+        let made = Scene::of_model(&path, &to, &GltfOptions::default(), &mut Assets::default()).unwrap();
+        for (name, mesh) in made.made_meshes() {
+            gpu_rt::scene::write_ply(mesh, &mut fs::File::create(files.path().join(name)).unwrap()).unwrap();
+        }
+        fs::write(&to, made.text()).unwrap();
+        let again = Scene::load(&to).unwrap_or_else(|error| panic!("{error}"));
+        let written = &again.meshes["b-0.ply"];
+        assert_eq!((&written.positions, &written.triangles), (&mesh.positions, &mesh.triangles));
+        assert_eq!((&written.normals, &written.uvs), (&mesh.normals, &mesh.uvs));
+    }
+    let files = folder(&[("a.xml", &xml(&elements.replace('N', "2")))]);
+    fs::write(files.path().join("m.serialized"), serialized()).unwrap();
+    let found = load(&files.path().join("a.xml"), &GltfOptions::default()).expect_err("there are two").to_string();
+    assert!(found.contains("there is no mesh 2: the file has 2"), "{found}");
+}
+
+/// The scenes of tests/references/mitsuba with random edits: each is read or refused, without a panic.
+#[test]
+fn mutants_do_not_panic() {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references/mitsuba");
+    let files = tempfile::tempdir().unwrap();
+    let mut scenes = Vec::new();
+    for entry in fs::read_dir(&from).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        fs::copy(&path, files.path().join(&name)).unwrap();
+        if name.ends_with(".xml") && name != "parts.xml" {
+            scenes.push(fs::read(&path).unwrap());
+        }
+    }
+    assert!(scenes.len() >= 8);
+    let mut random = Random(68);
+    let path = files.path().join("mutant.xml");
+    let (mut good, mut bad) = (0, 0);
+    for number in 0..2000 {
+        let mut text = scenes[number % scenes.len()].clone();
+        for _ in 0..=random.below(4) {
+            let at = random.below(text.len());
+            match random.below(4) {
+                0 => text[at] = b"<>/\"=0-9. e$#:az"[random.below(16)],
+                1 => _ = text.remove(at),
+                2 => text.truncate(at.max(1)),
+                _ => {
+                    let part = text[at..(at + random.below(40)).min(text.len())].to_vec();
+                    let to = random.below(text.len());
+                    text.splice(to..to, part);
+                }
+            }
+        }
+        fs::write(&path, &text).unwrap();
+        match load(&path, &GltfOptions::default()) {
+            Ok(_) => good += 1,
+            Err(_) => bad += 1,
+        }
+    }
+    println!("{good} are read, {bad} refused");
+    assert!(good > 20 && bad > 1000, "{good} are read, {bad} refused");
+}
