@@ -85,13 +85,20 @@ fn a_scene_is_that_of_the_scene_file() {
             <shape type="disk"><transform name="to_world"><scale value="2"/></transform><ref id="m"/></shape>
             <shape type="sphere"><bsdf type="null"/><medium name="interior" type="homogeneous"><float name="sigma_t" value="2"/>
               <float name="albedo" value="0.5"/><phase type="hg"><float name="g" value="0.25"/></phase></medium></shape>
+            <shape type="sphere"><bsdf type="thindielectric" id="t"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf></shape>
+            <shape type="sphere"><bsdf type="conductor" id="c"><rgb name="specular_reflectance" value="0.9"/></bsdf></shape><shape type="sphere" id="plain"/>
             <emitter type="point"><point name="position" value="1 2 3"/><rgb name="intensity" value="1"/></emitter>"#,
             r#"background: Solid((0, 0, 0)),
-            materials: { "g": Dielectric(ior: 1.5), "m": Conductor(eta: (0.2, 0.9, 1), k: (3.9, 2.4, 2), roughness: 0.5) },
+            materials: { "g": Dielectric(ior: 1.5), "m": Conductor(eta: (0.2, 0.9, 1), k: (3.9, 2.4, 2), roughness: 0.5),
+                "t": ThinDielectric(ior: 1.5, inner_reflections: true), "c": Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0, one_sided: true),
+                "plain": Lambertian(albedo: Rgb(0.5, 0.5, 0.5), one_sided: true) },
             objects: [
                 Box(min: (-1, -2, -3), max: (1, 2, 3), material: "g"),
                 Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 2, material: "m"),
                 Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 2, albedo: Rgb(0.5, 0.5, 0.5), anisotropy: 0.25),
+                Sphere(center: (0, 0, 0), radius: 1, material: "t"),
+                Sphere(center: (0, 0, 0), radius: 1, material: "c"),
+                Named(name: "plain", object: Sphere(center: (0, 0, 0), radius: 1, material: "plain")),
                 PointLight(at: (1, 2, 3), intensity: (1, 1, 1)),
             ],"#,
         ),
@@ -190,19 +197,19 @@ fn errors_have_places() {
 #[test]
 fn included_files_have_their_own_places() {
     let inner =
-        "<scene version=\"3.0.0\">\n\n <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape></scene>";
+        "<scene version=\"3.0.0\">\n\n <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/><bsdf type=\"roughconductor\"><rgb name=\"eta\" value=\"1\"/><rgb name=\"k\" value=\"2\"/></bsdf></shape></scene>";
     let files = folder(&[("a.xml", &xml("<include filename=\"in/b.xml\"/>")), ("in/b.xml", inner)]);
     let path = files.path().join("a.xml");
     let scene = load(&path, &defines(&[("r", "2")])).unwrap_or_else(|error| panic!("{error}"));
     assert!(matches!(scene.objects[..], [Object::Sphere { radius: 2.0, .. }]));
     assert!(scene.inputs().contains(&files.path().join("in/b.xml")), "{:?}", scene.inputs());
     let [warning] = &scene.warnings()[..] else { panic!("{:?}", scene.warnings()) };
-    assert!(warning.contains("in/b.xml:3:2: shape sphere: its diffuse surface is black from behind"), "{warning}");
+    assert!(warning.contains("in/b.xml:3:56: bsdf roughconductor: its microfacets are those of GGX here"), "{warning}");
     for (options, expected) in [
         (defines(&[("r", "x")]), "in/b.xml:3:44: float radius.value: expected a number, found \"x\""),
         (defines(&[("r", "-2")]), "in/b.xml:3:2: shape sphere: expected a radius above 0"),
         (defines(&[("r", "2"), ("unused", "1")]), "-D unused: "),
-        (GltfOptions { lossless: true, ..defines(&[("r", "2")]) }, "in/b.xml:3:2: shape sphere: its diffuse surface"),
+        (GltfOptions { lossless: true, ..defines(&[("r", "2")]) }, "in/b.xml:3:56: bsdf roughconductor: its microfacets"),
     ] {
         let found = load(&path, &options).expect_err(expected).to_string();
         assert!(found.contains(expected), "{found}");

@@ -78,8 +78,8 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
             }
             found
         }
-        "diffuse" => Some(lambertian(texture_or(&own, "reflectance", 0.5, reader)?)),
-        "conductor" | "roughconductor" => Some(conductor(&own, kind == "roughconductor", reader)?),
+        "diffuse" => Some(lambertian(texture_or(&own, "reflectance", 0.5, reader)?, !two_sided)),
+        "conductor" | "roughconductor" => Some(conductor(&own, kind == "roughconductor", !two_sided, reader)?),
         "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
         "plastic" | "roughplastic" => {
             let ior = index(&own, "polypropylene")?;
@@ -94,25 +94,20 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
                 metallic: Texture::grey(0.0),
                 roughness: Texture::grey(roughness),
                 ior,
+                one_sided: !two_sided,
                 ..Pbr::default()
             }))
         }
         _ => return Err(unknown(node, KNOWN)),
     };
     own.end(reader);
-    let is_opaque = ["diffuse", "conductor", "roughconductor", "plastic", "roughplastic"].contains(&kind);
-    if is_opaque && !two_sided {
-        reader.lose(
-            node,
-            "it is black from behind, and has two sides here: put it into a twosided if it is never seen from there",
-        );
-    }
     Ok(found)
 }
 
-pub fn lambertian(albedo: Texture) -> Material {
+pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
     Material::Lambertian(Lambertian {
         albedo,
+        one_sided,
         emission: None,
         alpha: Texture::grey(1.0),
         alpha_cutoff: None,
@@ -133,7 +128,7 @@ fn inner<'a>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<&'a Node> {
     }
 }
 
-fn conductor<'a>(own: &Properties<'a>, is_rough: bool, reader: &mut Reader<'a>) -> Result<Material> {
+fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
     let node = own.node;
     let roughness = Texture::grey(if is_rough { roughness(own, reader)? } else { 0.0 });
     let has = |name: &str| node.children.iter().any(|child| child.attribute("name") == Some(name));
@@ -144,7 +139,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, reader: &mut Reader<'a>) 
     let (albedo, eta, k) = match (name, has("eta") || has("k")) {
         (None | Some("none"), false) if !is_rough => {
             own.number("ext_eta")?;
-            return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0 }));
+            return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0, one_sided }));
         }
         (None | Some("none"), false) => {
             if tint != Texture::grey(1.0) {
@@ -164,6 +159,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, reader: &mut Reader<'a>) 
     };
     Ok(Material::Conductor(Conductor {
         albedo,
+        one_sided,
         eta,
         k,
         roughness,
@@ -184,9 +180,15 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> 
     Ok(match kind {
         "dielectric" => Material::Dielectric(Dielectric { ior, transmittance, absorption: None, dispersion: 0.0 }),
         "thindielectric" => {
-            reader.lose(own.node, "the light that a thindielectric reflects inside it is left out");
-            let roughness = Texture::grey(0.0);
-            Material::ThinDielectric(ThinDielectric { ior, roughness, transmittance, normal: None, normal_scale: 1.0 })
+            let (roughness, inner_reflections) = (Texture::grey(0.0), true);
+            Material::ThinDielectric(ThinDielectric {
+                ior,
+                roughness,
+                transmittance,
+                inner_reflections,
+                normal: None,
+                normal_scale: 1.0,
+            })
         }
         _ => Material::RoughDielectric(RoughDielectric {
             ior,

@@ -293,11 +293,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
         None => {
             let found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
-                None if emission.is_some() => Some(bsdf::lambertian(Texture::grey(0.0))),
-                None => {
-                    reader.lose(node, "its diffuse surface is black from behind, and has two sides here");
-                    Some(bsdf::lambertian(Texture::grey(0.5)))
-                }
+                None => Some(bsdf::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
             };
             let found = match (found, emission) {
                 (found, None) => found,
@@ -330,7 +326,11 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
 
 /// A material that emits.
 fn emitting(material: Material, emission: Texture, emitter: &Node, reader: &mut Reader) -> Result<Material> {
-    let both = "it emits on both sides here";
+    let mut told = |one_sided: bool| {
+        if !one_sided {
+            reader.lose(emitter, "it emits on both sides here, as its surface has two");
+        }
+    };
     match material {
         Material::Lambertian(Lambertian { albedo, alpha, .. })
             if albedo == Texture::grey(0.0) && alpha == Texture::grey(1.0) =>
@@ -338,11 +338,11 @@ fn emitting(material: Material, emission: Texture, emitter: &Node, reader: &mut 
             Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false }))
         }
         Material::Lambertian(own) => {
-            reader.lose(emitter, both);
+            told(own.one_sided);
             Ok(Material::Lambertian(Lambertian { emission: Some(emission), ..own }))
         }
         Material::Pbr(own) => {
-            reader.lose(emitter, both);
+            told(own.one_sided);
             Ok(Material::Pbr(Pbr { emission: Some(emission), ..own }))
         }
         _ => Err(emitter.error("only diffuse and plastic surfaces can emit here")),
