@@ -196,8 +196,7 @@ fn errors_have_places() {
 
 #[test]
 fn included_files_have_their_own_places() {
-    let inner =
-        "<scene version=\"3.0.0\">\n\n <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/><bsdf type=\"roughconductor\"><rgb name=\"eta\" value=\"1\"/><rgb name=\"k\" value=\"2\"/></bsdf></shape></scene>";
+    let inner = "<scene version=\"3.0.0\">\n\n <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/><bsdf type=\"roughconductor\"><rgb name=\"eta\" value=\"1\"/><rgb name=\"k\" value=\"2\"/></bsdf></shape></scene>";
     let files = folder(&[("a.xml", &xml("<include filename=\"in/b.xml\"/>")), ("in/b.xml", inner)]);
     let path = files.path().join("a.xml");
     let scene = load(&path, &defines(&[("r", "2")])).unwrap_or_else(|error| panic!("{error}"));
@@ -209,7 +208,10 @@ fn included_files_have_their_own_places() {
         (defines(&[("r", "x")]), "in/b.xml:3:44: float radius.value: expected a number, found \"x\""),
         (defines(&[("r", "-2")]), "in/b.xml:3:2: shape sphere: expected a radius above 0"),
         (defines(&[("r", "2"), ("unused", "1")]), "-D unused: "),
-        (GltfOptions { lossless: true, ..defines(&[("r", "2")]) }, "in/b.xml:3:56: bsdf roughconductor: its microfacets"),
+        (
+            GltfOptions { lossless: true, ..defines(&[("r", "2")]) },
+            "in/b.xml:3:56: bsdf roughconductor: its microfacets",
+        ),
     ] {
         let found = load(&path, &options).expect_err(expected).to_string();
         assert!(found.contains(expected), "{found}");
