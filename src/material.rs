@@ -149,6 +149,6 @@ mod tests {
         let expected = a_material();
         assert!(expected.starts_with("a material: Lambertian(..), Metal(..), "), "{expected}");
         assert_eq!(expected.matches(" or ").count(), 1, "{expected}");
-        assert_eq!(Material::FORMS[1].in_full(), "Metal(albedo: .., fuzz: ..)");
+        assert_eq!(Material::FORMS[1].in_full(), "Metal(albedo: .., fuzz: .., one_sided: ..)");
     }
 }
