@@ -7,11 +7,13 @@ mod bsdf;
 mod document;
 mod emitter;
 mod mesh;
+mod metals;
 mod properties;
 mod reader;
 mod sensor;
 mod serialized;
 mod shape;
+mod spectrum;
 mod transform;
 mod values;
 mod write_ply;
@@ -67,20 +69,24 @@ pub fn contents(
     if let Some(name) = loader.unused(&options.defines) {
         return Err(Error::Usage(format!("-D {name}: {} has no ${name}", path.display())));
     }
-    let (folders, files) = (std::mem::take(&mut loader.folders), std::mem::take(&mut loader.files));
+    let Loader { folders, files, notes, .. } = loader;
     let mut reader = Reader {
         ids: HashMap::new(),
         folders,
         to: to.to_owned(),
         is_in_place: path == to,
         lossless: options.lossless,
+        has_media: root
+            .children
+            .iter()
+            .any(|node| node.tag == "integrator" && node.attribute("type").is_some_and(|kind| kind.starts_with("vol"))),
         materials: Vec::new(),
         known: HashMap::new(),
-        names: HashSet::new(),
+        names: HashMap::new(),
         meshes: BTreeMap::new(),
         of_files: HashMap::new(),
         told: HashSet::new(),
-        notes: Vec::new(),
+        notes,
         files,
         places: HashMap::new(),
         findings: Findings::default(),
@@ -97,9 +103,12 @@ pub fn contents(
         {
             reader.findings.refuse(node.error_at("id", "another element has this id"));
         }
+        let file = node.attribute("value").filter(|_| node.attribute("name") == Some("filename"));
+        reader.notes.extend(file.and_then(|file| document::outside(file, node)));
         all.extend(&node.children);
     }
-    for alias in aliases {
+    // The walk has met the last one first.
+    for alias in aliases.into_iter().rev() {
         let found = alias.required("id").and_then(|id| {
             let known = reader.ids.get(id).copied();
             let known = known.ok_or_else(|| alias.error_at("id", "there is no element of this id"))?;

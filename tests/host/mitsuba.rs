@@ -7,13 +7,13 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use glam::DVec3;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, GltfOptions, Object, Scene};
+use gpu_rt::scene::{Assets, Background, GltfOptions, Material, Object, Scene, Texture};
 use std::io::Write;
 use tempfile::TempDir;
 
 use crate::common::stats::Random;
 
-const VIEW: &str = r#"<integrator type="path"><integer name="max_depth" value="5"/></integrator>
+const VIEW: &str = r#"<integrator type="volpath"><integer name="max_depth" value="5"/></integrator>
 <sensor type="perspective"><float name="fov" value="90"/><string name="fov_axis" value="y"/>
 <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="20"/><rfilter type="box"/></film>
 <sampler type="independent"><integer name="sample_count" value="16"/></sampler></sensor>
@@ -173,12 +173,12 @@ fn errors_have_places() {
             "a.xml:5:1: bsdf twosided: expected a bsdf that is not inside itself",
         ),
         (
-            "<bsdf type=\"conductor\" id=\"x\"><string name=\"material\" value=\"Au\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
-            "a.xml:5:55: string material.value: the metal \"Au\" is not known here",
+            "<bsdf type=\"conductor\" id=\"x\"><string name=\"material\" value=\"Xx\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
+            "a.xml:5:55: string material.value: the metal \"Xx\" is not known here",
         ),
         (
-            "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"400:1, 700:1\"/></emitter>",
-            "a.xml:5:52: spectrum radiance.value: spectra by wavelengths are not read",
+            "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"400:1, 300:1\"/></emitter>",
+            "a.xml:5:52: spectrum radiance.value: expected WAVELENGTH:VALUE, .. with wavelengths that rise",
         ),
         (
             "<emitter type=\"point\"><rgb name=\"intensity\" value=\"-1\"/></emitter>",
@@ -197,7 +197,14 @@ fn errors_have_places() {
 #[test]
 fn included_files_have_their_own_places() {
     let inner = "<scene version=\"3.0.0\">\n\n <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/><bsdf type=\"roughconductor\"><rgb name=\"eta\" value=\"1\"/><rgb name=\"k\" value=\"2\"/></bsdf></shape></scene>";
-    let files = folder(&[("a.xml", &xml("<include filename=\"in/b.xml\"/>")), ("in/b.xml", inner)]);
+    let files = folder(&[("a.xml", &xml("<include filename=\"in/b.xml\"/>")), ("in/b.xml", inner), ("b.xml", inner)]);
+    // A file outside of the folder is told.
+    fs::write(files.path().join("in/c.xml"), xml("<include filename=\"../b.xml\"/>")).unwrap();
+    let told = load(&files.path().join("in/c.xml"), &defines(&[("r", "2")])).expect("it is valid").warnings();
+    assert!(
+        told.iter().any(|told| told.contains("c.xml:5:") && told.contains("outside of the scene's folder: ../b.xml")),
+        "{told:?}"
+    );
     let path = files.path().join("a.xml");
     let scene = load(&path, &defines(&[("r", "2")])).unwrap_or_else(|error| panic!("{error}"));
     assert!(matches!(scene.objects[..], [Object::Sphere { radius: 2.0, .. }]));
@@ -225,6 +232,23 @@ fn names_are_for_scenes_of_mitsuba_alone() {
         let found = load(&files.path().join(name), &defines(&[("r", "2")])).expect_err(name).to_string();
         assert!(found.starts_with("-D is for scenes of Mitsuba, which are .xml: "), "{found}");
     }
+}
+
+/// Names that double each other, and files that include each other twice, end at a limit.
+#[test]
+fn what_grows_without_end_is_refused() {
+    let doubling: String =
+        (1..40).map(|i| format!("<default name=\"n{i}x\" value=\"$n{j}x$n{j}x$n{j}x$n{j}x\"/>", j = i - 1)).collect();
+    let found = error(&xml(&format!("<default name=\"n0x\" value=\"abcd\"/>{doubling}")), &GltfOptions::default());
+    assert!(found.contains("at most 65536 bytes"), "{found}");
+    let twice =
+        |i: usize| format!("<scene version=\"3.0.0\">{0}{0}</scene>", format!("<include filename=\"{}.xml\"/>", i + 1));
+    let texts: Vec<(String, String)> = (0..20).map(|i| (format!("{i}.xml"), twice(i))).collect();
+    let mut all: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    all.push(("20.xml", "<scene version=\"3.0.0\"></scene>"));
+    let files = folder(&all);
+    let found = load(&files.path().join("0.xml"), &GltfOptions::default()).expect_err("too many files").to_string();
+    assert!(found.contains("at most 1000 included files"), "{found}");
 }
 
 #[test]
@@ -339,4 +363,48 @@ fn mutants_do_not_panic() {
     }
     println!("{good} are read, {bad} refused");
     assert!(good > 20 && bad > 1000, "{good} are read, {bad} refused");
+}
+
+/// What the variant scalar_rgb of Mitsuba 3.9 has of these, by `traverse`.
+#[test]
+fn spectra_and_metals_are_those_of_mitsuba() {
+    let pairs = "400:0.1, 500:0.2, 600:0.6, 700:0.3";
+    let files = folder(&[
+        (
+            "a.xml",
+            &xml(&format!(
+                "<bsdf type=\"diffuse\" id=\"a\"><spectrum name=\"reflectance\" value=\"{pairs}\"/></bsdf>
+                <bsdf type=\"conductor\" id=\"b\"><string name=\"material\" value=\"Au\"/></bsdf>
+                <shape type=\"sphere\"><ref id=\"a\"/></shape><shape type=\"sphere\"><ref id=\"b\"/></shape>
+                <emitter type=\"constant\"><spectrum name=\"radiance\" filename=\"b.spd\"/></emitter>"
+            )),
+        ),
+        ("b.spd", "# a lamp\n400 0.1\n500 0.2\n600 0.6\n700 0.3\n"),
+    ]);
+    let scene = load(&files.path().join("a.xml"), &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?} {expected:?}");
+    };
+    let Material::Lambertian(matt) = &scene.materials[0].1 else { panic!("{:?}", scene.materials) };
+    let Texture::Rgb(r, g, b) = matt.albedo else { panic!("{matt:?}") };
+    near([r, g, b], [0.62763923, 0.37130532, 0.12045722]);
+    let Background::Solid(light) = scene.background else { panic!("{:?}", scene.background) };
+    near(light.to_array(), [0.7233114, 0.3574196, 0.10408046]);
+    let Material::Conductor(gold) = &scene.materials[1].1 else { panic!("{:?}", scene.materials) };
+    near(gold.eta.unwrap().to_array(), [0.14304, 0.37531, 1.44205]);
+    assert!(scene.inputs().contains(&files.path().join("b.spd")));
+    // A black body of 2856 kelvins has the chromaticity of illuminant A, (0.44757, 0.40745): in linear Rec. 709, red over green and blue over green.
+    let lamp = xml(
+        "<emitter type=\"constant\"><spectrum name=\"radiance\" type=\"blackbody\"><float name=\"temperature\" value=\"2856\"/></spectrum></emitter>",
+    );
+    let scene = read(&lamp, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let Background::Solid(light) = scene.background else { panic!("{:?}", scene.background) };
+    let (x, y) = (0.44757, 0.40745);
+    let xyz = [x / y, 1.0, (1.0 - x - y) / y];
+    let rows = [[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]];
+    let [r, g, b] = rows.map(|row: [f64; 3]| row.iter().zip(xyz).map(|(a, b)| a * b).sum::<f64>());
+    assert!(
+        (light.x / light.y - r / g).abs() < 2e-3 && (light.z / light.y - b / g).abs() < 2e-3,
+        "{light:?} {r} {g} {b}"
+    );
 }

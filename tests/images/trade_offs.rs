@@ -43,7 +43,7 @@ const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "d
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];
 
 /// Options that say what a glTF file does not: they are parts of the scene, as the program's tests of [`gltf`](../program/gltf.rs) have it.
-const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "thin", "watts", "frame", "fps", "frames"];
+const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "thin", "watts", "frame", "fps", "frames", "define", "lossless"];
 
 // The table and the command line
 

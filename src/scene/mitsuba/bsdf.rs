@@ -1,6 +1,7 @@
 //! BSDFs and textures as materials.
 
 use super::document::{DEEPEST, Node};
+use super::metals;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use super::values::colour;
@@ -147,15 +148,20 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
             }
             (Some(tint), None, None)
         }
-        (Some(name), _) if name != "none" => {
-            let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
-            return Err(own.find("material").unwrap_or(node).error_at("value", message));
-        }
+        (Some(name), true) if name != "none" => return Err(node.error("expected a material, or eta and k")),
         _ if tint != Texture::grey(1.0) => {
             let message = "expected no specular_reflectance beside eta and k";
             return Err(own.find("specular_reflectance").unwrap_or(node).error(message));
         }
-        _ => (None, Some(eta / outside), Some(k / outside)),
+        (None | Some("none"), _) => (None, Some(eta / outside), Some(k / outside)),
+        (Some(name), _) => {
+            let unknown = || {
+                let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
+                own.find("material").unwrap_or(node).error_at("value", message)
+            };
+            let (eta, k) = metals::of_name(name).ok_or_else(unknown)?;
+            (None, Some(eta / outside), Some(k / outside))
+        }
     };
     Ok(Material::Conductor(Conductor {
         albedo,
@@ -267,7 +273,7 @@ fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
 
 /// A number that may be a texture.
 fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a>) -> Result<Texture> {
-    match texture_or(own, name, default, reader)? {
+    match slot(own, name, default, true, reader)? {
         Texture::Rgb(r, g, b) if r != g || g != b => {
             Err(own.find(name).unwrap_or(own.node).error(format!("expected one number for {name}, found a colour")))
         }
@@ -289,16 +295,26 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
 
 /// A colour or a texture.
 pub fn texture_or<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a>) -> Result<Texture> {
+    slot(own, name, default, false, reader)
+}
+
+fn slot<'a>(
+    own: &Properties<'a>,
+    name: &str,
+    default: f64,
+    is_number: bool,
+    reader: &mut Reader<'a>,
+) -> Result<Texture> {
     let Some(child) = own.find(name) else { return Ok(Texture::grey(default)) };
     if ["texture", "ref"].contains(&child.tag.as_str()) {
         let found = reader.follow(child, "texture")?;
-        return texture(found, reader);
+        return texture(found, is_number, reader);
     }
     let Colour { x, y, z } = colour(child)?;
     Ok(Texture::Rgb(x, y, z))
 }
 
-fn texture<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<Texture> {
+fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Result<Texture> {
     let own = Properties::of(node);
     if own.kind()? != "bitmap" {
         return Err(unknown(node, "bitmap"));
@@ -307,7 +323,7 @@ fn texture<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<Texture> {
     let path = reader.path(path, node);
     let is_linear = crate::scene::gltf_path::has_ending(std::path::Path::new(&path), &["exr", "hdr"]);
     let is_raw = own.flag_or("raw", is_linear)?;
-    if is_raw && !is_linear && own.node.attribute("name").is_some_and(|name| name.contains("reflectance")) {
+    if is_raw && !is_linear && !is_number {
         return Err(own
             .find("raw")
             .unwrap_or(node)

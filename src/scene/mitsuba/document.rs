@@ -1,7 +1,7 @@
 //! The elements of a scene with their places: included files are in place, and names such as $spp are replaced.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use roxmltree::{Document, ParsingOptions};
@@ -13,6 +13,10 @@ use crate::scene::file::{self, LONGEST_SCENE};
 
 /// How deep elements may be nested, included files with them.
 pub const DEEPEST: usize = 100;
+
+/// How long a value with the values of its names may be, and how many files may be included.
+const LONGEST_VALUE: usize = 1 << 16;
+const MOST_FILES: usize = 1000;
 
 /// Where an element or an attribute begins.
 #[derive(Clone, Debug)]
@@ -82,13 +86,16 @@ pub struct Loader<'a> {
     /// The included files.
     pub files: Vec<PathBuf>,
     open: Vec<PathBuf>,
+    /// What is told of included files.
+    pub notes: Vec<String>,
     assets: &'a mut Assets,
 }
 
 impl<'a> Loader<'a> {
     pub fn new(defines: &[(String, String)], assets: &'a mut Assets) -> Loader<'a> {
         let names = defines.iter().cloned().collect();
-        Loader { names, used: BTreeSet::new(), folders: Vec::new(), files: Vec::new(), open: Vec::new(), assets }
+        let (used, folders, files) = (BTreeSet::new(), Vec::new(), Vec::new());
+        Loader { names, used, folders, files, open: Vec::new(), notes: Vec::new(), assets }
     }
 
     /// The first of the names of the command line that the scene does not use.
@@ -149,6 +156,10 @@ impl<'a> Loader<'a> {
             let value = if old && is_name { snake_case(&value) } else { value };
             node.attributes.iter_mut().filter(|own| own.name == name).for_each(|own| own.value = value.clone());
         }
+        if node.tag == "spectrum" && node.attribute("filename").is_some() {
+            let pairs = self.spectrum(&node)?;
+            node.attributes.push(Attribute { name: "value".to_owned(), value: pairs, at: node.at.clone() });
+        }
         if depth > DEEPEST {
             return Err(node.error(format!("expected at most {DEEPEST} elements within each other")));
         }
@@ -187,11 +198,15 @@ impl<'a> Loader<'a> {
     fn include(&mut self, include: &Node, into: &mut Node, depth: usize) -> Result<()> {
         let name = include.required("filename")?;
         let path = resolve(name, &include.at, &self.folders);
+        self.notes.extend(outside(name, include));
         let real = std::fs::canonicalize(&path)
             .map_err(|error| include.error_at("filename", format!("cannot read {}: {error}", path.display())))?;
         if self.open.contains(&real) {
             let message = format!("{} includes itself: expected no circle", path.display());
             return Err(include.error_at("filename", message));
+        }
+        if self.files.len() >= MOST_FILES {
+            return Err(include.error(format!("expected at most {MOST_FILES} included files")));
         }
         self.files.push(path.clone());
         let root = self.load(&path, depth + 1)?;
@@ -202,12 +217,29 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
+    /// The lines of a .spd file as pairs.
+    fn spectrum(&mut self, node: &Node) -> Result<String> {
+        let name = node.required("filename")?;
+        let path = resolve(name, &node.at, &self.folders);
+        self.notes.extend(outside(name, node));
+        self.assets.stamp_files(&path);
+        let broken = |reason: String| node.error_at("filename", format!("{}: {reason}", path.display()));
+        let bytes = file::read(&path, "spectrum", LONGEST_SCENE).map_err(broken)?;
+        self.files.push(path.clone());
+        let text = String::from_utf8_lossy(&bytes);
+        let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+        Ok(lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(":")).collect::<Vec<_>>().join(", "))
+    }
+
     /// A value whose names are replaced.
     fn replaced(&mut self, value: &str) -> std::result::Result<String, String> {
         let mut out = String::new();
         let mut rest = value;
         while let Some((before, after)) = rest.split_once('$') {
             out.push_str(before);
+            if out.len() > LONGEST_VALUE {
+                return Err(format!("expected values of names of at most {LONGEST_VALUE} bytes"));
+            }
             let known = self.names.keys().filter(|name| after.starts_with(name.as_str())).max_by_key(|name| name.len());
             let Some(name) = known.cloned() else {
                 let end = after.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(after.len());
@@ -230,6 +262,12 @@ pub fn resolve(name: &str, at: &Place, folders: &[PathBuf]) -> PathBuf {
     let beside = at.folder().join(name);
     let others = folders.iter().map(|folder| folder.join(name));
     std::iter::once(beside.clone()).chain(others).find(|path| path.exists()).unwrap_or(beside)
+}
+
+/// What is told of a path that may lead out of the folder of its file.
+pub fn outside(name: &str, node: &Node) -> Option<String> {
+    let leads_out = Path::new(name).components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
+    leads_out.then(|| node.error(format!("it is a file outside of the scene's folder: {name}")).to_string())
 }
 
 /// `toWorld` as `to_world`, and `intIOR` as `int_ior`.

@@ -21,14 +21,17 @@ pub struct Reader<'a> {
     /// Whether the scene is read from where it stays.
     pub is_in_place: bool,
     pub lossless: bool,
+    /// Whether the integrator knows media.
+    pub has_media: bool,
     pub materials: Vec<(String, Material)>,
     /// The names of the materials of BSDFs, by the element and the emission.
     pub known: HashMap<(*const Node, String), Option<String>>,
-    pub names: HashSet<String>,
+    /// How many materials have each name so far.
+    pub names: HashMap<String, usize>,
     pub meshes: BTreeMap<String, Arc<Mesh>>,
     /// The meshes of files as they are.
     pub of_files: HashMap<PathBuf, Arc<Mesh>>,
-    pub told: HashSet<*const Node>,
+    pub told: HashSet<(*const Node, String)>,
     pub notes: Vec<String>,
     pub files: Vec<PathBuf>,
     pub places: HashMap<String, Location>,
@@ -41,7 +44,7 @@ pub struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Tells what is not as the file says; with `--lossless` it is an error.
     pub fn lose(&mut self, node: &Node, message: &str) {
-        if !self.told.insert(std::ptr::from_ref(node)) {
+        if !self.told.insert((std::ptr::from_ref(node), message.to_owned())) {
             return;
         }
         match self.lossless {

@@ -28,7 +28,9 @@ impl Film {
 /// The camera, the image and the samples per pixel. `world` is applied after all transforms of the scene.
 pub fn sensor(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<(Camera, ImageSize, u32)> {
     let own = Properties::of(node);
-    own.ignore(&["near_clip", "far_clip"]);
+    for clip in ["near_clip", "far_clip"].into_iter().filter_map(|name| own.find(name)) {
+        reader.lose(clip, "it is not used: nothing is cut off");
+    }
     let kind = own.kind()?;
     if !["perspective", "thinlens", "orthographic"].contains(&kind) {
         return Err(unknown(node, "perspective, thinlens, orthographic"));
@@ -160,12 +162,12 @@ fn film(node: &Node, reader: &mut Reader) -> Result<Film> {
         length("crop_width", width - left, width - left)?,
         length("crop_height", height - top, height - top)?,
     ];
-    for filter in own.take(|child| child.tag == "rfilter") {
-        let kind = filter.required("type")?;
-        let name = quote(kind);
-        if kind != "box" {
-            reader.lose(filter, &format!("the film's filter {name} is not used: --filter chooses one"));
-        }
+    // Without one, Mitsuba takes a Gaussian.
+    let filter = own.take(|child| child.tag == "rfilter").pop();
+    let kind = filter.map_or(Ok("gaussian"), |filter| filter.required("type"))?;
+    if kind != "box" {
+        let message = format!("the film's filter {} is not used: --filter chooses one", quote(kind));
+        reader.lose(filter.unwrap_or(node), &message);
     }
     own.end(reader);
     Ok(Film { width, height, crop })

@@ -61,7 +61,10 @@ pub fn shape<'a>(
         let is_even = moved(&to_world, Object::Group(Vec::new())).is_some();
         let inner = if is_even { DAffine3::IDENTITY } else { to_world };
         let mut objects = Vec::new();
-        for child in group.children.iter().filter(|child| child.tag == "shape") {
+        for child in &group.children {
+            if child.tag != "shape" {
+                return Err(child.error("expected shapes in a shapegroup, and nothing else"));
+            }
             if ["instance", "shapegroup"].contains(&child.required("type")?) {
                 return Err(child.error("expected no instance inside a shapegroup"));
             }
@@ -88,6 +91,10 @@ pub fn shape<'a>(
                 Some(_) if !is_flipped && !surface.is_textured => {
                     let radius = by.matrix3.determinant().abs().cbrt();
                     Object::Sphere { center: by.translation, radius, material }
+                }
+                None => {
+                    reader.lose(node, "it is an uneven sphere, which is none in Mitsuba");
+                    made(node, mesh::sphere(), &by, is_flipped, &surface, reader)
                 }
                 Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 => {
                     let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
@@ -268,7 +275,12 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
         }
         let found = reader.follow(child, "medium")?;
         match child.attribute("name") {
-            Some("interior") => inside = Some(medium(found, reader)?),
+            Some("interior") => {
+                if !reader.has_media {
+                    reader.lose(child, "Mitsuba leaves media out unless the integrator is volpath or volpathmis");
+                }
+                inside = Some(medium(found, reader)?);
+            }
             _ => return Err(child.error("expected the name interior: other media are not read")),
         }
     }
@@ -304,11 +316,11 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
                 let base = of_bsdf.unwrap_or(node);
                 let base = base.attribute("id").or(base.attribute("type")).unwrap_or("default").to_owned();
                 let mut name = base.clone();
-                let mut number = 1;
-                while !reader.names.insert(name.clone()) {
-                    number += 1;
-                    name = format!("{base} {number}");
+                while let Some(known) = reader.names.get_mut(&name) {
+                    *known += 1;
+                    name = format!("{base} {known}");
                 }
+                reader.names.insert(name.clone(), 1);
                 reader.places.insert(format!("materials[{name:?}]"), of_bsdf.unwrap_or(node).at.location());
                 reader.materials.push((name.clone(), material));
                 name

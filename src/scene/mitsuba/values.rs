@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::document::Node;
+use super::spectrum;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::types::Colour;
@@ -44,11 +45,17 @@ pub fn vector(node: &Node, default: f64) -> Result<DVec3> {
 
 /// The colour of an element, linear Rec. 709.
 pub fn colour(node: &Node) -> Result<Colour> {
-    if let Some(name) = node.attribute("type") {
-        return Err(node.error_at("type", format!("the spectrum {name} is not read: give an <rgb> instead")));
-    }
-    if node.attribute("filename").is_some() {
-        return Err(node.error_at("filename", "spectra by wavelengths are not read: give an <rgb> instead"));
+    match (node.attribute("type"), &node.children[..]) {
+        (None, _) => {}
+        (Some("blackbody"), [kelvins]) if kelvins.attribute("name") == Some("temperature") => {
+            let kelvins = Some(number(kelvins, "value")?).filter(|kelvins| *kelvins > 0.0);
+            let kelvins = kelvins.ok_or_else(|| node.error("expected a temperature above 0 kelvins"))?;
+            return Ok(spectrum::of_black_body(kelvins));
+        }
+        (Some("blackbody"), _) => return Err(node.error("expected a temperature in it, and nothing else")),
+        (Some(name), _) => {
+            return Err(node.error_at("type", format!("the spectrum {name} is not read: give an <rgb> instead")));
+        }
     }
     let text = node.required("value")?.trim();
     if let Some(digits) = text.strip_prefix('#') {
@@ -58,7 +65,12 @@ pub fn colour(node: &Node) -> Result<Colour> {
         return Ok(Colour::new(channel(16), channel(8), channel(0)));
     }
     if text.contains(':') {
-        return Err(node.error_at("value", "spectra by wavelengths are not read: give an <rgb> instead"));
+        let name = node.attribute("name").unwrap_or_default();
+        if ["eta", "k", "sigma_t", "int_ior", "ext_ior"].contains(&name) {
+            return Err(node.error_at("value", format!("{name} by wavelengths is not read: give an <rgb> instead")));
+        }
+        let is_emission = ["radiance", "intensity", "irradiance"].contains(&name);
+        return Ok(spectrum::of_pairs(&pairs(node, text)?, is_emission));
     }
     match numbers(node, "value")?[..] {
         [grey] => Ok(Colour::splat(grey)),
@@ -68,6 +80,24 @@ pub fn colour(node: &Node) -> Result<Colour> {
                 .error_at("value", format!("expected one number{}", if node.tag == "rgb" { " or three" } else { "" })))
         }
     }
+}
+
+/// The values of a spectrum at wavelengths that rise.
+fn pairs(node: &Node, text: &str) -> Result<Vec<(f64, f64)>> {
+    let pair = |word: &str| {
+        let (wavelength, value) = word.split_once(':')?;
+        let pair = (wavelength.trim().parse::<f64>().ok()?, value.trim().parse::<f64>().ok()?);
+        (pair.0.is_finite() && pair.1.is_finite()).then_some(pair)
+    };
+    let words = text.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty());
+    let all: Option<Vec<_>> = words.map(pair).collect();
+    let rises = |pairs: &Vec<(f64, f64)>| pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    all.filter(rises).ok_or_else(|| {
+        node.error_at(
+            "value",
+            format!("expected WAVELENGTH:VALUE, .. with wavelengths that rise, found {}", quote(text)),
+        )
+    })
 }
 
 /// sRGB's transfer function.
