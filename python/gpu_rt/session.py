@@ -269,9 +269,9 @@ class _Link:
             self._reading.join(_PATIENCE)
             raise _gpu_rt._failure("serve", self._errors, self._process.returncode, {})
         answer: Dict[str, Any] = json.loads(self._answers.pop(self._asked))
-        for reason in stops:
-            if request is None or not isinstance(reason, KeyboardInterrupt):
-                raise reason
+        for stop in stops:
+            if request is None or not isinstance(stop, KeyboardInterrupt):
+                raise stop
             answer["error"] = {**(answer["error"] or {"message": "interrupted"}), "interrupted": True}
         return answer
 
