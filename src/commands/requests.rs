@@ -39,10 +39,10 @@ pub struct Requests {
     signals: Signals,
 }
 
-/// Those that wait, and whether no more come.
+/// Requests that have not begun, and whether no more come.
 #[derive(Default)]
 struct Queue {
-    /// Each with whether it is interrupted.
+    /// A request, and whether it is interrupted.
     waiting: VecDeque<(Result<Request>, bool)>,
     has_ended: bool,
 }
@@ -79,7 +79,7 @@ impl Requests {
         Some(request)
     }
 
-    /// Reads requests up to the end of standard input. Whether they end with `close`.
+    /// Reads requests up to `close`, which gives true, or up to the end of standard input.
     fn read(&self) -> bool {
         for line in stdin().lines() {
             let line = line.map_err(Error::file("stdin", "read"));

@@ -185,9 +185,10 @@ impl Eye {
         }
         let (sine, axis) = (radius / center.length(), center / center.length());
         let (u, v) = axis.any_orthonormal_pair();
+        let start = self.project(center);
         let at = |turn: u32| {
             let (s, c) = (0.25 * PI * f64::from(turn)).sin_cos();
-            self.seen_beside(center, center + radius / (1.0 - sine * sine).sqrt() * (c * u + s * v))
+            self.seen_beside(start, center + radius / (1.0 - sine * sine).sqrt() * (c * u + s * v))
         };
         let seen: Option<Vec<DVec2>> = (0..8).map(at).collect();
         // A panorama shows a pole along a whole edge.
@@ -204,10 +205,9 @@ impl Eye {
         (min.x < max.x && min.y < max.y).then_some((min, max))
     }
 
-    /// Where a point is seen. A panorama sees its left edge at its right one, too: it is where the way from another point is short.
-    fn seen_beside(&self, start: DVec3, p: DVec3) -> Option<DVec2> {
-        let start = self.project(start)?;
-        Some(start + self.film.shortest(self.project(p)? - start))
+    /// The point of the film that shows `p`. A panorama shows its left edge at its right one, too: the point that is nearer to `start`.
+    fn seen_beside(&self, start: Option<DVec2>, p: DVec3) -> Option<DVec2> {
+        Some(start? + self.film.shortest(self.project(p)? - start?))
     }
 
     /// A polygon as polygons on the film, within the image and what filters reach around it. Their edges are straight to this, in pixels.
@@ -236,8 +236,9 @@ impl Eye {
     fn halve(&self, corners: [DVec3; 3], halvings: u32, straight: f64, add: &mut dyn FnMut(&[DVec2])) {
         let [a, b, c] = corners;
         let middles = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
-        let seen = corners.map(|p| self.seen_beside(a, p));
-        let between = middles.map(|p| self.seen_beside(a, p));
+        let start = self.project(a);
+        let seen = corners.map(|p| self.seen_beside(start, p));
+        let between = middles.map(|p| self.seen_beside(start, p));
         let is_straight = |i: usize| {
             let (Some(from), Some(half), Some(to)) = (seen[i], between[i], seen[(i + 1) % 3]) else { return false };
             half.distance(0.5 * (from + to)) < straight && corners[i].angle_between(corners[(i + 1) % 3]) < 1.0

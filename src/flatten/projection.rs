@@ -221,6 +221,9 @@ impl Film {
 
     /// The share of the image that no direction belongs to, by the middles of pixels: of all, or of some million in large images.
     pub fn share_without_direction(&self, size: (u32, u32)) -> f64 {
+        if !matches!(self, Film::Round { .. } | Film::Brown { .. }) {
+            return 0.0;
+        }
         let stride = (f64::from(size.0) * f64::from(size.1) / 1e6).sqrt().ceil().max(1.0) as usize;
         let middle = 0.5 * DVec2::new(f64::from(size.0), f64::from(size.1));
         let of_row = |y: u32| (0..size.0).step_by(stride).map(move |x| DVec2::new(f64::from(x), f64::from(y)));

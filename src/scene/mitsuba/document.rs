@@ -14,8 +14,9 @@ use crate::scene::file::{self, LONGEST_SCENE};
 /// How deep elements may be nested, included files with them.
 pub const DEEPEST: usize = 100;
 
-/// How long a value with the values of its names may be, and how many files may be included.
+/// The longest value, in bytes, once names are replaced in it.
 const LONGEST_VALUE: usize = 1 << 16;
+/// The most files that a scene includes.
 const MOST_FILES: usize = 1000;
 
 /// Where an element or an attribute begins.

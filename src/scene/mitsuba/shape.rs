@@ -51,59 +51,13 @@ pub fn shape<'a>(
         return Err(node.error("expected a to_world that leaves the shape a size"));
     }
     if kind == "instance" {
-        let group = own.take(|child| child.tag == "ref" || child.tag == "shape");
-        let [group] = group[..] else { return Err(node.error("expected one shapegroup in it")) };
-        let group = reader.follow(group, "shape")?;
-        if group.attribute("type") != Some("shapegroup") {
-            return Err(node.error(format!("expected a shapegroup, found {}", group.title())));
-        }
-        own.end(reader);
-        let is_even = moved(&to_world, Object::Group(Vec::new())).is_some();
-        let inner = if is_even { DAffine3::IDENTITY } else { to_world };
-        let mut objects = Vec::new();
-        for child in &group.children {
-            if child.tag != "shape" {
-                return Err(child.error("expected shapes in a shapegroup, and nothing else"));
-            }
-            if ["instance", "shapegroup"].contains(&child.required("type")?) {
-                return Err(child.error("expected no instance inside a shapegroup"));
-            }
-            objects.extend(shape(child, &inner, progress, reader)?);
-        }
-        let group = Object::Group(objects);
-        return Ok(vec![named(if is_even { moved(&to_world, group.clone()).unwrap_or(group) } else { group })]);
+        return Ok(vec![named(instance(&own, &to_world, progress, reader)?)]);
     }
     let surface = surface(&own, reader)?;
     let flips = own.flag_or("flip_normals", false)?;
     let material = surface.material.clone();
     let object = match kind {
-        "sphere" => {
-            let radius = own.number_or("radius", 1.0)?;
-            if radius <= 0.0 {
-                return Err(node.error(format!("expected a radius above 0, found {radius}")));
-            }
-            let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
-            let by = to_world * DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
-            // A mirror image of a sphere is a sphere whose inside is out.
-            let ours = if by.matrix3.determinant() < 0.0 { by * DAffine3::from_scale(DVec3::NEG_ONE) } else { by };
-            let is_flipped = flips != (by.matrix3.determinant() < 0.0);
-            match moved(&ours, Object::Group(Vec::new())) {
-                Some(_) if !is_flipped && !surface.is_textured => {
-                    let radius = by.matrix3.determinant().abs().cbrt();
-                    Object::Sphere { center: by.translation, radius, material }
-                }
-                None => {
-                    reader.lose(node, "it is an uneven sphere, which is none in Mitsuba");
-                    made(node, mesh::sphere(), &by, is_flipped, &surface, reader)
-                }
-                Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 => {
-                    let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
-                    moved(&(by * DAffine3::from_mat3(POLES)), sphere)
-                        .ok_or_else(|| node.error("expected a sphere of a size"))?
-                }
-                _ => made(node, mesh::sphere(), &by, is_flipped, &surface, reader),
-            }
-        }
+        "sphere" => sphere(&own, &to_world, flips, &surface, reader)?,
         "rectangle" => {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
             match surface.is_textured || flips || x.cross(y).dot(z) < 0.0 {
@@ -161,6 +115,71 @@ pub fn shape<'a>(
         reader.lose(node, "it has neither a surface nor a medium, and is left out");
     }
     Ok(objects)
+}
+
+/// The shapes of a group, placed.
+fn instance<'a>(
+    own: &Properties<'a>,
+    to_world: &DAffine3,
+    progress: &mut OnProgress,
+    reader: &mut Reader<'a>,
+) -> Result<Object> {
+    let group = own.take(|child| child.tag == "ref" || child.tag == "shape");
+    let [group] = group[..] else { return Err(own.node.error("expected one shapegroup in it")) };
+    let group = reader.follow(group, "shape")?;
+    if group.attribute("type") != Some("shapegroup") {
+        return Err(own.node.error(format!("expected a shapegroup, found {}", group.title())));
+    }
+    own.end(reader);
+    let is_even = moved(to_world, Object::Group(Vec::new())).is_some();
+    let inner = if is_even { DAffine3::IDENTITY } else { *to_world };
+    let mut objects = Vec::new();
+    for child in &group.children {
+        if child.tag != "shape" {
+            return Err(child.error("expected shapes in a shapegroup, and nothing else"));
+        }
+        if ["instance", "shapegroup"].contains(&child.required("type")?) {
+            return Err(child.error("expected no instance inside a shapegroup"));
+        }
+        objects.extend(shape(child, &inner, progress, reader)?);
+    }
+    let group = Object::Group(objects);
+    Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
+}
+
+fn sphere(
+    own: &Properties,
+    to_world: &DAffine3,
+    flips: bool,
+    surface: &Surface,
+    reader: &mut Reader,
+) -> Result<Object> {
+    let (node, material) = (own.node, surface.material.clone());
+    let radius = own.number_or("radius", 1.0)?;
+    if radius <= 0.0 {
+        return Err(node.error(format!("expected a radius above 0, found {radius}")));
+    }
+    let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
+    let by = *to_world * DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
+    // A mirror image of a sphere is a sphere whose inside is out.
+    let ours = if by.matrix3.determinant() < 0.0 { by * DAffine3::from_scale(DVec3::NEG_ONE) } else { by };
+    let is_flipped = flips != (by.matrix3.determinant() < 0.0);
+    Ok(match moved(&ours, Object::Group(Vec::new())) {
+        Some(_) if !is_flipped && !surface.is_textured => {
+            let radius = by.matrix3.determinant().abs().cbrt();
+            Object::Sphere { center: by.translation, radius, material }
+        }
+        None => {
+            reader.lose(node, "it becomes an uneven mesh: Mitsuba shows a round sphere");
+            made(node, mesh::sphere(), &by, is_flipped, surface, reader)
+        }
+        Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 => {
+            let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
+            moved(&(by * DAffine3::from_mat3(POLES)), sphere)
+                .ok_or_else(|| node.error("expected a sphere of a size"))?
+        }
+        _ => made(node, mesh::sphere(), &by, is_flipped, surface, reader),
+    })
 }
 
 /// The same shape as the boundary of a medium.
