@@ -1,13 +1,14 @@
 //! Channels of `--aov` (arbitrary output variables, AOVs): which there are, which sums of the film they are made of, and how files
 //! name them.
 
+use clap::ValueEnum;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::data::CHANNELS;
 
 /// A channel, or three.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Aov {
     /// The share of light that a surface scatters.
     Albedo,
@@ -43,38 +44,18 @@ pub enum Aov {
     Offset0,
 }
 
-/// How users name them.
-const WORDS: [(&str, Aov); 16] = [
-    ("albedo", Aov::Albedo),
-    ("normal", Aov::Normal),
-    ("depth", Aov::Depth),
-    ("position", Aov::Position),
-    ("object", Aov::Object),
-    ("material", Aov::Material),
-    ("direct", Aov::Direct),
-    ("indirect", Aov::Indirect),
-    ("motion", Aov::Motion),
-    ("depth0", Aov::Depth0),
-    ("distance0", Aov::Distance0),
-    ("position0", Aov::Position0),
-    ("normal0", Aov::Normal0),
-    ("uv0", Aov::Uv0),
-    ("face0", Aov::Face0),
-    ("offset0", Aov::Offset0),
-];
-
 /// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each has its
 /// name in the kernels, and the components that kernels store of it.
 const STORED: [(Aov, &str, &[&str]); 8] = [
     // What the host needs to follow the surface to the frames around.
-    (Aov::Motion, "seen0", &["at.x", "at.y", "at.z", "object", "face", "time"]),
-    (Aov::Depth0, "depth0", &[""]),
-    (Aov::Distance0, "distance0", &[""]),
-    (Aov::Position0, "position0", &["x", "y", "z"]),
-    (Aov::Normal0, "normal0", &["x", "y", "z"]),
-    (Aov::Uv0, "uv0", &["x", "y"]),
-    (Aov::Face0, "face0", &[""]),
-    (Aov::Offset0, "offset0", &["x", "y"]),
+    (Aov::Motion, "seen0", &["seen0.at.x", "seen0.at.y", "seen0.at.z", "seen0.object", "seen0.face", "seen0.time"]),
+    (Aov::Depth0, "depth0", &["depth0"]),
+    (Aov::Distance0, "distance0", &["distance0"]),
+    (Aov::Position0, "position0", &["position0.x", "position0.y", "position0.z"]),
+    (Aov::Normal0, "normal0", &["normal0.x", "normal0.y", "normal0.z"]),
+    (Aov::Uv0, "uv0", &["uv0.x", "uv0.y"]),
+    (Aov::Face0, "face0", &["face0"]),
+    (Aov::Offset0, "offset0", &["offset0.x", "offset0.y"]),
 ];
 
 /// The words that the film has of a stored channel: as many as kernels store, but of a motion those of [`crate::flatten::Neighbours`].
@@ -175,16 +156,22 @@ pub struct Channel {
     pub name: String,
 }
 
+impl Aov {
+    /// How users name it.
+    fn word(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
 impl Aovs {
     /// Channels by their names, with commas between.
     ///
     /// # Errors
     /// What is wrong, in words.
     pub fn parse(text: &str) -> Result<Vec<Aov>, String> {
-        let known = || WORDS.map(|(word, _)| word).join(", ");
+        let known = || Aov::value_variants().iter().map(|aov| aov.word()).collect::<Vec<_>>().join(", ");
         let aov = |word: &str| {
-            let found = WORDS.iter().find(|(known, _)| *known == word.trim());
-            found.map(|(_, aov)| *aov).ok_or_else(|| format!("expected some of {}, found `{word}`", known()))
+            Aov::from_str(word.trim(), false).map_err(|_| format!("expected some of {}, found `{word}`", known()))
         };
         text.split(',').map(aov).collect()
     }
@@ -203,7 +190,7 @@ impl Aovs {
 
     /// Their names with commas between; nothing where there are none.
     pub fn words(&self) -> Option<String> {
-        let words = WORDS.iter().filter(|(_, aov)| self.has(*aov)).map(|(word, _)| *word);
+        let words = Aov::value_variants().iter().filter(|aov| self.has(**aov)).map(|aov| aov.word());
         (!self.list.is_empty()).then(|| words.collect::<Vec<_>>().join(","))
     }
 
@@ -251,19 +238,8 @@ impl Aovs {
     }
 
     /// The words that kernels store of sample 0 of a pixel, as expressions of the kernel `truth`.
-    pub fn words_of_kernels(&self) -> Vec<String> {
-        let words = |(_, name, components): (Aov, &str, &'static [&'static str])| {
-            let name = name.to_string();
-            components
-                .iter()
-                .map(move |component| if component.is_empty() { name.clone() } else { format!("{name}.{component}") })
-        };
-        self.stored().flat_map(words).collect()
-    }
-
-    /// The names of these channels in the kernels.
-    pub fn names_in_kernels(&self) -> impl Iterator<Item = &'static str> {
-        self.stored().map(|(_, name, _)| name)
+    pub fn words_of_kernels(&self) -> Vec<&'static str> {
+        self.stored().flat_map(|(_, _, words)| words).copied().collect()
     }
 
     /// The names of the words that the film has of sample 0 of a pixel.
@@ -374,9 +350,12 @@ mod tests {
     /// The sums follow one another without a gap, whatever channels are requested.
     #[test]
     fn no_two_sums_overlap() {
-        for set in 0..1 << WORDS.len() {
-            let requested =
-                WORDS.iter().enumerate().filter(|(number, _)| set >> number & 1 == 1).map(|(_, word)| word.1);
+        for set in 0..1 << Aov::value_variants().len() {
+            let requested = Aov::value_variants()
+                .iter()
+                .enumerate()
+                .filter(|(number, _)| set >> number & 1 == 1)
+                .map(|(_, aov)| *aov);
             let mut aovs = Aovs::default();
             aovs.set(requested.collect());
             let names: Vec<String> = aovs.sum_components().map(|(_, name)| name).collect();

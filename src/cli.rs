@@ -18,7 +18,7 @@ pub const CHECKPOINT: &str = "60s";
 pub const OIDN: &str = "The folder of the library of Open Image Denoise [default: the environment's OIDN_DIR, or where the system finds it].";
 
 /// The scene, from a file or standard input.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct SceneArgs {
     /// The scene: a .ron, .glb, .gltf, .obj, .ply or .stl file, or a .xml of Mitsuba.
     ///
@@ -107,7 +107,7 @@ pub const MITSUBA: &str = "Scenes that are Mitsuba's";
 pub const GLTF: &str = "Scenes that are glTF";
 
 /// Which paths are traced, and where.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct PathArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
           help = MAX_DEPTH.about, long_help = MAX_DEPTH.help(), help_heading = MAX_DEPTH.class.heading())]

@@ -121,7 +121,8 @@ pub fn flatten_with(
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
     if options.aov.has(Aov::Object) {
-        flat.object_names = finder.primitives.iter().map(|primitive| primitive.name.to_string()).collect();
+        let name = |(given, place): (Option<&str>, usize)| given.map_or(format!("objects[{place}]"), str::to_owned);
+        flat.object_names = finder.primitives.iter().map(|primitive| name(primitive.name)).collect();
     }
     if brightest == 0.0 {
         let at = scene.location(&[Step::Field("background")]);
@@ -292,14 +293,11 @@ fn require_camera(features: &mut Features, scene: &Scene, view: &View) {
 /// The warning that a part of the image is black, because its pixels have no direction.
 fn without_direction(scene: &Scene, view: &View<'_>) -> Option<String> {
     let share = view.film.share_without_direction(view.size);
-    let pixels = share * f64::from(view.size.0) * f64::from(view.size.1);
+    let (pixels, percent) = (share * f64::from(view.size.0) * f64::from(view.size.1), 100.0 * share);
     let at = scene.location(&[Step::Field("camera"), Step::Field("projection")]);
     let name = scene.camera.projection().name();
     (share > 0.0).then(|| {
-        format!(
-            "{at}: projection: {pixels:.0} pixels, {:.1} % of the image, have no direction with {name}, and are black",
-            100.0 * share
-        )
+        format!("{at}: projection: {pixels:.0} pixels, {percent:.1} % of the image, have no direction with {name}, and are black")
     })
 }
 

@@ -26,7 +26,9 @@ _LEAST_FREE = 256 << 20  # bytes of shared memory that images leave to others
 _PATIENCE = 30.0  # seconds that the program has to end
 
 
-def camera(pose: Any, *, convention: str = "opencv", K: Any = None, **fields: Any) -> Dict[str, Any]:
+def camera(
+    pose: Any, *, convention: str = "opencv", K: Any = None, _scale: Sequence[float] = (1.0, 1.0), **fields: Any
+) -> Dict[str, Any]:
     """The camera of a scene file for a pose: a matrix of 4x4 or 3x4 from the camera to the world.
 
     With the convention "opencv" the camera's axes are x to the right, y down and z forwards; with "opengl" y up and z backwards. K (3x3, pixels)
@@ -34,11 +36,6 @@ def camera(pose: Any, *, convention: str = "opencv", K: Any = None, **fields: An
     "opengl" it counts from the corner. `look_at` is a point on the axis, at no distance that means something: a lens needs `focus_distance`, which
     in a session stays that of the scene. Other fields are those of the scene file.
     """
-    return _camera(pose, convention, K, (1.0, 1.0), fields)
-
-
-def _camera(pose: Any, convention: str, K: Any, scale: Sequence[float], fields: Mapping[str, Any]) -> Dict[str, Any]:
-    """`scale` is that of the pixels of K to those of the scene's image, along x and y."""
     if convention not in ("opencv", "opengl"):
         raise _gpu_rt.Error(f'convention: expected "opencv" or "opengl", found {convention!r}')
     matrix = _matrix("pose", pose, ((4, 4), (3, 4)))
@@ -54,7 +51,7 @@ def _camera(pose: Any, convention: str, K: Any, scale: Sequence[float], fields: 
         if k[0, 1] != 0 or k[1, 0] != 0 or (k[2] != [0, 0, 1]).any():
             raise _gpu_rt.Error(f"K: expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], found {k.tolist()}")
         corner = 0.5 if convention == "opencv" else 0.0
-        (fx, cx), (fy, cy) = ((scale[axis] * k[axis, axis], scale[axis] * (k[axis, 2] + corner)) for axis in (0, 1))
+        (fx, cx), (fy, cy) = ((_scale[axis] * k[axis, axis], _scale[axis] * (k[axis, 2] + corner)) for axis in (0, 1))
         place["projection"] = ron.Calibrated(fx=fx, fy=fy, cx=cx, cy=cy)
     return {**place, **fields}
 
@@ -68,6 +65,9 @@ def _matrix(name: str, value: Any, shapes: Sequence[Sequence[int]]) -> np.ndarra
     if matrix.shape not in shapes or not np.isfinite(matrix).all():
         raise _gpu_rt.Error(f"{words}, found {matrix.tolist()}")
     return matrix
+
+
+_camera = camera
 
 
 class Session:
@@ -137,8 +137,7 @@ class Session:
         try:
             if camera is not None:
                 if "pose" in camera:
-                    fields = {name: value for name, value in camera.items() if name not in ("pose", "convention", "K")}
-                    camera = _camera(camera["pose"], camera.get("convention", "opencv"), camera.get("K"), self._scale, {**self._lens, **fields})
+                    camera = _camera(**{"_scale": self._scale, **self._lens, **camera})
                 request["camera"] = _text(camera)
             if materials is not None:
                 request["materials"] = {name: _text(fields) for name, fields in materials.items()}

@@ -1,9 +1,11 @@
 //! The requests of `gpu-rt serve`: a JSON object in each line of standard input.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::io::stdin;
 use std::path::PathBuf;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Builder;
 
 use serde::Deserialize;
@@ -32,19 +34,11 @@ pub struct Request {
     close: bool,
 }
 
-/// The requests that come.
-#[derive(Clone)]
+/// The requests that come, each with the number of interrupts before it.
 pub struct Requests {
-    queue: Arc<(Mutex<Queue>, Condvar)>,
+    coming: Receiver<(Result<Request>, usize)>,
+    interrupts: Arc<AtomicUsize>,
     signals: Signals,
-}
-
-/// Requests that have not begun, and whether no more come.
-#[derive(Default)]
-struct Queue {
-    /// A request, and whether it is interrupted.
-    waiting: VecDeque<(Result<Request>, bool)>,
-    has_ended: bool,
 }
 
 impl Requests {
@@ -54,54 +48,49 @@ impl Requests {
     /// # Errors
     /// `Error::File` if the system gives no thread.
     pub fn listen(signals: &Signals, temporary: Option<PathBuf>) -> Result<Requests> {
-        let requests = Requests { queue: Arc::default(), signals: signals.clone() };
-        let reader = requests.clone();
-        let read = move || {
-            let is_closed = reader.read();
+        let (sender, coming) = channel();
+        let requests = Requests { coming, interrupts: Arc::default(), signals: signals.clone() };
+        let (interrupts, signals) = (Arc::clone(&requests.interrupts), signals.clone());
+        let listen = move || {
+            let is_closed = read(&sender, &interrupts, &signals);
             if let Some(folder) = temporary.filter(|_| !is_closed) {
                 // A file may be made in it meanwhile.
                 let _ = std::fs::remove_dir_all(&folder).or_else(|_| std::fs::remove_dir_all(&folder));
                 signal_hook::low_level::exit(1);
             }
-            reader.locked().has_ended = true;
-            reader.queue.1.notify_all();
         };
-        Builder::new().name("requests".to_owned()).spawn(read).map_err(Error::file("stdin", "read"))?;
+        Builder::new().name("requests".to_owned()).spawn(listen).map_err(Error::file("stdin", "read"))?;
         Ok(requests)
     }
 
     /// The next request, or what is wrong with it; nothing behind the last one.
-    pub fn next(&mut self) -> Option<Result<Request>> {
-        let is_empty = |queue: &mut Queue| queue.waiting.is_empty() && !queue.has_ended;
-        let mut queue = self.queue.1.wait_while(self.locked(), is_empty).unwrap_or_else(PoisonError::into_inner);
-        let (request, is_interrupted) = queue.waiting.pop_front()?;
-        self.signals.set_stop(is_interrupted);
+    pub fn next(&self) -> Option<Result<Request>> {
+        let (request, interrupts_before) = self.coming.recv().ok()?;
+        // In this order, so that none is lost that comes just now.
+        self.signals.set_stop(false);
+        if self.interrupts.load(Ordering::SeqCst) > interrupts_before {
+            self.signals.set_stop(true);
+        }
         Some(request)
     }
+}
 
-    /// Reads requests up to `close`, which gives true, or up to the end of standard input.
-    fn read(&self) -> bool {
-        for line in stdin().lines() {
-            let line = line.map_err(Error::file("stdin", "read"));
-            let wrong = |error: serde_json::Error| Error::Usage(format!("the request: {error}"));
-            let request = line.and_then(|line| serde_json::from_str::<Request>(&line).map_err(wrong));
-            let mut queue = self.locked();
-            match request {
-                Ok(Request { interrupt: true, close, .. }) => {
-                    queue.waiting.iter_mut().for_each(|(_, is_interrupted)| *is_interrupted = true);
-                    self.signals.set_stop(true);
-                    if close {
-                        return true;
-                    }
+/// Reads requests up to `close`, which gives true, or up to the end of standard input.
+fn read(sender: &Sender<(Result<Request>, usize)>, interrupts: &AtomicUsize, signals: &Signals) -> bool {
+    for line in stdin().lines() {
+        let line = line.map_err(Error::file("stdin", "read"));
+        let wrong = |error: serde_json::Error| Error::Usage(format!("the request: {error}"));
+        match line.and_then(|line| serde_json::from_str::<Request>(&line).map_err(wrong)) {
+            Ok(Request { interrupt: true, close, .. }) => {
+                interrupts.fetch_add(1, Ordering::SeqCst);
+                signals.set_stop(true);
+                if close {
+                    return true;
                 }
-                request => queue.waiting.push_back((request, false)),
             }
-            self.queue.1.notify_all();
+            // Nobody takes requests once the program ends.
+            request => drop(sender.send((request, interrupts.load(Ordering::SeqCst)))),
         }
-        false
     }
-
-    fn locked(&self) -> MutexGuard<'_, Queue> {
-        self.queue.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+    false
 }

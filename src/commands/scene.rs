@@ -36,13 +36,11 @@ pub fn load_from(
             let mut at = |frame: Option<AnimationFrame>| {
                 Scene::load_as(&scene.path, &GltfOptions { frame, ..options.clone() }, progress, assets)
             };
-            let neighbours = match options.frame.filter(|_| motion && is_gltf(&scene.path)) {
-                Some(frame) => {
-                    let mut later = |frames| at(Some(AnimationFrame { number: frame.number + frames, ..frame }));
-                    Some(Box::new([later(-1.0)?, later(1.0)?]))
-                }
-                None => None,
+            let around = |frame: AnimationFrame| -> Result<_> {
+                let mut later = |frames| at(Some(AnimationFrame { number: frame.number + frames, ..frame }));
+                Ok(Box::new([later(-1.0)?, later(1.0)?]))
             };
+            let neighbours = options.frame.filter(|_| motion && is_gltf(&scene.path)).map(around).transpose()?;
             let mut found = at(options.frame)?;
             found.neighbours = neighbours;
             Ok(found)

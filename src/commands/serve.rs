@@ -9,13 +9,13 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::console::{path_text, write_stdout};
-use super::render::args::{DenoisingArgs, FileArgs, GoalArgs, KeepArgs, MessageArgs, ViewerArgs};
+use super::render::args::{GoalArgs, KeepArgs, MessageArgs};
 use super::render::{RenderArgs, Reported, Series, render};
 use super::requests::{Request, Requests};
 use super::scene::{frame_of, load_from, size_of};
 use super::signals::Signals;
 use crate::aov::{Aov, Aovs};
-use crate::cli::{PathArgs, SceneArgs, ViewArgs, samples};
+use crate::cli::{PathArgs, SceneArgs, samples};
 use crate::error::{Error, Location, Result};
 use crate::job::{MOST_SAMPLES, Size};
 use crate::options::{RenderOptions, SIZE, SPP};
@@ -51,7 +51,7 @@ pub struct ServeArgs {
 pub fn run(args: &ServeArgs) -> Result<()> {
     let text = is_standard(&args.scene.path).then(text).transpose()?.unwrap_or_default();
     let signals = Signals::listen("nothing has been written");
-    let mut requests = Requests::listen(&signals, args.temporary.clone())?;
+    let requests = Requests::listen(&signals, args.temporary.clone())?;
     let mut server = Server::open(args.clone(), &text, signals.clone())?;
     let scene = &server.scene;
     let materials: Vec<&String> = scene.materials.iter().map(|(name, _)| name).collect();
@@ -59,11 +59,12 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let Camera { look_from, look_at, aperture, focus_distance, .. } = scene.camera;
     let focus = (aperture > 0.0).then(|| focus_distance.unwrap_or((look_at - look_from).length()));
     let names = scene.object_names();
-    print(&json!({"objects": names, "materials": materials, "image": image, "size": size, "focus": focus}))?;
+    let opened = json!({"objects": names, "materials": materials, "image": image, "size": size, "focus": focus});
+    write_stdout(&format!("{opened}\n"))?;
     while let Some(request) = requests.next() {
         let rendered = request.and_then(|request| server.render(&request));
         let lost = server.series.session.devices.iter().find_map(|device| device.check().err());
-        print(&server.answer(rendered, lost.is_some()))?;
+        write_stdout(&format!("{}\n", server.answer(rendered, lost.is_some())))?;
         match lost {
             _ if signals.have_come() => return Err(signals.interrupted("the session ends")),
             Some(error) => return Err(error),
@@ -73,14 +74,11 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     Ok(())
 }
 
-/// The frame that a glTF file is read for, and whether those around it are. In a scene file, frames move the shutter.
-type OfGltf = (Option<f64>, bool);
-
 struct Server {
     args: RenderArgs,
-    /// The scene, and what of a glTF file was read.
     scene: Scene,
-    read: OfGltf,
+    /// The frame that a glTF file was read for, and whether those around it were. In a scene file, frames move the shutter.
+    read: (Option<f64>, bool),
     series: Series,
 }
 
@@ -132,14 +130,14 @@ impl Server {
     }
 }
 
-fn read_for(args: &RenderArgs) -> OfGltf {
+fn read_for(args: &RenderArgs) -> (Option<f64>, bool) {
     match is_gltf(&args.scene.path) {
         true => (args.scene.gltf.frame, args.options.aov.has(Aov::Motion)),
         false => (None, false),
     }
 }
 
-fn load(args: &RenderArgs, (frame, motion): OfGltf, text: &str, assets: &mut Assets) -> Result<Scene> {
+fn load(args: &RenderArgs, (frame, motion): (Option<f64>, bool), text: &str, assets: &mut Assets) -> Result<Scene> {
     let mut scene = args.scene.clone();
     scene.gltf.frame = frame;
     load_from(&scene, motion, text.as_bytes(), &mut |_, _, _| {}, assets)
@@ -154,25 +152,13 @@ impl ServeArgs {
     /// The arguments of a render without its output.
     fn into_render(self) -> RenderArgs {
         let ServeArgs { scene, size, spp, paths, options, no_state, .. } = self;
-        let checkpoint = Duration::from_secs(60);
         RenderArgs {
-            scene,
-            files: FileArgs::default(),
             goal: GoalArgs { size, spp, ..GoalArgs::default() },
-            paths,
-            view: ViewArgs::default(),
-            denoising: DenoisingArgs::default(),
-            viewers: ViewerArgs::default(),
-            keep: KeepArgs { checkpoint, resume: None, watch: false, mixed_drivers: false, no_state, force: true },
+            keep: KeepArgs { checkpoint: Duration::from_secs(60), no_state, force: true, ..KeepArgs::default() },
             messages: MessageArgs { quiet: true, json: true, ..MessageArgs::default() },
-            options,
-            profile: false,
+            ..RenderArgs { scene, paths, options, ..RenderArgs::default() }
         }
     }
-}
-
-fn print(answer: &Value) -> Result<()> {
-    write_stdout(&format!("{answer}\n"))
 }
 
 /// The scene's text in the first line.

@@ -70,7 +70,7 @@ impl Signals {
 
     /// Sets whether a request stops the present work, as a signal does.
     pub fn set_stop(&self, stop: bool) {
-        self.0.stop.store(stop, Ordering::Relaxed);
+        self.0.stop.store(stop, Ordering::SeqCst);
     }
 
     /// Changes what is lost if a signal ends the program at once.

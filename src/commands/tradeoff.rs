@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::{Args, Parser};
+use glam::DVec2;
 
 use super::console::{path_text, print_json, print_line, tell, tell_measured};
 use super::outputs::{check_name, make_folder};
@@ -265,10 +266,8 @@ fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
     if size == (image.width, image.height) {
         return image;
     }
-    let mut counted_in = (scene.image.width, scene.image.height);
-    let projection = scene.camera.projection().of_middle((image.width, image.height), size, &mut counted_in);
-    (scene.image.width, scene.image.height) = counted_in;
-    (scene.camera.projection, scene.camera.vertical_fov) = (Some(projection), None);
+    let share = |part: u32, all: u32| f64::from(part) / f64::from(all);
+    scene.camera.middle = Some(DVec2::new(share(size.0, image.width), share(size.1, image.height)));
     let (left, top) = ((image.width - size.0) as usize / 2, (image.height - size.1) as usize / 2);
     let cut = |pixels: &[[f32; 3]]| -> Pixels {
         let rows = pixels.chunks(image.width as usize).skip(top).take(size.1 as usize);

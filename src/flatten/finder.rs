@@ -1,7 +1,6 @@
 //! Finds the primitives and media of a scene, each with the transform from its own space to the world.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -14,6 +13,9 @@ use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
 
+/// The name of the innermost `Named` around an object, if there is one; and its place among the objects of the scene.
+type Name<'a> = (Option<&'a str>, usize);
+
 /// A primitive, with the transform that its texture needs.
 pub struct Primitive<'a> {
     pub object: &'a Object,
@@ -23,22 +25,6 @@ pub struct Primitive<'a> {
     pub to_world: Similarity,
     pub motion: Motion,
     pub material: u32,
-}
-
-/// The name of an object: that of the innermost `Named` around it, or else its place among the objects of the scene.
-#[derive(Clone, Copy)]
-pub enum Name<'a> {
-    Given(&'a str),
-    Place(usize),
-}
-
-impl fmt::Display for Name<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Name::Given(name) => f.write_str(name),
-            Name::Place(index) => write!(f, "objects[{index}]"),
-        }
-    }
 }
 
 /// The primitives, each with its index among those of its kind: that in the table of the kind.
@@ -100,7 +86,7 @@ impl<'a> Finder<'a> {
             meshes,
             eye,
             shutter: Shutter::new(camera),
-            name: Name::Place(0),
+            name: (None, 0),
             primitives: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),
@@ -110,7 +96,7 @@ impl<'a> Finder<'a> {
     /// Adds the primitives, media and lights of the scene's objects.
     pub fn add_all(&mut self, objects: &'a [Object], world: &Placement) {
         for (index, object) in objects.iter().enumerate() {
-            self.name = Name::Place(index);
+            self.name = (None, index);
             self.add(object, world);
         }
     }
@@ -118,9 +104,9 @@ impl<'a> Finder<'a> {
     fn add(&mut self, object: &'a Object, at: &Placement) {
         match object {
             Object::Named { name, object } => {
-                let outer = std::mem::replace(&mut self.name, Name::Given(name));
+                let outer = self.name.0.replace(name);
                 self.add(object, at);
-                self.name = outer;
+                self.name.0 = outer;
             }
             Object::Transformed { by, object } => self.add(object, &at.transformed(by)),
             Object::Moving { keys, object } => self.add(object, &at.moving(keys, self.shutter)),

@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use super::finder::Finder;
 use super::motion::Placement;
 use super::projection::Film;
 use super::view::axes_of;
 use crate::aov::SceneSpace;
-use crate::scene::{Camera, FPS, Mesh, Object, Scene};
+use crate::scene::{Camera, FPS, Mesh, Scene};
 use crate::shape::mesh;
 use crate::shape::similarity::Similarity;
 
@@ -88,12 +88,9 @@ impl Moment {
         let shapes = mesh::shapes(&scene.meshes);
         let mut finder = Finder::new(scene, &shapes, camera.look_from, camera);
         finder.add_all(&scene.objects, &Placement::resting(Similarity::IDENTITY));
-        let mesh_of = |object: &Object| match object {
-            Object::Mesh { path, .. } => scene.meshes.get(path).map(Arc::clone),
-            _ => None,
-        };
         let object = |found: super::finder::Primitive<'_>| {
-            (Placement { to_world: found.to_world, motion: found.motion }, mesh_of(found.object))
+            let mesh = found.shape.mesh().and_then(|mesh| scene.meshes.get(mesh.path));
+            (Placement { to_world: found.to_world, motion: found.motion }, mesh.map(Arc::clone))
         };
         Moment { camera: camera.clone(), objects: finder.primitives.into_iter().map(object).collect() }
     }
@@ -120,8 +117,7 @@ fn bent(mesh: &Mesh, then: &Mesh, face: u32, p: DVec3) -> Option<DVec3> {
         return None;
     };
     let (u, v, w) = (b - a, c - a, p - a);
-    let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
-    let area = uu * vv - uv * uv;
-    let (s, t) = ((vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area);
-    Some(a_then + s * (b_then - a_then) + t * (c_then - a_then))
+    let products = DMat2::from_cols_array(&[u.dot(u), u.dot(v), u.dot(v), v.dot(v)]);
+    let share = products.inverse() * DVec2::new(w.dot(u), w.dot(v));
+    Some(a_then + share.x * (b_then - a_then) + share.y * (c_then - a_then))
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DVec2, DVec3};
+use glam::{DMat2, DVec2, DVec3};
 
 use crate::data;
 use crate::scene::{Camera, Distortion, FisheyeModel, ImageSize, Projection};
@@ -19,8 +19,8 @@ pub enum Film {
     /// A lens that shows angles to its axis at distances from it. `middle`: where the axis meets the film; `step`: how the distance changes from
     /// one pixel to the next; `most`: the largest angle.
     Round { lens: Lens, middle: DVec2, step: DVec2, most: f64 },
-    /// The same of points of a plane at distance 1, and a tangential distortion beside it.
-    Brown { lens: Brown, middle: DVec2, step: DVec2 },
+    /// The same of distances on a plane at distance 1, and a tangential distortion beside it.
+    Brown { lens: Brown, middle: DVec2, step: DVec2, most: f64 },
 }
 
 /// A lens that is the same around its axis.
@@ -42,51 +42,47 @@ impl Lens {
     }
 }
 
-/// The distortion of Brown (shaders/camera/calibrated). `fold`: the largest distance at which it is not yet folded.
+/// The distortion of Brown, radial and tangential (shaders/camera/calibrated).
 #[derive(Clone, Copy, Debug)]
-pub struct Brown {
-    radial: [f64; 4],
-    tangential: [f64; 2],
-    fold: f64,
-}
+pub struct Brown([f64; 4], [f64; 2]);
 
 impl Brown {
-    /// A point at distance 1 as it shows it, with the derivatives dx/dx, dx/dy = dy/dx, and dy/dy.
-    fn distorted(&self, p: DVec2) -> (DVec2, [f64; 3]) {
-        let Brown { radial: [k1, k2, k3, _], tangential: [p1, p2], .. } = self;
+    /// A point at distance 1 as it shows it, with the derivatives.
+    fn distorted(&self, p: DVec2) -> (DVec2, DMat2) {
+        let Brown([k1, k2, k3, _], [p1, p2]) = self;
         let s = p.length_squared();
         let radial = 1.0 + s * (k1 + s * (k2 + s * k3));
         let slope = k1 + s * (2.0 * k2 + s * 3.0 * k3);
         let shift = DVec2::new(p2 * (s + 2.0 * p.x * p.x), p1 * (s + 2.0 * p.y * p.y));
         let point = radial * p + 2.0 * p.x * p.y * DVec2::new(*p1, *p2) + shift;
+        let mixed = 2.0 * (p.x * p.y * slope + p1 * p.x + p2 * p.y);
         let dx = radial + 2.0 * (p.x * p.x * slope + p1 * p.y + 3.0 * p2 * p.x);
         let dy = radial + 2.0 * (p.y * p.y * slope + 3.0 * p1 * p.y + p2 * p.x);
-        (point, [dx, 2.0 * (p.x * p.y * slope + p1 * p.x + p2 * p.y), dy])
+        (point, DMat2::from_cols_array(&[dx, mixed, mixed, dy]))
     }
 
     /// The same where the image is not folded.
-    fn shown(&self, p: DVec2) -> Option<DVec2> {
-        let (point, [dx, mixed, dy]) = self.distorted(p);
-        (p.length() <= self.fold && dx * dy > mixed * mixed).then_some(point)
+    fn shown(&self, p: DVec2, fold: f64) -> Option<DVec2> {
+        let (point, slopes) = self.distorted(p);
+        (p.length() <= fold && slopes.determinant() > 0.0).then_some(point)
     }
 
     /// Whether it shows a point here.
-    fn shows(&self, aim: DVec2) -> bool {
-        let distance = |r: f64| Lens::Radial(self.radial).distance(r) - aim.length();
-        let mut p = root(distance, -self.fold, self.fold).unwrap_or(self.fold) * aim.normalize_or_zero();
+    fn shows(&self, aim: DVec2, fold: f64) -> bool {
+        let distance = |r: f64| Lens::Radial(self.0).distance(r) - aim.length();
+        let mut p = root(distance, -fold, fold).unwrap_or(fold) * aim.normalize_or_zero();
         for _ in 0..8 {
-            let (found, [dx, mixed, dy]) = self.distorted(p);
-            let rest = (aim - found) / (dx * dy - mixed * mixed);
-            p += DVec2::new(dy * rest.x - mixed * rest.y, dx * rest.y - mixed * rest.x);
+            let (found, slopes) = self.distorted(p);
+            p += slopes.inverse() * (aim - found);
         }
-        self.shown(p).is_some_and(|found| (found - aim).length() < 1e-6 * (1.0 + aim.length()))
+        self.shown(p, fold).is_some_and(|found| (found - aim).length() < 1e-6 * (1.0 + aim.length()))
     }
 }
 
 impl Film {
     /// The film of an image of `size` pixels. `image` is the size that the scene counts in.
     pub fn new(camera: &Camera, size: (u32, u32), image: ImageSize) -> Film {
-        let extent = DVec2::new(f64::from(size.0), f64::from(size.1));
+        let extent = DVec2::new(f64::from(size.0), f64::from(size.1)) / camera.middle.unwrap_or(DVec2::ONE);
         // A mirrored camera looks to the left where others look to the right.
         let flip = if camera.mirror { -1.0 } else { 1.0 };
         match camera.projection() {
@@ -114,9 +110,9 @@ impl Film {
                 };
                 match distortion.unwrap_or(Distortion::Brown { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 }) {
                     Distortion::Brown { k1, k2, p1, p2, k3 } => {
-                        let (radial, tangential) = ([k1, k2, k3, 0.0], [p1, flip * p2]);
-                        let lens = Brown { radial, tangential, fold: fold(radial, FARTHEST) };
-                        Film::Brown { lens, middle, step }
+                        let radial = [k1, k2, k3, 0.0];
+                        let (lens, most) = (Brown(radial, [p1, flip * p2]), fold(radial, FARTHEST));
+                        Film::Brown { lens, middle, step, most }
                     }
                     Distortion::KannalaBrandt { k1, k2, k3, k4 } => {
                         let radial = [k1, k2, k3, k4];
@@ -160,21 +156,15 @@ impl Film {
 
     /// Writes the numbers that kernels have of it.
     pub fn write(&self, settings: &mut data::Settings) {
-        let (Film::Panorama { middle, step } | Film::Round { middle, step, .. } | Film::Brown { middle, step, .. }) =
-            self
-        else {
-            return;
-        };
-        settings.film = [middle.x, middle.y, step.x, step.y].map(|x| x as f32);
-        match self {
-            Film::Round { lens: Lens::Radial(radial), most, .. } => {
-                (settings.distortion, settings.fold) = (radial.map(|x| x as f32), *most as f32);
-            }
-            Film::Brown { lens: Brown { radial, tangential, fold }, .. } => {
-                (settings.distortion, settings.fold) = (radial.map(|x| x as f32), *fold as f32);
-                settings.tangential = tangential.map(|x| x as f32);
-            }
-            _ => {}
+        use Film::{Brown as OfBrown, Panorama, Round};
+        if let Panorama { middle, step } | Round { middle, step, .. } | OfBrown { middle, step, .. } = self {
+            settings.film = [middle.x, middle.y, step.x, step.y].map(|x| x as f32);
+        }
+        if let Round { lens: Lens::Radial(radial), most, .. } | OfBrown { lens: Brown(radial, _), most, .. } = self {
+            (settings.distortion, settings.fold) = (radial.map(|x| x as f32), *most as f32);
+        }
+        if let OfBrown { lens: Brown(_, tangential), .. } = self {
+            settings.tangential = tangential.map(|x| x as f32);
         }
     }
 
@@ -183,7 +173,7 @@ impl Film {
         match self {
             Film::Plane { .. } | Film::Parallel { .. } | Film::Panorama { .. } => true,
             Film::Round { lens, middle, step, most } => ((at - *middle) * *step).length() <= lens.distance(*most),
-            Film::Brown { lens, middle, step } => lens.shows((at - *middle) * *step),
+            Film::Brown { lens, middle, step, most } => lens.shows((at - *middle) * *step, *most),
         }
     }
 
@@ -201,8 +191,8 @@ impl Film {
                 let angle = across.length().atan2(forward);
                 (angle <= *most).then(|| across.normalize_or_zero() * lens.distance(angle) / *step + *middle)
             }
-            Film::Brown { lens, middle, step } if forward > 0.0 => {
-                Some(lens.shown(across / forward)? / *step + *middle)
+            Film::Brown { lens, middle, step, most } if forward > 0.0 => {
+                Some(lens.shown(across / forward, *most)? / *step + *middle)
             }
             Film::Brown { .. } => None,
         }
@@ -261,4 +251,40 @@ fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> 
         *if (value(half) < 0.0) == is_negative { &mut low } else { &mut high } = half;
     }
     Some(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::Scene;
+
+    /// The film of an image's middle is the middle of the image's film.
+    #[test]
+    fn the_middle_of_an_image_shows_what_the_image_shows() {
+        for projection in [
+            "vertical_fov: 40",
+            "projection: Orthographic(height: 3)",
+            "projection: Equirectangular(horizontal: (-100, 60), vertical: (-30, 90))",
+            "projection: Fisheye(model: Equisolid, fov: 160)",
+            "projection: Calibrated(fx: 18, fy: 15, cx: 17, cy: 8, distortion: Brown(k1: -0.2, p2: 0.01))",
+            "projection: Calibrated(fx: 9, fy: 9, cx: 16, cy: 9, distortion: KannalaBrandt(k1: -0.02))",
+        ] {
+            let text = format!(
+                "Scene(image: (width: 32, height: 18), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), {projection}),
+                background: Solid((0, 0, 0)), materials: {{}}, objects: [])"
+            );
+            let scene = Scene::parse(&text, Path::new("test.ron")).unwrap();
+            let whole = Film::new(&scene.camera, (64, 36), scene.image);
+            let middle = Some(DVec2::new(0.5, 1.0 / 3.0));
+            let part = Film::new(&Camera { middle, ..scene.camera.clone() }, (32, 12), scene.image);
+            for direction in [DVec3::new(0.1, -0.05, 1.0), DVec3::new(-0.2, 0.3, 1.1)] {
+                let (all, own) = (whole.point(direction).unwrap(), part.point(direction).unwrap());
+                assert!((all - own).length() < 1e-12 * all.length(), "{projection}: {all} {own}");
+                let wrong = Film::new(&scene.camera, (32, 12), scene.image).point(direction).unwrap();
+                assert!((all - wrong).length() > 0.1 * all.length(), "{projection}");
+            }
+        }
+    }
 }

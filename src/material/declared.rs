@@ -67,8 +67,7 @@ declare! {
         Metal: metal, "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)" {
             albedo: Texture = lambertian::FIELDS.albedo;
             /// Roughness. A random vector of at most this length is added to the reflected direction, which has the length 1.
-            #[serde(default)]
-            fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
+            @default fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             one_sided: bool = lambertian::FIELDS.one_sided;
         }

@@ -176,9 +176,10 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
         };
         components.filter_map(entry).collect::<Vec<Entry>>()
     };
-    let of_truth = |names: Vec<String>| {
+    let of_truth = |names: Vec<&str>| {
         let why = reason_of(facts, "truth").cloned().unwrap_or(Reason::EveryRender);
-        let entry = |(number, name)| Entry { name, number, closes: false, why: why.clone() };
+        let entry =
+            |(number, name): (u32, &str)| Entry { name: name.to_owned(), number, closes: false, why: why.clone() };
         (0..).zip(names).map(entry).collect::<Vec<Entry>>()
     };
     let channels = (0..).zip(aovs.sums().filter(|sum| sum.finder() == Finder::Hit));
@@ -188,7 +189,7 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
         ("hit_sum", sums_of(Finder::Hit, "aov_hit")),
         ("surface_sum", sums_of(Finder::Surface, "aov_surface")),
         ("direct_sum", sums_of(Finder::Direct, "aov.direct")),
-        ("truth_channel", of_truth(aovs.names_in_kernels().map(str::to_string).collect())),
+        ("truth_channel", of_truth(aovs.stored().map(|(_, name, _)| name).collect())),
         ("truth_word", of_truth(aovs.words_of_kernels())),
     ])
 }

@@ -239,11 +239,6 @@ impl Planned {
     }
 }
 
-/// Whether these are one by one the same.
-fn same<T>(a: &[Arc<T>], b: &[Arc<T>]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
-}
-
 impl DeviceRenderer {
     /// Allocates the buffers and compiles the kernels.
     ///
@@ -327,13 +322,12 @@ impl DeviceRenderer {
     /// `Error::Device` if the device has failed.
     pub fn take(&mut self, plan: &Plan<'_>, job: &Job) -> Result<bool> {
         let specs = plan.buffers();
-        let next = Planned::new(plan, &specs);
-        let before = std::mem::replace(&mut self.planned, next);
-        let has_kernels = same(&before.kernels, &self.planned.kernels);
+        let before = std::mem::replace(&mut self.planned, Planned::new(plan, &specs));
+        let has_kernels = before.kernels.iter().map(Arc::as_ptr).eq(self.planned.kernels.iter().map(Arc::as_ptr));
         if !has_kernels || before.buffers != self.planned.buffers || self.tuning != plan.tuning {
             return Ok(false);
         }
-        let has_images = same(&before.images, &self.planned.images);
+        let has_images = before.images == self.planned.images;
         let is_new = |spec: &&BufferSpec<'_>| !(has_images && spec.name == "texels");
         self.buffers.fill(&self.device, specs.iter().filter(is_new))?;
         self.settings = settings_of(plan, job);

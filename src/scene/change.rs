@@ -1,6 +1,6 @@
 //! Changes of a scene by a request: another camera, objects placed elsewhere, other values of materials and lights.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use glam::{DAffine3, DMat4, DVec4};
@@ -64,9 +64,9 @@ impl Scene {
 
     /// The names that objects have.
     pub fn object_names(&self) -> Vec<&str> {
-        let mut names = Vec::new();
+        let (mut names, mut known) = (Vec::new(), HashSet::new());
         self.visit_objects(&mut |_, object| match object {
-            Object::Named { name, .. } if !names.contains(&name.as_str()) => names.push(name.as_str()),
+            Object::Named { name, .. } if known.insert(name) => names.push(name.as_str()),
             _ => {}
         });
         names

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use clap::ValueEnum;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::animation_frame::FPS;
@@ -69,6 +69,10 @@ declare! {
         /// Where the camera is at which times, in place of `look_from` and `look_at`. Both points move straight from key to key. The times do
         /// not decrease; before the first key and behind the last one the camera rests.
         @default moving: Vec<(f64, CameraKey)> = other("a list of keys: [(seconds, (look_from: .., look_at: ..)), ..]").or("[]");
+        ..
+        /// The shares of the image's width and height around its middle that are rendered, if not all.
+        #[serde(skip)]
+        middle: Option<DVec2>
     }
 }
 
@@ -220,8 +224,7 @@ declare! {
             center: DVec3 = point();
             /// The distance from the middle to the surface.
             radius: f64 = LENGTH;
-            #[serde(default)]
-            material: Option<String> = MATERIAL;
+            @default material: Option<String> = MATERIAL;
         }
         /// A parallelogram. Its normal is u × v.
         Quad: quad, "Quad(corner: (-1, 0, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"matt\")" {
@@ -231,8 +234,7 @@ declare! {
             u: DVec3 = vector();
             /// The other edge, in scene units, not parallel to u; v of images.
             v: DVec3 = vector();
-            #[serde(default)]
-            material: Option<String> = MATERIAL;
+            @default material: Option<String> = MATERIAL;
         }
         /// A box along the axes; a transform turns it. Each face shows a whole image.
         Box: cuboid, "Box(min: (-1, 0, -1), max: (1, 2, 1), material: \"matt\")" {
@@ -240,8 +242,7 @@ declare! {
             min: DVec3 = point();
             /// The corner with the highest; each is above that of `min`.
             max: DVec3 = point();
-            #[serde(default)]
-            material: Option<String> = MATERIAL;
+            @default material: Option<String> = MATERIAL;
         }
         /// The triangles of a file. The outside of a triangle is where its corners run counter-clockwise. Without normals in the file it
         /// is flat-shaded. A file is read once, however many meshes name it.
@@ -250,8 +251,7 @@ declare! {
             /// `room.glb#meshes/0/primitives/1`, or `car.obj#materials/0`: the faces of one material.
             #[serde(skip_serializing)]
             path: String = other(PATH);
-            #[serde(default)]
-            material: Option<String> = MATERIAL;
+            @default material: Option<String> = MATERIAL;
         }
         /// A flat disk. Images fill the square around it: v is the direction that is nearest to +y, or -z where the normal is +y or -y,
         /// and u is v × normal.
@@ -262,8 +262,7 @@ declare! {
             normal: DVec3 = vector();
             /// The distance from the middle to the edge.
             radius: f64 = LENGTH;
-            #[serde(default)]
-            material: Option<String> = MATERIAL;
+            @default material: Option<String> = MATERIAL;
         }
         /// A light without size that is equally bright in all directions. No ray can hit it, so the camera does not see it, nor does a
         /// mirror. Mirrors and glass stop its light, but smooth panes (`ThinDielectric`) let it pass: only light sampling finds it, and
@@ -282,8 +281,7 @@ declare! {
             towards: DVec3 = point();
             intensity: Colour = point_light::FIELDS.intensity;
             /// The angle from the middle of the beam up to which the light has its whole intensity; at most `outer`.
-            #[serde(default)]
-            inner: f64 = ANGLE.or("0");
+            @default inner: f64 = ANGLE.or("0");
             /// The angle from which on it has none. Between them it falls as in glTF: by the square of the share of the cosine.
             #[serde(default = "default_outer")]
             outer: f64 = ANGLE.or("45");
@@ -374,8 +372,7 @@ declare! {
             /// The scattered share of that light; the rest is absorbed. An `Image` is not allowed.
             albedo: Texture = texture(Use::Albedo.range());
             /// Henyey and Greenstein's g: above 0 most light is scattered forwards, below 0 back.
-            #[serde(default)]
-            anisotropy: f64 = number(Range::between(-1.0, 1.0), NO_UNIT).or("0");
+            @default anisotropy: f64 = number(Range::between(-1.0, 1.0), NO_UNIT).or("0");
         }
     }
 }

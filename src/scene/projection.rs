@@ -119,16 +119,6 @@ impl FisheyeModel {
     pub fn most_angle(self) -> f64 {
         if self == FisheyeModel::Orthographic { FRAC_PI_2 } else { PI }
     }
-
-    /// The angle of r in radians, if there is one.
-    pub fn angle(self, radius: f64) -> Option<f64> {
-        match self {
-            FisheyeModel::Equidistant => (radius <= PI).then_some(radius),
-            FisheyeModel::Equisolid => (radius <= 2.0).then(|| 2.0 * (0.5 * radius).asin()),
-            FisheyeModel::Stereographic => Some(2.0 * (0.5 * radius).atan()),
-            FisheyeModel::Orthographic => (radius <= 1.0).then(|| radius.asin()),
-        }
-    }
 }
 
 fn whole_turn() -> (f64, f64) {
@@ -143,7 +133,7 @@ impl Projection {
     /// The errors of what a form's numbers cannot say alone.
     pub fn errors(&self, at: &ValuePath) -> Vec<Error> {
         let at = &at.variant(self.name());
-        let mut errors = self.check_fields(at);
+        let errors = self.check_fields(at);
         if !errors.is_empty() {
             return errors;
         }
@@ -164,59 +154,17 @@ impl Projection {
                 angles("vertical", *vertical, Range::from_to(-90.0, 90.0), 180.0),
             ],
             Projection::Fisheye { model, fov } => {
-                let most = if *model == FisheyeModel::Orthographic { 180.0 } else { 360.0 };
-                let fits = *fov < most || *fov == most && *model != FisheyeModel::Stereographic;
-                let below = if *model == FisheyeModel::Stereographic { "below" } else { "at most" };
-                let error = || {
-                    at.field("fov").error(format!("fov: expected {below} {most} degrees with {model:?}, found {fov}"))
-                };
-                vec![if fits { Ok(()) } else { Err(error()) }]
+                let most = 2.0 * model.most_angle().to_degrees();
+                let is_open = *model == FisheyeModel::Stereographic;
+                let range = if is_open { Range::between(0.0, most) } else { Range::from_to(0.0, most) };
+                vec![range.check(&at.field("fov"), &format!("fov of {model:?}"), DEGREES, *fov)]
             }
             Projection::Calibrated { distortion: Some(distortion), .. } => {
-                errors.extend(distortion.check_fields(&at.field("distortion").variant(distortion.name())));
-                Vec::new()
+                let errors = distortion.check_fields(&at.field("distortion").variant(distortion.name()));
+                errors.into_iter().map(Err).collect()
             }
             _ => Vec::new(),
         };
-        errors.extend(checks.into_iter().filter_map(Result::err));
-        errors
-    }
-
-    /// The projection of the middle of an image, where pixels stay as they are. `image`: the size that `Calibrated` counts in, before and
-    /// behind the crop.
-    pub fn of_middle(&self, size: (u32, u32), middle: (u32, u32), image: &mut (u32, u32)) -> Projection {
-        let share = (f64::from(middle.0) / f64::from(size.0), f64::from(middle.1) / f64::from(size.1));
-        let narrower = |(from, to): (f64, f64), share: f64| {
-            let (center, half) = (0.5 * (from + to), 0.5 * (to - from) * share);
-            (center - half, center + half)
-        };
-        match self {
-            // Pixels stay as high as they were on the plane at distance 1.
-            Projection::Perspective { vertical_fov } => {
-                let half = (0.5 * vertical_fov).to_radians().tan() * share.1;
-                Projection::Perspective { vertical_fov: 2.0 * half.atan().to_degrees() }
-            }
-            Projection::Orthographic { height } => Projection::Orthographic { height: height * share.1 },
-            Projection::Equirectangular { horizontal, vertical } => Projection::Equirectangular {
-                horizontal: narrower(*horizontal, share.0),
-                vertical: narrower(*vertical, share.1),
-            },
-            Projection::Fisheye { model, fov } => {
-                let half = model.angle(model.radius((0.5 * fov).to_radians()) * share.1).unwrap_or_default();
-                Projection::Fisheye { model: *model, fov: 2.0 * half.to_degrees() }
-            }
-            Projection::Calibrated { fx, fy, cx, cy, distortion } => {
-                let scale = (f64::from(size.0) / f64::from(image.0), f64::from(size.1) / f64::from(image.1));
-                let (left, top) = ((size.0 - middle.0) / 2, (size.1 - middle.1) / 2);
-                *image = middle;
-                Projection::Calibrated {
-                    fx: fx * scale.0,
-                    fy: fy * scale.1,
-                    cx: cx * scale.0 - f64::from(left),
-                    cy: cy * scale.1 - f64::from(top),
-                    distortion: distortion.clone(),
-                }
-            }
-        }
+        checks.into_iter().filter_map(Result::err).collect()
     }
 }

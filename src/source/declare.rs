@@ -147,7 +147,7 @@ macro_rules! declare {
         $(#[serde $serde:tt])?
         $(@$default:ident)?
         $field:ident: $type:ty = $form:expr;
-    )* }) => {
+    )* $(.. $(#[$not_read:meta])* $other:ident: $other_type:ty)? }) => {
         $(#[doc = $about])*
         #[derive $derive]
         #[serde $read]
@@ -155,8 +155,8 @@ macro_rules! declare {
             $(#[doc = $meaning])*
             $(#[serde $serde])?
             $(#[serde($default, skip_serializing_if = "crate::source::declare::is_default")])?
-            pub $field: $type
-        ),* }
+            pub $field: $type,
+        )* $($(#[$not_read])* pub $other: $other_type)? }
 
         impl $struct {
             /// The errors of its numbers; `at` is its path.

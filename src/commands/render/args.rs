@@ -13,7 +13,7 @@ use crate::commands::scene::stem_of;
 use crate::job::{Crop, Size};
 use crate::options::{Class, DENOISE, RenderOptions, SIZE, SPP};
 
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -107,7 +107,7 @@ pub struct ViewerArgs {
 }
 
 /// What is kept of renders: of this one while it goes on, and of earlier ones.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct KeepArgs {
     /// Write the image so far at this interval, and the PNG too [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
