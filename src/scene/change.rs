@@ -104,10 +104,7 @@ impl Scene {
             let inner = Box::new(std::mem::replace(*object, Object::Group(Vec::new())));
             **object = Object::Transformed { by: by.clone(), object: inner };
         }
-        match found.is_empty() {
-            true => Err(unknown(&at, "object", name, &self.object_names())),
-            false => Ok(()),
-        }
+        (!found.is_empty()).then_some(()).ok_or_else(|| unknown(&at, "object", name, &self.object_names()))
     }
 
     /// Gives a material, or the lights of a name, other values.
