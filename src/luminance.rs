@@ -46,7 +46,11 @@ impl<'a> Luminance<'a> {
     pub fn mean(&self, area: &Area) -> f64 {
         match self {
             Luminance::Image(sums) => sums.mean(area.low, area.high),
-            Luminance::Solid(texture, mean) => at_point(texture, area.middle).max(LEAST_OF_POINTS * mean),
+            Luminance::Solid(texture, mean) => {
+                let uv = 0.5 * (area.low + area.high);
+                let at = if texture.needs_uv() { uv.rem_euclid(DVec2::ONE).extend(0.0) } else { area.middle };
+                at_point(texture, at).max(LEAST_OF_POINTS * mean)
+            }
         }
     }
 }
@@ -54,7 +58,7 @@ impl<'a> Luminance<'a> {
 /// A solid texture at a point, as under shaders/texture.
 fn at_point(texture: &Texture, p: DVec3) -> f64 {
     match *texture {
-        Texture::Checker { scale, even, odd } => {
+        Texture::Checker { scale, even, odd, .. } => {
             let cell = (p / scale).floor();
             let is_even = (cell.x + cell.y + cell.z).rem_euclid(2.0) == 0.0;
             luminance(if is_even { even } else { odd }.to_array())

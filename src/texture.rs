@@ -10,7 +10,7 @@ use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
 use crate::error::{Error, Result};
 use crate::source::declare::declare;
-use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, integer, number, other};
+use crate::source::form::{Checked, Field, Form, PATH, Takes, colour, flag, integer, number, other};
 use crate::source::{NO_UNIT, Range, SCENE_UNITS, ValuePath};
 
 /// A linear Rec. 709 colour: red, green, blue.
@@ -45,6 +45,8 @@ declare! {
             even: Colour = COLOUR;
             /// Where it is odd.
             odd: Colour = COLOUR;
+            /// Whether it has squares in texture coordinates, as an image has them, in place of cubes in space. A side of 1 is all of the image.
+            @default uv: bool = flag().or("false");
         }
         /// An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.
         Image: image, "Image(path: \"textures/planet.png\")" {
@@ -132,7 +134,7 @@ pub fn normal_map<'a, D: Deserializer<'a>>(from: D) -> std::result::Result<Optio
 }
 
 /// The shader files of the textures that are no plain colour, under shaders/texture. Kernels switch on the indices.
-pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
+pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble", "uv_checker"];
 
 /// The meaning of a texture's values, which determines their range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -235,7 +237,7 @@ impl Texture {
                 Err(at.field(image::FIELDS.channel.name).error("a number has one channel: R, G, B or A"))
             }
             Texture::Rgb(r, g, b) => usage.check(&at, DVec3::new(*r, *g, *b)),
-            Texture::Checker { scale, even, odd } => {
+            Texture::Checker { scale, even, odd, .. } => {
                 checker::FIELDS.scale.check(&at, *scale)?;
                 usage.check(&at.field("even"), *even)?;
                 usage.check(&at.field("odd"), *odd)
@@ -256,9 +258,9 @@ impl Texture {
         }
     }
 
-    /// The path of its image, which needs texture coordinates.
-    pub fn image(&self) -> Option<&String> {
-        self.decoded().map(|(path, _)| path)
+    /// Whether it needs texture coordinates.
+    pub fn needs_uv(&self) -> bool {
+        matches!(self, Texture::Image { .. } | Texture::Checker { uv: true, .. })
     }
 
     /// The set of a mesh's texture coordinates that its image has.
@@ -318,7 +320,8 @@ impl Texture {
     pub fn shader_number(&self) -> Option<usize> {
         match self {
             Texture::Rgb(..) => None,
-            Texture::Checker { .. } => Some(0),
+            Texture::Checker { uv: false, .. } => Some(0),
+            Texture::Checker { uv: true, .. } => Some(4),
             Texture::Image { .. } => Some(1),
             Texture::Noise { .. } => Some(2),
             Texture::Marble { .. } => Some(3),
@@ -384,9 +387,10 @@ impl Texture {
         let kind = self.shader_number()? as u32;
         let mut texture = data::Texture { first: f32s(DVec3::splat(brightness)), kind, ..data::Texture::default() };
         match self {
-            Texture::Checker { even, odd, .. } => {
+            Texture::Checker { scale, even, odd, .. } => {
                 texture.first = f32s(brightness * *even);
                 texture.second = f32s(brightness * *odd);
+                texture.parameter = (1.0 / scale) as f32;
             }
             Texture::Marble { scale } => texture.parameter = *scale as f32,
             Texture::Image { tint, .. } => {
@@ -414,6 +418,7 @@ impl Texture {
         (pole, rotation): (DVec3, &DMat3),
     ) -> Option<data::Frame> {
         let (base, columns, phase) = match *self {
+            Texture::Checker { uv: true, .. } => return Some(Texture::frame_of_coordinates(pole, rotation)),
             Texture::Rgb(..) if usage != Use::Direction => return None,
             Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
             Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),

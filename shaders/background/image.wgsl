@@ -7,5 +7,5 @@ fn image_background(direction: vec3<f32>) -> vec3<f32> {
     let image = ImageLayout(
         settings.background_texel, settings.background_width, settings.background_height, settings.background_format,
     );
-    return settings.background_bottom * image_at(image, at.x, at.y, true);
+    return settings.background_bottom * image_at(image, at.x, at.y, vec2<bool>(true, false));
 }

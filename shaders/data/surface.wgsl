@@ -28,7 +28,7 @@ const NO_HIT: f32 = -1.0;
 // Texture coordinates, and whether the texture continues from u = 1 to u = 0.
 struct SurfaceUv {
     uv: vec2<f32>,
-    wraps: bool,
+    wraps: vec2<bool>,
 }
 
 // Where a ray meets a surface.

@@ -37,7 +37,7 @@ struct TexturePoint {
     phase: f32,
     // For images only.
     uv: vec2<f32>,
-    wraps: bool,
+    wraps: vec2<bool>,
 }
 
 // The point's offset from the frame's origin.

@@ -71,10 +71,10 @@ fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
 // 0..1 over each face. Seen from outside, u goes right and v goes up. On the top and the bottom, u goes along x.
 fn cuboid_uv(cuboid: Cuboid, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     if local.z == 0.0 || local.z == 1.0 {
-        return SurfaceUv(vec2<f32>(select(local.x, 1.0 - local.x, local.z == 0.0), local.y), false);
+        return SurfaceUv(vec2<f32>(select(local.x, 1.0 - local.x, local.z == 0.0), local.y), vec2<bool>(false));
     }
     if local.x == 0.0 || local.x == 1.0 {
-        return SurfaceUv(vec2<f32>(select(local.z, 1.0 - local.z, local.x == 1.0), local.y), false);
+        return SurfaceUv(vec2<f32>(select(local.z, 1.0 - local.z, local.x == 1.0), local.y), vec2<bool>(false));
     }
-    return SurfaceUv(vec2<f32>(local.x, select(local.z, 1.0 - local.z, local.y == 1.0)), false);
+    return SurfaceUv(vec2<f32>(local.x, select(local.z, 1.0 - local.z, local.y == 1.0)), vec2<bool>(false));
 }

@@ -24,5 +24,5 @@ fn disk_surface(ray: Ray, t: f32, square: Quad) -> Surface {
 }
 
 fn disk_uv(square: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    return SurfaceUv(local.xy, false);
+    return SurfaceUv(local.xy, vec2<bool>(false));
 }

@@ -98,5 +98,5 @@ fn large_sphere_surface(ray: Ray, t: f32, large_sphere: LargeSphere) -> Surface 
 
 // `point` is the normal in the object's space.
 fn large_sphere_uv(large_sphere: LargeSphere, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    return SurfaceUv(sphere_uv_at(point), true);
+    return SurfaceUv(sphere_uv_at(point), vec2<bool>(true, false));
 }

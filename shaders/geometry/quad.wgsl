@@ -18,5 +18,5 @@ fn quad_surface(ray: Ray, t: f32, quad: Quad) -> Surface {
 }
 
 fn quad_uv(quad: Quad, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    return SurfaceUv(local.xy, false);
+    return SurfaceUv(local.xy, vec2<bool>(false));
 }

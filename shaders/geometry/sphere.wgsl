@@ -22,5 +22,5 @@ fn sphere_surface(ray: Ray, t: f32, sphere: Sphere) -> Surface {
 
 // `point` is the unit normal in the object's space.
 fn sphere_uv(sphere: Sphere, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    return SurfaceUv(sphere_uv_at(point), true);
+    return SurfaceUv(sphere_uv_at(point), vec2<bool>(true, false));
 }

@@ -84,11 +84,11 @@ fn triangle_surface(ray: Ray, t: f32, triangle: Triangle) -> Surface {
 // The mesh's own texture coordinates, repeated outside 0..1.
 fn triangle_uv(triangle: Triangle, point: vec3<f32>, weights: vec3<f32>) -> SurfaceUv {
     if triangle.instance.to_uvs == NO_UVS {
-        return SurfaceUv(vec2<f32>(0.0), false);
+        return SurfaceUv(vec2<f32>(0.0), vec2<bool>(false));
     }
     let face = meshes[triangle.face] + triangle.instance.to_uvs;
     let a = bitcast<vec2<f32>>(meshes[face.x].xy);
     let b = bitcast<vec2<f32>>(meshes[face.y].xy);
     let c = bitcast<vec2<f32>>(meshes[face.z].xy);
-    return SurfaceUv(fract(weights.x * a + weights.y * b + weights.z * c), true);
+    return SurfaceUv(fract(weights.x * a + weights.y * b + weights.z * c), vec2<bool>(true));
 }

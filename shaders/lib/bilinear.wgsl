@@ -7,8 +7,8 @@ struct Bilinear {
     share: vec2<f32>,
 }
 
-// u goes right and `down` goes to the bottom row, both in [0, 1]. `wraps` joins the right edge to the left.
-fn bilinear(u: f32, down: f32, width: u32, height: u32, wraps: bool) -> Bilinear {
+// u goes right and `down` goes to the bottom row, both in [0, 1]. `wraps` joins the right edge to the left, and the bottom to the top.
+fn bilinear(u: f32, down: f32, width: u32, height: u32, wraps: vec2<bool>) -> Bilinear {
     let w = i32(width);
     let h = i32(height);
     let x = u * f32(width) - 0.5;
@@ -16,12 +16,10 @@ fn bilinear(u: f32, down: f32, width: u32, height: u32, wraps: bool) -> Bilinear
     let left = i32(floor(x));
     let top = i32(floor(y));
     let columns = vec2<i32>(left, left + 1);
-    let wrapped = (columns + vec2<i32>(w)) % vec2<i32>(w);
-    let clamped = clamp(columns, vec2<i32>(0), vec2<i32>(w - 1));
-    let rows = clamp(vec2<i32>(top, top + 1), vec2<i32>(0), vec2<i32>(h - 1));
+    let rows = vec2<i32>(top, top + 1);
     return Bilinear(
-        vec2<u32>(select(clamped, wrapped, wraps)),
-        vec2<u32>(rows),
+        vec2<u32>(select(clamp(columns, vec2<i32>(0), vec2<i32>(w - 1)), (columns + vec2<i32>(w)) % vec2<i32>(w), wraps.x)),
+        vec2<u32>(select(clamp(rows, vec2<i32>(0), vec2<i32>(h - 1)), (rows + vec2<i32>(h)) % vec2<i32>(h), wraps.y)),
         vec2<f32>(x - floor(x), y - floor(y)),
     );
 }

@@ -1,7 +1,7 @@
 //@ implements number_texels when number_images
 //@ use scene/texel
 // An image of colours or of numbers at (u, down), bilinear. Between equal texels of numbers it is their number to the bit, which mix may round.
-fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: bool, is_number: bool) -> vec3<f32> {
+fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: vec2<bool>, is_number: bool) -> vec3<f32> {
     let b = bilinear(u, down, image.width, image.height, wraps);
     let four = four_texels(image, b);
     let above = mix(four.left_above, four.right_above, b.share.x);
@@ -16,6 +16,6 @@ fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: bool, is_nu
 //@ without
 //@ use scene/texel
 // All images have colours.
-fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: bool, is_number: bool) -> vec3<f32> {
+fn colour_or_number_at(image: ImageLayout, u: f32, down: f32, wraps: vec2<bool>, is_number: bool) -> vec3<f32> {
     return image_at(image, u, down, wraps);
 }

@@ -70,7 +70,7 @@ fn sky_parts(row: u32, at: Bilinear, columns: u32, rows: u32) -> f32 {
 
 // The pdf of a direction, which is at this point of the image.
 fn sky_pdf(direction: vec3<f32>, point: vec2<f32>, columns: u32, rows: u32) -> f32 {
-    let at = bilinear(point.x, point.y, columns, rows, true);
+    let at = bilinear(point.x, point.y, columns, rows, vec2<bool>(true, false));
     let parts = mix(sky_parts(at.rows.x, at, columns, rows), sky_parts(at.rows.y, at, columns, rows), at.share.y);
     // The image is 2 pi wide and pi high. At the poles, where it has no width, the bound keeps the pdf finite.
     let sine = max(length(direction.xz), 1e-6);

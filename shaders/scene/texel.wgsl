@@ -43,7 +43,7 @@ fn four_texels(image: ImageLayout, b: Bilinear) -> FourTexels {
 }
 
 // The image at (u, down), both in [0, 1], bilinear.
-fn image_at(image: ImageLayout, u: f32, down: f32, wraps: bool) -> vec3<f32> {
+fn image_at(image: ImageLayout, u: f32, down: f32, wraps: vec2<bool>) -> vec3<f32> {
     let b = bilinear(u, down, image.width, image.height, wraps);
     let four = four_texels(image, b);
     let above = mix(four.left_above, four.right_above, b.share.x);

@@ -9,5 +9,5 @@ fn medium_albedo(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     }
     let frame = frames[medium.frame];
     let offset = along_frame(frame, offset_at_rest(medium, point));
-    return texture_colour(medium.texture, frame, offset, SurfaceUv(vec2<f32>(0.0), false));
+    return texture_colour(medium.texture, frame, offset, SurfaceUv(vec2<f32>(0.0), vec2<bool>(false)));
 }

@@ -1,4 +1,4 @@
-//@ alternative uv when texture.image | truth.uv
+//@ alternative uv when texture.image | texture.uv_checker | truth.uv
 //@ each primitive
 //@ use bind/${name}s
 //@ use geometry/${name}
@@ -18,5 +18,5 @@ fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
 //@ without
 // For scenes whose textures need no texture coordinates.
 fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    return SurfaceUv(vec2<f32>(0.0), false);
+    return SurfaceUv(vec2<f32>(0.0), vec2<bool>(false));
 }

@@ -171,7 +171,7 @@ impl Builder<'_> {
         let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
         let frames = slots.iter().filter_map(|slot| {
             let frame = slot.texture.frame(slot.usage, space, (pole, &to_world.rotation))?;
-            let mesh = shape.mesh().filter(|_| slot.texture.image().is_some() || slot.usage == Use::Direction);
+            let mesh = shape.mesh().filter(|_| slot.texture.needs_uv() || slot.usage == Use::Direction);
             Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(slot, mesh) as f32, ..frame }))
         });
         let frames: Vec<_> = frames.collect();

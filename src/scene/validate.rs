@@ -240,13 +240,13 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
         }
         Object::Medium { boundary, albedo, .. } => {
             self::boundary(known, &at.field("boundary"), boundary, bound, findings);
-            findings.record(match albedo.image() {
-                Some(_) => {
+            findings.record(match albedo.needs_uv() {
+                true => {
                     let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
                                    Noise(..) or Marble(..)";
                     Err(at.field("albedo").error(message))
                 }
-                None => albedo.check(&at.field("albedo"), Use::Albedo),
+                false => albedo.check(&at.field("albedo"), Use::Albedo),
             });
             findings.record_all(object.check_fields(at));
         }
@@ -423,7 +423,7 @@ impl KnownNames<'_> {
             let meant = meant(name, names());
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known())));
         };
-        let images = material.textures().into_iter().filter(|texture| texture.image().is_some());
+        let images = material.textures().into_iter().filter(|texture| texture.needs_uv());
         let Some(uv_set) = images.map(Texture::uv_set).max() else { return Ok(()) };
         if uv_set > 0 && object.kind().is_some_and(|kind| kind.shader != mesh::KIND.shader) {
             return Err(at.error(format!(
