@@ -232,7 +232,7 @@ fn required(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>]) -> (Featur
         }
     }
     finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
-    if let Background::Image { path } = &scene.background
+    if let Background::Image { path, .. } = &scene.background
         && let Some(bitmap) = scene.bitmaps.colours(path)
     {
         let at = scene.location(&[Step::Field("background")]);
@@ -463,7 +463,7 @@ fn brightest_of_plain_sky(background: &Background) -> f64 {
 /// carries. A path meets a surface of coverage a with the probability a, so that the first is √a of the second.
 fn brightest(scene: &Scene, emissions: &[Emitted]) -> [f64; 2] {
     let sky = match &scene.background {
-        Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
+        Background::Image { path, tint } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
         plain => brightest_of_plain_sky(plain),
     };
     let seen = emissions.iter().filter(|emitted| emitted.is_seen());

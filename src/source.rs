@@ -212,8 +212,8 @@ impl<'a> ValuePath<'a> {
     /// "expected ..., found ..." at this value, which is quoted as the file writes it.
     pub fn unexpected(&self, expected: impl std::fmt::Display) -> Error {
         let id = self.source.spans.find(self.source.text(), &self.steps());
-        let found = id.map_or(String::new(), |id| self.source.excerpt(id));
-        self.error(format!("expected {expected}, found {found}"))
+        let found = id.map_or(String::new(), |id| format!(", found {}", self.source.excerpt(id)));
+        self.error(format!("expected {expected}{found}"))
     }
 
     /// The value as the file writes it.

@@ -88,7 +88,7 @@ impl Checked for Texture {
     }
 }
 
-fn white() -> Colour {
+pub fn white() -> Colour {
     Colour::ONE
 }
 

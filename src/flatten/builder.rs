@@ -198,8 +198,8 @@ impl Builder<'_> {
                 settings.background_bottom = f32s(radiance_scale * *bottom);
                 settings.background_top = f32s(radiance_scale * *top);
             }
-            Background::Image { path } => {
-                settings.background_bottom = [radiance_scale as f32; 3];
+            Background::Image { path, tint } => {
+                settings.background_bottom = f32s(radiance_scale * *tint);
                 if let Some(bitmap) = scene.bitmaps.colours(path) {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;

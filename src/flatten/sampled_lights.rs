@@ -259,7 +259,7 @@ impl Builder<'_> {
 
     /// Adds the background's image as a light, unless it is black. Returns its intensity.
     fn add_sky(&mut self) -> Option<f64> {
-        let Background::Image { path } = &self.scene.background else { return None };
+        let Background::Image { path, tint } = &self.scene.background else { return None };
         let bitmap = self.scene.bitmaps.colours(path)?;
         // MIS compensation: BSDF sampling finds what is darker than the mean, and light sampling draws what is above it (Karlík, Šik, Vévoda,
         // Skřivan, Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6), 2019).
@@ -267,13 +267,14 @@ impl Builder<'_> {
         let integral = integral_over_directions(bitmap);
         let base = 0.99 * integral / (4.0 * PI);
         let sky = SkyDistribution::new(bitmap, base)?;
-        self.flat.not_sampled = self.flat.not_sampled.max(exp2(-self.flat.radiance_exponent) * base);
+        let largest = Some(tint.max_element()).filter(|largest| *largest > 0.0)?;
+        self.flat.not_sampled = self.flat.not_sampled.max(exp2(-self.flat.radiance_exponent) * largest * base);
         let by = self.flat.features.any("background").cloned().unwrap_or_default();
         self.flat.features.require("sky_light", || by);
         self.flat.features.quantities.sky_grid = (sky.columns, sky.rows);
         self.flat.sky = sky.sums;
         // A surface sees at most half of the sky.
-        Some(0.5 * integral)
+        Some(0.5 * largest * integral)
     }
 
     /// Notes that these are not sampled.

@@ -62,7 +62,7 @@ fn without_paths(value: &impl Serialize) -> Value {
 /// read.
 pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
     let background = match &scene.background {
-        Background::Image { path } => Some((path, Decoding::Colour)),
+        Background::Image { path, .. } => Some((path, Decoding::Colour)),
         _ => None,
     };
     let textures = scene.materials.iter().flat_map(|(_, material)| material.textures()).filter_map(Texture::decoded);

@@ -165,6 +165,9 @@ declare! {
         Image: sky, "Image(path: \"sky.exr\")" {
             /// A file of the same formats as the texture `Image`.
             path: String = other(PATH);
+            /// What its colours are multiplied by.
+            #[serde(default = "crate::texture::white", skip_serializing_if = "is_white")]
+            tint: Colour = RADIANCE.or("(1, 1, 1)");
         }
     }
 }
@@ -432,6 +435,10 @@ impl Object {
             _ => None,
         }
     }
+}
+
+fn is_white(tint: &Colour) -> bool {
+    *tint == Colour::ONE
 }
 
 fn default_outer() -> f64 {

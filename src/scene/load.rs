@@ -254,8 +254,10 @@ fn of_model(
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing(Aabb::around([DVec3::ZERO])));
     let background = match &options.sky {
-        Some(Sky::Image(sky)) if path == to => Background::Image { path: sky.clone() },
-        Some(Sky::Image(sky)) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
+        Some(Sky::Image(sky)) if path == to => Background::Image { path: sky.clone(), tint: Colour::ONE },
+        Some(Sky::Image(sky)) => {
+            Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned(), tint: Colour::ONE }
+        }
         Some(Sky::Default) => SKY,
         Some(Sky::None) | None => Background::Solid(Colour::ZERO),
     };

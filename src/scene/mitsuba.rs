@@ -3,6 +3,7 @@
 //! `document` reads the elements of all files, `values` their properties; each other module makes one kind of element. What cannot be as Mitsuba
 //! has it is an error at its place, or a loss, which is told.
 
+mod bodies;
 mod bsdf;
 mod document;
 mod emitter;
@@ -65,7 +66,8 @@ pub fn contents(
     assets: &mut Assets,
 ) -> Result<Contents> {
     let mut loader = Loader::new(&options.defines, assets);
-    let root = loader.load(path, 0)?;
+    loader.folders.push(path.parent().unwrap_or(Path::new("")).to_owned());
+    let root = loader.load(path, 0, false)?;
     if let Some(name) = loader.unused(&options.defines) {
         return Err(Error::Usage(format!("-D {name}: {} has no ${name}", path.display())));
     }
@@ -82,6 +84,10 @@ pub fn contents(
             .any(|node| node.tag == "integrator" && node.attribute("type").is_some_and(|kind| kind.starts_with("vol"))),
         materials: Vec::new(),
         known: HashMap::new(),
+        to_uv: None,
+        grouped: HashMap::new(),
+        bodies: Vec::new(),
+        outside: None,
         names: HashMap::new(),
         meshes: BTreeMap::new(),
         of_files: HashMap::new(),
@@ -94,10 +100,16 @@ pub fn contents(
         assets,
     };
     let mut all = vec![&root];
-    let mut aliases = Vec::new();
     while let Some(node) = all.pop() {
         if node.tag == "alias" {
-            aliases.push(node);
+            let found = node.required("id").and_then(|id| {
+                let known = reader.ids.get(id).copied();
+                let known = known.ok_or_else(|| node.error_at("id", "there is no element of this id above"))?;
+                Ok((node.required("as")?, known))
+            });
+            if let Some((name, known)) = reader.findings.record(found) {
+                reader.ids.insert(name, known);
+            }
         } else if let Some(id) = node.attribute("id").filter(|_| node.tag != "ref")
             && reader.ids.insert(id, node).is_some()
         {
@@ -105,20 +117,10 @@ pub fn contents(
         }
         let file = node.attribute("value").filter(|_| node.attribute("name") == Some("filename"));
         reader.notes.extend(file.and_then(|file| document::outside(file, node)));
-        all.extend(&node.children);
-    }
-    // The walk has met the last one first.
-    for alias in aliases.into_iter().rev() {
-        let found = alias.required("id").and_then(|id| {
-            let known = reader.ids.get(id).copied();
-            let known = known.ok_or_else(|| alias.error_at("id", "there is no element of this id"))?;
-            Ok((alias.required("as")?, known))
-        });
-        if let Some((name, node)) = reader.findings.record(found) {
-            reader.ids.insert(name, node);
-        }
+        all.extend(node.children.iter().rev());
     }
     let parts = parts(&root, path, progress, &mut reader);
+    bodies::tell(&mut reader);
     let Reader { meshes, notes, files, places, findings, .. } = reader;
     Ok(Contents { parts, meshes, notes, files, places, findings })
 }
@@ -143,6 +145,7 @@ fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mu
                     }
                     view = Some(sensor::sensor(node, &world, reader)?);
                 }
+                "emitter" if node.attribute("type") == Some("area") => {}
                 "emitter" => match emitter::emitter(node, &world, reader)? {
                     Emitter::Object(object) => {
                         reader.places.insert(format!("objects[{}]", objects.len()), node.at.location());
@@ -163,8 +166,10 @@ fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mu
                         objects.push(object);
                     }
                 }
-                "bsdf" | "texture" | "medium" if node.attribute("id").is_some() => {}
-                "alias" => {}
+                // These are read where they are used.
+                "bsdf" | "texture" | "medium" | "spectrum" | "rgb" | "phase" | "sampler" | "film" | "rfilter"
+                | "alias" => {}
+                "boolean" | "integer" | "float" | "string" => {}
                 _ => return Err(node.error("this element is not read here")),
             }
             Ok(())

@@ -177,7 +177,7 @@ fn background(at: &ValuePath, background: &Background) -> Result<()> {
             Use::Radiance.check(&at.field("bottom"), *bottom)?;
             Use::Radiance.check(&at.field("top"), *top)
         }
-        Background::Image { .. } => Ok(()),
+        Background::Image { tint, .. } => Use::Radiance.check(&at.variant("Image").field("tint"), *tint),
     }
 }
 

@@ -399,7 +399,10 @@ fn the_lobes_of_the_extensions_are_read() {
         panic!("it is no metal");
     };
     assert_eq!((anisotropy, anisotropy_rotation), (0.5, 1.5f64.to_degrees()));
-    assert_eq!(anisotropy_texture.as_ref().and_then(Texture::decoded).map(|(path, _)| path.as_str()), Some("room.glb#images/0"));
+    assert_eq!(
+        anisotropy_texture.as_ref().and_then(Texture::decoded).map(|(path, _)| path.as_str()),
+        Some("room.glb#images/0")
+    );
     // A factor of 0 leaves nothing of any.
     let none = json!({"KHR_materials_clearcoat": {"clearcoatTexture": texture}, "KHR_materials_sheen": {"sheenColorTexture": texture},
         "KHR_materials_anisotropy": {"anisotropyTexture": texture}, "KHR_materials_transmission": {"transmissionTexture": texture},

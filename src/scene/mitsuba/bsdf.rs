@@ -1,5 +1,7 @@
 //! BSDFs and textures as materials.
 
+use glam::{DAffine3, DVec3};
+
 use super::document::{DEEPEST, Node};
 use super::metals;
 use super::properties::{Properties, unknown};
@@ -79,7 +81,11 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
             }
             found
         }
-        "diffuse" => Some(lambertian(texture_or(&own, "reflectance", 0.5, reader)?, !two_sided)),
+        "diffuse" => {
+            // Scenes before 2 may have either name.
+            let name = if own.has("diffuse_reflectance") { "diffuse_reflectance" } else { "reflectance" };
+            Some(lambertian(texture_or(&own, name, 0.5, reader)?, !two_sided))
+        }
         "conductor" | "roughconductor" => Some(conductor(&own, kind == "roughconductor", !two_sided, reader)?),
         "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
         "plastic" | "roughplastic" => {
@@ -132,12 +138,11 @@ fn inner<'a>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<&'a Node> {
 fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
     let node = own.node;
     let roughness = Texture::grey(if is_rough { roughness(own, reader)? } else { 0.0 });
-    let has = |name: &str| node.children.iter().any(|child| child.attribute("name") == Some(name));
     let tint = texture_or(own, "specular_reflectance", 1.0, reader)?;
     let name = own.word("material")?;
     let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
     let outside = own.number_or("ext_eta", 1.0)?;
-    let (albedo, eta, k) = match (name, has("eta") || has("k")) {
+    let (albedo, eta, k) = match (name, own.has("eta") || own.has("k")) {
         (None | Some("none"), false) if !is_rough => {
             own.number("ext_eta")?;
             return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0, one_sided }));
@@ -235,7 +240,7 @@ fn index(own: &Properties, default: &str) -> Result<f64> {
 }
 
 fn by_name(node: &Node, name: &str) -> Result<f64> {
-    let known = INDICES.iter().find(|(known, _)| *known == name);
+    let known = INDICES.iter().find(|(known, _)| *known == name.to_ascii_lowercase());
     known
         .map(|(_, ior)| *ior)
         .ok_or_else(|| node.error_at("value", format!("no index of refraction of {} is known", quote(name))))
@@ -255,11 +260,16 @@ fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
     if u != v {
         return Err(node.error(format!("expected alpha_u and alpha_v to be the same, found {u} and {v}")));
     }
-    if !(0.0..=1.0).contains(&u) {
-        return Err(node.error(format!("expected an alpha from 0 to 1, found {u}")));
+    if u < 0.0 {
+        return Err(node.error(format!("expected an alpha of 0 or more, found {u}")));
     }
-    match own.word("distribution")?.unwrap_or("beckmann") {
-        "ggx" => {}
+    if u > 1.0 {
+        reader.lose(node, &format!("its alpha {u} counts as 1"));
+    }
+    match own.word("distribution")?.unwrap_or("beckmann").to_ascii_lowercase().as_str() {
+        "ggx" => {
+            reader.lose(node, "what its microfacets hide of each other depends on their heights here: it is brighter at grazing angles, by up to 4 %")
+        }
         "beckmann" => {
             reader.lose(node, "its microfacets are those of GGX here, not of beckmann: write distribution ggx")
         }
@@ -268,7 +278,7 @@ fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
             return Err(own.find("distribution").unwrap_or(node).error_at("value", message));
         }
     }
-    Ok(u.sqrt())
+    Ok(u.min(1.0).sqrt())
 }
 
 /// A number that may be a texture.
@@ -316,10 +326,29 @@ fn slot<'a>(
 
 fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Result<Texture> {
     let own = Properties::of(node);
+    let of = |name: &str, default: f64| {
+        Ok(DVec3::new(
+            own.number_or(&format!("u{name}"), default)?,
+            own.number_or(&format!("v{name}"), default)?,
+            default,
+        ))
+    };
+    let (scale, offset): (Result<DVec3>, Result<DVec3>) = (of("scale", 1.0), of("offset", 0.0));
+    let to_uv = own.transform("to_uv")? * DAffine3::from_scale(scale?) * DAffine3::from_translation(offset?);
+    if reader.to_uv.replace(to_uv).is_some_and(|other| !other.abs_diff_eq(to_uv, 1e-9)) {
+        return Err(node.error("expected one to_uv in all textures of a surface, found another"));
+    }
+    if own.kind()? == "checkerboard" {
+        // Theirs has v downwards, ours upwards, so that squares which were equal are not.
+        let (odd, even) = (own.colour_or("color0", 0.4)?, own.colour_or("color1", 0.2)?);
+        own.end(reader);
+        return Ok(Texture::Checker { scale: 0.5, even, odd, uv: true });
+    }
     if own.kind()? != "bitmap" {
-        return Err(unknown(node, "bitmap"));
+        return Err(unknown(node, "bitmap, checkerboard"));
     }
     let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
+    own.ignore(&["accel", "format"]);
     let path = reader.path(path, node);
     let is_linear = crate::scene::gltf_path::has_ending(std::path::Path::new(&path), &["exr", "hdr"]);
     let is_raw = own.flag_or("raw", is_linear)?;
@@ -334,10 +363,6 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Resu
     }
     if own.word("wrap_mode")?.is_some_and(|wrap| wrap != "repeat") {
         reader.lose(node, "it repeats here outside of 0 to 1");
-    }
-    let to_uv = own.transform("to_uv")?;
-    if !to_uv.abs_diff_eq(glam::DAffine3::IDENTITY, 1e-12) {
-        return Err(own.find("to_uv").unwrap_or(node).error("a to_uv is not read: expected none"));
     }
     own.end(reader);
     Ok(Texture::Image { path, tint: Colour::ONE, channel: None, uv_set: 0 })

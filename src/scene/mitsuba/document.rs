@@ -1,5 +1,6 @@
 //! The elements of a scene with their places: included files are in place, and names such as $spp are replaced.
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -104,41 +105,49 @@ impl<'a> Loader<'a> {
         defines.iter().map(|(name, _)| name.as_str()).find(|name| !self.used.contains(*name))
     }
 
-    /// The root element of a file.
-    pub fn load(&mut self, path: &Path, depth: usize) -> Result<Node> {
+    /// The root element of a file. `old`: whether names are of Mitsuba before 2, unless the file says its version.
+    pub fn load(&mut self, path: &Path, depth: usize, old: bool) -> Result<Node> {
         let whole = |message: String| {
             let location = Location { file: path.to_owned(), line: 0, column: 0 };
             Error::Scene { location, field: "scene".to_owned(), message }
         };
         self.assets.stamp_files(path);
         let bytes = file::read(path, "scene file", LONGEST_SCENE).map_err(whole)?;
-        let text = String::from_utf8(bytes).map_err(|_| whole("expected UTF-8 text".to_owned()))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let before = error.as_bytes().get(..error.utf8_error().valid_up_to()).unwrap_or_default();
+            let lines = before.iter().filter(|byte| **byte == b'\n').count();
+            let location = Location { file: path.to_owned(), line: lines + 1, column: 1 };
+            Error::Scene { location, field: "scene".to_owned(), message: "expected UTF-8 text in this line".to_owned() }
+        })?;
         let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|error| {
             let (at, known) = (error.pos(), error.to_string());
             let location = Location { file: path.to_owned(), line: at.row as usize, column: at.col as usize };
-            Error::Scene { location, field: "XML".to_owned(), message: format!("expected XML without a DTD: {known}") }
+            let message = match error {
+                roxmltree::Error::DtdDetected => "a DTD is not read: remove <!DOCTYPE ..>".to_owned(),
+                _ => format!("expected XML: {known}"),
+            };
+            Error::Scene { location, field: "XML".to_owned(), message }
         })?;
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
-        let text = Text { path: path.into(), text: &text, lines };
+        let text = Text { path: path.into(), text: &text, lines, last: Cell::new((0, 1)) };
         self.open.push(std::fs::canonicalize(path).unwrap_or(path.to_owned()));
         let root = document.root_element();
-        let mut old = false;
-        if depth == 0 {
-            let at = text.place(root.range().start);
-            let error = |message: String| Error::Scene { location: at.location(), field: "scene".to_owned(), message };
-            let version =
-                root.attribute("version").ok_or_else(|| error("expected the attribute version".to_owned()))?;
-            let major = version.split('.').next().and_then(|word| word.parse::<u32>().ok());
-            old = match major {
+        let at = text.place(root.range().start);
+        let error = |message: String| Error::Scene { location: at.location(), field: "scene".to_owned(), message };
+        let is_scene = root.tag_name().name() == "scene";
+        if depth == 0 && !is_scene {
+            return Err(error("expected the element scene at the top of the file".to_owned()));
+        }
+        let old = match root.attribute("version").map(|version| (version, version.split('.').next())) {
+            None if depth == 0 => return Err(error("expected the attribute version".to_owned())),
+            None => old,
+            Some((version, major)) => match major.and_then(|word| word.parse::<u32>().ok()) {
                 Some(major @ 0..=3) => major < 2,
                 _ => return Err(error(format!("expected a version from 0 to 3, found {}", quote(version)))),
-            };
-            if root.tag_name().name() != "scene" {
-                return Err(error("expected the element scene at the top of the file".to_owned()));
-            }
-        }
+            },
+        };
         let node = self.node(root, &text, depth, old)?;
         self.open.pop();
         Ok(node)
@@ -170,9 +179,6 @@ impl<'a> Loader<'a> {
             tag => tag.to_owned(),
         };
         for child in element.children() {
-            if child.is_text() && child.text().is_some_and(|words| !words.trim().is_empty()) {
-                return Err(node.error("expected elements in it alone, found text"));
-            }
             if !child.is_element() {
                 continue;
             }
@@ -183,22 +189,24 @@ impl<'a> Loader<'a> {
                     self.names.entry(name).or_insert(value);
                 }
                 "path" => {
-                    let folder = child.at.folder().join(child.required("value")?);
+                    let name = child.required("value")?;
+                    let folder = child.at.folder().join(name);
+                    self.notes.extend(outside(name, &child));
                     if !folder.is_dir() {
                         return Err(child.error_at("value", format!("there is no folder {}", folder.display())));
                     }
-                    self.folders.push(folder);
+                    self.folders.insert(0, folder);
                 }
-                "include" => self.include(&child, &mut node, depth)?,
+                "include" => self.include(&child, &mut node, depth, old)?,
                 _ => node.children.push(child),
             }
         }
         Ok(node)
     }
 
-    fn include(&mut self, include: &Node, into: &mut Node, depth: usize) -> Result<()> {
+    fn include(&mut self, include: &Node, into: &mut Node, depth: usize, old: bool) -> Result<()> {
         let name = include.required("filename")?;
-        let path = resolve(name, &include.at, &self.folders);
+        let path = resolve(name, include, &self.folders);
         self.notes.extend(outside(name, include));
         let real = std::fs::canonicalize(&path)
             .map_err(|error| include.error_at("filename", format!("cannot read {}: {error}", path.display())))?;
@@ -210,7 +218,7 @@ impl<'a> Loader<'a> {
             return Err(include.error(format!("expected at most {MOST_FILES} included files")));
         }
         self.files.push(path.clone());
-        let root = self.load(&path, depth + 1)?;
+        let root = self.load(&path, depth + 1, old)?;
         match root.tag.as_str() {
             "scene" => into.children.extend(root.children),
             _ => into.children.push(root),
@@ -221,7 +229,7 @@ impl<'a> Loader<'a> {
     /// The lines of a .spd file as pairs.
     fn spectrum(&mut self, node: &Node) -> Result<String> {
         let name = node.required("filename")?;
-        let path = resolve(name, &node.at, &self.folders);
+        let path = resolve(name, node, &self.folders);
         self.notes.extend(outside(name, node));
         self.assets.stamp_files(&path);
         let broken = |reason: String| node.error_at("filename", format!("{}: {reason}", path.display()));
@@ -258,17 +266,19 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// The path of a file that an element names: in the folder of its own file, else in those that `path` gives.
-pub fn resolve(name: &str, at: &Place, folders: &[PathBuf]) -> PathBuf {
-    let beside = at.folder().join(name);
+/// The path of a file that an element names: in the folders that `path` gives, the last one first, and that of the scene; else beside its own
+/// file. An include is searched for there first.
+pub fn resolve(name: &str, at: &Node, folders: &[PathBuf]) -> PathBuf {
+    let beside = at.at.folder().join(name);
+    let first = Some(beside.clone()).filter(|_| at.tag == "include");
     let others = folders.iter().map(|folder| folder.join(name));
-    std::iter::once(beside.clone()).chain(others).find(|path| path.exists()).unwrap_or(beside)
+    first.into_iter().chain(others).find(|path| path.exists()).unwrap_or(beside)
 }
 
 /// What is told of a path that may lead out of the folder of its file.
 pub fn outside(name: &str, node: &Node) -> Option<String> {
     let leads_out = Path::new(name).components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
-    leads_out.then(|| node.error(format!("it is a file outside of the scene's folder: {name}")).to_string())
+    leads_out.then(|| node.error(format!("it is outside of the scene's folder: {name}")).to_string())
 }
 
 /// `toWorld` as `to_world`, and `intIOR` as `int_ior`.
@@ -289,13 +299,18 @@ struct Text<'a> {
     path: Arc<Path>,
     text: &'a str,
     lines: Vec<usize>,
+    /// The last place, and its column: a line may be long.
+    last: Cell<(usize, usize)>,
 }
 
 impl Text<'_> {
     fn place(&self, offset: usize) -> Place {
         let line = self.lines.partition_point(|start| *start <= offset);
         let start = line.checked_sub(1).and_then(|before| self.lines.get(before)).copied().unwrap_or(0);
-        let before = self.text.get(start..offset).unwrap_or("");
-        Place { file: Arc::clone(&self.path), line: line as u32, column: before.chars().count() as u32 + 1 }
+        let (known, column) =
+            Some(self.last.get()).filter(|last| (start..=offset).contains(&last.0)).unwrap_or((start, 1));
+        let column = column + self.text.get(known..offset).unwrap_or("").chars().count();
+        self.last.set((offset, column));
+        Place { file: Arc::clone(&self.path), line: line as u32, column: column as u32 }
     }
 }

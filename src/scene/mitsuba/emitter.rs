@@ -36,10 +36,9 @@ pub fn emitter(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<Emi
         "constant" => Emitter::Background(Background::Solid(own.colour_or("radiance", 1.0)?)),
         "envmap" => {
             let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
-            if own.number_or("scale", 1.0)? != 1.0 {
-                return Err(own.find("scale").unwrap_or(node).error("expected a scale of 1: others are not read"));
-            }
-            Emitter::Background(Background::Image { path: reader.path(path, node) })
+            own.ignore(&["mis_compensation"]);
+            let tint = Colour::splat(own.number_or("scale", 1.0)?);
+            Emitter::Background(Background::Image { path: reader.path(path, node), tint })
         }
         "point" => {
             let at = own.vector("position")?.map(|at| world.transform_point3(at)).unwrap_or(to_world.translation);

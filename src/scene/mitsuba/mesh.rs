@@ -121,6 +121,8 @@ pub fn sphere() -> Mesh {
 pub fn disk() -> Mesh {
     let mut all = Builder::new();
     all.turned(1, &|u, v| (v * around(u), DVec3::Z));
+    // Its u is the radius, and its v the share of a turn, downwards.
+    all.0.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(1.0 - uv.y, 1.0 - uv.x));
     all.0
 }
 
@@ -152,6 +154,14 @@ pub fn transformed(mesh: &mut Mesh, by: &DAffine3) {
 pub fn flip(mesh: &mut Mesh) {
     mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+}
+
+/// Transforms the texture coordinates, whose v is downwards as Mitsuba has it.
+pub fn to_uv(mesh: &mut Mesh, by: &DAffine3) {
+    for uv in &mut mesh.uvs {
+        let seen = by.transform_point3(DVec3::new(f64::from(uv.x), 1.0 - f64::from(uv.y), 0.0));
+        *uv = Vec2::new(seen.x as f32, (1.0 - seen.y) as f32);
+    }
 }
 
 /// Gives a mesh without normals those of its faces, each by its angle at the vertex.

@@ -1,6 +1,7 @@
 //! The properties of an element: each is asked for by its name, and those that nobody asks for are errors.
 
 use std::cell::RefCell;
+use std::collections::HashSet;
 
 use glam::{DAffine3, DVec3};
 
@@ -29,7 +30,7 @@ impl<'a> Properties<'a> {
     }
 
     /// The children that fit, which now count as used.
-    pub fn take(&self, fits: impl Fn(&Node) -> bool) -> Vec<&'a Node> {
+    pub fn take(&self, fits: impl Fn(&'a Node) -> bool) -> Vec<&'a Node> {
         let mut used = self.used.borrow_mut();
         let all = self.node.children.iter().zip(used.iter_mut()).filter(|(child, _)| fits(child));
         all.map(|(child, used)| {
@@ -39,8 +40,18 @@ impl<'a> Properties<'a> {
         .collect()
     }
 
+    /// The elements of a tag in it, or that it refers to.
+    pub fn elements(&self, tag: &str, reader: &Reader<'a>) -> Vec<&'a Node> {
+        let found = |child: &'a Node| reader.follow(child, tag).ok();
+        self.take(|child| found(child).is_some()).into_iter().filter_map(found).collect()
+    }
+
     pub fn find(&self, name: &str) -> Option<&'a Node> {
         self.take(|child| child.attribute("name") == Some(name)).pop()
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.node.children.iter().any(|child| child.attribute("name") == Some(name))
     }
 
     /// Properties that do not change the image.
@@ -101,13 +112,15 @@ impl<'a> Properties<'a> {
 
     /// Refuses the properties that nobody has asked for.
     pub fn end(&self, reader: &mut Reader) {
+        let mut names = HashSet::new();
         for (child, used) in self.node.children.iter().zip(self.used.borrow().iter()) {
-            if !used {
-                let message = format!(
-                    "this property of {} is not read: remove it if the image does not need it",
-                    self.node.title()
-                );
-                reader.findings.refuse(child.error(message));
+            if child.attribute("name").is_some_and(|name| !names.insert(name)) {
+                reader.findings.refuse(child.error("this property is there already: expected it once"));
+            } else if !used {
+                let title = self.node.title();
+                let message = format!("this property of {title} is not read: remove it if the image does not need it");
+                let of_ref = reader.follow(child, "").err().filter(|_| child.tag == "ref");
+                reader.findings.refuse(of_ref.unwrap_or_else(|| child.error(message)));
             }
         }
     }

@@ -4,11 +4,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::{DAffine3, DVec3};
+
+use super::bodies::Body;
 use super::document::{Node, resolve};
 use crate::error::{Location, Result};
 use crate::scene::assets::Assets;
 use crate::scene::findings::Findings;
-use crate::scene::types::Material;
+use crate::scene::types::{Material, Object};
 use crate::scene::write::relative;
 use crate::shape::mesh::Mesh;
 
@@ -24,8 +27,16 @@ pub struct Reader<'a> {
     /// Whether the integrator knows media.
     pub has_media: bool,
     pub materials: Vec<(String, Material)>,
-    /// The names of the materials of BSDFs, by the element and the emission.
-    pub known: HashMap<(*const Node, String), Option<String>>,
+    /// The names of the materials of BSDFs and how their textures lie, by the element and the emission.
+    pub known: HashMap<(*const Node, String), Option<(String, DAffine3)>>,
+    /// How the textures lie that have been read for a surface.
+    pub to_uv: Option<DAffine3>,
+    /// The objects of shapes of groups, by the element and its transform: instances have the same.
+    pub grouped: HashMap<(*const Node, [u64; 12]), Vec<Object>>,
+    /// What may be inside of something else.
+    pub bodies: Vec<Body<'a>>,
+    /// A sensor that names no medium, and where it is.
+    pub outside: Option<(&'a Node, DVec3)>,
     /// How many materials have each name so far.
     pub names: HashMap<String, usize>,
     pub meshes: BTreeMap<String, Arc<Mesh>>,
@@ -66,13 +77,14 @@ impl<'a> Reader<'a> {
         };
         match found.tag == tag {
             true => Ok(found),
+            false if tag.is_empty() => Err(node.error(format!("{} has no place here", found.title()))),
             false => Err(node.error(format!("expected a {tag}, found {}", found.title()))),
         }
     }
 
     /// The path of a file as the scene names it.
     pub fn path(&self, name: &str, node: &Node) -> String {
-        self.named(&resolve(name, &node.at, &self.folders))
+        self.named(&resolve(name, node, &self.folders))
     }
 
     pub fn named(&self, file: &Path) -> String {

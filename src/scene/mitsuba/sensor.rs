@@ -26,7 +26,7 @@ impl Film {
 }
 
 /// The camera, the image and the samples per pixel. `world` is applied after all transforms of the scene.
-pub fn sensor(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<(Camera, ImageSize, u32)> {
+pub fn sensor<'a>(node: &'a Node, world: &DAffine3, reader: &mut Reader<'a>) -> Result<(Camera, ImageSize, u32)> {
     let own = Properties::of(node);
     for clip in ["near_clip", "far_clip"].into_iter().filter_map(|name| own.find(name)) {
         reader.lose(clip, "it is not used: nothing is cut off");
@@ -35,13 +35,13 @@ pub fn sensor(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<(Cam
     if !["perspective", "thinlens", "orthographic"].contains(&kind) {
         return Err(unknown(node, "perspective, thinlens, orthographic"));
     }
-    let film = match own.take(|child| child.tag == "film")[..] {
+    let film = match own.elements("film", reader)[..] {
         [] => Film { width: 768.0, height: 576.0, crop: [0.0, 0.0, 768.0, 576.0] },
         [film] => self::film(film, reader)?,
         _ => return Err(node.error("expected one film")),
     };
     let mut samples = 4;
-    for sampler in own.take(|child| child.tag == "sampler") {
+    for sampler in own.elements("sampler", reader) {
         let given = Properties::of(sampler);
         given.ignore(&["seed", "jitter"]);
         let count = given.integer_or("sample_count", 4)?;
@@ -61,6 +61,8 @@ pub fn sensor(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<(Cam
         return Err(node.error("expected a to_world without a scale"));
     }
     let from = to_world.translation;
+    // Media are where their boundaries are.
+    reader.outside = own.elements("medium", reader).is_empty().then_some((node, from));
     let mut camera = Camera::pinhole(from, from + z / lengths[2], y / lengths[1], 45.0);
     camera.mirror = to_world.matrix3.determinant() < 0.0;
     camera.vertical_fov = None;
@@ -127,7 +129,7 @@ fn half_width(own: &Properties, film: &Film) -> Result<f64> {
     }
     let half = (0.5 * fov.to_radians()).tan();
     let high = film.height / film.width;
-    match axis {
+    match axis.to_ascii_lowercase().as_str() {
         "x" => Ok(half),
         "y" => Ok(half / high),
         "diagonal" => Ok(half / 1f64.hypot(high)),
@@ -176,11 +178,9 @@ fn film(node: &Node, reader: &mut Reader) -> Result<Film> {
 /// The most scattering events of a path.
 pub fn integrator(node: &Node, reader: &mut Reader) -> Result<u32> {
     let own = Properties::of(node);
+    own.ignore(&["samples_per_pass", "block_size", "timeout", "rr_depth"]);
     let depth = match own.kind()? {
-        "path" | "volpath" | "volpathmis" => {
-            own.ignore(&["rr_depth"]);
-            own.integer_or("max_depth", -1)?
-        }
+        "path" | "volpath" | "volpathmis" => own.integer_or("max_depth", -1)?,
         "direct" => {
             own.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
             2

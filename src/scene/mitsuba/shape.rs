@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 
+use super::bodies::Body;
 use super::document::{Node, resolve};
 use super::emitter::{Medium, medium};
 use super::properties::{Properties, unknown};
@@ -15,6 +16,7 @@ use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
 use crate::scene::mesh_files::load_file;
 use crate::scene::types::*;
+use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
 const KNOWN: &str = "obj, ply, serialized, sphere, rectangle, cube, disk, cylinder, shapegroup, instance";
@@ -25,8 +27,13 @@ const POLES: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y);
 /// What is inside a shape and on it.
 struct Surface {
     material: Option<String>,
+    /// Whether it has textures, and how they lie.
     is_textured: bool,
+    to_uv: DAffine3,
     inside: Option<Medium>,
+    has_image: bool,
+    is_glass: bool,
+    emits: bool,
 }
 
 /// The objects of a shape. `world` is applied after its own transform.
@@ -56,6 +63,7 @@ pub fn shape<'a>(
     let surface = surface(&own, reader)?;
     let flips = own.flag_or("flip_normals", false)?;
     let material = surface.material.clone();
+    let mut around = Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE };
     let object = match kind {
         "sphere" => sphere(&own, &to_world, flips, &surface, reader)?,
         "rectangle" => {
@@ -98,13 +106,38 @@ pub fn shape<'a>(
             let Some(axis) = along.try_normalize() else { return Err(node.error("expected p0 and p1 to differ")) };
             let turn = DQuat::from_rotation_arc(DVec3::Z, axis);
             let by = DAffine3::from_scale_rotation_translation(DVec3::new(radius, radius, along.length()), turn, p0);
+            around = Aabb::around([p0 - radius, p0 + radius, p1 - radius, p1 + radius]);
             let by = to_world * by;
             made(node, mesh::cylinder(), &by, flips, &surface, reader)
         }
-        "obj" | "ply" | "serialized" => file_mesh(&own, kind, &to_world, flips, &surface, progress, reader)?,
+        "obj" | "ply" | "serialized" => {
+            let (object, bounds) = file_mesh(&own, kind, &to_world, flips, &surface, progress, reader)?;
+            around = bounds;
+            object
+        }
         _ => return Err(unknown(node, KNOWN)),
     };
+    own.ignore(&["silhouette_sampling_weight"]);
     own.end(reader);
+    if surface.is_glass && ["rectangle", "disk", "cylinder"].contains(&kind) {
+        reader
+            .lose(node, "its glass has no inside: Mitsuba scales the radiance that passes by the square of the index");
+    }
+    if kind == "sphere" {
+        if surface.has_image && !matches!(object, Object::Mesh { .. }) {
+            reader.lose(node, "its image ends at the poles here, half a row later than in Mitsuba, where it goes on at the other pole");
+        }
+        let (center, radius) = (own.vector("center")?.unwrap_or(DVec3::ZERO), own.number_or("radius", 1.0)?);
+        around = Aabb { min: center - radius, max: center + radius };
+    }
+    let around = Aabb::around(around.corners().map(|p| to_world.transform_point3(p)));
+    reader.bodies.push(Body {
+        node,
+        around,
+        is_glass: surface.is_glass,
+        emits: surface.emits,
+        has_medium: surface.inside.is_some(),
+    });
     let mut objects = Vec::new();
     if let Some(medium) = &surface.inside {
         objects.push(named(medium.inside(without_material(object.clone()))));
@@ -141,7 +174,13 @@ fn instance<'a>(
         if ["instance", "shapegroup"].contains(&child.required("type")?) {
             return Err(child.error("expected no instance inside a shapegroup"));
         }
-        objects.extend(shape(child, &inner, progress, reader)?);
+        let key = (std::ptr::from_ref(child), inner.to_cols_array().map(f64::to_bits));
+        let known = match reader.grouped.get(&key) {
+            Some(known) => known.clone(),
+            None => shape(child, &inner, progress, reader)?,
+        };
+        objects.extend(known.iter().cloned());
+        reader.grouped.insert(key, known);
     }
     let group = Object::Group(objects);
     Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
@@ -173,7 +212,7 @@ fn sphere(
             reader.lose(node, "it becomes an uneven mesh: Mitsuba shows a round sphere");
             made(node, mesh::sphere(), &by, is_flipped, surface, reader)
         }
-        Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 => {
+        Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 && surface.to_uv == DAffine3::IDENTITY => {
             let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
             moved(&(by * DAffine3::from_mat3(POLES)), sphere)
                 .ok_or_else(|| node.error("expected a sphere of a size"))?
@@ -203,6 +242,7 @@ fn made(node: &Node, mut mesh: Mesh, by: &DAffine3, flips: bool, surface: &Surfa
         reader.lose(node, &format!("it becomes a mesh with {edges} edges around"));
     }
     mesh::transformed(&mut mesh, by);
+    mesh::to_uv(&mut mesh, &surface.to_uv);
     if flips {
         mesh::flip(&mut mesh);
     }
@@ -228,10 +268,10 @@ fn file_mesh(
     surface: &Surface,
     progress: &mut OnProgress,
     reader: &mut Reader,
-) -> Result<Object> {
+) -> Result<(Object, Aabb)> {
     let node = own.node;
     let name = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
-    let path = resolve(name, &node.at, &reader.folders);
+    let path = resolve(name, node, &reader.folders);
     let broken = |reason: String| {
         own.find("filename").unwrap_or(node).error_at("value", format!("{}: {reason}", path.display()))
     };
@@ -256,10 +296,12 @@ fn file_mesh(
     }
     let turns_uvs = !flipped_uvs && !read.uvs.is_empty();
     let changes_normals = faceted != read.normals.is_empty();
-    if kind != "serialized" && !turns_uvs && !changes_normals && !flips {
+    let changes_uvs = turns_uvs || surface.to_uv != DAffine3::IDENTITY;
+    let bounds = read.bounds();
+    if kind != "serialized" && !changes_uvs && !changes_normals && !flips {
         let mesh = Object::Mesh { path: reader.named(&path), material: surface.material.clone() };
         if let Some(object) = moved(to_world, mesh) {
-            return Ok(object);
+            return Ok((object, bounds));
         }
     }
     reader.files.push(path);
@@ -270,6 +312,7 @@ fn file_mesh(
     if turns_uvs {
         mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
     }
+    mesh::to_uv(&mut mesh, &surface.to_uv);
     mesh::transformed(&mut mesh, to_world);
     if !faceted && mesh.normals.is_empty() {
         mesh::smooth(&mut mesh);
@@ -277,33 +320,29 @@ fn file_mesh(
     if flips {
         mesh::flip(&mut mesh);
     }
-    Ok(add(mesh, surface, reader))
+    Ok((add(mesh, surface, reader), bounds))
 }
 
 /// The material and the medium of a shape.
 fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface> {
     let node = own.node;
-    let (mut of_bsdf, mut inside) = (None, None);
-    for child in own.take(|child| ["bsdf", "medium", "ref"].contains(&child.tag.as_str())) {
-        let is_bsdf = child.tag == "bsdf" || child.tag == "ref" && reader.follow(child, "bsdf").is_ok();
-        if is_bsdf {
-            if of_bsdf.replace(reader.follow(child, "bsdf")?).is_some() {
-                return Err(child.error("expected one bsdf, found another"));
-            }
-            continue;
+    let of_bsdf = match own.elements("bsdf", reader)[..] {
+        [] => None,
+        [one] => Some(one),
+        [_, other, ..] => return Err(other.error("expected one bsdf in a shape, found another")),
+    };
+    let emitters = own.elements("emitter", reader);
+    let mut inside = None;
+    for child in own.take(|child| reader.follow(child, "medium").is_ok()) {
+        if child.attribute("name") != Some("interior") {
+            return Err(child.error("expected the name interior: other media are not read"));
         }
-        let found = reader.follow(child, "medium")?;
-        match child.attribute("name") {
-            Some("interior") => {
-                if !reader.has_media {
-                    reader.lose(child, "Mitsuba leaves media out unless the integrator is volpath or volpathmis");
-                }
-                inside = Some(medium(found, reader)?);
-            }
-            _ => return Err(child.error("expected the name interior: other media are not read")),
+        if !reader.has_media {
+            reader.lose(child, "Mitsuba leaves media out unless the integrator is volpath or volpathmis");
         }
+        inside = Some(medium(reader.follow(child, "medium")?, reader)?);
     }
-    let emitters = own.take(|child| child.tag == "emitter");
+    reader.to_uv = None;
     let emission = match emitters[..] {
         [] => None,
         [emitter] => {
@@ -319,8 +358,9 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
         _ => return Err(node.error("expected one emitter in it")),
     };
     let key = (std::ptr::from_ref(of_bsdf.unwrap_or(node)), format!("{:?}", emission.as_ref().map(|(_, found)| found)));
-    let name = match reader.known.get(&key) {
-        Some(name) => name.clone(),
+    let emits = emission.is_some();
+    let named = match reader.known.get(&key) {
+        Some(named) => named.clone(),
         None => {
             let found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
@@ -331,7 +371,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
                 (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
                 (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter, reader)?),
             };
-            let name = found.map(|material| {
+            let named = found.map(|material| {
                 let base = of_bsdf.unwrap_or(node);
                 let base = base.attribute("id").or(base.attribute("type")).unwrap_or("default").to_owned();
                 let mut name = base.clone();
@@ -342,17 +382,19 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
                 reader.names.insert(name.clone(), 1);
                 reader.places.insert(format!("materials[{name:?}]"), of_bsdf.unwrap_or(node).at.location());
                 reader.materials.push((name.clone(), material));
-                name
+                (name, reader.to_uv.unwrap_or(DAffine3::IDENTITY))
             });
-            reader.known.insert(key, name.clone());
-            name
+            reader.known.insert(key, named.clone());
+            named
         }
     };
-    let of_name = reader.materials.iter().find(|(known, _)| Some(known) == name.as_ref());
-    let is_textured = of_name.is_some_and(|(_, material)| {
-        material.model().slots().into_iter().any(|slot| matches!(slot.texture, Texture::Image { .. }))
-    });
-    Ok(Surface { material: name, is_textured, inside })
+    let (material, to_uv) = named.map_or((None, DAffine3::IDENTITY), |(name, to_uv)| (Some(name), to_uv));
+    let of_name = reader.materials.iter().find(|(known, _)| Some(known) == material.as_ref()).map(|(_, found)| found);
+    let is_textured = of_name.is_some_and(|own| own.model().slots().into_iter().any(|slot| slot.texture.needs_uv()));
+    let has_image =
+        of_name.is_some_and(|own| own.model().slots().into_iter().any(|slot| slot.texture.decoded().is_some()));
+    let is_glass = matches!(of_name, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
+    Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
 }
 
 /// A material that emits.

@@ -26,18 +26,21 @@ fn one(step: &Node) -> Result<DAffine3> {
         "scale" => Ok(DAffine3::from_scale(vector(step, 1.0)?)),
         "rotate" => {
             let axis = vector(step, 0.0)?;
-            let Some(unit) = axis.try_normalize().filter(|_| (axis.length() - 1.0).abs() < 1e-4) else {
-                return Err(
-                    step.error("expected an axis of the length 1: about others Mitsuba does not turn but shear")
-                );
-            };
-            Ok(DAffine3::from_axis_angle(unit, number(step, "angle")?.to_radians()))
+            // Mitsuba does not make the axis a unit vector: about others this is no turn.
+            let ((sin, cos), cross) = (number(step, "angle")?.to_radians().sin_cos(), |v: DVec3| axis.cross(v));
+            let column = |unit: DVec3| cos * unit + sin * cross(unit) + (1.0 - cos) * axis.dot(unit) * axis;
+            Ok(DAffine3::from_mat3(DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))))
         }
         "lookat" => {
             let origin = point(step, "origin")?;
-            let up = if step.attribute("up").is_some() { point(step, "up")? } else { DVec3::Y };
             let forward = (point(step, "target")? - origin).try_normalize();
             let forward = forward.ok_or_else(|| step.error("expected a target that is not the origin"))?;
+            let up = if step.attribute("up").is_some() { point(step, "up")? } else { DVec3::ZERO };
+            // Without one Mitsuba takes an axis of a frame around the view (Duff et al., JCGT 6(1), 2017).
+            let sign = 1f64.copysign(forward.z);
+            let b = -forward.x / (sign + forward.z);
+            let any = DVec3::new(1.0 + sign * forward.x * b, sign * forward.y * b, -sign * forward.x);
+            let up = if up == DVec3::ZERO { any } else { up };
             let left = up.cross(forward).try_normalize();
             let left = left.ok_or_else(|| step.error("expected an up that is not parallel to the view"))?;
             Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: origin })

@@ -53,6 +53,9 @@ pub fn colour(node: &Node) -> Result<Colour> {
             return Ok(spectrum::of_black_body(kelvins));
         }
         (Some("blackbody"), _) => return Err(node.error("expected a temperature in it, and nothing else")),
+        (Some("d65" | "uniform" | "rgb" | "srgb"), [given]) => return colour(given),
+        (Some("d65"), []) => return Ok(Colour::ONE),
+        (Some("uniform"), []) if node.attribute("value").is_some() => {}
         (Some(name), _) => {
             return Err(node.error_at("type", format!("the spectrum {name} is not read: give an <rgb> instead")));
         }

@@ -58,5 +58,5 @@ def make(name):
 
 
 inputs()
-for name in sys.argv[1:] or sorted(path.stem for path in FOLDER.glob("*.xml") if path.stem != "parts"):
+for name in sys.argv[1:] or sorted(path.stem for path in FOLDER.glob("*.xml") if path.stem not in ("parts", "ball")):
     make(name)
