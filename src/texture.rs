@@ -45,7 +45,7 @@ declare! {
             even: Colour = COLOUR;
             /// Where it is odd.
             odd: Colour = COLOUR;
-            /// Whether it has squares in texture coordinates, as an image has them, in place of cubes in space. A side of 1 is all of the image.
+            /// Squares in texture coordinates, in place of cubes in space. A side of 1 is that of an image.
             @default uv: bool = flag().or("false");
         }
         /// An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -58,7 +59,7 @@ fn error(text: &str, options: &GltfOptions) -> String {
 
 #[test]
 fn a_scene_is_that_of_the_scene_file() {
-    for (elements, ron) in [
+    for (elements, told, ron) in [
         (
             r##"<default name="red" value="0.2"/>
             <bsdf type="twosided" id="a"><bsdf type="diffuse"><rgb name="reflectance" value="$red, 0.3 0.4"/></bsdf></bsdf>
@@ -67,6 +68,7 @@ fn a_scene_is_that_of_the_scene_file() {
             <shape type="rectangle"><transform name="to_world"><scale x="2" y="3"/><translate z="4"/></transform>
               <emitter type="area"><rgb name="radiance" value="#ff0000"/></emitter></shape>
             <emitter type="constant"><spectrum name="radiance" value="0.5"/></emitter>"##,
+            vec![],
             r#"background: Solid((0.5, 0.5, 0.5)),
             materials: {
                 "a": Lambertian(albedo: Rgb(0.2, 0.3, 0.4)),
@@ -88,6 +90,7 @@ fn a_scene_is_that_of_the_scene_file() {
             <shape type="sphere"><bsdf type="thindielectric" id="t"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf></shape>
             <shape type="sphere"><bsdf type="conductor" id="c"><rgb name="specular_reflectance" value="0.9"/></bsdf></shape><shape type="sphere" id="plain"/>
             <emitter type="point"><point name="position" value="1 2 3"/><rgb name="intensity" value="1"/></emitter>"#,
+            vec!["hide of each other depends on their heights", "inside of a medium that it does not name"],
             r#"background: Solid((0, 0, 0)),
             materials: { "g": Dielectric(ior: 1.5), "m": Conductor(eta: (0.2, 0.9, 1), k: (3.9, 2.4, 2), roughness: 0.5),
                 "t": ThinDielectric(ior: 1.5, inner_reflections: true), "c": Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0, one_sided: true),
@@ -111,7 +114,11 @@ fn a_scene_is_that_of_the_scene_file() {
         // A planted fault is found.
         let planted = read(&xml(&elements.replacen("value=\"0.", "value=\"0.1", 1)), &GltfOptions::default());
         assert_ne!(planted.expect("it is valid").text(), expected.text());
-        assert_eq!(found.warnings(), Vec::<String>::new());
+        let warnings = found.warnings();
+        assert!(
+            warnings.len() == told.len() && warnings.iter().zip(told).all(|(own, told)| own.contains(told)),
+            "{warnings:?}"
+        );
     }
 }
 
@@ -185,6 +192,24 @@ fn errors_have_places() {
             "a.xml:5:1: objects[0].PointLight.intensity",
         ),
         ("<include filename=\"a.xml\"/>", "a.xml:5:10: include.filename: a.xml includes itself: expected no circle"),
+        (
+            "<shape type=\"sphere\"><float name=\"radius\" value=\"1\"/><float name=\"radius\" value=\"2\"/></shape>",
+            "a.xml:5:54: float radius: this property is there already",
+        ),
+        (
+            "<texture type=\"checkerboard\" id=\"t\"/><shape type=\"sphere\"><ref id=\"t\"/></shape>",
+            "a.xml:5:59: ref t: texture checkerboard has no place here",
+        ),
+        (
+            "<shape type=\"sphere\"><bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\"/></bsdf>\
+             <emitter type=\"area\"><texture type=\"checkerboard\" name=\"radiance\"><transform name=\"to_uv\"><scale value=\"2\"/>\
+             </transform></texture></emitter></shape>",
+            "expected one to_uv in all textures of a surface, found another",
+        ),
+        (
+            "<bsdf type=\"null\" id=\"a\"/><bsdf type=\"null\" id=\"a\"/>",
+            "a.xml:5:45: bsdf null.id: another element has this id",
+        ),
     ] {
         let found = error(&xml(elements), &none);
         assert!(found.contains(expected), "{found}\nexpected {expected}");
@@ -223,6 +248,74 @@ fn included_files_have_their_own_places() {
         let found = load(&path, &options).expect_err(expected).to_string();
         assert!(found.contains(expected), "{found}");
     }
+}
+
+/// What Mitsuba would show otherwise without an error is told.
+#[test]
+fn what_mitsuba_shows_otherwise_is_told() {
+    let ball = |radius: f64, inside: &str| {
+        format!(
+            "<shape type=\"sphere\"><point name=\"center\" value=\"0 0 9\"/><float name=\"radius\" value=\"{radius}\"/>{inside}</shape>"
+        )
+    };
+    let lamp = "<emitter type=\"area\"/>";
+    let fog = "<bsdf type=\"null\"/><medium name=\"interior\" type=\"homogeneous\"/>";
+    for (elements, told) in [
+        (ball(2.0, "<bsdf type=\"dielectric\"/>") + &ball(1.0, lamp), "inside of glass"),
+        (ball(2.0, fog) + &ball(1.0, fog), "inside of another: here their densities add"),
+        (ball(9.5, fog), "inside of a medium that it does not name"),
+        ("<shape type=\"rectangle\"><bsdf type=\"dielectric\"/></shape>".to_owned(), "its glass has no inside"),
+        ("<path value=\"..\"/>".to_owned() + &ball(1.0, lamp), "outside of the scene's folder: .."),
+    ] {
+        let scene = read(&xml(&elements), &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let warnings = scene.warnings();
+        assert!(warnings.iter().any(|own| own.contains("a.xml:") && own.contains(told)), "{told}: {warnings:?}");
+    }
+    // One beside the other: nothing is told.
+    let beside = ball(2.0, "<bsdf type=\"dielectric\"/>")
+        + "<shape type=\"sphere\"><point name=\"center\" value=\"3 0 9\"/><emitter type=\"area\"/></shape>";
+    assert_eq!(read(&xml(&beside), &GltfOptions::default()).expect("it is valid").warnings(), Vec::<String>::new());
+}
+
+/// Files are found where Mitsuba finds them: an include beside its own file or the scene, a mesh in the folders of `path`, the last one first.
+#[test]
+fn files_are_found_in_the_order_of_mitsuba() {
+    let triangle = |x: f64| format!("v {x} 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n");
+    let (a, b, c) = (triangle(2.0), triangle(3.0), triangle(4.0));
+    let mesh = "<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/></shape>";
+    let within = |inner: &str| format!("<scene version=\"3.0.0\">{inner}</scene>");
+    for (text, x) in [
+        (xml("<include filename=\"sub/b.xml\"/>"), 2.0),
+        (xml(&format!("<path value=\"p\"/>{mesh}")), 3.0),
+        (xml(&format!("<path value=\"p\"/><path value=\"q\"/>{mesh}")), 4.0),
+    ] {
+        let files = folder(&[
+            ("a.xml", &text),
+            ("sub/b.xml", &within("<include filename=\"c.xml\"/>")),
+            ("c.xml", &within(mesh)),
+            ("m.obj", &a),
+            ("p/m.obj", &b),
+            ("q/m.obj", &c),
+        ]);
+        let scene =
+            load(&files.path().join("a.xml"), &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let [mesh] = scene.meshes.values().collect::<Vec<_>>()[..] else { panic!("{:?}", scene.meshes.keys()) };
+        assert_eq!(mesh.positions[0], DVec3::new(x, 0.0, 5.0));
+    }
+}
+
+/// Many shapes in one line are read in seconds, and instances share the meshes that are made for them.
+#[test]
+fn many_shapes_are_read_in_seconds() {
+    let start = Instant::now();
+    let scene = read(&xml(&"<shape type=\"sphere\"/>".repeat(40_000)), &GltfOptions::default()).expect("it is valid");
+    assert_eq!(scene.objects.len(), 40_000);
+    let instance = "<shape type=\"instance\"><ref id=\"g\"/></shape>";
+    let group = "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cylinder\"/></shape>";
+    let scene =
+        read(&xml(&(group.to_owned() + &instance.repeat(5_000))), &GltfOptions::default()).expect("it is valid");
+    assert_eq!((scene.objects.len(), scene.meshes.len()), (5_000, 1));
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
 
 #[test]

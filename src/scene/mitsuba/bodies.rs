@@ -1,17 +1,7 @@
 //! What is inside of something else, by boxes around both: there Mitsuba differs.
 
-use super::document::Node;
 use super::reader::Reader;
 use crate::shape::Aabb;
-
-/// A shape, and a box around it.
-pub struct Body<'a> {
-    pub node: &'a Node,
-    pub around: Aabb,
-    pub is_glass: bool,
-    pub emits: bool,
-    pub has_medium: bool,
-}
 
 fn holds(outer: &Aabb, inner: &Aabb) -> bool {
     outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all()
@@ -36,12 +26,11 @@ pub fn tell(reader: &mut Reader) {
             reader.lose(inner.node, "its medium seems to be inside of another: here their densities add, in Mitsuba it takes the other's place");
         }
     }
-    if let Some((node, at)) = reader.outside.take() {
-        if media.iter().any(|body| holds(&body.around, &Aabb { min: at, max: at })) {
-            reader.lose(
-                node,
-                "it seems to be inside of a medium that it does not name, and which Mitsuba therefore leaves out",
-            );
-        }
+    let seen = |at| media.iter().any(|body| holds(&body.around, &Aabb { min: at, max: at }));
+    if let Some((node, _)) = reader.outside.take().filter(|(_, at)| seen(*at)) {
+        reader.lose(
+            node,
+            "it seems to be inside of a medium that it does not name, and which Mitsuba therefore leaves out",
+        );
     }
 }

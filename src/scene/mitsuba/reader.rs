@@ -6,14 +6,23 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use super::bodies::Body;
 use super::document::{Node, resolve};
 use crate::error::{Location, Result};
 use crate::scene::assets::Assets;
 use crate::scene::findings::Findings;
 use crate::scene::types::{Material, Object};
 use crate::scene::write::relative;
+use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
+
+/// A shape, and a box around it.
+pub struct Body<'a> {
+    pub node: &'a Node,
+    pub around: Aabb,
+    pub is_glass: bool,
+    pub emits: bool,
+    pub has_medium: bool,
+}
 
 /// What has been made of the elements so far.
 pub struct Reader<'a> {

@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 
-use super::bodies::Body;
 use super::document::{Node, resolve};
 use super::emitter::{Medium, medium};
 use super::properties::{Properties, unknown};
-use super::reader::Reader;
+use super::reader::{Body, Reader};
 use super::transform::moved;
 use super::{bsdf, mesh, serialized};
 use crate::error::Result;
