@@ -11,8 +11,8 @@ use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::types::*;
 
-const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, twosided, mask, \
-                     bumpmap, normalmap, null";
+const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, principled, \
+                     twosided, mask, bumpmap, normalmap, null";
 
 /// Indices of refraction by their names, as Mitsuba's page on `dielectric` lists them.
 const INDICES: [(&str, f64); 24] = [
@@ -105,10 +105,42 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
                 ..Pbr::default()
             }))
         }
+        "principled" => Some(principled(&own, !two_sided, reader)?),
         _ => return Err(unknown(node, KNOWN)),
     };
     own.end(reader);
     Ok(found)
+}
+
+/// Burley's material as that of glTF, which is near to it.
+fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
+    reader.lose(own.node, "it becomes glTF's material, whose matt body, sheen and coat differ");
+    for name in ["anisotropic", "flatness", "spec_tint", "sheen_tint"] {
+        if own.number_or(name, 0.0)? != 0.0 {
+            reader.lose(own.find(name).unwrap_or(own.node), "it is left out");
+        }
+    }
+    let rates = ["diffuse_reflectance", "main_specular", "clearcoat"].map(|lobe| format!("{lobe}_sampling_rate"));
+    own.ignore(&rates.each_ref().map(String::as_str));
+    let specular = own.number_or("specular", 0.5)?;
+    let ior = own.number_or("eta", 2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0)?;
+    let (sheen, gloss) = (own.number_or("sheen", 0.0)?, own.number_or("clearcoat_gloss", 0.0)?);
+    let transmission = share(own, "spec_trans", 0.0, reader)?;
+    Ok(Material::Pbr(Pbr {
+        base_color: texture_or(own, "base_color", 0.5, reader)?,
+        metallic: share(own, "metallic", 0.0, reader)?,
+        roughness: share(own, "roughness", 0.5, reader)?,
+        ior,
+        // Glass has two sides.
+        one_sided: one_sided && transmission == Texture::grey(0.0),
+        transmission,
+        solid: true,
+        coat: Texture::grey(0.25 * own.number_or("clearcoat", 0.0)?),
+        coat_roughness: Texture::grey((0.1 - 0.099 * gloss).sqrt()),
+        sheen: Texture::grey(sheen),
+        sheen_roughness: Texture::grey(if sheen > 0.0 { 0.5 } else { 0.0 }),
+        ..Pbr::default()
+    }))
 }
 
 pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {

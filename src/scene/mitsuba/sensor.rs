@@ -176,7 +176,7 @@ fn film(node: &Node, reader: &mut Reader) -> Result<Film> {
 }
 
 /// The most scattering events of a path.
-pub fn integrator(node: &Node, reader: &mut Reader) -> Result<u32> {
+pub fn integrator<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<u32> {
     let own = Properties::of(node);
     own.ignore(&["samples_per_pass", "block_size", "timeout", "rr_depth"]);
     let depth = match own.kind()? {
@@ -185,7 +185,15 @@ pub fn integrator(node: &Node, reader: &mut Reader) -> Result<u32> {
             own.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
             2
         }
-        _ => return Err(unknown(node, "path, volpath, volpathmis, direct")),
+        "moment" | "aov" => {
+            own.ignore(&["aovs"]);
+            reader.lose(node, "its channels are left out: --aov has ours, and variance is stored");
+            match own.elements("integrator", reader)[..] {
+                [inner] => return integrator(inner, reader),
+                _ => return Err(node.error("expected one integrator in it")),
+            }
+        }
+        _ => return Err(unknown(node, "path, volpath, volpathmis, direct, moment, aov")),
     };
     if own.flag_or("hide_emitters", false)? {
         reader.lose(node, "hide_emitters is not used: emitters and the sky are seen");
