@@ -38,10 +38,10 @@ fn schlick_up_to(cosine: f32, f0: vec3<f32>, f90: f32) -> vec3<f32> {
     return f0 + (f90 - f0) * (m2 * m2 * m);
 }
 
-// Of a metal of an albedo, or of an index: `colour` is its real part less 1 then.
-fn reflectance_of_metal(cosine: f32, colour: vec3<f32>, k: vec3<f32>, has_index: bool) -> vec3<f32> {
-    if has_index {
-        return fresnel_of_index(cosine, colour, k);
+// Of a metal of an albedo; or where the share is not 0 that share of the reflectance of an index, whose real part less 1 is `colour`.
+fn reflectance_of_metal(cosine: f32, colour: vec3<f32>, k: vec3<f32>, share: f32) -> vec3<f32> {
+    if share != 0.0 {
+        return share * fresnel_of_index(cosine, colour, k);
     }
     return schlick(cosine, colour);
 }

@@ -17,8 +17,8 @@ fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) ->
     let half_way = direction - hit.incoming;
     let pdf = 0.25 * visible_facets(half_way, hit, cos_view, alpha);
     let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
-    let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.${conductor.is_measured} != 0.0);
-    let f0 = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.${conductor.is_measured} != 0.0);
+    let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.${conductor.reflectance});
+    let f0 = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.${conductor.reflectance});
     let share = compensated(single, f0, hit);
     let value = share * (pdf * facet_shadowing(hit, cos_view, direction, cos_light, alpha));
     return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(widest_alpha(hit, alpha)))));

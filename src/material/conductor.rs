@@ -12,7 +12,7 @@ use crate::texture::{Colour, Use};
 
 pub const KIND: MaterialKind = MaterialKind {
     numbers: &["roughness"],
-    second_part: &["is_measured"],
+    second_part: &["reflectance"],
     rows: &[ROUGHNESS, MULTISCATTER, NORMAL, ANISOTROPY, ONE_SIDED],
     ..MaterialKind::new("conductor", ANY_WIDTH)
 };
@@ -23,7 +23,8 @@ impl Conductor {
         let (albedo, eta, k) = (self.albedo.as_ref(), self.eta, self.k);
         let is_complete =
             albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
-        let is_measured = f64::from(u8::from(eta.is_some()));
+        // 0 where it has an albedo.
+        let reflectance = eta.map_or(0.0, |_| self.reflectance);
         let model = Model {
             slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
             widths: vec![LobeWidth::of_facets(roughness, 0.0)],
@@ -38,7 +39,7 @@ impl Conductor {
             second_part: Some(data::Material {
                 colour: f32s(k.unwrap_or_default()),
                 texture: data::NO_TEXTURE,
-                ..with_numbers([is_measured, 0.0, 0.0])
+                ..with_numbers([reflectance, 0.0, 0.0])
             }),
             ..Model::default()
         };

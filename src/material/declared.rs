@@ -103,6 +103,9 @@ declare! {
             @default eta: Option<Colour> = colour(Range::from_to(1e-3, 1e3)).or("none if `albedo` is given");
             /// The extinction coefficient for red, green and blue.
             @default k: Option<Colour> = colour(Range::from_to(0.0, 1e3)).or("none if `albedo` is given");
+            /// What the reflection by `eta` and `k` is multiplied by.
+            #[serde(default = "one", skip_serializing_if = "is_one")]
+            reflectance: f64 = number(Range::from_to(1e-6, 1.0), NO_UNIT).or("1");
             /// 0 is a perfect mirror. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
             /// counts as 0.
             #[serde(default = "zero", with = "number")]

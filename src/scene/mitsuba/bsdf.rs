@@ -174,6 +174,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
     let name = own.word("material")?;
     let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
     let outside = own.number_or("ext_eta", 1.0)?;
+    let factor = tint.plain().map_or(1.0, |tint| tint.x);
     let (albedo, eta, k) = match (name, own.has("eta") || own.has("k")) {
         (None | Some("none"), false) if !is_rough => {
             own.number("ext_eta")?;
@@ -186,8 +187,8 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
             (Some(tint), None, None)
         }
         (Some(name), true) if name != "none" => return Err(node.error("expected a material, or eta and k")),
-        _ if tint != Texture::grey(1.0) => {
-            let message = "expected no specular_reflectance beside eta and k";
+        _ if tint.plain().is_none_or(|tint| tint != Colour::splat(tint.x)) => {
+            let message = "expected one number for the specular_reflectance beside eta and k";
             return Err(own.find("specular_reflectance").unwrap_or(node).error(message));
         }
         (None | Some("none"), _) => (None, Some(eta / outside), Some(k / outside)),
@@ -203,6 +204,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
     Ok(Material::Conductor(Conductor {
         albedo,
         one_sided,
+        reflectance: if eta.is_some() { factor } else { 1.0 },
         eta,
         k,
         roughness,

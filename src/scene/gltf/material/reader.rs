@@ -101,6 +101,7 @@ impl File {
                     albedo: Some(pbr.base_color),
                     eta: None,
                     k: None,
+                    reflectance: 1.0,
                     roughness: pbr.roughness,
                     multiscatter: pbr.multiscatter,
                     anisotropy: pbr.anisotropy,
