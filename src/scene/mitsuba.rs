@@ -84,6 +84,7 @@ pub fn contents(
             }),
             materials: Vec::new(),
             known: HashMap::new(),
+            same: HashMap::new(),
             to_uv: None,
             grouped: HashMap::new(),
             bodies: Vec::new(),

@@ -308,8 +308,10 @@ fn files_are_found_in_the_order_of_mitsuba() {
 #[test]
 fn many_shapes_are_read_in_seconds() {
     let start = Instant::now();
-    let scene = read(&xml(&"<shape type=\"sphere\"/>".repeat(40_000)), &GltfOptions::default()).expect("it is valid");
-    assert_eq!(scene.objects.len(), 40_000);
+    for shape in ["<shape type=\"sphere\"/>", "<shape type=\"sphere\"><bsdf type=\"diffuse\"/></shape>"] {
+        let scene = read(&xml(&shape.repeat(40_000)), &GltfOptions::default()).expect("it is valid");
+        assert_eq!((scene.objects.len(), scene.materials.len()), (40_000, 1));
+    }
     let instance = "<shape type=\"instance\"><ref id=\"g\"/></shape>";
     let group = "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cylinder\"/></shape>";
     let scene =

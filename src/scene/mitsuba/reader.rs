@@ -36,8 +36,10 @@ pub struct Reader<'a> {
     /// Whether the integrator knows media.
     pub has_media: bool,
     pub materials: Vec<(String, Material)>,
-    /// The names of the materials of BSDFs and how their textures lie, by the element and the emission.
-    pub known: HashMap<(*const Node, String), Option<(String, DAffine3)>>,
+    /// The materials of BSDFs by their index, and how their textures lie, by the element, or null, and the emission.
+    pub known: HashMap<(*const Node, String), Option<(usize, DAffine3)>>,
+    /// The indices of materials by what they are.
+    pub same: HashMap<String, usize>,
     /// How the textures lie that have been read for a surface.
     pub to_uv: Option<DAffine3>,
     /// The objects of shapes of groups, by the element and its transform: instances have the same.

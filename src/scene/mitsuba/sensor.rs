@@ -182,7 +182,11 @@ pub fn integrator<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<u32> {
     let depth = match own.kind()? {
         "path" | "volpath" | "volpathmis" => own.integer_or("max_depth", -1)?,
         "direct" => {
-            own.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
+            own.ignore(&["shading_samples", "bsdf_samples"]);
+            if own.integer_or("emitter_samples", 1)? > 1 {
+                reader
+                    .lose(node, "lights without size count once here, and in Mitsuba so often as emitter_samples says");
+            }
             2
         }
         "moment" | "aov" => {

@@ -356,10 +356,13 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
         }
         _ => return Err(node.error("expected one emitter in it")),
     };
-    let key = (std::ptr::from_ref(of_bsdf.unwrap_or(node)), format!("{:?}", emission.as_ref().map(|(_, found)| found)));
+    let key = (
+        of_bsdf.map_or(std::ptr::null(), std::ptr::from_ref),
+        format!("{:?}", emission.as_ref().map(|(_, found)| found)),
+    );
     let emits = emission.is_some();
-    let named = match reader.known.get(&key) {
-        Some(named) => named.clone(),
+    let made = match reader.known.get(&key) {
+        Some(made) => *made,
         None => {
             let found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
@@ -370,8 +373,14 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
                 (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
                 (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter, reader)?),
             };
-            let named = found.map(|material| {
+            let to_uv = reader.to_uv.unwrap_or(DAffine3::IDENTITY);
+            let made = found.map(|material| {
                 let base = of_bsdf.unwrap_or(node);
+                // Many shapes may have a BSDF each that is the same.
+                let index = *reader.same.entry(format!("{material:?}")).or_insert(reader.materials.len());
+                if base.attribute("id").is_none() && index < reader.materials.len() {
+                    return (index, to_uv);
+                }
                 let base = base.attribute("id").or(base.attribute("type")).unwrap_or("default").to_owned();
                 let mut name = base.clone();
                 while let Some(known) = reader.names.get_mut(&name) {
@@ -380,15 +389,16 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
                 }
                 reader.names.insert(name.clone(), 1);
                 reader.places.insert(format!("materials[{name:?}]"), of_bsdf.unwrap_or(node).at.location());
-                reader.materials.push((name.clone(), material));
-                (name, reader.to_uv.unwrap_or(DAffine3::IDENTITY))
+                reader.materials.push((name, material));
+                (reader.materials.len() - 1, to_uv)
             });
-            reader.known.insert(key, named.clone());
-            named
+            reader.known.insert(key, made);
+            made
         }
     };
-    let (material, to_uv) = named.map_or((None, DAffine3::IDENTITY), |(name, to_uv)| (Some(name), to_uv));
-    let of_name = reader.materials.iter().find(|(known, _)| Some(known) == material.as_ref()).map(|(_, found)| found);
+    let of_name = made.and_then(|(index, _)| reader.materials.get(index));
+    let material = of_name.map(|(name, _)| name.clone());
+    let (of_name, to_uv) = (of_name.map(|(_, own)| own), made.map_or(DAffine3::IDENTITY, |(_, to_uv)| to_uv));
     let is_textured = of_name.is_some_and(|own| own.model().slots().into_iter().any(|slot| slot.texture.needs_uv()));
     let has_image =
         of_name.is_some_and(|own| own.model().slots().into_iter().any(|slot| slot.texture.decoded().is_some()));
