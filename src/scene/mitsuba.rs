@@ -72,34 +72,34 @@ pub fn contents(
         return Err(Error::Usage(format!("-D {name}: {} has no ${name}", path.display())));
     }
     let Loader { folders, files, notes, .. } = loader;
-    let mut reader =
-        Reader {
-            ids: HashMap::new(),
-            folders,
-            to: to.to_owned(),
-            is_in_place: path == to,
-            lossless: options.lossless,
-            has_media: root.children.iter().flat_map(|node| node.children.iter().chain([node])).any(|node| {
-                node.tag == "integrator" && node.attribute("type").is_some_and(|kind| kind.starts_with("vol"))
-            }),
-            materials: Vec::new(),
-            known: HashMap::new(),
-            same: HashMap::new(),
-            to_uv: None,
-            grouped: HashMap::new(),
-            bodies: Vec::new(),
-            outside: None,
-            names: HashMap::new(),
-            meshes: BTreeMap::new(),
-            of_files: HashMap::new(),
-            told: HashSet::new(),
-            notes,
-            files,
-            places: HashMap::new(),
-            findings: Findings::default(),
-            depth: 0,
-            assets,
-        };
+    let of_media =
+        |node: &Node| node.tag == "integrator" && node.attribute("type").is_some_and(|kind| kind.starts_with("vol"));
+    let has_media = root.children.iter().any(|node| of_media(node) || node.children.iter().any(of_media));
+    let mut reader = Reader {
+        ids: HashMap::new(),
+        folders,
+        to: to.to_owned(),
+        is_in_place: path == to,
+        lossless: options.lossless,
+        has_media,
+        materials: Vec::new(),
+        known: HashMap::new(),
+        same: HashMap::new(),
+        to_uv: None,
+        grouped: HashMap::new(),
+        bodies: Vec::new(),
+        outside: None,
+        names: HashMap::new(),
+        meshes: BTreeMap::new(),
+        of_files: HashMap::new(),
+        told: HashSet::new(),
+        notes,
+        files,
+        places: HashMap::new(),
+        findings: Findings::default(),
+        depth: 0,
+        assets,
+    };
     let mut all = vec![&root];
     while let Some(node) = all.pop() {
         if node.tag == "alias" {

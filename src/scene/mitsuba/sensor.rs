@@ -192,7 +192,7 @@ pub fn integrator<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<u32> {
         "moment" | "aov" => {
             own.ignore(&["aovs"]);
             reader.lose(node, "its channels are left out: --aov has ours, and variance is stored");
-            match own.elements("integrator", reader)[..] {
+            match own.take(|child| child.tag == "integrator")[..] {
                 [inner] => return integrator(inner, reader),
                 _ => return Err(node.error("expected one integrator in it")),
             }

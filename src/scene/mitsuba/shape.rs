@@ -165,7 +165,7 @@ fn instance<'a>(
     own.end(reader);
     let is_even = moved(to_world, Object::Group(Vec::new())).is_some();
     let inner = if is_even { DAffine3::IDENTITY } else { *to_world };
-    let mut objects = Vec::new();
+    let (mut objects, bodies) = (Vec::new(), reader.bodies.len());
     for child in &group.children {
         if child.tag != "shape" {
             return Err(child.error("expected shapes in a shapegroup, and nothing else"));
@@ -181,6 +181,8 @@ fn instance<'a>(
         objects.extend(known.iter().cloned());
         reader.grouped.insert(key, known);
     }
+    // Where these are is not where instances are.
+    reader.bodies.truncate(bodies);
     let group = Object::Group(objects);
     Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
 }
