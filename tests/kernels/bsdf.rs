@@ -141,7 +141,7 @@ const TEXTBOOK: Wrong = Text(&BY_PAPERS);
 /// By 1 %.
 const BRIGHTER: Wrong = Text(&[
     ("lib/fresnel_conductor", "schlick_up_to(cosine, albedo, 1.0)", "1.01 * schlick_up_to(cosine, albedo, 1.0)"),
-    ("lib/fresnel_conductor", "return fresnel_of_index(", "return 1.01 * fresnel_of_index("),
+    ("lib/fresnel_conductor", "return share * fresnel_of_index(", "return 1.01 * share * fresnel_of_index("),
 ]);
 const SCHLICK: Plant = ("lib/fresnel", MODULE, "lib/fresnel_schlick");
 const STRETCHED: &[(Wrong, [usize; 3])] = &[

@@ -146,7 +146,7 @@ fn expected(object: &Object, at: &SurfacePoint, texels: &[[f32; 3]]) -> Option<(
         _ => {
             let image = Image { first: 0, width: 16, height: 8 };
             let polar = at.normal.x.hypot(at.normal.z).max(1e-3);
-            let colour = image.at(texels, at.uv.0, at.uv.1, at.wraps);
+            let colour = image.at(texels, at.uv.0, at.uv.1, [at.wraps, false]);
             let turn = if at.wraps { 10.0 * PI * U + POINT / polar } else { 2.0 * POINT };
             Some((colour.x, 32.0 * turn))
         }

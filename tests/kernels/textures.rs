@@ -53,6 +53,34 @@ fn checker_cells_alternate_on_both_sides_of_zero() {
     assert!(wrong(&kernel("checker", &[("texture/checker", "floor(at.point)", "at.point")])) > 1000);
 }
 
+/// Squares in texture coordinates take turns along both axes; all points are inside of squares by more than rounding.
+#[test]
+fn squares_alternate_along_both_axes() {
+    let mut random = Random(97);
+    let (first, second) = ([1.0, 0.5, 0.25], [0.0, 2.0, 8.0]);
+    let mut rows = Vec::new();
+    for _ in 0..5000 {
+        let parameter = (2.0f64.powf(6.0 * random.uniform())) as f32;
+        let cell = [0; 2].map(|_| (random.uniform() * f64::from(parameter)).floor());
+        let uv = cell.map(|cell| ((cell + 0.01 + 0.98 * random.uniform()) / f64::from(parameter)) as f32);
+        let is_even = (cell[0] + cell[1]) as i64 % 2 == 0;
+        rows.push((
+            In { texture: Texture { first, second, parameter, ..Texture::default() }, uv, ..In::default() },
+            is_even,
+        ));
+    }
+    let inputs: Vec<In> = rows.iter().map(|(row, _)| *row).collect();
+    let wrong = |kernel: &Kernel| {
+        let found = kernel.run::<_, Colour>(&inputs);
+        rows.iter()
+            .zip(&found)
+            .filter(|((_, is_even), out)| colour(out) != if *is_even { first } else { second })
+            .count()
+    };
+    assert_eq!(wrong(&kernel("uv_checker", &[])), 0);
+    assert!(wrong(&kernel("uv_checker", &[("texture/uv_checker", "cell.x + cell.y", "cell.x")])) > 1000);
+}
+
 /// An angle minus a multiple of 2 pi, and its sine.
 const TURN: Expression<'_> = [
     "texture/marble",
@@ -137,7 +165,7 @@ fn noise_and_marble_are_what_their_formulas_say() {
     }
 }
 
-/// An image of random texels, linear between their centres, held or wrapped at its left and right edges.
+/// An image of random texels, linear between their centres, held or wrapped at its edges.
 pub struct Image {
     pub first: u32,
     pub width: u32,
@@ -145,13 +173,14 @@ pub struct Image {
 }
 
 impl Image {
-    /// In f64, at u to the right and v up.
-    pub fn at(&self, texels: &[[f32; 3]], u: f64, v: f64, wraps: bool) -> DVec3 {
+    /// In f64, at u to the right and v up. `wraps`: to the right and downwards.
+    pub fn at(&self, texels: &[[f32; 3]], u: f64, v: f64, wraps: [bool; 2]) -> DVec3 {
         let (w, h) = (i64::from(self.width), i64::from(self.height));
         let (x, y) = (u * w as f64 - 0.5, (1.0 - v) * h as f64 - 0.5);
         let texel = |column: i64, row: i64| {
-            let column = if wraps { column.rem_euclid(w) } else { column.clamp(0, w - 1) };
-            exact(texels[self.first as usize + (row.clamp(0, h - 1) * w + column) as usize])
+            let column = if wraps[0] { column.rem_euclid(w) } else { column.clamp(0, w - 1) };
+            let row = if wraps[1] { row.rem_euclid(h) } else { row.clamp(0, h - 1) };
+            exact(texels[self.first as usize + (row * w + column) as usize])
         };
         let (left, top) = (x.floor(), y.floor());
         let (column, row) = (left as i64, top as i64);
@@ -180,7 +209,7 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
             height: image.height,
             ..Texture::default()
         };
-        for wraps in [0, 1] {
+        for wraps in 0..4 {
             let mut points: Vec<[f32; 2]> =
                 (0..1000).map(|_| [random.uniform() as f32, random.uniform() as f32]).collect();
             // Edges, texel centres and the lines between texels.
@@ -194,7 +223,8 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
         let found = kernel.run_with::<_, Colour>(&rows, rows.len(), &[array("texels", &texels)]);
         rows.iter().zip(&of).zip(&found).fold(0.0f64, |worst, ((row, &i), out)| {
             let image = &images[i];
-            let expected = image.at(&texels, f64::from(row.uv[0]), f64::from(row.uv[1]), row.wraps != 0);
+            let expected =
+                image.at(&texels, f64::from(row.uv[0]), f64::from(row.uv[1]), [1, 2].map(|bit| row.wraps & bit != 0));
             // The position in texels is off by two roundings of itself, and the texels differ by 1 at most; 1 - v rounds at
             // most as much again. Three blends of four roundings.
             let rounding = 3.0 * U * f64::from(image.width + image.height);
@@ -203,14 +233,15 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
     };
     let own = worst(&kernel("image", &[]));
     assert!(own <= 1.0, "{own}");
-    // Texel centres at integers; and no wrapping.
+    // Texel centres at integers; and no wrapping along either axis.
     let plants = [
         ("lib/bilinear", "u * f32(width) - 0.5", "u * f32(width - 1u)"),
-        ("lib/bilinear", "clamped, wrapped, {{wraps}}", "false"),
+        ("lib/bilinear", "vec2<i32>(w), {{wraps.x}}", "false"),
+        ("lib/bilinear", "vec2<i32>(h), {{wraps.y}}", "false"),
     ];
     let planted =
         Kernel::with("test/texture", &Setup { plants: &plants, values: &[("texture", "image")], ..Setup::default() });
-    assert!([0, 1].iter().all(|number| worst(&planted.planted(*number)) > 1000.0));
+    assert!([0, 1, 2].iter().all(|number| worst(&planted.planted(*number)) > 1000.0));
 }
 
 /// On the device, the texels of each format are the host's to the bit.
