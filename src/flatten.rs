@@ -121,7 +121,7 @@ pub fn flatten_with(
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
     if options.aov.has(Aov::Object) {
-        let name = |(given, place): (Option<&str>, usize)| given.map_or(format!("objects[{place}]"), str::to_owned);
+        let name = |(own, place): (Option<&str>, usize)| own.map_or_else(|| format!("objects[{place}]"), str::to_owned);
         flat.object_names = finder.primitives.iter().map(|primitive| name(primitive.name)).collect();
     }
     if brightest == 0.0 {

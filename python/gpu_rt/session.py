@@ -36,6 +36,7 @@ def camera(
     "opengl" it counts from the corner. `look_at` is a point on the axis, at no distance that means something: a lens needs `focus_distance`, which
     in a session stays that of the scene. Other fields are those of the scene file.
     """
+    # `_scale` is that of the pixels of K to those of the scene's image, along x and y.
     if convention not in ("opencv", "opengl"):
         raise _gpu_rt.Error(f'convention: expected "opencv" or "opengl", found {convention!r}')
     matrix = _matrix("pose", pose, ((4, 4), (3, 4)))

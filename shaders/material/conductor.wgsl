@@ -1,10 +1,10 @@
 //@ use choice/facets
 //@ use choice/multiscatter
 // A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta - 1. Its second part has k, and as `parameter`
-// what that reflection is multiplied by, or 0 where the colour is an albedo. A microfacet is drawn from those that are visible, so the weight is its reflectance times the share of
-// them that the light reaches too (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018). Light that is
-// reflected below the surface is lost. What microfacets scatter more than once comes back by Turquin's factor (scene/multiscatter), if the
-// material asks for it.
+// the factor of that reflection, or 0 where the colour is an albedo. A microfacet is drawn from those that are visible, so the weight is its
+// reflectance times the share of them that the light reaches too (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018).
+// Light that is reflected below the surface is lost. What microfacets scatter more than once comes back by Turquin's factor
+// (scene/multiscatter), if the material asks for it.
 fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);

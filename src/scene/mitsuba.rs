@@ -169,8 +169,7 @@ fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mu
                 }
                 // These are read where they are used.
                 "bsdf" | "texture" | "medium" | "spectrum" | "rgb" | "phase" | "sampler" | "film" | "rfilter"
-                | "alias" => {}
-                "boolean" | "integer" | "float" | "string" => {}
+                | "alias" | "boolean" | "integer" | "float" | "string" => {}
                 _ => return Err(node.error("this element is not read here")),
             }
             Ok(())

@@ -90,7 +90,7 @@ fn a_scene_is_that_of_the_scene_file() {
             <shape type="sphere"><bsdf type="thindielectric" id="t"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf></shape>
             <shape type="sphere"><bsdf type="conductor" id="c"><rgb name="specular_reflectance" value="0.9"/></bsdf></shape><shape type="sphere" id="plain"/>
             <emitter type="point"><point name="position" value="1 2 3"/><rgb name="intensity" value="1"/></emitter>"#,
-            vec!["hide of each other depends on their heights", "inside of a medium that it does not name"],
+            vec!["correlated by height here, unlike in Mitsuba", "inside of a medium that it does not name"],
             r#"background: Solid((0, 0, 0)),
             materials: { "g": Dielectric(ior: 1.5), "m": Conductor(eta: (0.2, 0.9, 1), k: (3.9, 2.4, 2), roughness: 0.5),
                 "t": ThinDielectric(ior: 1.5, inner_reflections: true), "c": Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0, one_sided: true),

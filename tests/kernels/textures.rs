@@ -236,8 +236,8 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
     // Texel centres at integers; and no wrapping along either axis.
     let plants = [
         ("lib/bilinear", "u * f32(width) - 0.5", "u * f32(width - 1u)"),
-        ("lib/bilinear", "vec2<i32>(w), {{wraps.x}}", "false"),
-        ("lib/bilinear", "vec2<i32>(h), {{wraps.y}}", "false"),
+        ("lib/bilinear", "i32(width), {{wraps.x}}", "false"),
+        ("lib/bilinear", "i32(height), {{wraps.y}}", "false"),
     ];
     let planted =
         Kernel::with("test/texture", &Setup { plants: &plants, values: &[("texture", "image")], ..Setup::default() });

@@ -17,7 +17,7 @@ pub fn tell(reader: &mut Reader) {
     let (glass, lamps, media) = (those(|body| body.is_glass), those(|body| body.emits), those(|body| body.has_medium));
     let mut tell = |inner: &[&Body], outer: &[&Body], message: &str| {
         if let Some(first) = outer.first().filter(|_| inner.len().saturating_mul(outer.len()) > MOST_PAIRS) {
-            return reader.lose(first.node, "nobody looks for what is inside of it: the shapes are too many");
+            return reader.lose(first.node, "too many shapes to search for those inside of it");
         }
         let is_inside = |a: &&&Body| outer.iter().any(|b| !std::ptr::eq(**a, *b) && holds(&b.around, &a.around));
         inner.iter().filter(is_inside).for_each(|body| reader.lose(body.node, message));

@@ -302,7 +302,7 @@ fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
     }
     match own.word("distribution")?.unwrap_or("beckmann").to_ascii_lowercase().as_str() {
         "ggx" => {
-            reader.lose(node, "what its microfacets hide of each other depends on their heights here: it is brighter at grazing angles, by up to 4 %")
+            reader.lose(node, "its masking and shadowing are correlated by height here, unlike in Mitsuba: it is brighter at grazing angles, by up to 4 %")
         }
         "beckmann" => {
             reader.lose(node, "its microfacets are those of GGX here, not of beckmann: write distribution ggx")
@@ -360,15 +360,10 @@ fn slot<'a>(
 
 fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Result<Texture> {
     let own = Properties::of(node);
-    let of = |name: &str, default: f64| {
-        Ok(DVec3::new(
-            own.number_or(&format!("u{name}"), default)?,
-            own.number_or(&format!("v{name}"), default)?,
-            default,
-        ))
-    };
-    let (scale, offset): (Result<DVec3>, Result<DVec3>) = (of("scale", 1.0), of("offset", 0.0));
-    let to_uv = own.transform("to_uv")? * DAffine3::from_scale(scale?) * DAffine3::from_translation(offset?);
+    // Scenes before 2 have numbers in place of to_uv.
+    let scale = DVec3::new(own.number_or("uscale", 1.0)?, own.number_or("vscale", 1.0)?, 1.0);
+    let offset = DVec3::new(own.number_or("uoffset", 0.0)?, own.number_or("voffset", 0.0)?, 0.0);
+    let to_uv = own.transform("to_uv")? * DAffine3::from_scale(scale) * DAffine3::from_translation(offset);
     if reader.to_uv.replace(to_uv).is_some_and(|other| !other.abs_diff_eq(to_uv, 1e-9)) {
         return Err(node.error("expected one to_uv in all textures of a surface, found another"));
     }

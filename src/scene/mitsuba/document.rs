@@ -268,9 +268,9 @@ impl<'a> Loader<'a> {
 
 /// The path of a file that an element names: in the folders that `path` gives, the last one first, and that of the scene; else beside its own
 /// file. An include is searched for there first.
-pub fn resolve(name: &str, at: &Node, folders: &[PathBuf]) -> PathBuf {
-    let beside = at.at.folder().join(name);
-    let first = Some(beside.clone()).filter(|_| at.tag == "include");
+pub fn resolve(name: &str, node: &Node, folders: &[PathBuf]) -> PathBuf {
+    let beside = node.at.folder().join(name);
+    let first = Some(beside.clone()).filter(|_| node.tag == "include");
     let others = folders.iter().map(|folder| folder.join(name));
     first.into_iter().chain(others).find(|path| path.exists()).unwrap_or(beside)
 }

@@ -158,6 +158,9 @@ pub fn flip(mesh: &mut Mesh) {
 
 /// Transforms the texture coordinates, whose v is downwards as Mitsuba has it.
 pub fn to_uv(mesh: &mut Mesh, by: &DAffine3) {
+    if *by == DAffine3::IDENTITY {
+        return;
+    }
     for uv in &mut mesh.uvs {
         let seen = by.transform_point3(DVec3::new(f64::from(uv.x), 1.0 - f64::from(uv.y), 0.0));
         *uv = Vec2::new(seen.x as f32, (1.0 - seen.y) as f32);

@@ -118,9 +118,13 @@ impl<'a> Properties<'a> {
                 reader.findings.refuse(child.error("this property is there already: expected it once"));
             } else if !used {
                 let title = self.node.title();
-                let message = format!("this property of {title} is not read: remove it if the image does not need it");
-                let of_ref = reader.follow(child, "").err().filter(|_| child.tag == "ref");
-                reader.findings.refuse(of_ref.unwrap_or_else(|| child.error(message)));
+                reader.findings.refuse(match reader.target(child) {
+                    Ok(found) if child.tag == "ref" => child.error(format!("{} has no place here", found.title())),
+                    Err(missing) => missing,
+                    Ok(_) => child.error(format!(
+                        "this property of {title} is not read: remove it if the image does not need it"
+                    )),
+                });
             }
         }
     }

@@ -44,7 +44,7 @@ pub struct Reader<'a> {
     pub to_uv: Option<DAffine3>,
     /// The objects of shapes of groups, by the element and its transform: instances have the same.
     pub grouped: HashMap<(*const Node, [u64; 12]), Vec<Object>>,
-    /// What may be inside of something else.
+    /// The shapes that may be inside of others, or around them.
     pub bodies: Vec<Body<'a>>,
     /// A sensor that names no medium, and where it is.
     pub outside: Option<(&'a Node, DVec3)>,
@@ -76,19 +76,20 @@ impl<'a> Reader<'a> {
     }
 
     /// The element, or the one that it refers to.
+    pub fn target(&self, node: &'a Node) -> Result<&'a Node> {
+        if node.tag != "ref" {
+            return Ok(node);
+        }
+        let id = node.required("id")?;
+        let missing = || node.error_at("id", format!("there is no element of the id {}", crate::printable::quote(id)));
+        self.ids.get(id).copied().ok_or_else(missing)
+    }
+
+    /// The same, which must be of this tag.
     pub fn follow(&self, node: &'a Node, tag: &str) -> Result<&'a Node> {
-        let found = match node.tag == "ref" {
-            false => node,
-            true => {
-                let id = node.required("id")?;
-                let missing =
-                    || node.error_at("id", format!("there is no element of the id {}", crate::printable::quote(id)));
-                self.ids.get(id).copied().ok_or_else(missing)?
-            }
-        };
+        let found = self.target(node)?;
         match found.tag == tag {
             true => Ok(found),
-            false if tag.is_empty() => Err(node.error(format!("{} has no place here", found.title()))),
             false => Err(node.error(format!("expected a {tag}, found {}", found.title()))),
         }
     }

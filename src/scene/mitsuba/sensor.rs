@@ -184,8 +184,7 @@ pub fn integrator<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<u32> {
         "direct" => {
             own.ignore(&["shading_samples", "bsdf_samples"]);
             if own.integer_or("emitter_samples", 1)? > 1 {
-                reader
-                    .lose(node, "lights without size count once here, and in Mitsuba so often as emitter_samples says");
+                reader.lose(node, "Mitsuba counts lights without size emitter_samples times, and this program once");
             }
             2
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::document::{Node, resolve};
 use super::emitter::{Medium, medium};
@@ -62,9 +62,10 @@ pub fn shape<'a>(
     let surface = surface(&own, reader)?;
     let flips = own.flag_or("flip_normals", false)?;
     let material = surface.material.clone();
+    let to_world = to_world * placed(&own, kind)?;
     let mut around = Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE };
     let object = match kind {
-        "sphere" => sphere(&own, &to_world, flips, &surface, reader)?,
+        "sphere" => sphere(node, &to_world, flips, &surface, reader)?,
         "rectangle" => {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
             match surface.is_textured || flips || x.cross(y).dot(z) < 0.0 {
@@ -96,18 +97,8 @@ pub fn shape<'a>(
             }
         }
         "cylinder" => {
-            let (p0, p1) = (own.vector("p0")?.unwrap_or(DVec3::ZERO), own.vector("p1")?.unwrap_or(DVec3::Z));
-            let radius = own.number_or("radius", 1.0)?;
-            if radius <= 0.0 {
-                return Err(node.error(format!("expected a radius above 0, found {radius}")));
-            }
-            let along = p1 - p0;
-            let Some(axis) = along.try_normalize() else { return Err(node.error("expected p0 and p1 to differ")) };
-            let turn = DQuat::from_rotation_arc(DVec3::Z, axis);
-            let by = DAffine3::from_scale_rotation_translation(DVec3::new(radius, radius, along.length()), turn, p0);
-            around = Aabb::around([p0 - radius, p0 + radius, p1 - radius, p1 + radius]);
-            let by = to_world * by;
-            made(node, mesh::cylinder(), &by, flips, &surface, reader)
+            around.min.z = 0.0;
+            made(node, mesh::cylinder(), &to_world, flips, &surface, reader)
         }
         "obj" | "ply" | "serialized" => {
             let (object, bounds) = file_mesh(&own, kind, &to_world, flips, &surface, progress, reader)?;
@@ -122,12 +113,8 @@ pub fn shape<'a>(
         reader
             .lose(node, "its glass has no inside: Mitsuba scales the radiance that passes by the square of the index");
     }
-    if kind == "sphere" {
-        if surface.has_image && !matches!(object, Object::Mesh { .. }) {
-            reader.lose(node, "its image ends at the poles here, half a row later than in Mitsuba, where it goes on at the other pole");
-        }
-        let (center, radius) = (own.vector("center")?.unwrap_or(DVec3::ZERO), own.number_or("radius", 1.0)?);
-        around = Aabb { min: center - radius, max: center + radius };
+    if kind == "sphere" && surface.has_image && !matches!(object, Object::Mesh { .. }) {
+        reader.lose(node, "its image ends at the poles here: Mitsuba blends its first row with its last");
     }
     let around = Aabb::around(around.corners().map(|p| to_world.transform_point3(p)));
     reader.bodies.push(Body {
@@ -147,6 +134,26 @@ pub fn shape<'a>(
         reader.lose(node, "it has neither a surface nor a medium, and is left out");
     }
     Ok(objects)
+}
+
+/// The transform of a kind of shape that has another place than its own space: of the unit sphere, and of the cylinder of radius 1 from z = 0 to 1.
+fn placed(own: &Properties, kind: &str) -> Result<DAffine3> {
+    if kind != "sphere" && kind != "cylinder" {
+        return Ok(DAffine3::IDENTITY);
+    }
+    let radius = own.number_or("radius", 1.0)?;
+    if radius <= 0.0 {
+        return Err(own.node.error(format!("expected a radius above 0, found {radius}")));
+    }
+    if kind == "sphere" {
+        let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
+        return Ok(DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius)));
+    }
+    let (p0, p1) = (own.vector("p0")?.unwrap_or(DVec3::ZERO), own.vector("p1")?.unwrap_or(DVec3::Z));
+    let along = p1 - p0;
+    let axis = along.try_normalize().ok_or_else(|| own.node.error("expected p0 and p1 to differ"))?;
+    let turn = DQuat::from_rotation_arc(DVec3::Z, axis);
+    Ok(DAffine3::from_scale_rotation_translation(DVec3::new(radius, radius, along.length()), turn, p0))
 }
 
 /// The shapes of a group, placed.
@@ -187,22 +194,11 @@ fn instance<'a>(
     Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
 }
 
-fn sphere(
-    own: &Properties,
-    to_world: &DAffine3,
-    flips: bool,
-    surface: &Surface,
-    reader: &mut Reader,
-) -> Result<Object> {
-    let (node, material) = (own.node, surface.material.clone());
-    let radius = own.number_or("radius", 1.0)?;
-    if radius <= 0.0 {
-        return Err(node.error(format!("expected a radius above 0, found {radius}")));
-    }
-    let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
-    let by = *to_world * DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
+/// The sphere that the unit sphere becomes.
+fn sphere(node: &Node, by: &DAffine3, flips: bool, surface: &Surface, reader: &mut Reader) -> Result<Object> {
+    let material = surface.material.clone();
     // A mirror image of a sphere is a sphere whose inside is out.
-    let ours = if by.matrix3.determinant() < 0.0 { by * DAffine3::from_scale(DVec3::NEG_ONE) } else { by };
+    let ours = if by.matrix3.determinant() < 0.0 { *by * DAffine3::from_scale(DVec3::NEG_ONE) } else { *by };
     let is_flipped = flips != (by.matrix3.determinant() < 0.0);
     Ok(match moved(&ours, Object::Group(Vec::new())) {
         Some(_) if !is_flipped && !surface.is_textured => {
@@ -211,14 +207,14 @@ fn sphere(
         }
         None => {
             reader.lose(node, "it becomes an uneven mesh: Mitsuba shows a round sphere");
-            made(node, mesh::sphere(), &by, is_flipped, surface, reader)
+            made(node, mesh::sphere(), by, is_flipped, surface, reader)
         }
         Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 && surface.to_uv == DAffine3::IDENTITY => {
             let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
-            moved(&(by * DAffine3::from_mat3(POLES)), sphere)
+            moved(&(*by * DAffine3::from_mat3(POLES)), sphere)
                 .ok_or_else(|| node.error("expected a sphere of a size"))?
         }
-        _ => made(node, mesh::sphere(), &by, is_flipped, surface, reader),
+        _ => made(node, mesh::sphere(), by, is_flipped, surface, reader),
     })
 }
 
@@ -295,9 +291,11 @@ fn file_mesh(
     if kind != "serialized" {
         reader.of_files.insert(path.clone(), Arc::clone(&read));
     }
-    let turns_uvs = !flipped_uvs && !read.uvs.is_empty();
+    // The file's v is upwards as ours, unless Mitsuba takes it as it is.
+    let turned = DAffine3::from_translation(DVec3::Y) * DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
+    let to_uv = surface.to_uv * if flipped_uvs { DAffine3::IDENTITY } else { turned };
+    let changes_uvs = to_uv != DAffine3::IDENTITY && !read.uvs.is_empty();
     let changes_normals = faceted != read.normals.is_empty();
-    let changes_uvs = turns_uvs || surface.to_uv != DAffine3::IDENTITY;
     let bounds = read.bounds();
     if kind != "serialized" && !changes_uvs && !changes_normals && !flips {
         let mesh = Object::Mesh { path: reader.named(&path), material: surface.material.clone() };
@@ -310,10 +308,7 @@ fn file_mesh(
     if faceted {
         mesh.normals = Vec::new();
     }
-    if turns_uvs {
-        mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
-    }
-    mesh::to_uv(&mut mesh, &surface.to_uv);
+    mesh::to_uv(&mut mesh, &to_uv);
     mesh::transformed(&mut mesh, to_world);
     if !faceted && mesh.normals.is_empty() {
         mesh::smooth(&mut mesh);
@@ -401,9 +396,9 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
     let of_name = made.and_then(|(index, _)| reader.materials.get(index));
     let material = of_name.map(|(name, _)| name.clone());
     let (of_name, to_uv) = (of_name.map(|(_, own)| own), made.map_or(DAffine3::IDENTITY, |(_, to_uv)| to_uv));
-    let is_textured = of_name.is_some_and(|own| own.model().slots().into_iter().any(|slot| slot.texture.needs_uv()));
-    let has_image =
-        of_name.is_some_and(|own| own.model().slots().into_iter().any(|slot| slot.texture.decoded().is_some()));
+    let textures = of_name.map(Material::textures).unwrap_or_default();
+    let is_textured = textures.iter().any(|texture| texture.needs_uv());
+    let has_image = textures.iter().any(|texture| texture.decoded().is_some());
     let is_glass = matches!(of_name, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
     Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
 }
