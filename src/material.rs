@@ -26,8 +26,8 @@ use crate::texture::{Texture, Use};
 
 pub use boundary::{glass_numbers, widths_of_boundary};
 pub use declared::{
-    Conductor, Dielectric, DiffuseLight, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR, MOST_THICKNESS,
-    Material, Metal, Pbr, RoughDielectric, ThinDielectric, is_white, is_zero,
+    Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR,
+    MOST_THICKNESS, Material, Metal, Pbr, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
 pub use row::{ALPHA, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};

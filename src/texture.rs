@@ -299,7 +299,7 @@ impl Texture {
     }
 
     /// A texture with the same number everywhere.
-    pub fn grey(x: f64) -> Texture {
+    pub const fn grey(x: f64) -> Texture {
         Texture::Rgb(x, x, x)
     }
 

@@ -40,6 +40,8 @@ struct Interaction {
     emission: vec3<f32>,
     // Unit direction along which microfacets are rougher, perpendicular to the normal.
     tangent: vec3<f32>,
+    // Not 0 if the microfacets have the distribution of Beckmann.
+    beckmann: f32,
     // The channel that the path follows through glass with dispersion: red is -1, green 0 and blue 1.
     followed: f32,
 }
@@ -61,6 +63,7 @@ struct EvaluatedMaterial {
     coat_normal: vec3<f32>,
     // The direction of the anisotropy in the axes of the texture coordinates.
     turn: vec2<f32>,
+    beckmann: f32,
     // As in Interaction, and what is kept of light that crosses the surface (step/followed_channel).
     followed: f32,
     kept: vec3<f32>,

@@ -11,10 +11,13 @@ fn alphas_of(hit: Interaction, alpha: f32) -> vec2<f32> {
 }
 
 fn facet_basis(hit: Interaction) -> Basis {
+    if is_isotropic(hit) {
+        return basis_around(hit.normal);
+    }
     return Basis(hit.tangent, cross(hit.normal, hit.tangent), hit.normal);
 }
 
-fn sample_facet(hit: Interaction, cos_view: f32, alpha: f32, u: vec2<f32>) -> vec3<f32> {
+fn sample_ggx(hit: Interaction, cos_view: f32, alpha: f32, u: vec2<f32>) -> vec3<f32> {
     if is_isotropic(hit) {
         let basis = basis_around(hit.normal);
         let view = vec3<f32>(-in_basis(basis, hit.incoming).xy, cos_view);
@@ -25,7 +28,7 @@ fn sample_facet(hit: Interaction, cos_view: f32, alpha: f32, u: vec2<f32>) -> ve
     return from_basis(basis, sample_anisotropic_normal(view, alphas_of(hit, alpha), u));
 }
 
-fn visible_facets(along: vec3<f32>, hit: Interaction, cos_view: f32, alpha: f32) -> f32 {
+fn visible_ggx(along: vec3<f32>, hit: Interaction, cos_view: f32, alpha: f32) -> f32 {
     if is_isotropic(hit) {
         return visible_density(microfacet_density(along, hit.normal, alpha), cos_view, alpha);
     }
@@ -35,7 +38,7 @@ fn visible_facets(along: vec3<f32>, hit: Interaction, cos_view: f32, alpha: f32)
     return 2.0 * anisotropic_density(in_basis(basis, along), alphas) / (cos_view + anisotropic_root(view, alphas));
 }
 
-fn facet_shadowing(hit: Interaction, cos_view: f32, direction: vec3<f32>, cos_light: f32, alpha: f32) -> f32 {
+fn ggx_shadowing(hit: Interaction, cos_view: f32, direction: vec3<f32>, cos_light: f32, alpha: f32) -> f32 {
     if is_isotropic(hit) {
         return smith_shadowing(cos_view, cos_light, alpha);
     }

@@ -1,4 +1,4 @@
-//@ use choice/facets
+//@ use choice/distribution
 //@ use choice/multiscatter
 //@ use choice/layer
 //@ use choice/film

@@ -31,6 +31,7 @@ fn interaction_at(
     interaction.f90 = evaluated.f90;
     interaction.lobes = evaluated.lobes;
     interaction.followed = evaluated.followed;
+    interaction.beckmann = evaluated.beckmann;
     interaction.tangent = facet_tangent(hit, surface, interaction.normal, frame.front, evaluated.turn);
     interaction.coat_normal = coat_normal_at(hit, surface, incoming, frame.shading, frame.front, evaluated.coat_normal);
     interaction.emission = emission_under_coat(evaluated.emission, interaction);

@@ -1,9 +1,9 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
-use super::declared::Conductor;
 use super::declared::conductor::FIELDS;
+use super::declared::{Conductor, Distribution};
 use super::model::{MaterialKind, Model, with_numbers};
-use super::row::{MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Slot, varying};
+use super::row::{BECKMANN, MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Slot, varying};
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_facets};
 use crate::bitmap::Bitmaps;
 use crate::data::{self, f32s};
@@ -13,7 +13,7 @@ use crate::texture::{Colour, Use};
 pub const KIND: MaterialKind = MaterialKind {
     numbers: &["roughness"],
     second_part: &["reflectance"],
-    rows: &[ROUGHNESS, MULTISCATTER, NORMAL, ANISOTROPY, ONE_SIDED],
+    rows: &[ROUGHNESS, MULTISCATTER, NORMAL, ANISOTROPY, ONE_SIDED, BECKMANN],
     ..MaterialKind::new("conductor", ANY_WIDTH)
 };
 
@@ -23,12 +23,15 @@ impl Conductor {
         let (albedo, eta, k) = (self.albedo.as_ref(), self.eta, self.k);
         let is_complete =
             albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
+        let is_beckmann = self.distribution == Distribution::Beckmann;
+        let compensates =
+            (is_beckmann && self.multiscatter).then_some("no multiscatter with Beckmann: it is that of Ggx");
         // 0 where it has an albedo.
         let reflectance = eta.map_or(0.0, |_| self.reflectance);
         let model = Model {
             slot: albedo.map(|texture| Slot { field: &FIELDS.albedo, usage: Use::Albedo, texture }),
             widths: vec![LobeWidth::of_facets(roughness, 0.0)],
-            lacks: (!is_complete).then_some("either an albedo, or both eta and k"),
+            lacks: (!is_complete).then_some("either an albedo, or both eta and k").or(compensates),
             rows: varying.into_iter().collect(),
             on_device: data::Material {
                 // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it
@@ -46,7 +49,8 @@ impl Conductor {
         let model = model
             .flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter)
             .bumped(&self.normal, self.normal_scale)
-            .one_sided(self.one_sided);
+            .one_sided(self.one_sided)
+            .flagged(&FIELDS.distribution, BECKMANN, is_beckmann);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
 

@@ -94,7 +94,7 @@ declare! {
             #[serde(default = "yes")]
             two_sided: bool = flag().or("true");
         }
-        /// A metal, polished or rough, with microfacets of GGX. Its colour is an `albedo`, or the measured `eta` and `k` of a real
+        /// A metal, polished or rough, with microfacets. Its colour is an `albedo`, or the measured `eta` and `k` of a real
         /// metal. Light that microfacets would reflect more than once is lost, unless `multiscatter` is true.
         Conductor: conductor, "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)" {
             /// The reflected share of light that falls straight on it. At grazing angles it rises to 1 by Schlick's formula.
@@ -110,6 +110,8 @@ declare! {
             /// counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
+            /// How the slopes of its microfacets are distributed.
+            @default distribution: Distribution = other("Ggx or Beckmann").or("Ggx");
             /// Whether it makes up for the light that its microfacets would reflect more than once, by Turquin's factor. Otherwise that
             /// light is lost.
             @default multiscatter: bool = flag().or("false");
@@ -129,14 +131,15 @@ declare! {
             #[serde(default, skip_serializing_if = "std::ops::Not::not")]
             one_sided: bool = lambertian::FIELDS.one_sided;
         }
-        /// A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets of GGX. Light that
-        /// microfacets would scatter more than once is lost.
+        /// A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets. Light that they
+        /// would scatter more than once is lost.
         RoughDielectric: rough_dielectric, "RoughDielectric(ior: 1.5, roughness: 0.3)" {
             ior: f64 = dielectric::FIELDS.ior;
             /// 0 is a `Dielectric`. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
             /// counts as 0.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
+            @default distribution: Distribution = conductor::FIELDS.distribution;
             @default transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             @default absorption: Option<Colour> = dielectric::FIELDS.absorption;
             @default dispersion: f64 = dielectric::FIELDS.dispersion;
@@ -263,6 +266,16 @@ declare! {
         }
     }
 }
+
+/// The distribution of the slopes of microfacets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Distribution {
+    #[default]
+    Ggx,
+    Beckmann,
+}
+
+impl Checked for Distribution {}
 
 impl Default for Pbr {
     /// A white metal that is as rough as can be, as glTF has it: what a file has that gives nothing.

@@ -2,8 +2,8 @@
 
 use super::declared::{dielectric, is_white, is_zero, lambertian};
 use super::row::{
-    ALPHA, EMISSION, MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Row, RowKind, Slot, VERTEX_ALPHA, VERTEX_COLOURS,
-    VERTEX_EMISSION,
+    ALPHA, BECKMANN, EMISSION, MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Row, RowKind, Slot, VERTEX_ALPHA,
+    VERTEX_COLOURS, VERTEX_EMISSION,
 };
 use super::width::{LEAST_ROUGHNESS, LobeWidth};
 use crate::bitmap::Bitmaps;
@@ -226,7 +226,7 @@ impl<'a> Model<'a> {
         self.rows.retain(|row| match row.kind {
             kind if kind == ALPHA || kind == VERTEX_ALPHA => lets_pass,
             kind if kind == VERTEX_EMISSION => emits,
-            kind if kind == MULTISCATTER => !is_mirror,
+            kind if kind == MULTISCATTER || kind == BECKMANN => !is_mirror,
             _ => true,
         });
         self

@@ -1,11 +1,11 @@
 //! A clear solid with a rough surface: frosted glass.
 
 use super::boundary::{glass_numbers, widths_of_boundary};
-use super::declared::RoughDielectric;
 use super::declared::rough_dielectric::FIELDS;
+use super::declared::{Distribution, RoughDielectric};
 use super::dielectric;
 use super::model::{MaterialKind, Model, with_numbers};
-use super::row::{NORMAL, ROUGHNESS, varying};
+use super::row::{BECKMANN, NORMAL, ROUGHNESS, varying};
 use super::width::{ANY_WIDTH, Along, LobeWidth, widths_of_roughness};
 use crate::bitmap::Bitmaps;
 use crate::data::{self, NO_TEXTURE};
@@ -17,7 +17,7 @@ pub const KIND: MaterialKind = MaterialKind {
     numbers: &["roughness", "outside", "inside"],
     second_part: &["ior"],
     is_transmissive: true,
-    rows: &[ROUGHNESS, NORMAL, ANISOTROPY, DISPERSION],
+    rows: &[ROUGHNESS, NORMAL, ANISOTROPY, DISPERSION, BECKMANN],
     ..MaterialKind::new("rough_dielectric", ANY_WIDTH)
 };
 
@@ -33,7 +33,8 @@ impl RoughDielectric {
             second_part: Some(data::Material { texture: NO_TEXTURE, ..with_numbers([ior, 0.0, 0.0]) }),
             ..glass
         };
-        let model = model.bumped(&self.normal, self.normal_scale);
+        let is_beckmann = self.distribution == Distribution::Beckmann;
+        let model = model.bumped(&self.normal, self.normal_scale).flagged(&FIELDS.distribution, BECKMANN, is_beckmann);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
 

@@ -57,6 +57,9 @@ pub const ONE_SIDED: &RowKind = &RowKind::new("one_sided", &[], Sets::Nothing);
 /// A pane reflects as both sides of a slab do. The row is not read.
 pub const INNER_REFLECTIONS: &RowKind = &RowKind::new("inner_reflections", &[], Sets::Nothing);
 
+/// Its microfacets have the distribution of Beckmann.
+pub const BECKMANN: &RowKind = &RowKind::new("beckmann", &[], Sets::Share("beckmann"));
+
 /// The kinds of row that are of no lobe.
 pub const ROWS: &[&RowKind] = &[
     EMISSION,
@@ -70,6 +73,7 @@ pub const ROWS: &[&RowKind] = &[
     VERTEX_EMISSION,
     ONE_SIDED,
     INNER_REFLECTIONS,
+    BECKMANN,
 ];
 
 /// A texture of a material, with the field that holds it.

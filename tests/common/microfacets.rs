@@ -33,7 +33,7 @@ rows! {
         f0: [f32; 3], f90: f32,
         lobes: Lobes,
         coat_normal: [f32; 3], padding2: u32,
-        tangent: [f32; 3], padding3: u32,
+        tangent: [f32; 3], beckmann: f32,
     }
 
     /// As `generated/lobes` has it. `anisotropy` is the square of the strength.

@@ -164,6 +164,16 @@ const STRETCHED: &[(Wrong, [usize; 3])] = &[
     (Expression(("lib/anisotropic_microfacet", "alphas * direction.xy", "alphas.yx * direction.xy")), [0; 3]),
 ];
 
+/// A half too wide, and visible by the other tail of the slopes.
+const BECKMANN: &[(Wrong, [usize; 3])] = &[
+    (Expression(("lib/beckmann", "{{exp(-slope2)}} / (PI", "exp(-1.01 * slope2)")), [0; 3]),
+    (Expression(("lib/beckmann", "{{1.0 - erfc(steepness)}}) + spread", "1.0 - 1.01 * erfc(steepness)")), [0; 3]),
+];
+
+fn with_beckmann(rows: Vec<In>) -> Vec<In> {
+    rows.into_iter().map(|row| In { beckmann: 1.0, ..row }).collect()
+}
+
 pub const fn material(name: &'static str, shader: &'static str, rows: Rows, bsdf: Bsdfs) -> Material {
     Material { name, shader, with: &[], seed: 173, rows, bsdf, replaced: &[], compared: 8000, planted: &[] }
 }
@@ -177,6 +187,14 @@ fn materials_respond_by_their_formulas() {
         planted: STRETCHED,
         ..material(name, shader, rows, bsdf)
     };
+    let beckmann = |name, shader, with, rows, bsdf| Material {
+        with,
+        seed: 709,
+        compared: 3000,
+        planted: BECKMANN,
+        ..material(name, shader, rows, bsdf)
+    };
+    let brushed: &[&str] = &["lobe/beckmann", FACETS];
     respond_by_their_formulas(&[
         Material {
             planted: &[(TEXTBOOK, [100, 0, 1]), (BRIGHTER, [4000; 3])],
@@ -218,6 +236,27 @@ fn materials_respond_by_their_formulas() {
         stretched("brushed conductors", "conductor", |r, n, l| stretched_rows(r, n, l, metal_row), rough::metal),
         stretched("brushed glTF", "pbr", |r, n, l| stretched_rows(r, n, l, pbr_row), rough::metal),
         stretched("brushed glass", "rough_dielectric", |r, n, l| stretched_rows(r, n, l, glass_row), rough::boundary),
+        beckmann(
+            "Beckmann's conductors",
+            "conductor",
+            &["lobe/beckmann"],
+            |r, n, l| with_beckmann(rough::metal_rows(r, n, l)),
+            rough::metal,
+        ),
+        beckmann(
+            "Beckmann's glass",
+            "rough_dielectric",
+            &["lobe/beckmann"],
+            |r, n, l| with_beckmann(rough::glass_rows(r, n, l)),
+            rough::boundary,
+        ),
+        beckmann(
+            "brushed conductors of Beckmann",
+            "conductor",
+            brushed,
+            |r, n, l| with_beckmann(stretched_rows(r, n, l, metal_row)),
+            rough::metal,
+        ),
     ]);
 }
 
@@ -585,16 +624,16 @@ fn layers_scatter_by_their_densities() {
 }
 
 #[test]
-fn brushed_conductors_scatter_by_their_density() {
+fn brushed_conductors_and_those_of_beckmann_scatter_by_their_density() {
     let mut random = Random(707);
-    let many = kernel("conductor", ANISOTROPY);
-    let cases = [(0.5, 0.7), (0.4, 1.0), (0.8, 0.4)];
+    let many = kernel("conductor", &["lobe/beckmann", FACETS]);
+    let cases = [(0.5, 0.7, 0.0), (0.4, 1.0, 0.0), (0.8, 0.4, 0.0), (0.5, 0.0, 1.0), (0.9, 0.0, 1.0), (0.4, 0.6, 1.0)];
     let threshold = sidak(ALPHA, cases.len() * COSINES.len());
-    for (roughness, strength) in cases {
+    for (roughness, strength, beckmann) in cases {
         for cos in COSINES {
-            let what = format!("roughness {roughness}, strength {strength}, cosine {cos}");
+            let what = format!("roughness {roughness}, strength {strength}, Beckmann {beckmann}, cosine {cos}");
             let row = metal_row(arriving(&mut random, cos), roughness, 0);
-            let row = along(&mut random, row, strength);
+            let row = In { beckmann, ..along(&mut random, row, strength) };
             let rougher = |row: &In, direction: DVec3, _| {
                 let mut space = Space::of(row);
                 space.alphas[0] *= 1.05;

@@ -25,6 +25,7 @@ pub struct Space {
     view: DVec3,
     pub alphas: [f64; 2],
     is_isotropic: bool,
+    pub is_beckmann: bool,
 }
 
 impl Space {
@@ -37,22 +38,42 @@ impl Space {
         let alpha = f64::from(row.material.numbers[0]).powi(2);
         let anisotropy = f64::from(row.lobes.anisotropy);
         let alphas = [alpha + anisotropy * (1.0 - alpha), alpha];
-        Space { axes, view: within(&axes, view), alphas, is_isotropic: anisotropy == 0.0 }
+        Space {
+            axes,
+            view: within(&axes, view),
+            alphas,
+            is_isotropic: anisotropy == 0.0,
+            is_beckmann: row.beckmann != 0.0,
+        }
     }
 
-    /// Heitz, JCGT 3(2), 2014, equations 85 and 86.
+    /// Heitz, JCGT 3(2), 2014, equations 80, 85 and 86.
     fn density(&self, facet: DVec3) -> f64 {
         let [a, b] = self.alphas;
         if facet.z <= 0.0 {
             return 0.0;
         }
+        if self.is_beckmann {
+            return (-self.slope2(facet)).exp() / (PI * a * b * facet.z.powi(4));
+        }
         let spread = (facet.x / a).powi(2) + (facet.y / b).powi(2) + facet.z * facet.z;
         1.0 / (PI * a * b * spread * spread)
+    }
+
+    /// The square of a normal's slope in alphas.
+    fn slope2(&self, facet: DVec3) -> f64 {
+        let [a, b] = self.alphas;
+        ((facet.x / a).powi(2) + (facet.y / b).powi(2)) / (facet.z * facet.z)
     }
 
     fn lambda(&self, v: DVec3) -> f64 {
         let [a, b] = self.alphas;
         let across = ((a * v.x).powi(2) + (b * v.y).powi(2)) / (v.z * v.z);
+        if self.is_beckmann {
+            // Equation 78.
+            let steepness = across.sqrt().recip();
+            return 0.5 * ((-steepness * steepness).exp() / (steepness * PI.sqrt()) - erfc(steepness));
+        }
         0.5 * ((1.0 + across).sqrt() - 1.0)
     }
 
@@ -81,10 +102,19 @@ impl Space {
 
     /// The relative error that f32 explains, for a half vector that is turned by so much: it moves the density by at most 2 of that per alpha.
     /// A cosine is off by 4 u, which counts where the light grazes.
-    fn limit(&self, roundings: f64, turned: f64, cos_light: f64) -> f64 {
+    /// That of Beckmann falls by the square of the slope: by as much more.
+    fn limit(&self, roundings: f64, turned: f64, cos_light: f64, facet: DVec3) -> f64 {
         let [_, alpha] = self.alphas;
+        let slope2 = if self.is_beckmann { self.slope2(facet) } else { 0.0 };
+        let (roundings, turned) = (roundings + 8.0 * slope2, turned * (1.0 + slope2.sqrt()));
         roundings * U + 4.0 * turned / alpha + 4.0 * U / cos_light + 4.0 * U / (self.view.z + alpha) + 16.0 * turned
     }
+}
+
+/// 1 - erf(x) of an x that is not negative, by Simpson's rule.
+fn erfc(x: f64) -> f64 {
+    let at = |i: i32| (-(x + f64::from(i) / 64.0).powi(2)).exp();
+    2.0 / PI.sqrt() / 192.0 * (0..320).map(|i| at(2 * i) + 4.0 * at(2 * i + 1) + at(2 * i + 2)).sum::<f64>()
 }
 
 /// Rows at all angles, of roughnesses from this power of ten on, towards a random light or the answer.
@@ -130,7 +160,12 @@ pub fn metal(row: &In, direction: DVec3) -> Bsdf {
     let pdf = space.density_of_reflection(direction);
     let white = pdf * space.shadowed(light);
     let value = [0, 1, 2].map(|c| share(c) * white);
-    let limit = space.limit(if space.is_isotropic { 64.0 } else { 96.0 }, space.turned(4.0, length), light.z);
+    let limit = space.limit(
+        if space.is_isotropic { 64.0 } else { 96.0 },
+        space.turned(4.0, length),
+        light.z,
+        space.view + light,
+    );
     // A reflectance is off by 5 times the cosine's rounding.
     let cosine = 20.0 * U / length.min(1.0);
     Bsdf {
@@ -139,7 +174,7 @@ pub fn metal(row: &In, direction: DVec3) -> Bsdf {
         off: value.map(|value| limit * value + cosine * white),
         pdf_off: limit * pdf,
         weight_off: Some(value.map(|value| limit * value / pdf + cosine)),
-        is_unknown: !space.is_isotropic && limit > 0.1,
+        is_unknown: (!space.is_isotropic || space.is_beckmann) && limit > 0.1,
     }
 }
 
@@ -147,7 +182,7 @@ pub fn metal(row: &In, direction: DVec3) -> Bsdf {
 pub fn explained(row: &In, direction: DVec3) -> f64 {
     let space = Space::of(row);
     let light = within(&space.axes, direction);
-    space.limit(64.0, space.turned(4.0, (space.view + light).length()), light.z.abs().max(1e-9))
+    space.limit(64.0, space.turned(4.0, (space.view + light).length()), light.z.abs().max(1e-9), space.view + light)
 }
 
 /// The index of the far side relative to the near one.
@@ -210,8 +245,10 @@ pub fn boundary(row: &In, direction: DVec3) -> Bsdf {
     let of_share = if reflects { blur / reflectance } else { blur / (1.0 - reflectance) };
     // Microfacets that stand upright are seen or not by their last digits.
     let upright = facet.z.abs() < 16.0 * U / sum.length();
-    let limit =
-        space.limit(96.0, turned, light.z.abs()) + 4.0 * turned / cos_facet + 4.0 * turned / cos_out.abs() + of_share;
+    let limit = space.limit(96.0, turned, light.z.abs(), facet)
+        + 4.0 * turned / cos_facet
+        + 4.0 * turned / cos_out.abs()
+        + of_share;
     white(pdf, space.shadowed(light), limit, upright || light.z.abs() < 4.0 * U)
 }
 
@@ -259,7 +296,7 @@ fn pane_bsdf(row: &In, direction: DVec3, reflectance: fn(f64, f64) -> f64) -> Bs
     let turned = space.turned(8.0, sum.length());
     let near = [-2.0, 2.0].map(|by| reflectance((cos_facet + by * turned).clamp(0.0, 1.0), eta));
     let blur = (near[0] - near[1]).abs() + 64.0 * U * reflected;
-    let explained = space.limit(64.0, space.turned(4.0, sum.length()), mirrored.z.abs().max(1e-9));
+    let explained = space.limit(64.0, space.turned(4.0, sum.length()), mirrored.z.abs().max(1e-9), facet);
     let limit = 2.0 * explained + if part > 0.0 { blur / part } else { 0.0 };
     let found = white(pdf, space.shadowed(mirrored), limit, false);
     // At an index of 1 nothing is reflected.

@@ -23,7 +23,7 @@ struct In {
     coat_normal: vec3<f32>,
     padding2: u32,
     tangent: vec3<f32>,
-    padding3: u32,
+    beckmann: f32,
 }
 
 struct Out {
@@ -53,6 +53,7 @@ fn run(row: u32) {
     hit.lobes = given.lobes;
     hit.coat_normal = given.coat_normal;
     hit.tangent = given.tangent;
+    hit.beckmann = given.beckmann;
     hit.followed = given.followed;
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));

@@ -90,7 +90,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
         "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
         "plastic" | "roughplastic" => {
             let ior = index(&own, "polypropylene")?;
-            let roughness = if kind == "plastic" { 0.0 } else { roughness(&own, reader)? };
+            let facets = if kind == "plastic" { Facets::SMOOTH } else { facets(&own, reader)? };
             no_tint(&own, "specular_reflectance")?;
             let nonlinear = own.flag_or("nonlinear", false)?;
             let base_color = texture_or(&own, "diffuse_reflectance", 0.5, reader)?;
@@ -99,7 +99,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
             Some(Material::Pbr(Pbr {
                 base_color,
                 metallic: Texture::grey(0.0),
-                roughness: Texture::grey(roughness),
+                roughness: facets.roughness,
                 ior,
                 one_sided: !two_sided,
                 ..Pbr::default()
@@ -169,7 +169,7 @@ fn inner<'a>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<&'a Node> {
 
 fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
     let node = own.node;
-    let roughness = Texture::grey(if is_rough { roughness(own, reader)? } else { 0.0 });
+    let facets = if is_rough { facets(own, reader)? } else { Facets::SMOOTH };
     let tint = texture_or(own, "specular_reflectance", 1.0, reader)?;
     let name = own.word("material")?;
     let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
@@ -207,10 +207,11 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
         reflectance: if eta.is_some() { factor } else { 1.0 },
         eta,
         k,
-        roughness,
+        roughness: facets.roughness,
+        distribution: facets.distribution,
         multiscatter: false,
-        anisotropy: 0.0,
-        anisotropy_rotation: 0.0,
+        anisotropy: facets.anisotropy,
+        anisotropy_rotation: facets.rotation,
         anisotropy_texture: None,
         normal: None,
         normal_scale: 1.0,
@@ -235,18 +236,22 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> 
                 normal_scale: 1.0,
             })
         }
-        _ => Material::RoughDielectric(RoughDielectric {
-            ior,
-            roughness: Texture::grey(roughness(own, reader)?),
-            transmittance,
-            absorption: None,
-            dispersion: 0.0,
-            anisotropy: 0.0,
-            anisotropy_rotation: 0.0,
-            anisotropy_texture: None,
-            normal: None,
-            normal_scale: 1.0,
-        }),
+        _ => {
+            let facets = facets(own, reader)?;
+            Material::RoughDielectric(RoughDielectric {
+                ior,
+                roughness: facets.roughness,
+                distribution: facets.distribution,
+                transmittance,
+                absorption: None,
+                dispersion: 0.0,
+                anisotropy: facets.anisotropy,
+                anisotropy_rotation: facets.rotation,
+                anisotropy_texture: None,
+                normal: None,
+                normal_scale: 1.0,
+            })
+        }
     })
 }
 
@@ -280,8 +285,21 @@ fn by_name(node: &Node, name: &str) -> Result<f64> {
         .ok_or_else(|| node.error_at("value", format!("no index of refraction of {} is known", quote(name))))
 }
 
-/// The roughness, whose square is alpha.
-fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
+/// How rough microfacets are.
+struct Facets {
+    roughness: Texture,
+    distribution: Distribution,
+    anisotropy: f64,
+    /// In degrees, from u towards v.
+    rotation: f64,
+}
+
+impl Facets {
+    const SMOOTH: Facets =
+        Facets { roughness: Texture::grey(0.0), distribution: Distribution::Ggx, anisotropy: 0.0, rotation: 0.0 };
+}
+
+fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
     let node = own.node;
     own.ignore(&["sample_visible"]);
     for name in ["alpha", "alpha_u", "alpha_v"] {
@@ -291,28 +309,28 @@ fn roughness(own: &Properties, reader: &mut Reader) -> Result<f64> {
     }
     let alpha = own.number_or("alpha", 0.1)?;
     let (u, v) = (own.number_or("alpha_u", alpha)?, own.number_or("alpha_v", alpha)?);
-    if u != v {
-        return Err(node.error(format!("expected alpha_u and alpha_v to be the same, found {u} and {v}")));
+    if u.min(v) < 0.0 {
+        return Err(node.error(format!("expected an alpha of 0 or more, found {}", u.min(v))));
     }
-    if u < 0.0 {
-        return Err(node.error(format!("expected an alpha of 0 or more, found {u}")));
+    if u.max(v) > 1.0 {
+        reader.lose(node, &format!("its alpha {} counts as 1", u.max(v)));
     }
-    if u > 1.0 {
-        reader.lose(node, &format!("its alpha {u} counts as 1"));
-    }
-    match own.word("distribution")?.unwrap_or("beckmann").to_ascii_lowercase().as_str() {
-        "ggx" => {
-            reader.lose(node, "its masking and shadowing are correlated by height here, unlike in Mitsuba: it is brighter at grazing angles, by up to 4 %")
-        }
-        "beckmann" => {
-            reader.lose(node, "its microfacets are those of GGX here, not of beckmann: write distribution ggx")
-        }
+    let distribution = match own.word("distribution")?.unwrap_or("beckmann").to_ascii_lowercase().as_str() {
+        "ggx" => Distribution::Ggx,
+        "beckmann" => Distribution::Beckmann,
         other => {
             let message = format!("expected beckmann or ggx, found {}", quote(other));
             return Err(own.find("distribution").unwrap_or(node).error_at("value", message));
         }
-    }
-    Ok(u.min(1.0).sqrt())
+    };
+    reader.lose(node, "its masking and shadowing are correlated by height here, unlike in Mitsuba: it is brighter at grazing angles, by up to 4 %");
+    let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
+    Ok(Facets {
+        roughness: Texture::grey(least.sqrt()),
+        distribution,
+        anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
+        rotation: if v > u { 90.0 } else { 0.0 },
+    })
 }
 
 /// A number that may be a texture.

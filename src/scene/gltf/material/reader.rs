@@ -17,7 +17,8 @@ use crate::printable::quote;
 use crate::scene::gltf::lobes;
 use crate::scene::gltf::{File, Result, decimal};
 use crate::scene::types::{
-    Colour, Conductor, Dielectric, DiffuseLight, Lambertian, Material, Pbr, RoughDielectric, Texture, ThinDielectric,
+    Colour, Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Pbr, RoughDielectric, Texture,
+    ThinDielectric,
 };
 
 /// Reads one material.
@@ -103,6 +104,7 @@ impl File {
                     k: None,
                     reflectance: 1.0,
                     roughness: pbr.roughness,
+                    distribution: Distribution::Ggx,
                     multiscatter: pbr.multiscatter,
                     anisotropy: pbr.anisotropy,
                     anisotropy_rotation: pbr.anisotropy_rotation,
@@ -246,6 +248,7 @@ impl<'a> Reader<'a> {
             true => Material::RoughDielectric(RoughDielectric {
                 ior,
                 roughness,
+                distribution: Distribution::Ggx,
                 transmittance,
                 absorption,
                 dispersion,
