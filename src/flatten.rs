@@ -164,7 +164,7 @@ pub fn flatten_with(
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
         builder.add_extensions(&used, radiance_scale);
     }
-    builder.add_directional_albedos(options.features == FeatureSet::All);
+    builder.add_directional_albedos(&used, options.features == FeatureSet::All);
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
     let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };

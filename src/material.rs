@@ -7,10 +7,12 @@ pub(crate) mod declared;
 mod dielectric;
 mod diffuse_light;
 mod lambertian;
+mod layer;
 mod metal;
 pub mod microfacets;
 mod model;
 mod pbr;
+mod plastic;
 mod rough_dielectric;
 mod row;
 mod thin_dielectric;
@@ -27,7 +29,7 @@ use crate::texture::{Texture, Use};
 pub use boundary::{glass_numbers, widths_of_boundary};
 pub use declared::{
     Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR,
-    MOST_THICKNESS, Material, Metal, Pbr, RoughDielectric, ThinDielectric, is_white, is_zero,
+    MOST_THICKNESS, Material, Metal, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
 pub use row::{ALPHA, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
@@ -43,6 +45,7 @@ kinds! {
     RoughDielectric => rough_dielectric::KIND,
     Pbr => pbr::KIND,
     ThinDielectric => thin_dielectric::KIND,
+    Plastic => plastic::KIND,
 }
 
 impl Material {
@@ -57,6 +60,7 @@ impl Material {
             Material::RoughDielectric(own) => own.model(),
             Material::Pbr(own) => own.model(),
             Material::ThinDielectric(own) => own.model(),
+            Material::Plastic(own) => own.model(),
         }
     }
 

@@ -16,7 +16,7 @@ use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
 use crate::lobe::{LOBES, Rows};
-use crate::material::{ALPHA, Model, Slot, emission_row, microfacets};
+use crate::material::{ALPHA, Material, Model, Slot, emission_row, microfacets};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
@@ -240,7 +240,7 @@ impl Builder<'_> {
     }
 
     /// Adds the tables of directional albedos that materials need. `everything`: all of them.
-    pub fn add_directional_albedos(&mut self, everything: bool) {
+    pub fn add_directional_albedos(&mut self, used: &[bool], everything: bool) {
         let has = |fact| self.flat.features.any(fact).is_some() || everything;
         // The table of a lobe stands behind that of metals.
         let tables: Vec<_> = LOBES.iter().filter(|lobe| has(lobe.name())).filter_map(|lobe| lobe.table).collect();
@@ -248,6 +248,16 @@ impl Builder<'_> {
             self.flat.directional_albedos = microfacets::directional_albedos().to_vec();
         }
         tables.iter().for_each(|table| self.flat.directional_albedos.extend(table()));
+        for (number, (_, material)) in self.scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+            let Material::Plastic(plastic) = material else { continue };
+            let (inner, table) = plastic.layer();
+            let index = self.materials[number] as usize;
+            self.flat.materials[index].numbers[2] = inner as f32;
+            self.flat.materials[index + 1].numbers[1] = (4 * self.flat.directional_albedos.len()) as f32;
+            self.flat
+                .directional_albedos
+                .extend(table.chunks_exact(4).map(|four| [0, 1, 2, 3].map(|i| four[i] as f32)));
+        }
     }
 
     /// Adds the further rows of materials, behind those of all materials. The emission of a light has such a row too, so that kernels

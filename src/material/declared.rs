@@ -264,6 +264,27 @@ declare! {
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
         }
+        /// A matt body under a clear layer, such as plastic or varnished wood. Light that enters the layer is scattered by the body, and
+        /// reflected back to it by the layer, until it is absorbed or leaves. Rough layers lose light that microfacets would scatter more than
+        /// once.
+        Plastic: plastic, "Plastic(diffuse: Rgb(0.7, 0.1, 0.1), roughness: 0.3)" {
+            /// The share of light that the body scatters each time.
+            diffuse: Texture = ALBEDO;
+            /// Index of refraction of the layer.
+            #[serde(default = "index_of_glass")]
+            ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
+            /// 0 is a smooth layer. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
+            /// counts as 0.
+            @default roughness: f64 = number(Range::SHARE, NO_UNIT).or("0");
+            @default distribution: Distribution = conductor::FIELDS.distribution;
+            /// Whether light that comes back to the body takes its colour each time, which is more saturated. Otherwise it takes it once.
+            @default nonlinear: bool = flag().or("false");
+            @default emission: Option<Texture> = lambertian::FIELDS.emission;
+            #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+            alpha: Texture = lambertian::FIELDS.alpha;
+            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+            one_sided: bool = lambertian::FIELDS.one_sided;
+        }
     }
 }
 

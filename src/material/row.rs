@@ -60,6 +60,9 @@ pub const INNER_REFLECTIONS: &RowKind = &RowKind::new("inner_reflections", &[], 
 /// Its microfacets have the distribution of Beckmann.
 pub const BECKMANN: &RowKind = &RowKind::new("beckmann", &[], Sets::Share("beckmann"));
 
+/// The layer on its body is rough. The row is not read.
+pub const ROUGH_LAYER: &RowKind = &RowKind::new("rough_layer", &[], Sets::Nothing);
+
 /// The kinds of row that are of no lobe.
 pub const ROWS: &[&RowKind] = &[
     EMISSION,
@@ -74,6 +77,7 @@ pub const ROWS: &[&RowKind] = &[
     ONE_SIDED,
     INNER_REFLECTIONS,
     BECKMANN,
+    ROUGH_LAYER,
 ];
 
 /// A texture of a material, with the field that holds it.

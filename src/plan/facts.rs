@@ -37,8 +37,8 @@ const DERIVED: &[(&str, &str)] = &[
     ("sends_shadow_ray", "light & wide_lobe | (narrow_lobe | specular_lobe) & probed"),
     // A material has a number that is evaluated at the hit.
     ("evaluated", "extension | vertex_colours & mesh"),
-    // A material transmits light and has a boundary that reflects.
-    ("glass", "scene.transmissive | scene.transmission"),
+    // A material has a boundary of glass that reflects.
+    ("glass", "scene.transmissive | scene.transmission | material.plastic"),
     // A sphere is hit, or bounds a medium.
     ("ball", "shape.sphere | boundary.sphere"),
     // A surface lets a share of light pass.

@@ -30,10 +30,8 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
     (&["glass", "water", "transparent", "refractive"], "Dielectric(ior: 1.5)"),
     (&["emissive", "emission", "emitter", "light", "arealight"], "DiffuseLight(emit: Rgb(..))"),
     (&["mirror", "chrome", "specular"], "Metal(albedo: Rgb(..))"),
-    (
-        &["principled", "disney", "plastic", "standard", "openpbr"],
-        "Pbr(base_color: Rgb(..), metallic: 0, roughness: ..)",
-    ),
+    (&["principled", "disney", "standard", "openpbr"], "Pbr(base_color: Rgb(..), metallic: 0, roughness: ..)"),
+    (&["roughplastic", "varnish"], "Plastic(diffuse: Rgb(..), roughness: ..)"),
     (&["color", "colour", "constant", "solid"], "Rgb(r, g, b)"),
     (&["texture", "file", "bitmap", "imagetexture"], "Image(path: \"..\")"),
     (&["sky", "hdri", "envmap", "environment"], "Image(path: \"..\")"),

@@ -6,7 +6,7 @@ pub use super::declared::{
 pub use super::projection::{Distortion, FisheyeModel, Projection};
 pub use crate::bitmap::{Bitmap, Bitmaps};
 pub use crate::material::{
-    Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Metal, Pbr, RoughDielectric,
+    Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Metal, Pbr, Plastic, RoughDielectric,
     ThinDielectric,
 };
 pub use crate::texture::{Colour, Texture, Use};

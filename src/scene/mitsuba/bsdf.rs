@@ -77,6 +77,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
                 None => {}
                 Some(Material::Lambertian(own)) => own.alpha = alpha,
                 Some(Material::Pbr(own)) => own.alpha = alpha,
+                Some(Material::Plastic(own)) => own.alpha = alpha,
                 Some(_) => return Err(inner.error("only diffuse and plastic can be inside a mask here")),
             }
             found
@@ -92,17 +93,15 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
             let ior = index(&own, "polypropylene")?;
             let facets = if kind == "plastic" { Facets::SMOOTH } else { facets(&own, reader)? };
             no_tint(&own, "specular_reflectance")?;
-            let nonlinear = own.flag_or("nonlinear", false)?;
-            let base_color = texture_or(&own, "diffuse_reflectance", 0.5, reader)?;
-            let name = if nonlinear { "a nonlinear plastic" } else { "this plastic" };
-            reader.lose(node, &format!("{name} becomes glTF's layer on a matt body, whose inner reflections differ"));
-            Some(Material::Pbr(Pbr {
-                base_color,
-                metallic: Texture::grey(0.0),
-                roughness: facets.roughness,
+            Some(Material::Plastic(Plastic {
+                diffuse: texture_or(&own, "diffuse_reflectance", 0.5, reader)?,
                 ior,
+                roughness: facets.roughness,
+                distribution: facets.distribution,
+                nonlinear: own.flag_or("nonlinear", false)?,
+                emission: None,
+                alpha: Texture::grey(1.0),
                 one_sided: !two_sided,
-                ..Pbr::default()
             }))
         }
         "principled" => Some(principled(&own, !two_sided, reader)?),
@@ -207,7 +206,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
         reflectance: if eta.is_some() { factor } else { 1.0 },
         eta,
         k,
-        roughness: facets.roughness,
+        roughness: Texture::grey(facets.roughness),
         distribution: facets.distribution,
         multiscatter: false,
         anisotropy: facets.anisotropy,
@@ -240,7 +239,7 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> 
             let facets = facets(own, reader)?;
             Material::RoughDielectric(RoughDielectric {
                 ior,
-                roughness: facets.roughness,
+                roughness: Texture::grey(facets.roughness),
                 distribution: facets.distribution,
                 transmittance,
                 absorption: None,
@@ -287,7 +286,7 @@ fn by_name(node: &Node, name: &str) -> Result<f64> {
 
 /// How rough microfacets are.
 struct Facets {
-    roughness: Texture,
+    roughness: f64,
     distribution: Distribution,
     anisotropy: f64,
     /// In degrees, from u towards v.
@@ -295,8 +294,7 @@ struct Facets {
 }
 
 impl Facets {
-    const SMOOTH: Facets =
-        Facets { roughness: Texture::grey(0.0), distribution: Distribution::Ggx, anisotropy: 0.0, rotation: 0.0 };
+    const SMOOTH: Facets = Facets { roughness: 0.0, distribution: Distribution::Ggx, anisotropy: 0.0, rotation: 0.0 };
 }
 
 fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
@@ -326,7 +324,7 @@ fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
     reader.lose(node, "its masking and shadowing are correlated by height here, unlike in Mitsuba: it is brighter at grazing angles, by up to 4 %");
     let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
     Ok(Facets {
-        roughness: Texture::grey(least.sqrt()),
+        roughness: least.sqrt(),
         distribution,
         anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
         rotation: if v > u { 90.0 } else { 0.0 },

@@ -424,6 +424,10 @@ fn emitting(material: Material, emission: Texture, emitter: &Node, reader: &mut 
             told(own.one_sided);
             Ok(Material::Pbr(Pbr { emission: Some(emission), ..own }))
         }
+        Material::Plastic(own) => {
+            told(own.one_sided);
+            Ok(Material::Plastic(Plastic { emission: Some(emission), ..own }))
+        }
         _ => Err(emitter.error("only diffuse and plastic surfaces can emit here")),
     }
 }

@@ -1,0 +1,57 @@
+//! A matt body under a clear layer, as that of Mitsuba's plastic and roughplastic.
+
+use super::boundary::glass_numbers;
+use super::declared::plastic::FIELDS;
+use super::declared::{Distribution, Plastic};
+use super::layer::Layer;
+use super::model::{MaterialKind, Model, with_numbers};
+use super::row::{ALPHA, BECKMANN, EMISSION, ONE_SIDED, ROUGH_LAYER, Slot};
+use super::width::{ANY_WIDTH, LEAST_ROUGHNESS, LobeWidth};
+use crate::data::{self, NO_TEXTURE};
+use crate::texture::Use;
+
+pub const KIND: MaterialKind = MaterialKind {
+    numbers: &["roughness", "contrast", "inner"],
+    second_part: &["nonlinear", "table"],
+    rows: &[EMISSION, ALPHA, ONE_SIDED, BECKMANN, ROUGH_LAYER],
+    ..MaterialKind::new("plastic", ANY_WIDTH)
+};
+
+impl Plastic {
+    /// Without the share `inner` and the table, which are computed for those that are used.
+    pub fn model(&self) -> Model<'_> {
+        let [_, contrast, _] = glass_numbers(self.ior);
+        let nonlinear = f64::from(u8::from(self.nonlinear));
+        let model = Model {
+            slot: Some(Slot { field: &FIELDS.diffuse, usage: Use::Albedo, texture: &self.diffuse }),
+            widths: vec![LobeWidth::Wide, LobeWidth::of_facets(self.roughness, 0.0)],
+            on_device: with_numbers([self.roughness, contrast, 0.0]),
+            second_part: Some(data::Material { texture: NO_TEXTURE, ..with_numbers([nonlinear, 0.0, 0.0]) }),
+            ..Model::default()
+        };
+        let model = model.emissive(&self.emission).cut_out(&self.alpha, None, false).one_sided(self.one_sided);
+        let is_beckmann = self.distribution == Distribution::Beckmann;
+        model.flagged(&FIELDS.distribution, BECKMANN, is_beckmann).flagged(
+            &FIELDS.roughness,
+            ROUGH_LAYER,
+            self.is_rough(),
+        )
+    }
+
+    fn is_rough(&self) -> bool {
+        self.roughness as f32 >= LEAST_ROUGHNESS
+    }
+
+    /// The share of the body's light that its layer reflects back to it, and what a rough layer lets pass: the table of
+    /// shaders/lobe/rough_layer.
+    pub fn layer(&self) -> (f64, Vec<f64>) {
+        let Plastic { ior, distribution, .. } = *self;
+        if !self.is_rough() {
+            // As much enters as leaves, but for the index squared.
+            let outside = Layer { eta: ior, alpha: 0.0, distribution };
+            return (1.0 - (1.0 - outside.mean_reflectance()) / (ior * ior), Vec::new());
+        }
+        let from = |eta: f64| Layer { eta, alpha: self.roughness.powi(2), distribution };
+        (from(1.0 / ior).mean_reflectance(), from(ior).table())
+    }
+}
