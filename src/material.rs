@@ -32,7 +32,7 @@ pub use declared::{
     MOST_THICKNESS, Material, Metal, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
-pub use row::{ALPHA, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
+pub use row::{ALPHA, ROUGH_LAYER, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
 pub use width::{Along, LEAST_ROUGHNESS, LobeWidth, widths_of_facets, widths_of_roughness};
 
 kinds! {

@@ -94,3 +94,39 @@ impl Layer {
         roots.map(|root| 4.0 * root.powi(3) * self.shares(root * root)[0]).sum::<f64>() / f64::from(COSINES)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As much light enters a layer on all ways as leaves it, but for the index squared: Stokes' reciprocity, which no part of the integral has
+    /// built in. Midpoints are off by less than a thousandth.
+    #[test]
+    fn as_much_enters_as_leaves() {
+        for (ior, alpha) in [(1.5, 0.1), (1.5, 0.5), (2.4, 0.25), (1.1, 1.0)] {
+            for distribution in [Distribution::Ggx, Distribution::Beckmann] {
+                let mean = |eta: f64, alpha: f64| {
+                    let layer = Layer { eta, alpha, distribution };
+                    let roots = (0..256).map(|i| (f64::from(i) + 0.5) / 256.0);
+                    roots.map(|root| 4.0 * root.powi(3) * layer.shares(root * root)[1]).sum::<f64>() / 256.0
+                };
+                let (enters, leaves) = (mean(ior, alpha), ior * ior * mean(1.0 / ior, alpha));
+                assert!(
+                    (enters - leaves).abs() < 1e-3 * enters,
+                    "{ior}, {alpha}, {distribution:?}: {enters}, {leaves}"
+                );
+                let once = ior * mean(1.0 / ior, alpha);
+                assert!((enters - once).abs() > 1e-3 * enters, "{ior}, {alpha}, {distribution:?}: {enters}, {once}");
+            }
+        }
+    }
+
+    /// Walsh's formula gives 0.09178 from outside at an index of 1.5, so 0.59635 from inside; and nothing passes but what is not reflected.
+    #[test]
+    fn smooth_layers_reflect_as_is_known() {
+        let layer = |eta| Layer { eta, alpha: 0.0, distribution: Distribution::Ggx };
+        assert!((layer(1.5).mean_reflectance() - 0.09178).abs() < 2e-5, "{}", layer(1.5).mean_reflectance());
+        assert_eq!(layer(1.0 / 1.5).shares(0.5), [1.0, 0.0]);
+        assert!((layer(1.5).shares(1.0)[1] - 0.96).abs() < 1e-12);
+    }
+}

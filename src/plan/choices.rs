@@ -133,7 +133,9 @@ fn lists_of_shapes(facts: &Facts) -> Lists {
 fn lists_of_materials(features: &Features, facts: &Facts, materials: &[Entry], served: &[Entry]) -> Lists {
     let those = |entries: &[Entry], are: fn(&MaterialKind) -> bool| -> Vec<Entry> {
         let is_one = |kind: &&Entry| Material::KINDS.get(kind.number as usize).is_some_and(are);
-        entries.iter().filter(is_one).cloned().collect()
+        let mut found: Vec<Entry> = entries.iter().filter(is_one).cloned().collect();
+        found.iter_mut().last().into_iter().for_each(|last| last.closes = true);
+        found
     };
     let is_non_specular = |kind: &&Entry| features.reason(&format!("wide_lobe.{}", kind.name)).is_some();
     let non_specular: Vec<Entry> = served.iter().filter(is_non_specular).cloned().collect();

@@ -9,7 +9,7 @@ use crate::aov::{Aov, Finder, SeenSurface};
 use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, MATERIALS, Quantities};
 use crate::gpu::link::{Entry, Facts, Reason, When};
 use crate::lobe::evaluated_rows;
-use crate::material::{Material, MaterialKind};
+use crate::material::{Material, MaterialKind, ROUGH_LAYER};
 use crate::options::{self, RenderOptions, TRADE_OFFS};
 use crate::shape::KINDS;
 
@@ -38,7 +38,7 @@ const DERIVED: &[(&str, &str)] = &[
     // A material has a number that is evaluated at the hit.
     ("evaluated", "extension | vertex_colours & mesh"),
     // A material has a boundary of glass that reflects.
-    ("glass", "scene.transmissive | scene.transmission | material.plastic"),
+    ("glass", "scene.transmissive | scene.transmission | scene.layered"),
     // A sphere is hit, or bounds a medium.
     ("ball", "shape.sphere | boundary.sphere"),
     // A surface lets a share of light pass.
@@ -130,6 +130,7 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
     };
     of_kinds("second_part", "material", |kind| !kind.second_part.is_empty());
     of_kinds("transmissive", "material", |kind| kind.is_transmissive);
+    of_kinds("layered", "material", |kind| kind.can_have(ROUGH_LAYER));
     of_kinds("both_sided", "wide_lobe", |kind| kind.is_transmissive);
     of_kinds("shining", "material", |kind| kind.emits);
     let is = |name: &str, so: bool, why: Reason| (name.to_string(), so.then_some(why));

@@ -9,6 +9,7 @@ use gpu_rt::data::{self, NO_TEXTURE};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Reason, When};
 use gpu_rt::lobe::{LOBES, Lobe};
 use gpu_rt::material::microfacets::directional_albedos;
+use gpu_rt::material::{Distribution, Material, Plastic};
 
 use super::kernel::{Kernel, Plant, Setup, array};
 use super::rows::{glass, rows};
@@ -97,7 +98,42 @@ pub fn kernel_with(material: &str, with: &[&str], setup: &Setup<'_>) -> Kernel {
 pub fn albedo_table() -> &'static [[f32; 4]] {
     static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
     let tables = || LOBES.iter().filter_map(|lobe| lobe.table).flat_map(|table| table());
-    TABLE.get_or_init(|| directional_albedos().iter().chain(tables()).copied().collect())
+    let fours =
+        |one: &OnePlastic| one.table.chunks(4).map(|four| [0, 1, 2, 3].map(|i| four[i] as f32)).collect::<Vec<_>>();
+    let layers = || plastics().iter().flat_map(fours);
+    TABLE.get_or_init(|| directional_albedos().iter().chain(tables()).copied().chain(layers()).collect())
+}
+
+/// A plastic, the share of its body's light that its layer reflects back, and the table of what its layer lets pass.
+pub struct OnePlastic {
+    pub own: Plastic,
+    pub inner: f64,
+    pub table: Vec<f64>,
+}
+
+/// Plastics of some roughnesses, of both distributions.
+pub fn plastics() -> &'static [OnePlastic] {
+    static ALL: OnceLock<Vec<OnePlastic>> = OnceLock::new();
+    let numbers = || [0.0, 0.1, 0.5, 1.0].into_iter().flat_map(|rough| [(rough, 1.5), (rough, 1.1), (rough, 2.4)]);
+    let one = |(roughness, ior): (f64, f64)| {
+        let distribution = if ior == 1.1 { "Beckmann" } else { "Ggx" };
+        let text = format!("(diffuse: Rgb(0, 0, 0), ior: {ior}, roughness: {roughness}, distribution: {distribution})");
+        let Ok(Material::Plastic(own)) = ron::from_str(&format!("Plastic{text}")) else { panic!("{text}") };
+        let (inner, table) = own.layer();
+        OnePlastic { own, inner, table }
+    };
+    ALL.get_or_init(|| numbers().map(one).collect())
+}
+
+/// The plastic of this number on the device.
+pub fn plastic(row: In, number: usize, nonlinear: bool) -> In {
+    let OnePlastic { own, inner, .. } = &plastics()[number];
+    let behind: usize = plastics()[number..].iter().map(|one| one.table.len()).sum();
+    let numbers = [own.roughness as f32, ((own.ior - 1.0) * (own.ior + 1.0)) as f32, *inner as f32];
+    let second = [f32::from(u8::from(nonlinear)), (4 * albedo_table().len() - behind) as f32, 0.0];
+    let beckmann = f32::from(u8::from(own.distribution == Distribution::Beckmann));
+    let with = |numbers| data::Material { numbers, ..data::Material::default() };
+    In { material: with(numbers), second: with(second), beckmann, ..row }
 }
 
 /// So many answers to rows, as many to each.

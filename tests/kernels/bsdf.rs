@@ -236,6 +236,22 @@ fn materials_respond_by_their_formulas() {
         stretched("brushed conductors", "conductor", |r, n, l| stretched_rows(r, n, l, metal_row), rough::metal),
         stretched("brushed glTF", "pbr", |r, n, l| stretched_rows(r, n, l, pbr_row), rough::metal),
         stretched("brushed glass", "rough_dielectric", |r, n, l| stretched_rows(r, n, l, glass_row), rough::boundary),
+        Material {
+            with: &["lobe/beckmann", "lobe/rough_layer"],
+            seed: 711,
+            planted: &[
+                (
+                    Expression((
+                        "material/plastic_eval",
+                        "{{hit.second.${plastic.nonlinear} > 0.0}}",
+                        "hit.second.${plastic.nonlinear} < 0.0",
+                    )),
+                    [0; 3],
+                ),
+                (Expression(("lobe/rough_layer", "{{sqrt(cosine)}} * f32", "1.01 * sqrt(cosine)")), [0; 3]),
+            ],
+            ..material("plastics", "plastic", rough::plastic_rows, rough::plastic_bsdf)
+        },
         beckmann(
             "Beckmann's conductors",
             "conductor",

@@ -11,8 +11,8 @@ use gpu_rt::scene::Scene;
 use crate::bsdf::Bsdf;
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel, metal_reflectance,
-    pane, schlick, uniforms, view_and_normal, within,
+    ABSORBED, Facets, In, OnePlastic, Out, SCATTERED, arriving, conductor, directional_albedo, frosted, kernel,
+    metal_reflectance, pane, plastic, plastics, schlick, uniforms, view_and_normal, within,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::{Answer, SurfaceHit, glass};
@@ -175,6 +175,75 @@ pub fn metal(row: &In, direction: DVec3) -> Bsdf {
         pdf_off: limit * pdf,
         weight_off: Some(value.map(|value| limit * value / pdf + cosine)),
         is_unknown: (!space.is_isotropic || space.is_beckmann) && limit > 0.1,
+    }
+}
+
+/// Plastics of all their numbers.
+pub fn plastic_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    let rows = rows_from((random, count, towards_light), -1.0, |i, row, _| {
+        plastic(In { colour: [0.9, 0.5, 0.0], ..row }, i / 4 % plastics().len(), i.is_multiple_of(3))
+    });
+    rows
+}
+
+/// A plastic's BSDF: its layer, and what enters it, is scattered by the body and leaves it.
+pub fn plastic_bsdf(row: &In, direction: DVec3) -> Bsdf {
+    let space = Space::of(row);
+    let light = within(&space.axes, direction);
+    let [roughness, contrast, inner] = row.material.numbers.map(f64::from);
+    let is_own = |one: &&OnePlastic| {
+        one.own.roughness as f32 == row.material.numbers[0] && one.inner as f32 == row.material.numbers[2]
+    };
+    let OnePlastic { table, .. } = plastics().iter().find(is_own).expect("it is one of them");
+    let eta = (1.0 + contrast).sqrt();
+    let passed = |cosine: f64| match roughness < 1.0 / 1024.0 {
+        true => 1.0 - fresnel(cosine, eta).0,
+        false => {
+            let x = cosine.sqrt() * 63.0;
+            let left = (x as usize).min(62);
+            table[left] + (x - left as f64) * (table[left + 1] - table[left])
+        }
+    };
+    let nonlinear = row.second.numbers[0] != 0.0;
+    let body = row.colour.map(|colour| {
+        let colour = f64::from(colour);
+        colour / (eta * eta * (1.0 - inner * if nonlinear { colour } else { 1.0 }))
+    });
+    let of_layer = 1.0 - passed(space.view.z);
+    let of_body = passed(space.view.z) * (1.0 - inner) * eta * eta * body.iter().sum::<f64>() / 3.0;
+    let share = (of_layer / (of_layer + of_body)).clamp(0.1, 0.9);
+    if light.z < 4.0 * U {
+        return Bsdf { is_unknown: light.z > -4.0 * U, ..Bsdf::default() };
+    }
+    let matt = passed(space.view.z) * passed(light.z) * light.z / PI;
+    // f32 rounds 1 - F and the steps between the columns of the table, which are less than 8 times the cosine's rounding over its root.
+    let cosine = |cosine: f64| 16.0 * U * (1.0 + 8.0 / cosine.sqrt()) / passed(cosine).max(U);
+    let blurred = 64.0 * U + cosine(space.view.z) + cosine(light.z);
+    let matt_pdf = (1.0 - share) * light.z / PI;
+    let smooth = Bsdf {
+        value: body.map(|body| body * matt),
+        pdf: matt_pdf,
+        off: body.map(|body| blurred * body * matt),
+        pdf_off: (blurred + 16.0 * U / light.z) * matt_pdf,
+        weight_off: None,
+        is_unknown: false,
+    };
+    if roughness < 1.0 / 1024.0 {
+        return smooth;
+    }
+    let (length, facet) = ((space.view + light).length(), (space.view + light).normalize());
+    let facets = space.density_of_reflection(direction);
+    let glossy = fresnel(space.view.dot(facet).min(1.0), eta).0 * facets * space.shadowed(light);
+    let limit = space.limit(64.0, space.turned(4.0, length), light.z, facet) + 64.0 * U / space.view.dot(facet);
+    // A reflectance at a low index is the square of a small number.
+    let of_reflectance = 64.0 * U / (1.0 - space.view.dot(facet).min(1.0 - U)).sqrt().max(1e-3);
+    Bsdf {
+        value: smooth.value.map(|matt| matt + glossy),
+        pdf: matt_pdf + share * facets,
+        off: smooth.off.map(|off| off + (limit + of_reflectance) * glossy),
+        pdf_off: smooth.pdf_off + (limit + blurred) * share * facets,
+        is_unknown: limit > 0.1,
+        ..smooth
     }
 }
 

@@ -13,7 +13,7 @@ use gpu_rt::flatten::{
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason, When, link};
 use gpu_rt::lobe::rows;
-use gpu_rt::material::{LobeWidth, Material, MaterialKind};
+use gpu_rt::material::{LobeWidth, Material, MaterialKind, ROUGH_LAYER};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS};
 use gpu_rt::plan::{CONDITIONS, Kernel, Kernels, UniformTables, choices_of};
 
@@ -229,7 +229,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    let rows = "roughness metallic multiscatter one_sided inner_reflections specular specular_share transmission coat coat_roughness coat_normal \
+    let rows = "roughness metallic multiscatter one_sided inner_reflections beckmann rough_layer specular specular_share transmission coat coat_roughness coat_normal \
                 sheen sheen_roughness anisotropy iridescence iridescence_thickness diffuse_transmission diffuse_transmission_share dispersion";
     let surfaces = varying(surfaces, &rows.split(' ').collect::<Vec<_>>());
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(&BOUNDARIES), true), all(PRIMITIVES), true), true);
@@ -403,6 +403,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for set in [bits_of(|kind| can_have(kind, "multiscatter")), materials] {
         let full = varying(features(1, set, 0, SOLID, false), &["multiscatter"]);
         found.extend([full.clone(), lit(full.clone(), 1, false), lit(with_extension(full, "normal"), 0, true)]);
+    }
+    // Beckmann's microfacets, and rough layers.
+    for row in ["beckmann", "rough_layer"] {
+        for set in [bits_of(|kind| can_have(kind, row)), materials] {
+            let own = varying(features(1, set, 0, SOLID, false), &[row]);
+            found.extend([own.clone(), lit(own.clone(), 1, false), lit(varying(own, &["anisotropy"]), 0, true)]);
+        }
     }
     // Layers of their own: alone, and with all materials.
     for set in [bits_of(|kind| can_have(kind, "specular")), materials] {
@@ -648,7 +655,7 @@ fn check_combination(
         let any_material = |is_so: fn(&MaterialKind) -> bool| {
             Material::KINDS.iter().zip(MATERIALS).any(|(kind, name)| is_so(kind) && has("material", name))
         };
-        let glass = has_share || any_material(|kind| kind.is_transmissive);
+        let glass = has_share || any_material(|kind| kind.is_transmissive || kind.can_have(ROUGH_LAYER));
         for (module, is_requested) in [
             ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
             ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
