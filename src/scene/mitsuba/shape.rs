@@ -11,6 +11,7 @@ use super::reader::{Body, Reader};
 use super::transform::moved;
 use super::{bsdf, mesh, serialized};
 use crate::error::Result;
+use crate::lobe::anisotropy::ANISOTROPY;
 use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
 use crate::scene::mesh_files::load_file;
@@ -397,7 +398,8 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
     let material = of_name.map(|(name, _)| name.clone());
     let (of_name, to_uv) = (of_name.map(|(_, own)| own), made.map_or(DAffine3::IDENTITY, |(_, to_uv)| to_uv));
     let textures = of_name.map(Material::textures).unwrap_or_default();
-    let is_textured = textures.iter().any(|texture| texture.needs_uv());
+    let is_brushed = of_name.is_some_and(|material| material.has_row(ANISOTROPY));
+    let is_textured = is_brushed || textures.iter().any(|texture| texture.needs_uv());
     let has_image = textures.iter().any(|texture| texture.decoded().is_some());
     let is_glass = matches!(of_name, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
     Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
