@@ -5,6 +5,7 @@ pub use super::declared::{
 };
 pub use super::projection::{Distortion, FisheyeModel, Projection};
 pub use crate::bitmap::{Bitmap, Bitmaps};
+pub use crate::delta_light::Falloff;
 pub use crate::material::{
     Conductor, Dielectric, DiffuseLight, Lambertian, Material, Metal, Pbr, RoughDielectric, ThinDielectric,
 };

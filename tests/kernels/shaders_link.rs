@@ -556,6 +556,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let beside = [features(0, 0, 0, SOLID, false), sphere, moves, everything()];
         found.extend(beside.map(|features| (features, options.clone())));
     }
+    let beam = having(delta_lit(features(1, 1, 0, SOLID, false), false), &["falloff"]);
+    found.push((beam, RenderOptions::default()));
     found
 }
 
