@@ -81,8 +81,9 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         group("number_images", none(), Always),
         // Formats of texels.
         group("texel", FORMATS.to_vec(), Always),
-        // Images that use further tables of a mesh: other texture coordinates, or tangents.
+        // Images that use further tables of a mesh: other texture coordinates, or tangents; and those that do not repeat on a mesh.
         group("uv_tables", none(), Always),
+        named("image_wrap", none(), Always, "image wrap", "scene/image_wrap"),
         // Normal maps on meshes with vertex normals, which have tangents.
         group("vertex_tangents", none(), Always),
         named("boundary", boundaries(), Always, "{} medium", "medium/{}"),

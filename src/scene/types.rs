@@ -9,4 +9,4 @@ pub use crate::delta_light::Falloff;
 pub use crate::material::{
     Conductor, Dielectric, DiffuseLight, Lambertian, Material, Metal, Pbr, RoughDielectric, ThinDielectric,
 };
-pub use crate::texture::{Colour, Texture, Use};
+pub use crate::texture::{Colour, Texture, Use, Wrap};

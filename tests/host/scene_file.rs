@@ -142,6 +142,7 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Other("true or false") => "true",
         Takes::Other("R, G, B or A") => "G",
         Takes::Other("Auto or Pane") => "Pane",
+        Takes::Other("Repeat, Clamp or Mirror") => "Mirror",
         Takes::Other("Gltf, Linear or Smooth") => "Linear",
         Takes::Other("two numbers of seconds: (open, close)") => "(7, 8)",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",
