@@ -3,19 +3,35 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::data::{self, f32s, luminance};
 use crate::error::Result;
 use crate::shape::similarity::Similarity;
 use crate::shape::{Aabb, RenderSpace};
+use crate::source::form::Checked;
 use crate::source::{SMALLEST, ValuePath};
 use crate::texture::Colour;
+
+/// How the light of a spot falls between its angles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Falloff {
+    /// By the square of the share of the cosine, as in glTF.
+    #[default]
+    Gltf,
+    /// By the share of the angle, as in Mitsuba.
+    Linear,
+    /// By the smoothstep of the share of the cosine, as in pbrt.
+    Smooth,
+}
+
+impl Checked for Falloff {}
 
 /// A light without size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DeltaLight {
     Point { at: DVec3, intensity: Colour },
-    Spot { at: DVec3, towards: DVec3, intensity: Colour, inner: f64, outer: f64 },
+    Spot { at: DVec3, towards: DVec3, intensity: Colour, inner: f64, outer: f64, falloff: Falloff },
     Directional { direction: DVec3, irradiance: Colour },
 }
 
@@ -77,11 +93,12 @@ impl DeltaLight {
             DeltaLight::Point { at, intensity } => {
                 WorldLight { position: Some(to_world.point(at)), axis: DVec3::Z, colour: intensity, beam: None }
             }
-            DeltaLight::Spot { at, towards, intensity, inner, outer } => WorldLight {
+            DeltaLight::Spot { at, towards, intensity, inner, outer, falloff } => WorldLight {
                 position: Some(to_world.point(at)),
                 axis: turned(towards - at),
                 colour: intensity,
-                beam: Some(Beam { inner, outer }),
+                // Between equal angles nothing falls.
+                beam: Some(Beam { inner, outer, falloff: if inner < outer { falloff } else { Falloff::Gltf } }),
             },
             DeltaLight::Directional { direction, irradiance } => {
                 WorldLight { position: None, axis: turned(direction), colour: irradiance, beam: None }
@@ -95,6 +112,7 @@ impl DeltaLight {
 pub struct Beam {
     inner: f64,
     outer: f64,
+    pub falloff: Falloff,
 }
 
 /// A delta light in the world.
@@ -106,7 +124,7 @@ pub struct WorldLight {
     axis: DVec3,
     /// Its intensity, or the irradiance of a directional light.
     pub colour: Colour,
-    beam: Option<Beam>,
+    pub beam: Option<Beam>,
 }
 
 /// The distance in render space to which farther lights are moved. From there, all of the scene sees them in one direction.
@@ -137,9 +155,15 @@ impl WorldLight {
         let (position, factor) = self.in_space(space);
         let colour = radiance_scale * (factor * self.colour);
         // Without a beam, the falloff is 1 in all directions.
-        let (height, slope) = self.beam.map_or((4.0, 1.0), |Beam { inner, outer }| {
-            let (inner, outer) = (height(inner), height(outer));
-            (outer, 1.0 / (outer - inner).max(f64::MIN_POSITIVE))
+        let (height, slope) = self.beam.map_or((4.0, 1.0), |Beam { inner, outer, falloff }| {
+            let measure = if falloff == Falloff::Linear { f64::to_radians } else { height };
+            let (inner, outer) = (measure(inner), measure(outer));
+            let slope = (1.0 / (outer - inner).max(f64::MIN_POSITIVE)).min(f64::from(f32::MAX));
+            match falloff {
+                Falloff::Gltf => (outer, slope),
+                Falloff::Linear => (-outer, slope),
+                Falloff::Smooth => (outer, -slope),
+            }
         });
         data::DeltaLight {
             position: f32s(position),
@@ -147,7 +171,7 @@ impl WorldLight {
             colour: f32s(colour.min(DVec3::splat(f64::from(f32::MAX)))),
             height: height as f32,
             axis: f32s(self.axis),
-            slope: slope.min(f64::from(f32::MAX)) as f32,
+            slope: slope as f32,
         }
     }
 

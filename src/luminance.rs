@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, IVec3};
 
 use crate::bitmap::{Bitmap, Bitmaps};
 use crate::data::luminance;
-use crate::texture::{Colour, Texture};
+use crate::texture::{Colour, Texture, Wrap};
 
 /// The most columns and rows of [`SummedArea`]: 8 MiB.
 const MOST_BINS: usize = 1024;
@@ -33,6 +33,8 @@ impl<'a> Luminance<'a> {
     pub fn new(texture: &'a Texture, bitmaps: &Bitmaps, wraps: bool) -> Option<Luminance<'a>> {
         match texture {
             Texture::Rgb(..) => None,
+            // Sums over copies of an image are those of one that repeats.
+            Texture::Image { wrap: Wrap::Clamp | Wrap::Mirror, .. } if wraps => None,
             Texture::Image { tint, .. } => {
                 Some(Luminance::Image(SummedArea::new(texture.bitmap(bitmaps)?, *tint, wraps)?))
             }

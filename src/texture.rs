@@ -24,6 +24,18 @@ const CHANNEL: Field = number(Range::ANY, NO_UNIT);
 const COLOUR: Field = colour(Range::ANY);
 const FREQUENCY: Field = number(Range::POSITIVE, "per scene unit");
 
+/// How an image on a mesh goes on outside of 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Wrap {
+    #[default]
+    Repeat,
+    /// By the texels at its edges.
+    Clamp,
+    Mirror,
+}
+
+impl Checked for Wrap {}
+
 declare! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     #[serde(deny_unknown_fields)]
@@ -56,13 +68,14 @@ declare! {
             /// What its colours are multiplied by.
             #[serde(default = "white")]
             tint: Colour = COLOUR.or("(1, 1, 1)");
-            /// Of a number, such as a roughness: the channel that it is taken from. Its codes are linear, and the red of `tint` is its
-            /// factor.
+            /// Of a number, such as a roughness: its channel. Its codes are linear, and the red of `tint` is its factor.
             @default channel: Option<Channel> = other("R, G, B or A").or("for a number R");
-            /// On a mesh: which of its sets of texture coordinates it has. A part of a glTF file has one for each pair of TEXCOORD and
-            /// KHR_texture_transform among the textures of its material in the file; other meshes have one.
+            /// On a mesh: its set of texture coordinates. A part of a glTF file has one for each pair of TEXCOORD and KHR_texture_transform
+            /// among its material's textures; other meshes have one.
             #[serde(default, skip_serializing_if = "is_first")]
             uv_set: u32 = integer(0, MOST_UV_SETS - 1).or("0, the first");
+            /// On a mesh: how it goes on outside of 0 to 1.
+            @default wrap: Wrap = other("Repeat, Clamp or Mirror").or("Repeat");
         }
         /// Perlin noise as a grey: 0.5 (1 + perlin(scale · p)).
         Noise: noise, "Noise(scale: 4)" {
@@ -269,6 +282,11 @@ impl Texture {
             Texture::Image { uv_set, .. } => *uv_set,
             Texture::Rgb(..) | Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => 0,
         }
+    }
+
+    /// How it goes on outside of 0 to 1.
+    pub fn wrap(&self) -> Wrap {
+        if let Texture::Image { wrap, .. } = self { *wrap } else { Wrap::Repeat }
     }
 
     /// Whether it is a normal map.

@@ -29,11 +29,11 @@ struct DeltaLight {
     has_position: f32,
     // Its intensity; of a directional light its irradiance.
     colour: vec3<f32>,
-    // 1 - cos of the angle from which on a beam has no light; 4 without a beam.
+    // 1 - cos of the angle from which on a beam has no light, or minus the angle if it falls linearly; 4 without a beam.
     height: f32,
     // Unit vector along the beam.
     axis: vec3<f32>,
-    // 1 over the difference of the cosines between which the beam falls.
+    // 1 over the difference of the cosines, or of the angles, between which the beam falls; minus that if it falls smoothly.
     slope: f32,
 }
 

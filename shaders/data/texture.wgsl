@@ -18,7 +18,8 @@ struct Texture {
 // units: origin + x local.x + y local.y + z local.z. The host reduces the origin by the texture's period in f64.
 struct Frame {
     x: vec3<f32>,
-    // Marble: the stripes' phase at the origin, in [-pi, pi). Image on a mesh: the number of the mesh's table with its texture coordinates.
+    // Marble: the stripes' phase at the origin, in [-pi, pi). Image on a mesh: the number of the mesh's table with its texture coordinates,
+    // and a quarter for each wrap after the first.
     phase: f32,
     y: vec3<f32>,
     padding0: u32,

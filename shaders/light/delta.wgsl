@@ -18,20 +18,3 @@ fn delta_light_sample(from_point: vec3<f32>, light: DeltaLight) -> DirectionSamp
     }
     return DirectionSample(to_light * inverseSqrt(distance2), distance2);
 }
-
-// The light's intensity for a direction to it: that of a spot falls with the angle from its axis as in glTF's extension
-// KHR_lights_punctual. 1 - cos is half the square of the difference of two unit vectors, which keeps its digits in narrow beams.
-fn delta_light_intensity(direction: vec3<f32>, light: DeltaLight) -> vec3<f32> {
-    let apart = direction + light.axis;
-    let share = clamp((light.height - 0.5 * dot(apart, apart)) * light.slope, 0.0, 1.0);
-    return light.colour * (share * share);
-}
-
-// The length of a shadow ray. It ends before the light by more than the rounding of a surface that the light lies on, but at most
-// by half its length.
-fn delta_light_distance(origin: vec3<f32>, direction: vec3<f32>, light: DeltaLight) -> f32 {
-    let distance = dot(to_delta_light(origin, light), direction);
-    let magnitude = abs(light.position);
-    let rounding = 0x1p-20f * (max(max(magnitude.x, magnitude.y), magnitude.z) + distance);
-    return max(distance - rounding, 0.5 * distance);
-}

@@ -1,6 +1,8 @@
 //@ implements delta_lights when delta_light
 //@ use bind/delta_lights
 //@ use light/delta
+//@ use choice/falloff
+//@ use light/delta_distance
 //@ use choice/moved_delta_light
 // Lights without size, by their codes.
 

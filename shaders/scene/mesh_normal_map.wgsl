@@ -3,7 +3,7 @@
 //@ use bind/triangles
 //@ use choice/moved_triangle
 //@ use geometry/instance
-//@ use scene/uv_tables
+//@ use choice/uv_tables
 //@ use choice/vertex_tangents
 //@ use tangent/triangle
 // Normal maps on meshes with a table of texture coordinates for the map.

@@ -1,15 +1,8 @@
-//@ implements uv_tables when further_uv
+//@ implements uv_tables when further_uv & !(image_wrap & mesh)
 //@ use bind/triangles
 //@ use choice/uv
-//@ use geometry/triangle
+//@ use scene/with_table
 // Meshes with several tables of texture coordinates.
-
-// Returns a face that reads the texture coordinates of the table of this number.
-fn with_table(triangle: Triangle, number: f32) -> Triangle {
-    var result = triangle;
-    result.instance.to_uvs *= u32(number) + 1u;
-    return result;
-}
 
 // Like surface_uv. `number` is the phase of the texture's frame: for an image, the number of its table. Other textures use no texture
 // coordinates.

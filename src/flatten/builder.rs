@@ -172,7 +172,7 @@ impl Builder<'_> {
         let frames = slots.iter().filter_map(|slot| {
             let frame = slot.texture.frame(slot.usage, space, (pole, &to_world.rotation))?;
             let mesh = shape.mesh().filter(|_| slot.texture.needs_uv() || slot.usage == Use::Direction);
-            Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(slot, mesh) as f32, ..frame }))
+            Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.phase_on(slot, mesh), ..frame }))
         });
         let frames: Vec<_> = frames.collect();
         self.flat.frames.extend(frames);

@@ -81,8 +81,9 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         group("number_images", none(), Always),
         // Formats of texels.
         group("texel", FORMATS.to_vec(), Always),
-        // Images that use further tables of a mesh: other texture coordinates, or tangents.
+        // Images that use further tables of a mesh: other texture coordinates, or tangents; and those that do not repeat on a mesh.
         group("uv_tables", none(), Always),
+        named("image_wrap", none(), Always, "image wrap", "scene/image_wrap"),
         // Normal maps on meshes with vertex normals, which have tangents.
         group("vertex_tangents", none(), Always),
         named("boundary", boundaries(), Always, "{} medium", "medium/{}"),
@@ -98,9 +99,10 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
             ..named("parted", those_shapes(|kind| kind.has_parts), Lit, "light in parts", "scene/light_parts")
         },
         named("crossed_light", none(), Lit, "light with two sides and an alpha", "scene/light_crossings"),
-        // Lights without size that are sampled, and those of them that are directional.
+        // Lights without size that are sampled, those of them that are directional, and beams with another falloff than glTF's.
         named("delta_light", none(), Lit, "delta light", "light/delta"),
         group("directional_light", none(), Lit),
+        named("falloff", none(), Lit, "falloff", "light/falloff"),
         // The background's image, if it is sampled as a light.
         named("sky_light", none(), Lit, "sky light", "scene/sky"),
         // Emitters that are not sampled, because there are too many.

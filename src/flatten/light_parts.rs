@@ -282,14 +282,17 @@ mod tests {
     use super::*;
     use crate::bitmap::{Bitmap, Bitmaps, Decoding};
     use crate::shape::Quad;
-    use crate::texture::{Colour, Texture};
+    use crate::texture::{Colour, Texture, Wrap};
 
     fn hot(width: u32, height: u32, hot: (u32, u32)) -> (Texture, Bitmaps) {
         let mut bitmaps = Bitmaps::default();
         let at = (hot.1 * width + hot.0) as usize;
         let texels = (0..(width * height) as usize).map(|i| [if i == at { 700.0 } else { 0.02 }; 3]);
         bitmaps.insert("hot", Decoding::Colour, Bitmap::of_floats(width, height, texels));
-        (Texture::Image { path: "hot".to_string(), tint: Colour::ONE, channel: None, uv_set: 0 }, bitmaps)
+        (
+            Texture::Image { path: "hot".to_string(), tint: Colour::ONE, channel: None, uv_set: 0, wrap: Wrap::Repeat },
+            bitmaps,
+        )
     }
 
     fn outlines() -> [Outline; 3] {

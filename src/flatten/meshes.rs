@@ -21,6 +21,7 @@ use crate::material::Slot;
 use crate::scene::Mesh;
 use crate::shape::MeshLayout;
 use crate::shape::mesh::MeshShape;
+use crate::texture::Wrap;
 
 impl Builder<'_> {
     /// Finds the tables that textures need on meshes. All but the first are features, with the material that needs them.
@@ -31,15 +32,18 @@ impl Builder<'_> {
             if !known.insert((shape.number, primitive.material)) {
                 continue;
             }
+            let (name, _) = &self.scene.materials[primitive.material as usize];
+            let at_material = || format!("\"{name}\" at {}", self.scene.material_location(name));
             for slot in &self.framed[primitive.material as usize] {
+                if slot.texture.wrap() != Wrap::Repeat {
+                    self.flat.features.require("image_wrap", at_material);
+                }
                 let table = Table::for_texture(slot, shape.mesh);
                 let tables = &mut self.tables[shape.number];
                 if tables.contains(&table) {
                     continue;
                 }
                 tables.push(table);
-                let (name, _) = &self.scene.materials[primitive.material as usize];
-                let at_material = || format!("\"{name}\" at {}", self.scene.material_location(name));
                 self.flat.features.require("uv_tables", at_material);
                 if table.has_tangents {
                     self.flat.features.require("vertex_tangents", at_material);
@@ -48,10 +52,11 @@ impl Builder<'_> {
         }
     }
 
-    /// The number of the table that a texture has on a mesh.
-    pub fn table_of(&self, slot: &Slot<'_>, mesh: &MeshShape) -> usize {
+    /// The phase of the frame of a texture on a mesh: the number of its table, and a quarter for each wrap after the first.
+    pub fn phase_on(&self, slot: &Slot<'_>, mesh: &MeshShape) -> f32 {
         let table = Table::for_texture(slot, mesh.mesh);
-        self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0)
+        let number = self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0);
+        number as f32 + 0.25 * f32::from(slot.texture.wrap() as u8)
     }
 
     /// The layout of a mesh in the tables. The first call adds the mesh.

@@ -18,7 +18,7 @@ use crate::light_distribution::SkyDistribution;
 use crate::luminance::Luminance;
 use crate::material::Emission;
 use crate::printable::counted;
-use crate::scene::{Background, Bitmap};
+use crate::scene::{Background, Bitmap, Falloff};
 use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, PRIMITIVES, exp2};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
@@ -239,6 +239,9 @@ impl Builder<'_> {
         features.require("delta_light", reason);
         if !motion.is_empty() {
             features.require("moving_light", reason);
+        }
+        if light.beam.is_some_and(|beam| beam.falloff != Falloff::Gltf) {
+            features.require("falloff", reason);
         }
         self.flat.delta_lights.push(light.on_device(self.space, radiance_scale));
         let intensity = light.brightness(self.space);

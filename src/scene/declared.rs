@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::animation_frame::FPS;
 use super::projection::Projection;
-use crate::delta_light::DeltaLight;
+use crate::delta_light::{DeltaLight, Falloff};
 use crate::error::{Error, Result};
 use crate::shape::mesh::MeshShape;
 use crate::shape::{self, Shape, ShapeKind};
@@ -285,9 +285,11 @@ declare! {
             intensity: Colour = point_light::FIELDS.intensity;
             /// The angle from the middle of the beam up to which the light has its whole intensity; at most `outer`.
             @default inner: f64 = ANGLE.or("0");
-            /// The angle from which on it has none. Between them it falls as in glTF: by the square of the share of the cosine.
+            /// The angle from which on it has none.
             #[serde(default = "default_outer")]
             outer: f64 = ANGLE.or("45");
+            /// `Gltf`: s², with s the share of the cosine between them. `Smooth`: s²(3 - 2s). `Linear`: the share of the angle.
+            @default falloff: Falloff = other("Gltf, Linear or Smooth").or("Gltf");
         }
         /// A light so far away that it reaches everything from one direction, like a sun without size. What is said of a `PointLight`
         /// holds for it.
@@ -398,8 +400,8 @@ impl Object {
     pub fn delta_light(&self) -> Option<DeltaLight> {
         match *self {
             Object::PointLight { at, intensity } => Some(DeltaLight::Point { at, intensity }),
-            Object::SpotLight { at, towards, intensity, inner, outer } => {
-                Some(DeltaLight::Spot { at, towards, intensity, inner, outer })
+            Object::SpotLight { at, towards, intensity, inner, outer, falloff } => {
+                Some(DeltaLight::Spot { at, towards, intensity, inner, outer, falloff })
             }
             Object::DirectionalLight { direction, irradiance } => {
                 Some(DeltaLight::Directional { direction, irradiance })

@@ -653,7 +653,7 @@ fn lights_are_those_of_the_file() {
     let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.objects[0], Object::PointLight { at: DVec3::ZERO, intensity: DVec3::new(68.3, 34.15, 0.0) });
     // The quarter turn takes -z to +y.
-    let Object::SpotLight { at, towards, intensity, inner, outer } = scene.objects[1] else { panic!() };
+    let Object::SpotLight { at, towards, intensity, inner, outer, .. } = scene.objects[1] else { panic!() };
     assert!((at, intensity) == (DVec3::new(0.0, 4.0, 0.0), DVec3::splat(2.0)));
     assert!(((towards - at).normalize() - DVec3::Y).length() < 1e-9, "{towards}");
     assert!((inner - 0.1_f64.to_degrees()).abs() < 1e-9 && (outer - 0.5_f64.to_degrees()).abs() < 1e-9);

@@ -207,6 +207,11 @@ fn errors_have_places() {
             "expected one to_uv in all textures of a surface, found another",
         ),
         (
+            "<bsdf type=\"diffuse\" id=\"a\"><texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"a.png\"/>\
+             <string name=\"wrap_mode\" value=\"border\"/></texture></bsdf><shape type=\"sphere\"><ref id=\"a\"/></shape>",
+            "texture bitmap: expected a wrap_mode of repeat, mirror or clamp",
+        ),
+        (
             "<bsdf type=\"null\" id=\"a\"/><bsdf type=\"null\" id=\"a\"/>",
             "a.xml:5:45: bsdf null.id: another element has this id",
         ),

@@ -143,6 +143,8 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Other("R, G, B or A") => "G",
         Takes::Other("Auto or Pane") => "Pane",
         Takes::Other("Ggx or Beckmann") => "Beckmann",
+        Takes::Other("Repeat, Clamp or Mirror") => "Mirror",
+        Takes::Other("Gltf, Linear or Smooth") => "Linear",
         Takes::Other("two numbers of seconds: (open, close)") => "(7, 8)",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",
         Takes::Other(words) if words.starts_with("two angles") => "(7, 8)",

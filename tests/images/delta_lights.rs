@@ -58,11 +58,19 @@ fn lights() -> Vec<(String, f64, f64)> {
             let towards = position + f64::to_radians(angle).cos() * to_origin + f64::to_radians(angle).sin() * x;
             let [cos, inner, outer] = [angle, 20.0, 30.0].map(|degrees: f64| degrees.to_radians().cos());
             let share = ((cos - outer) / (inner - outer)).clamp(0.0, 1.0);
-            let light = format!(
-                "SpotLight(at: {at}, towards: {}, intensity: (1, 7, 2), inner: 20, outer: 30)",
-                triple(towards)
-            );
-            found.push((light, irradiance * share * share, off + if share > 0.0 { 60.0 * width / share } else { 0.0 }));
+            let linear = ((30.0 - angle) / 10.0f64).clamp(0.0, 1.0);
+            for (falloff, fallen) in [
+                ("", share * share),
+                (", falloff: Linear", linear),
+                (", falloff: Smooth", share * share * (3.0 - 2.0 * share)),
+            ] {
+                let light = format!(
+                    "SpotLight(at: {at}, towards: {}, intensity: (1, 7, 2), inner: 20, outer: 30{falloff})",
+                    triple(towards)
+                );
+                let more = if share > 0.0 { 60.0 * width / share } else { 0.0 };
+                found.push((light, irradiance * fallen, off + more));
+            }
         }
     }
     for direction in [[0.0, -1.0, 0.0], [3.0, -1.0, 2.0], [0.1, -1e3, 0.0], [1.0, 1.0, 0.0]] {
@@ -83,7 +91,8 @@ fn is_expected(shot: &Shot, expected: f64, off: f64) -> bool {
 fn a_floor_is_lit_as_the_definitions_say() {
     let linear = Overlay::new(&[
         ("light/delta", "inverseSqrt(distance2), distance2)", "inverseSqrt(distance2), sqrt(distance2))"),
-        ("light/delta", "(share * share)", "share"),
+        ("light/falloff", "(share * share)", "share"),
+        ("light/falloff", "3.0 - 2.0 * share", "1.0"),
     ]);
     let mut planted = 0;
     for (light, irradiance, off) in lights() {
@@ -272,8 +281,9 @@ fn a_light_on_a_ceiling_is_not_behind_it() {
     let expected = 0.5 / PI * 1.3 / (0.37f64.powi(2) + 1.3f64.powi(2) + 0.11f64.powi(2)).powf(1.5);
     let shot = render(&scene, &Request::spp(16).mis());
     assert!(is_expected(&shot, expected, 2e-4), "{}, expected {expected}", mean(&shot));
-    let full = Overlay::new(&[])
-        .rewritten("light/delta", |own| own.replace("max(distance - rounding, 0.5 * distance)", "distance + rounding"));
+    let full = Overlay::new(&[]).rewritten("light/delta_distance", |own| {
+        own.replace("max(distance - rounding, 0.5 * distance)", "distance + rounding")
+    });
     let planted = render_planted(&scene, &Request::spp(16).mis(), &full);
     assert!(!is_expected(&planted, expected, 2e-4), "rays up to the light are not found");
 }

@@ -48,7 +48,7 @@ const OF_ALL_KINDS: &str = "Quad(corner: (1.2, 1, 0), u: (0, 0, 0.8), v: (0, 0.8
     Moving(keys: [(0, [RotateY(0)]), (1, [RotateY(20)])], object: Box(min: (1.4, 0.2, 2), max: (2, 0.9, 2.5), material: \"green\")),
     Medium(boundary: Box(min: (-2, 0.01, -2), max: (2.5, 4.5, 4)), density: 0.1, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),
     PointLight(at: (-1, 3.5, 1.5), intensity: (9, 8, 7)), DirectionalLight(direction: (0.3, -1, -0.2), irradiance: (2, 2, 2)),
-    SpotLight(at: (1, 4, 2), towards: (-2, 0.5, 1), intensity: (30, 30, 30), inner: 10, outer: 40)";
+    SpotLight(at: (1, 4, 2), towards: (-2, 0.5, 1), intensity: (30, 30, 30), inner: 10, outer: 40, falloff: Linear)";
 
 /// The light paths that could be followed back, and those of them whose light or weights differ by more than [`TOLERANCE`].
 #[derive(Debug)]

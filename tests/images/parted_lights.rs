@@ -61,7 +61,7 @@ fn rooms(folder: &Path, camera: &str, lamps: &[&str], more: &str) -> Scene {
     } else {
         (16, "(0, 1, 3.6)", "(0, 0.95, 0)")
     };
-    let image = "Image(path: \"blobs.hdr\")";
+    let (image, mirrored) = ("Image(path: \"blobs.hdr\")", "Image(path: \"blobs.hdr\", wrap: Mirror)");
     scene_in(
         folder,
         &format!(
@@ -72,7 +72,7 @@ fn rooms(folder: &Path, camera: &str, lamps: &[&str], more: &str) -> Scene {
                 \"lamp\": DiffuseLight(emit: {image}, two_sided: false),
                 \"both\": DiffuseLight(emit: {image}),
                 \"matt\": Lambertian(albedo: Rgb(0.5, 0.6, 0.7), emission: {image}),
-                \"pbr\": Pbr(base_color: Rgb(0.5, 0.6, 0.7), metallic: 0, roughness: 0.6, emission: {image}),
+                \"pbr\": Pbr(base_color: Rgb(0.5, 0.6, 0.7), metallic: 0, roughness: 0.6, emission: {mirrored}),
                 \"checker\": DiffuseLight(emit: Checker(scale: 0.3, even: (0, 0, 0), odd: (3, 2, 1))),
                 \"marble\": DiffuseLight(emit: Marble(scale: 9)), \"noise\": DiffuseLight(emit: Noise(scale: 5)),
                 \"veil\": Pbr(base_color: Rgb(0.5, 0.5, 0.5), metallic: 0, emission: {image}, alpha: Image(path: \"holes.png\", channel: A)),

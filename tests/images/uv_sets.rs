@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::{DMat2, DVec2, DVec3};
 use gpu_rt::scene::{Lambertian, Material, Scene};
+use image::{Rgb, RgbImage};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{converted, glb, square};
@@ -178,7 +179,7 @@ fn each_texture_has_its_own_texture_coordinates() {
     let own = scene(folder.path(), mesh, own);
     check(&own, |scene| render(scene, &request)).unwrap_or_else(|error| panic!("{error}"));
 
-    let first = Overlay::new(&[]).rewritten("scene/uv_tables", |own| own.replace("u32(number) + 1u", "1u"));
+    let first = Overlay::new(&[]).rewritten("scene/with_table", |own| own.replace("u32(number) + 1u", "1u"));
     let found = check(&of_file, |scene| render_planted(scene, &request, &first));
     assert!(found.is_err(), "that all have the first set is not found");
     for (name, other) in [("emission", "uv_set: 1"), ("normal", "uv_set: 3")] {
@@ -244,4 +245,74 @@ fn sets_that_are_not_there_are_refused() {
     assert!(error.contains("has an image with uv_set: 1, which meshes alone have"), "{error}");
     let error = found("Image(path: \"base.png\", uv_set: 16)", mesh);
     assert!(error.contains("a whole number from 0 to 15"), "{error}");
+}
+
+/// A mesh shows an image by its wrap, in the middle of texels and between them, beyond its edges too: against its definition in f64.
+#[test]
+fn images_of_meshes_go_on_by_their_wraps() {
+    const SIZE: [i64; 2] = [4, 3];
+    let code = |column: i64, row: i64| {
+        [(90 * column + 170 * row) % 256, (200 * column + 60 * row) % 256, 40 * column].map(|x| x as u8)
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = RgbImage::from_fn(4, 3, |x, y| Rgb(code(i64::from(x), i64::from(y))));
+    image.save(folder.path().join("few.png")).expect("it is written");
+    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt -1.5 -1.3\nvt 2.5 -1.3\nvt 2.5 2.7\nvt -1.5 2.7\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+    std::fs::write(folder.path().join("square.obj"), square).expect("it is written");
+    // The index of a texel within the image.
+    let within = |wrap: &str, index: i64, count: i64| match wrap {
+        "Clamp" => index.clamp(0, count - 1),
+        "Mirror" if index.div_euclid(count) % 2 != 0 => count - 1 - index.rem_euclid(count),
+        _ => index.rem_euclid(count),
+    };
+    let colour = |wrap: &str, uv: DVec2| {
+        let at = DVec2::new(uv.x * SIZE[0] as f64, (1.0 - uv.y) * SIZE[1] as f64) - 0.5;
+        let (first, share) = (at.floor(), at - at.floor());
+        let texel = |right: i64, down: i64| {
+            let column = within(wrap, first.x as i64 + right, SIZE[0]);
+            let row = within(wrap, first.y as i64 + down, SIZE[1]);
+            DVec3::from_array(code(column, row).map(linear))
+        };
+        texel(0, 0).lerp(texel(1, 0), share.x).lerp(texel(0, 1).lerp(texel(1, 1), share.x), share.y)
+    };
+    // A pixel is a tenth of the image across.
+    const PIXELS: u32 = 40;
+    let off = |wrap: &str, shot: &Shot| {
+        let pixels = (0..PIXELS).flat_map(|y| (0..PIXELS).map(move |x| (x, y)));
+        pixels.fold(0.0f64, |most, (x, y)| {
+            let points = (0..64).map(|i| {
+                DVec2::new(f64::from(x), f64::from(y))
+                    + DVec2::new(f64::from(i % 8), f64::from(i / 8)) / 8.0
+                    + 1.0 / 16.0
+            });
+            let mean =
+                points.map(|at| colour(wrap, DVec2::new(0.1 * at.x - 1.5, 2.7 - 0.1 * at.y))).sum::<DVec3>() / 64.0;
+            most.max((DVec3::from_array(shot.pixel(x, y)) - mean).abs().max_element())
+        })
+    };
+    let scene = |wrap: &str| {
+        let text = format!(
+            "Scene(image: (width: {PIXELS}, height: {PIXELS}), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), projection: Orthographic(height: 2)),
+            background: Solid((0, 0, 0)), materials: {{\"lamp\": DiffuseLight(emit: Image(path: \"few.png\", wrap: {wrap}))}},
+            objects: [Mesh(path: \"square.obj\", material: \"lamp\")], render: (samples: 64, max_depth: 1))"
+        );
+        let path = folder.path().join("own.ron");
+        std::fs::write(&path, text).expect("it is written");
+        load(&path)
+    };
+    let request = Request::spp(64).sobol();
+    for wrap in ["Repeat", "Clamp", "Mirror"] {
+        let shot = render(&scene(wrap), &request);
+        assert!(off(wrap, &shot) < 0.01, "{wrap}: {}", off(wrap, &shot));
+        let others = ["Repeat", "Clamp", "Mirror"].into_iter().filter(|other| *other != wrap);
+        others.for_each(|other| assert!(off(other, &shot) > 0.3, "{wrap} and {other}: {}", off(other, &shot)));
+    }
+    // Edges that blend into the other ones, and odd copies of the image that begin half of it later.
+    for (wrap, right, wrong) in [
+        ("Clamp", "vec2<bool>(false)", "vec2<bool>(true)"),
+        ("Mirror", "2.0 * round(0.5 * uv)", "2.0 * floor(0.5 * uv)"),
+    ] {
+        let planted = render_planted(&scene(wrap), &request, &Overlay::new(&[("scene/image_wrap", right, wrong)]));
+        assert!(off(wrap, &planted) > 0.1, "{wrap}: {wrong} is not found");
+    }
 }

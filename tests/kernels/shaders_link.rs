@@ -563,6 +563,11 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let beside = [features(0, 0, 0, SOLID, false), sphere, moves, everything()];
         found.extend(beside.map(|features| (features, options.clone())));
     }
+    let beam = having(delta_lit(features(1, 1, 0, SOLID, false), false), &["falloff"]);
+    found.push((beam, RenderOptions::default()));
+    let mesh = having(features(1 << KIND_TRIANGLE, 1, all(TEXTURES), SOLID, false), &["image_wrap"]);
+    let mapped = with_extension(with_tables(mesh.clone(), true), "normal");
+    found.extend([mesh, mapped].map(|features| (features, RenderOptions::default())));
     found
 }
 

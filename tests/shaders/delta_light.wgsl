@@ -1,4 +1,5 @@
-//@ use light/delta
+//@ use choice/falloff
+//@ use light/delta_distance
 // What a light without size sends to a point, and where a shadow ray to it ends.
 struct In {
     from_point: vec3<f32>,

@@ -8,7 +8,7 @@ use super::generator::LightUnits;
 use super::material::{colour, radiance};
 use super::nodes::SceneNode;
 use super::{File, GltfError, Result, decimal};
-use crate::scene::types::Object;
+use crate::scene::types::{Falloff, Object};
 
 /// A light of the file.
 pub struct Light {
@@ -62,6 +62,7 @@ impl File {
                     intensity: strength,
                     inner: inner.to_degrees(),
                     outer: outer.to_degrees(),
+                    falloff: Falloff::Gltf,
                 }
             }
         };

@@ -371,9 +371,9 @@ fn root_of(colour: Texture, notes: &mut Vec<String>) -> Texture {
             let Colour { x, y, z } = root(Colour::new(r, g, b));
             Texture::Rgb(x, y, z)
         }
-        Texture::Image { path, tint, channel, uv_set } => {
+        Texture::Image { path, tint, channel, uv_set, wrap } => {
             notes.push("the image of its colour tints light at both surfaces of the glass, so twice".to_owned());
-            Texture::Image { path, tint: root(tint), channel, uv_set }
+            Texture::Image { path, tint: root(tint), channel, uv_set, wrap }
         }
         other => other,
     }

@@ -12,7 +12,7 @@ use crate::material::MOST_IOR;
 use crate::printable::quote;
 use crate::scene::file;
 use crate::scene::gltf::{default_material, radiance};
-use crate::scene::types::{Colour, Dielectric, Lambertian, Material, Pbr, Texture};
+use crate::scene::types::{Colour, Dielectric, Lambertian, Material, Pbr, Texture, Wrap};
 
 /// The longest file, in bytes.
 const LONGEST: u64 = 1 << 26;
@@ -139,7 +139,7 @@ impl Given {
             None
         };
         let texture = |image: Option<&PathBuf>, tint: Colour, channel| match image {
-            Some(path) => Texture::Image { path: seen(path), tint, channel, uv_set: 0 },
+            Some(path) => Texture::Image { path: seen(path), tint, channel, uv_set: 0, wrap: Wrap::Repeat },
             None => Texture::Rgb(tint.x, tint.y, tint.z),
         };
         // Some programs write black beside an image, which is meant to be seen.

@@ -337,7 +337,7 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
         Texture::Rgb(r, g, b) if r != g || g != b => {
             Err(own.find(name).unwrap_or(own.node).error(format!("expected one number for {name}, found a colour")))
         }
-        Texture::Image { path, tint, uv_set, .. } => {
+        Texture::Image { path, tint, uv_set, wrap, .. } => {
             let is_raw = own.find(name).and_then(|node| reader.follow(node, "texture").ok()).is_some_and(|node| {
                 node.children
                     .iter()
@@ -347,7 +347,7 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
                 let node = own.find(name).unwrap_or(own.node);
                 reader.lose(node, "its codes count as linear here: write raw as true");
             }
-            Ok(Texture::Image { path, tint, channel: None, uv_set })
+            Ok(Texture::Image { path, tint, channel: None, uv_set, wrap })
         }
         other => Ok(other),
     }
@@ -406,9 +406,12 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Resu
     if own.word("filter_type")?.is_some_and(|filter| filter == "nearest") {
         reader.lose(node, "its texels are blended here, not the nearest taken");
     }
-    if own.word("wrap_mode")?.is_some_and(|wrap| wrap != "repeat") {
-        reader.lose(node, "it repeats here outside of 0 to 1");
-    }
+    let wrap = match own.word("wrap_mode")?.unwrap_or("repeat") {
+        "repeat" => Wrap::Repeat,
+        "mirror" => Wrap::Mirror,
+        "clamp" => Wrap::Clamp,
+        _ => return Err(node.error("expected a wrap_mode of repeat, mirror or clamp")),
+    };
     own.end(reader);
-    Ok(Texture::Image { path, tint: Colour::ONE, channel: None, uv_set: 0 })
+    Ok(Texture::Image { path, tint: Colour::ONE, channel: None, uv_set: 0, wrap })
 }

@@ -7,7 +7,7 @@ use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::types::{Background, Colour, Object, Texture};
+use crate::scene::types::{Background, Colour, Falloff, Object, Texture};
 
 /// Half a turn around y: their skies have +z in the middle, ours -z.
 const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
@@ -55,15 +55,12 @@ pub fn emitter(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<Emi
             }
             let outer = own.number_or("cutoff_angle", 20.0)?;
             let inner = own.number_or("beam_width", 0.75 * outer)?;
-            if inner < outer {
-                reader.lose(node, "between beam_width and cutoff_angle its light falls by the square of the cosine's share, not linearly");
-            }
             let (at, forward) = (to_world.translation, to_world.matrix3.z_axis.normalize_or_zero());
             if forward == DVec3::ZERO {
                 return Err(node.error("expected a to_world with a direction"));
             }
             let (towards, intensity) = (at + forward, own.colour_or("intensity", 1.0)?);
-            Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer })
+            Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer, falloff: Falloff::Linear })
         }
         "area" => return Err(node.error("expected an area emitter inside a shape")),
         _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap")),

@@ -18,7 +18,7 @@ use crate::scene::gltf::lobes;
 use crate::scene::gltf::{File, Result, decimal};
 use crate::scene::types::{
     Colour, Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Pbr, RoughDielectric, Texture,
-    ThinDielectric,
+    ThinDielectric, Wrap,
 };
 
 /// Reads one material.
@@ -49,7 +49,7 @@ struct Common {
 
 fn texture(image: Image, tint: Colour, channel: Option<Channel>) -> Texture {
     match image {
-        Some((path, uv_set)) => Texture::Image { path, tint, channel, uv_set },
+        Some((path, uv_set)) => Texture::Image { path, tint, channel, uv_set, wrap: Wrap::Repeat },
         None => Texture::Rgb(tint.x, tint.y, tint.z),
     }
 }
