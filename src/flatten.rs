@@ -159,7 +159,7 @@ pub fn flatten_with(
     if options.aov.has(Aov::Uv0) {
         builder.add_frames_of_objects(&finder.primitives);
     }
-    builder.add_background(radiance_scale);
+    builder.add_background(radiance_scale, &view.to_space);
     builder.add_materials(&used, radiance_scale);
     if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
         builder.add_extensions(&used, radiance_scale);
@@ -463,7 +463,9 @@ fn brightest_of_plain_sky(background: &Background) -> f64 {
 /// carries. A path meets a surface of coverage a with the probability a, so that the first is √a of the second.
 fn brightest(scene: &Scene, emissions: &[Emitted]) -> [f64; 2] {
     let sky = match &scene.background {
-        Background::Image { path, tint } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
+        Background::Image { path, tint, .. } => {
+            scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(*tint))
+        }
         plain => brightest_of_plain_sky(plain),
     };
     let seen = emissions.iter().filter(|emitted| emitted.is_seen());

@@ -1,6 +1,6 @@
 //@ alternative axes when camera_axes
 //@ use bind/settings
-// Render space has the camera's axes. The world's axes are the rows of a rotation.
+// Render space has not the axes of the background, which are the rows of a rotation: it has the camera's, or the sky is turned.
 fn to_world(direction: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(
         dot(settings.world_x, direction), dot(settings.world_y, direction), dot(settings.world_z, direction));

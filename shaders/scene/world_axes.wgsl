@@ -1,5 +1,5 @@
 //@ alternative axes when !camera_axes
-// Render space has the axes of the world.
+// Render space has the axes of the background.
 fn to_world(direction: vec3<f32>) -> vec3<f32> {
     return direction;
 }

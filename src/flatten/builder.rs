@@ -2,14 +2,14 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::device_scene::DeviceScene;
 use super::features::BACKGROUNDS;
 use super::finder::{Primitive, WorldMedium};
 use super::hierarchies::Hierarchies;
 use super::mesh_tables::Table;
-use super::motion::{Motion, in_space};
+use super::motion::{Motion, in_space, similarity};
 use super::motion_tables::{Motions, follows_nearest, order_of, row_of_boundary};
 use super::swept::swept;
 use crate::bitmap::Decoding;
@@ -182,7 +182,7 @@ impl Builder<'_> {
         index
     }
 
-    pub fn add_background(&mut self, radiance_scale: f64) {
+    pub fn add_background(&mut self, radiance_scale: f64, to_space: &Similarity) {
         let scene = self.scene;
         let settings = &mut self.flat.settings;
         let kind = background_kind(&scene.background);
@@ -198,7 +198,13 @@ impl Builder<'_> {
                 settings.background_bottom = f32s(radiance_scale * *bottom);
                 settings.background_top = f32s(radiance_scale * *top);
             }
-            Background::Image { path, tint } => {
+            Background::Image { path, tint, by } => {
+                let DMat3 { x_axis, y_axis, z_axis } = to_space.rotation * similarity(by).rotation;
+                [settings.world_x, settings.world_y, settings.world_z] = [x_axis, y_axis, z_axis].map(f32s);
+                if similarity(by).rotation != DMat3::IDENTITY {
+                    let at = scene.location(&[Step::Field("background"), Step::Field("by")]);
+                    self.flat.features.require("camera_axes", || format!("background.by at {at}"));
+                }
                 settings.background_bottom = f32s(radiance_scale * *tint);
                 if let Some(bitmap) = scene.bitmaps.colours(path) {
                     settings.background_width = bitmap.width;

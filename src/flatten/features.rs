@@ -113,8 +113,8 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         named("lens", none(), Always, "thin lens", "camera/thin_lens"),
         // Films that are no plane at distance 1: each scene has one.
         named("projection", PROJECTIONS.to_vec(), Never, "{} camera", "camera/{}"),
-        // Pixels are so narrow that render space has the camera's axes instead of the world's.
-        named("camera_axes", none(), Always, "camera axes", "scene/camera_axes"),
+        // Pixels are so narrow that render space has the camera's axes instead of the world's, or the background is turned.
+        named("camera_axes", none(), Always, "turned axes", "scene/camera_axes"),
         // What moves: shapes, boundaries of media, lights without size, media with a texture, and the camera.
         labelled(of_shapes("moves", |_| true, Always), "{} motion", "motion/{}"),
         named(

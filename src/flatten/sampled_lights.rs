@@ -262,7 +262,7 @@ impl Builder<'_> {
 
     /// Adds the background's image as a light, unless it is black. Returns its intensity.
     fn add_sky(&mut self) -> Option<f64> {
-        let Background::Image { path, tint } = &self.scene.background else { return None };
+        let Background::Image { path, tint, .. } = &self.scene.background else { return None };
         let bitmap = self.scene.bitmaps.colours(path)?;
         // MIS compensation: BSDF sampling finds what is darker than the mean, and light sampling draws what is above it (Karlík, Šik, Vévoda,
         // Skřivan, Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6), 2019).

@@ -168,6 +168,8 @@ declare! {
             /// What its colours are multiplied by.
             #[serde(default = "crate::texture::white", skip_serializing_if = "is_white")]
             tint: Colour = RADIANCE.or("(1, 1, 1)");
+            /// How it is turned: rotations, applied in the order listed.
+            @default by: Vec<Transform> = other("a list of transforms: [..]").or("[]");
         }
     }
 }

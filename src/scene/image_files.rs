@@ -53,7 +53,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
 /// Visits the values of a scene that name images, each with its `path` field, how the file is decoded, and what the texels mean.
 pub fn visit_images(scene: &Scene, visit: &mut dyn FnMut(&ValuePath, &str, Decoding, Colour, Use)) {
     let top = scene.top();
-    if let Background::Image { path, tint } = &scene.background {
+    if let Background::Image { path, tint, .. } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
         visit(&at.field("path"), path, Decoding::Colour, *tint, Use::Radiance);

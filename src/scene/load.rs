@@ -253,11 +253,10 @@ fn of_model(
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing(Aabb::around([DVec3::ZERO])));
+    let image_sky = |path: String| Background::Image { path, tint: Colour::ONE, by: Vec::new() };
     let background = match &options.sky {
-        Some(Sky::Image(sky)) if path == to => Background::Image { path: sky.clone(), tint: Colour::ONE },
-        Some(Sky::Image(sky)) => {
-            Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned(), tint: Colour::ONE }
-        }
+        Some(Sky::Image(sky)) if path == to => image_sky(sky.clone()),
+        Some(Sky::Image(sky)) => image_sky(seen(Path::new(sky)).to_string_lossy().into_owned()),
         Some(Sky::Default) => SKY,
         Some(Sky::None) | None => Background::Solid(Colour::ZERO),
     };

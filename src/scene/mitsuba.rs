@@ -127,9 +127,6 @@ pub fn contents(
 }
 
 fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mut Reader<'a>) -> Parts {
-    let is_sky = |node: &&Node| node.tag == "emitter" && node.attribute("type") == Some("envmap");
-    let world = root.children.iter().find(is_sky).map(emitter::world_of_sky);
-    let world = world.and_then(|found| reader.findings.record(found)).unwrap_or(DAffine3::IDENTITY);
     let (mut view, mut max_depth, mut background) = (None, 1_000_000, None);
     let mut objects = Vec::new();
     for node in &root.children {
@@ -144,10 +141,10 @@ fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mu
                     for field in ["camera", "image", "render"] {
                         reader.places.insert(field.to_owned(), node.at.location());
                     }
-                    view = Some(sensor::sensor(node, &world, reader)?);
+                    view = Some(sensor::sensor(node, reader)?);
                 }
                 "emitter" if node.attribute("type") == Some("area") => {}
-                "emitter" => match emitter::emitter(node, &world, reader)? {
+                "emitter" => match emitter::emitter(node, reader)? {
                     Emitter::Object(object) => {
                         reader.places.insert(format!("objects[{}]", objects.len()), node.at.location());
                         objects.push(object);
@@ -161,7 +158,7 @@ fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mu
                     }
                 },
                 "shape" => {
-                    let found = shape::shape(node, &world, progress, reader)?;
+                    let found = shape::shape(node, &DAffine3::IDENTITY, progress, reader)?;
                     for object in found {
                         reader.places.insert(format!("objects[{}]", objects.len()), node.at.location());
                         objects.push(object);

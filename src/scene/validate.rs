@@ -177,7 +177,19 @@ fn background(at: &ValuePath, background: &Background) -> Result<()> {
             Use::Radiance.check(&at.field("bottom"), *bottom)?;
             Use::Radiance.check(&at.field("top"), *top)
         }
-        Background::Image { tint, .. } => Use::Radiance.check(&at.variant("Image").field("tint"), *tint),
+        Background::Image { tint, by, .. } => {
+            let at = at.variant("Image");
+            Use::Radiance.check(&at.field("tint"), *tint)?;
+            let at = at.field("by");
+            for (index, turn) in by.iter().enumerate() {
+                let at = at.index(index);
+                if let Transform::Scale(_) | Transform::Translate(_) = turn {
+                    return Err(at.error("a sky has no size and no place: expected a rotation such as RotateY(90)"));
+                }
+                transform(&at, turn)?;
+            }
+            Ok(())
+        }
     }
 }
 

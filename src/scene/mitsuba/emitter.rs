@@ -7,7 +7,8 @@ use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::types::{Background, Colour, Falloff, Object, Texture};
+use crate::scene::gltf;
+use crate::scene::types::{Background, Colour, Falloff, Object, Texture, Transform};
 
 /// Half a turn around y: their skies have +z in the middle, ours -z.
 const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
@@ -17,20 +18,19 @@ pub enum Emitter {
     Background(Background),
 }
 
-/// How a scene is turned so that its sky need not be turned.
-pub fn world_of_sky(node: &Node) -> Result<DAffine3> {
-    let turn = Properties::of(node).transform("to_world")?.matrix3;
-    let difference = turn.transpose() * turn - DMat3::IDENTITY;
-    if difference.to_cols_array().iter().any(|x| x.abs() > 1e-6) || turn.determinant() < 0.0 {
-        return Err(node.error("expected a to_world that turns the sky alone, without a scale"));
-    }
-    Ok(DAffine3::from_mat3(HALF_TURN * turn.transpose()))
+/// The rotations of a sky.
+fn turned(own: &Properties) -> Result<Vec<Transform>> {
+    let turn = own.transform("to_world")? * DAffine3::from_mat3(HALF_TURN);
+    // A shift moves nothing at infinity.
+    let by = gltf::similarity(&DAffine3::from_mat3(turn.matrix3));
+    by.filter(|by| by.iter().all(|turn| matches!(turn, Transform::Rotate { .. })))
+        .ok_or_else(|| own.node.error("expected a to_world that turns the sky alone, without a scale"))
 }
 
-pub fn emitter(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<Emitter> {
+pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
     let own = Properties::of(node);
     let kind = own.kind()?;
-    let to_world = *world * own.transform("to_world")?;
+    let to_world = own.transform("to_world")?;
     own.ignore(&["sampling_weight"]);
     let found = match kind {
         "constant" => Emitter::Background(Background::Solid(own.colour_or("radiance", 1.0)?)),
@@ -38,15 +38,14 @@ pub fn emitter(node: &Node, world: &DAffine3, reader: &mut Reader) -> Result<Emi
             let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
             own.ignore(&["mis_compensation"]);
             let tint = Colour::splat(own.number_or("scale", 1.0)?);
-            Emitter::Background(Background::Image { path: reader.path(path, node), tint })
+            Emitter::Background(Background::Image { path: reader.path(path, node), tint, by: turned(&own)? })
         }
         "point" => {
-            let at = own.vector("position")?.map(|at| world.transform_point3(at)).unwrap_or(to_world.translation);
+            let at = own.vector("position")?.unwrap_or(to_world.translation);
             Emitter::Object(Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)? })
         }
         "directional" => {
-            let given = own.vector("direction")?.map(|direction| world.transform_vector3(direction));
-            let direction = given.unwrap_or(to_world.matrix3.z_axis);
+            let direction = own.vector("direction")?.unwrap_or(to_world.matrix3.z_axis);
             Emitter::Object(Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)? })
         }
         "spot" => {

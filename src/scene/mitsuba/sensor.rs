@@ -1,7 +1,5 @@
 //! The sensor with its film, and the integrator.
 
-use glam::DAffine3;
-
 use super::document::Node;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
@@ -25,8 +23,8 @@ impl Film {
     }
 }
 
-/// The camera, the image and the samples per pixel. `world` is applied after all transforms of the scene.
-pub fn sensor<'a>(node: &'a Node, world: &DAffine3, reader: &mut Reader<'a>) -> Result<(Camera, ImageSize, u32)> {
+/// The camera, the image and the samples per pixel.
+pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<(Camera, ImageSize, u32)> {
     let own = Properties::of(node);
     for clip in ["near_clip", "far_clip"].into_iter().filter_map(|name| own.find(name)) {
         reader.lose(clip, "it is not used: nothing is cut off");
@@ -49,7 +47,7 @@ pub fn sensor<'a>(node: &'a Node, world: &DAffine3, reader: &mut Reader<'a>) -> 
         samples = count.ok_or_else(|| sampler.error("expected a sample_count from 1 to 2147483648"))?;
         given.end(reader);
     }
-    let to_world = *world * own.transform("to_world")?;
+    let to_world = own.transform("to_world")?;
     let [x, y, z] = to_world.matrix3.to_cols_array_2d().map(glam::DVec3::from_array);
     let lengths = [x.length(), y.length(), z.length()];
     let angles = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs).into_iter().fold(0.0, f64::max);
