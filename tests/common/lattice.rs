@@ -152,6 +152,14 @@ const POINTS: &[Point] = &[
         "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"varnish\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"glow\"),",
     ),
     under_a_lamp(
+        "plastics and worn metal under a lamp",
+        "\"satin\": Plastic(diffuse: Rgb(0.7, 0.3, 0.2), roughness: 0.3, distribution: Beckmann, emission: Rgb(0.1, 0.2, 0.3), alpha: 0.8),
+         \"gloss\": Plastic(diffuse: Checker(scale: 0.2, even: (0.9, 0.8, 0.7), odd: (0.1, 0.2, 0.3)), nonlinear: true, one_sided: true),
+         \"worn\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.3, distribution: Beckmann),",
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"satin\"), Sphere(center: (-0.9, 1.5, 0.4), radius: 0.3, material: \"gloss\"),
+         Sphere(center: (-0.9, 0.5, 0.4), radius: 0.3, material: \"worn\"),",
+    ),
+    under_a_lamp(
         "velvet under a lamp",
         "\"velvet\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, sheen: Rgb(0.9, 0.5, 0.3), sheen_roughness: 0.4),",
         "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"velvet\"),",

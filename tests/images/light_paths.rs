@@ -54,6 +54,19 @@ fn scenes() -> Vec<(&'static str, String)> {
             ),
         ),
         (
+            "plastics and worn metal beside a lamp, and hazy glass before it",
+            lit(
+                "",
+                ", \"satin\": Plastic(diffuse: Rgb(0.7, 0.5, 0.3), roughness: 0.4, distribution: Beckmann), \"gloss\": Plastic(diffuse: Rgb(0.3, 0.6, 0.7)),
+                 \"worn\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.4, distribution: Beckmann, anisotropy: 0.6),
+                 \"hazy\": RoughDielectric(ior: 1.5, roughness: 0.3, distribution: Beckmann)",
+                &format!(
+                    "Sphere(center: (-1, 0.6, 0), radius: 0.5, material: \"satin\"), Sphere(center: (0, 0.5, 0.8), radius: 0.45, material: \"gloss\"),
+                     Box(min: (0.6, 0, -0.4), max: (1.3, 0.9, 0.3), material: \"worn\"), Sphere(center: (0.3, 1.6, 0), radius: 0.4, material: \"hazy\"), {LAMP}"
+                ),
+            ),
+        ),
+        (
             "smoke, in glass too",
             lit(
                 "",

@@ -107,6 +107,26 @@ pub const LAYERS: Room = Room {
     faults: &[("scene", "specular: 0.7", "specular: 0.9")],
 };
 
+/// Plastics, smooth and rough, and microfacets of Beckmann.
+pub const PLASTICS: Room = Room {
+    walls: ["gloss", "satin", ""],
+    lamp: 0.5,
+    brighter: 1.02,
+    materials: r#"
+        "gloss": Plastic(diffuse: Rgb(0.7, 0.5, 0.3), ior: 1.8),
+        "satin": Plastic(diffuse: Rgb(0.3, 0.6, 0.7), roughness: 0.6, distribution: Beckmann, nonlinear: true),
+        "worn": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.6, anisotropy: 0.5, distribution: Beckmann),
+        "hazy": RoughDielectric(ior: 1.5, roughness: 0.6, distribution: Beckmann),"#,
+    objects: r#"
+        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: "hazy"),
+        Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: "worn"),"#,
+    max_depth: 6,
+    faults: &[
+        ("material/plastic_eval", "let matt = both_ways *", "let matt = select(1.0, 1.05, FAULT) * both_ways *"),
+        ("lib/beckmann", "exp(-slope2) / (PI", "exp(-select(1.0, 1.1, FAULT) * slope2) / (PI"),
+    ],
+};
+
 /// Numbers that vary over a surface: a floor that is a mirror in places, and frosted glass that is clear in places.
 pub const NUMBERS: Room = Room {
     walls: ["floor", "back", "wall"],
@@ -311,6 +331,7 @@ rooms! {
     beside_lobes LOBES
     beside_metals_that_lose_nothing MULTISCATTER
     beside_layers LAYERS
+    beside_plastics PLASTICS
     where_numbers_vary NUMBERS
     under_normal_maps NORMAL_MAPS
     behind_coloured_glass COLOURED_GLASS

@@ -23,8 +23,10 @@ fn turned(own: &Properties) -> Result<Vec<Transform>> {
     let turn = own.transform("to_world")? * DAffine3::from_mat3(HALF_TURN);
     // A shift moves nothing at infinity.
     let by = gltf::similarity(&DAffine3::from_mat3(turn.matrix3));
-    by.filter(|by| by.iter().all(|turn| matches!(turn, Transform::Rotate { .. })))
-        .ok_or_else(|| own.node.error("expected a to_world that turns the sky alone, without a scale"))
+    match by.filter(|_| (turn.matrix3.determinant() - 1.0).abs() < 1e-6) {
+        Some(by) => Ok(by.into_iter().filter(|turn| matches!(turn, Transform::Rotate { .. })).collect()),
+        None => Err(own.node.error("expected a to_world that turns the sky alone, without a scale")),
+    }
 }
 
 pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
@@ -70,7 +72,7 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
 
 /// A medium inside a boundary.
 pub struct Medium {
-    pub density: f64,
+    pub extinction: Colour,
     pub albedo: Colour,
     pub anisotropy: f64,
 }
@@ -80,7 +82,7 @@ impl Medium {
         let Colour { x, y, z } = self.albedo;
         Object::Medium {
             boundary: Box::new(boundary),
-            density: self.density,
+            density: self.extinction.x,
             albedo: Texture::Rgb(x, y, z),
             anisotropy: self.anisotropy,
         }
@@ -93,13 +95,18 @@ pub fn medium(node: &Node, reader: &mut Reader) -> Result<Medium> {
         return Err(unknown(node, "homogeneous"));
     }
     own.ignore(&["has_spectral_extinction", "sample_emitters"]);
-    let extinction = own.colour_or("sigma_t", 1.0)? * own.number_or("scale", 1.0)?;
-    if extinction != Colour::splat(extinction.x) {
+    // Scenes before 2 may have absorption and scattering in place of their sum.
+    let (absorption, scattering) = (own.colour_or("sigma_a", 0.0)?, own.colour_or("sigma_s", 0.0)?);
+    let is_old = own.has("sigma_a") || own.has("sigma_s");
+    let sum = if is_old { absorption + scattering } else { own.colour_or("sigma_t", 1.0)? };
+    let extinction = sum * own.number_or("scale", 1.0)?;
+    let albedo =
+        if is_old { scattering / sum.max(Colour::splat(f64::MIN_POSITIVE)) } else { own.colour_or("albedo", 0.75)? };
+    if extinction != Colour::splat(extinction.x) && albedo != Colour::ZERO {
         let found = extinction.to_array();
-        let message = format!("expected one number for all channels, found {found:?}: coloured extinction is not read");
+        let message = format!("expected one number for all channels, or an albedo of 0, found {found:?}");
         return Err(own.find("sigma_t").unwrap_or(node).error(message));
     }
-    let albedo = own.colour_or("albedo", 0.75)?;
     let mut anisotropy = 0.0;
     for phase in own.take(|child| child.tag == "phase") {
         let of_phase = Properties::of(phase);
@@ -111,5 +118,5 @@ pub fn medium(node: &Node, reader: &mut Reader) -> Result<Medium> {
         of_phase.end(reader);
     }
     own.end(reader);
-    Ok(Medium { density: extinction.x, albedo, anisotropy })
+    Ok(Medium { extinction, albedo, anisotropy })
 }

@@ -339,6 +339,8 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
         }
         inside = Some(medium(reader.follow(child, "medium")?, reader)?);
     }
+    // What scatters nothing absorbs, by channels too.
+    let absorption = inside.as_ref().map(|medium| medium.extinction).filter(|found| *found != Colour::splat(found.x));
     reader.to_uv = None;
     let emission = match emitters[..] {
         [] => None,
@@ -356,7 +358,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
     };
     let key = (
         of_bsdf.map_or(std::ptr::null(), std::ptr::from_ref),
-        format!("{:?}", emission.as_ref().map(|(_, found)| found)),
+        format!("{:?} {absorption:?}", emission.as_ref().map(|(_, found)| found)),
     );
     let emits = emission.is_some();
     let made = match reader.known.get(&key) {
@@ -365,6 +367,14 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
             let found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
                 None => Some(bsdf::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
+            };
+            let found = match (found, absorption) {
+                (found, None) => found,
+                (Some(Material::Dielectric(own)), _) => Some(Material::Dielectric(Dielectric { absorption, ..own })),
+                (Some(Material::RoughDielectric(own)), _) => {
+                    Some(Material::RoughDielectric(RoughDielectric { absorption, ..own }))
+                }
+                _ => return Err(node.error("expected one number for the sigma_t of its medium: it is not in glass")),
             };
             let found = match (found, emission) {
                 (found, None) => found,
@@ -402,6 +412,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
     let is_textured = is_brushed || textures.iter().any(|texture| texture.needs_uv());
     let has_image = textures.iter().any(|texture| texture.decoded().is_some());
     let is_glass = matches!(of_name, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
+    let inside = inside.filter(|_| absorption.is_none());
     Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
 }
 
