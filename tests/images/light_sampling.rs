@@ -122,7 +122,7 @@ pub const PLASTICS: Room = Room {
         Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: "worn"),"#,
     max_depth: 6,
     faults: &[
-        ("material/plastic_eval", "let matt = both_ways *", "let matt = select(1.0, 1.05, FAULT) * both_ways *"),
+        ("material/plastic_eval", "let matt = both_ways *", "let matt = select(1.0, 1.2, FAULT) * both_ways *"),
         ("lib/beckmann", "exp(-slope2) / (PI", "exp(-select(1.0, 1.1, FAULT) * slope2) / (PI"),
     ],
 };
