@@ -135,8 +135,7 @@ declare! {
         /// would scatter more than once is lost.
         RoughDielectric: rough_dielectric, "RoughDielectric(ior: 1.5, roughness: 0.3)" {
             ior: f64 = dielectric::FIELDS.ior;
-            /// 0 is a `Dielectric`. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
-            /// counts as 0.
+            /// 0 is a `Dielectric`. The α of the microfacets is its square.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
             @default distribution: Distribution = conductor::FIELDS.distribution;
@@ -161,8 +160,7 @@ declare! {
             /// 1 is a metal, 0 is none, and between is a mixture.
             #[serde(default = "white", with = "number")]
             metallic: Texture = SHARE.or("1");
-            /// The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 0, a
-            /// perfect mirror.
+            /// The roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 0.
             #[serde(default = "white", with = "number")]
             roughness: Texture = SHARE.or("1");
             /// The index of refraction of the layer.
@@ -252,7 +250,7 @@ declare! {
             /// Index of refraction, of which the reflectance follows.
             #[serde(default = "index_of_glass")]
             ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
-            /// 0 is clear. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.
+            /// 0 is clear. The α of the microfacets is its square.
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
             /// Whether it reflects as both sides of a slab do, with all reflections between them: 2R / (1 + R) instead of R.
@@ -264,17 +262,15 @@ declare! {
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
         }
-        /// A matt body under a clear layer, such as plastic or varnished wood. Light that enters the layer is scattered by the body, and
-        /// reflected back to it by the layer, until it is absorbed or leaves. Rough layers lose light that microfacets would scatter more than
-        /// once.
+        /// A matt body under a clear layer, such as plastic or varnished wood. The layer reflects the light of the body back to it, until
+        /// it is absorbed or leaves.
         Plastic: plastic, "Plastic(diffuse: Rgb(0.7, 0.1, 0.1), roughness: 0.3)" {
             /// The share of light that the body scatters each time.
             diffuse: Texture = ALBEDO;
             /// Index of refraction of the layer.
             #[serde(default = "index_of_glass")]
             ior: f64 = number(Range::from_to(1.0, MOST_IOR), NO_UNIT).or("1.5");
-            /// 0 is a smooth layer. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it
-            /// counts as 0.
+            /// 0 is a smooth layer. The α of the microfacets is its square.
             @default roughness: f64 = number(Range::SHARE, NO_UNIT).or("0");
             @default distribution: Distribution = conductor::FIELDS.distribution;
             /// Whether light that comes back to the body takes its colour each time, which is more saturated. Otherwise it takes it once.
@@ -298,15 +294,29 @@ pub enum Distribution {
 
 impl Checked for Distribution {}
 
-impl Default for Pbr {
-    /// A white metal that is as rough as can be, as glTF has it: what a file has that gives nothing.
-    fn default() -> Pbr {
-        static OF_FILES: LazyLock<Pbr> = LazyLock::new(|| match ron::from_str("Pbr()") {
-            Ok(Material::Pbr(pbr)) => pbr,
-            other => panic!("a field of Pbr has no default: {other:?}"),
-        });
-        OF_FILES.clone()
-    }
+/// What a file has that gives these fields alone.
+macro_rules! defaults_of_files {
+    ($($kind:ident $text:literal;)*) => { $(
+        impl Default for $kind {
+            fn default() -> $kind {
+                static OF_FILES: LazyLock<$kind> = LazyLock::new(|| match ron::from_str($text) {
+                    Ok(Material::$kind(own)) => own,
+                    other => panic!("a field of {} has no default: {other:?}", $text),
+                });
+                OF_FILES.clone()
+            }
+        }
+    )* };
+}
+
+defaults_of_files! {
+    Lambertian "Lambertian(albedo: Rgb(0, 0, 0))";
+    Conductor "Conductor()";
+    Dielectric "Dielectric(ior: 1.5)";
+    RoughDielectric "RoughDielectric(ior: 1.5)";
+    Pbr "Pbr()";
+    ThinDielectric "ThinDielectric()";
+    Plastic "Plastic(diffuse: Rgb(0, 0, 0))";
 }
 
 impl Pbr {

@@ -175,20 +175,9 @@ impl Given {
             let transmittance =
                 given("Tf").map(|through| through.clamp(Colour::ZERO, Colour::ONE)).filter(|it| *it != Colour::ONE);
             let transmittance = transmittance.map(|through| texture(None, through, None));
-            Material::Dielectric(Dielectric { ior, transmittance, absorption: None, dispersion: 0.0 })
+            Material::Dielectric(Dielectric { ior, transmittance, ..Dielectric::default() })
         } else if !is_physical && given("Ks").is_none_or(|specular| specular == Colour::ZERO) {
-            Material::Lambertian(Lambertian {
-                albedo: color,
-                emission,
-                alpha,
-                alpha_cutoff: None,
-                vertex_colors: false,
-                vertex_alpha: false,
-                vertex_emission: false,
-                normal,
-                normal_scale: 1.0,
-                one_sided: false,
-            })
+            Material::Lambertian(Lambertian { albedo: color, emission, alpha, normal, ..Lambertian::default() })
         } else {
             let default = default_material(true, false);
             Material::Pbr(Pbr { base_color: color, metallic, roughness, ior, emission, alpha, normal, ..default })

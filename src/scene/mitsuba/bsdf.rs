@@ -99,9 +99,8 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
                 roughness: facets.roughness,
                 distribution: facets.distribution,
                 nonlinear: own.flag_or("nonlinear", false)?,
-                emission: None,
-                alpha: Texture::grey(1.0),
                 one_sided: !two_sided,
+                ..Plastic::default()
             }))
         }
         "principled" => Some(principled(&own, !two_sided, reader)?),
@@ -143,18 +142,7 @@ fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a>
 }
 
 pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
-    Material::Lambertian(Lambertian {
-        albedo,
-        one_sided,
-        emission: None,
-        alpha: Texture::grey(1.0),
-        alpha_cutoff: None,
-        vertex_colors: false,
-        vertex_alpha: false,
-        vertex_emission: false,
-        normal: None,
-        normal_scale: 1.0,
-    })
+    Material::Lambertian(Lambertian { albedo, one_sided, ..Lambertian::default() })
 }
 
 /// The one BSDF that another is made of.
@@ -208,12 +196,9 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
         k,
         roughness: Texture::grey(facets.roughness),
         distribution: facets.distribution,
-        multiscatter: false,
         anisotropy: facets.anisotropy,
         anisotropy_rotation: facets.rotation,
-        anisotropy_texture: None,
-        normal: None,
-        normal_scale: 1.0,
+        ..Conductor::default()
     }))
 }
 
@@ -223,18 +208,13 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> 
     let passes = texture_or(own, "specular_transmittance", 1.0, reader)?;
     let transmittance = (passes != Texture::grey(1.0)).then_some(passes);
     Ok(match kind {
-        "dielectric" => Material::Dielectric(Dielectric { ior, transmittance, absorption: None, dispersion: 0.0 }),
-        "thindielectric" => {
-            let (roughness, inner_reflections) = (Texture::grey(0.0), true);
-            Material::ThinDielectric(ThinDielectric {
-                ior,
-                roughness,
-                transmittance,
-                inner_reflections,
-                normal: None,
-                normal_scale: 1.0,
-            })
-        }
+        "dielectric" => Material::Dielectric(Dielectric { ior, transmittance, ..Dielectric::default() }),
+        "thindielectric" => Material::ThinDielectric(ThinDielectric {
+            ior,
+            transmittance,
+            inner_reflections: true,
+            ..ThinDielectric::default()
+        }),
         _ => {
             let facets = facets(own, reader)?;
             Material::RoughDielectric(RoughDielectric {
@@ -242,13 +222,9 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> 
                 roughness: Texture::grey(facets.roughness),
                 distribution: facets.distribution,
                 transmittance,
-                absorption: None,
-                dispersion: 0.0,
                 anisotropy: facets.anisotropy,
                 anisotropy_rotation: facets.rotation,
-                anisotropy_texture: None,
-                normal: None,
-                normal_scale: 1.0,
+                ..RoughDielectric::default()
             })
         }
     })

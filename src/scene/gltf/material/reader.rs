@@ -17,8 +17,8 @@ use crate::printable::quote;
 use crate::scene::gltf::lobes;
 use crate::scene::gltf::{File, Result, decimal};
 use crate::scene::types::{
-    Colour, Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Pbr, RoughDielectric, Texture,
-    ThinDielectric, Wrap,
+    Colour, Conductor, Dielectric, DiffuseLight, Lambertian, Material, Pbr, RoughDielectric, Texture, ThinDielectric,
+    Wrap,
 };
 
 /// Reads one material.
@@ -100,18 +100,14 @@ impl File {
                 let pbr = common.pbr;
                 Material::Conductor(Conductor {
                     albedo: Some(pbr.base_color),
-                    eta: None,
-                    k: None,
-                    reflectance: 1.0,
                     roughness: pbr.roughness,
-                    distribution: Distribution::Ggx,
                     multiscatter: pbr.multiscatter,
                     anisotropy: pbr.anisotropy,
                     anisotropy_rotation: pbr.anisotropy_rotation,
                     anisotropy_texture: pbr.anisotropy_texture,
                     normal: pbr.normal,
                     normal_scale: pbr.normal_scale,
-                    one_sided: false,
+                    ..Conductor::default()
                 })
             }
             // A DiffuseLight has no alpha.
@@ -242,13 +238,12 @@ impl<'a> Reader<'a> {
                 transmittance,
                 normal,
                 normal_scale,
-                inner_reflections: false,
+                ..ThinDielectric::default()
             }),
             true if is_smooth => Material::Dielectric(Dielectric { ior, transmittance, absorption, dispersion }),
             true => Material::RoughDielectric(RoughDielectric {
                 ior,
                 roughness,
-                distribution: Distribution::Ggx,
                 transmittance,
                 absorption,
                 dispersion,
@@ -257,6 +252,7 @@ impl<'a> Reader<'a> {
                 anisotropy_texture,
                 normal,
                 normal_scale,
+                ..RoughDielectric::default()
             }),
         }
     }
