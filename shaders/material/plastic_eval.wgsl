@@ -17,23 +17,21 @@ fn plastic_passed(material: Material, hit: Interaction, cosine: f32) -> f32 {
     return passed_by_layer(1.0 - plastic_layer(material, cosine), material, hit, cosine);
 }
 
-// What comes back of light in the layer: inside, its index squared is the factor of the solid angle, and the body sees the share `inner` of its own
-// light again. If it is not nonlinear, that light has no colour.
+// What comes back of light in the layer. Of the light of the body, `leaving` / n^2 leaves the layer, with its index n, and the body sees the rest
+// again: c / n^2 (1 + c (1 - leaving / n^2) + ...). If it is not nonlinear, all but the first c are 1.
 fn plastic_body(material: Material, hit: Interaction) -> vec3<f32> {
     let again = select(vec3<f32>(1.0), hit.colour, hit.second.${plastic.nonlinear} > 0.0);
-    return hit.colour / ((1.0 + material.${plastic.contrast}) * (1.0 - material.${plastic.inner} * again));
+    return hit.colour / ((1.0 + material.${plastic.contrast}) * (1.0 - again) + material.${plastic.leaving} * again);
 }
 
 // The probability of drawing from the layer: about its share of the light that comes back.
 fn plastic_share_of_layer(material: Material, hit: Interaction, cos_view: f32) -> f32 {
     let passed = plastic_passed(material, hit, cos_view);
-    // All of it that leaves the layer.
-    let leaving = (1.0 - material.${plastic.inner}) * (1.0 + material.${plastic.contrast});
-    let body = passed * leaving * dot(plastic_body(material, hit), vec3<f32>(1.0 / 3.0));
+    let body = passed * material.${plastic.leaving} * dot(plastic_body(material, hit), vec3<f32>(1.0 / 3.0));
     return select(clamp((1.0 - passed) / (1.0 - passed + body), 0.1, 0.9), 1.0, body == 0.0);
 }
 
-// The microfacet BRDF of the layer and that of the body, T(v) T(l) / n^2 c / (1 - inner c) / pi, times cosine; T is what enters or leaves.
+// The microfacet BRDF of the layer and that of the body, T(v) T(l) times that over pi, times cosine; T is what enters or leaves.
 fn plastic_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let cos_light = min(dot(direction, hit.normal), 1.0);

@@ -256,9 +256,9 @@ impl Builder<'_> {
         tables.iter().for_each(|table| self.flat.directional_albedos.extend(table()));
         for (number, (_, material)) in self.scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let Material::Plastic(plastic) = material else { continue };
-            let (inner, table) = plastic.layer();
+            let (leaving, table) = plastic.layer();
             let index = self.materials[number] as usize;
-            self.flat.materials[index].numbers[2] = inner as f32;
+            self.flat.materials[index].numbers[2] = leaving as f32;
             self.flat.materials[index + 1].numbers[1] = (4 * self.flat.directional_albedos.len()) as f32;
             self.flat
                 .directional_albedos

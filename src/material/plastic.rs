@@ -11,14 +11,14 @@ use crate::data::{self, NO_TEXTURE};
 use crate::texture::Use;
 
 pub const KIND: MaterialKind = MaterialKind {
-    numbers: &["roughness", "contrast", "inner"],
+    numbers: &["roughness", "contrast", "leaving"],
     second_part: &["nonlinear", "table"],
     rows: &[EMISSION, ALPHA, ONE_SIDED, BECKMANN, ROUGH_LAYER],
     ..MaterialKind::new("plastic", ANY_WIDTH)
 };
 
 impl Plastic {
-    /// Without the share `inner` and the table, which are computed for those that are used.
+    /// Without the number `leaving` and the table, which are computed for those that are used.
     pub fn model(&self) -> Model<'_> {
         let [_, contrast, _] = glass_numbers(self.ior);
         let nonlinear = f64::from(u8::from(self.nonlinear));
@@ -42,16 +42,15 @@ impl Plastic {
         self.roughness as f32 >= LEAST_ROUGHNESS
     }
 
-    /// The share of the body's light that its layer reflects back to it, and what a rough layer lets pass: the table of
+    /// The share of the body's light that leaves the layer, times the index squared; and what a rough layer lets pass: the table of
     /// shaders/lobe/rough_layer.
     pub fn layer(&self) -> (f64, Vec<f64>) {
         let Plastic { ior, distribution, .. } = *self;
         if !self.is_rough() {
-            // As much enters as leaves, but for the index squared.
-            let outside = Layer { eta: ior, alpha: 0.0, distribution };
-            return (1.0 - (1.0 - outside.mean_reflectance()) / (ior * ior), Vec::new());
+            // As much enters as leaves.
+            return (1.0 - Layer { eta: ior, alpha: 0.0, distribution }.mean_reflectance(), Vec::new());
         }
         let from = |eta: f64| Layer { eta, alpha: self.roughness.powi(2), distribution };
-        (from(1.0 / ior).mean_reflectance(), from(ior).table())
+        (ior * ior * (1.0 - from(1.0 / ior).mean_reflectance()), from(ior).table())
     }
 }

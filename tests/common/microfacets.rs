@@ -87,8 +87,8 @@ pub fn kernel_with(material: &str, with: &[&str], setup: &Setup<'_>) -> Kernel {
         |lobe: &&Lobe| Entry { name: lobe.name().to_string(), number: 0, closes: false, why: Reason::EveryRender };
     let layers: Vec<_> = layers.map(entry).collect();
     let facts: Vec<_> = those.map(|fact| (fact, true)).collect();
-    let inner = layers.iter().rev().cloned().collect();
-    let plan = Choices { lists: BTreeMap::from([("layer", layers), ("inner_layer", inner)]), ..Choices::default() };
+    let leaving = layers.iter().rev().cloned().collect();
+    let plan = Choices { lists: BTreeMap::from([("layer", layers), ("leaving_layer", leaving)]), ..Choices::default() };
     let Setup { replaced, plants, .. } = *setup;
     let values = [("material", material)];
     Kernel::with("test/rough", &Setup { replaced, plants, values: &values, facts: &facts, plan })
@@ -104,10 +104,10 @@ pub fn albedo_table() -> &'static [[f32; 4]] {
     TABLE.get_or_init(|| directional_albedos().iter().chain(tables()).copied().chain(layers()).collect())
 }
 
-/// A plastic, the share of its body's light that its layer reflects back, and the table of what its layer lets pass.
+/// A plastic, the share of its body's light that leaves its layer times the index squared, and the table of what its layer lets pass.
 pub struct OnePlastic {
     pub own: Plastic,
-    pub inner: f64,
+    pub leaving: f64,
     pub table: Vec<f64>,
 }
 
@@ -119,17 +119,17 @@ pub fn plastics() -> &'static [OnePlastic] {
         let distribution = if ior == 1.1 { "Beckmann" } else { "Ggx" };
         let text = format!("(diffuse: Rgb(0, 0, 0), ior: {ior}, roughness: {roughness}, distribution: {distribution})");
         let Ok(Material::Plastic(own)) = ron::from_str(&format!("Plastic{text}")) else { panic!("{text}") };
-        let (inner, table) = own.layer();
-        OnePlastic { own, inner, table }
+        let (leaving, table) = own.layer();
+        OnePlastic { own, leaving, table }
     };
     ALL.get_or_init(|| numbers().map(one).collect())
 }
 
 /// The plastic of this number on the device.
 pub fn plastic(row: In, number: usize, nonlinear: bool) -> In {
-    let OnePlastic { own, inner, .. } = &plastics()[number];
+    let OnePlastic { own, leaving, .. } = &plastics()[number];
     let behind: usize = plastics()[number..].iter().map(|one| one.table.len()).sum();
-    let numbers = [own.roughness as f32, ((own.ior - 1.0) * (own.ior + 1.0)) as f32, *inner as f32];
+    let numbers = [own.roughness as f32, ((own.ior - 1.0) * (own.ior + 1.0)) as f32, *leaving as f32];
     let second = [f32::from(u8::from(nonlinear)), (4 * albedo_table().len() - behind) as f32, 0.0];
     let beckmann = f32::from(u8::from(own.distribution == Distribution::Beckmann));
     let with = |numbers| data::Material { numbers, ..data::Material::default() };

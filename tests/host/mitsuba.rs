@@ -173,7 +173,7 @@ fn errors_have_places() {
         (
             "<shape type=\"sphere\"><bsdf type=\"null\"/><medium name=\"interior\" type=\"homogeneous\">\
              <rgb name=\"sigma_t\" value=\"1 2 3\"/></medium></shape>",
-            "a.xml:5:84: rgb sigma_t: expected one number for all channels, found [1.0, 2.0, 3.0]: coloured extinction is not read",
+            "a.xml:5:84: rgb sigma_t: expected one number for all channels, or an albedo of 0, found [1.0, 2.0, 3.0]",
         ),
         (
             "<bsdf type=\"twosided\" id=\"x\"><ref id=\"x\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
@@ -205,6 +205,11 @@ fn errors_have_places() {
              <emitter type=\"area\"><texture type=\"checkerboard\" name=\"radiance\"><transform name=\"to_uv\"><scale value=\"2\"/>\
              </transform></texture></emitter></shape>",
             "expected one to_uv in all textures of a surface, found another",
+        ),
+        (
+            "<shape type=\"sphere\"><bsdf type=\"null\"/><medium name=\"interior\" type=\"homogeneous\">\
+             <rgb name=\"sigma_t\" value=\"1 2 3\"/><rgb name=\"albedo\" value=\"0\"/></medium></shape>",
+            "expected one number for the sigma_t of its medium: it is not in glass",
         ),
         (
             "<bsdf type=\"diffuse\" id=\"a\"><texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"a.png\"/>\

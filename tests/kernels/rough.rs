@@ -190,9 +190,9 @@ pub fn plastic_rows(random: &mut Random, count: usize, towards_light: bool) -> V
 pub fn plastic_bsdf(row: &In, direction: DVec3) -> Bsdf {
     let space = Space::of(row);
     let light = within(&space.axes, direction);
-    let [roughness, contrast, inner] = row.material.numbers.map(f64::from);
+    let [roughness, contrast, leaving] = row.material.numbers.map(f64::from);
     let is_own = |one: &&OnePlastic| {
-        one.own.roughness as f32 == row.material.numbers[0] && one.inner as f32 == row.material.numbers[2]
+        one.own.roughness as f32 == row.material.numbers[0] && one.leaving as f32 == row.material.numbers[2]
     };
     let OnePlastic { table, .. } = plastics().iter().find(is_own).expect("it is one of them");
     let eta = (1.0 + contrast).sqrt();
@@ -207,10 +207,11 @@ pub fn plastic_bsdf(row: &In, direction: DVec3) -> Bsdf {
     let nonlinear = row.second.numbers[0] != 0.0;
     let body = row.colour.map(|colour| {
         let colour = f64::from(colour);
-        colour / (eta * eta * (1.0 - inner * if nonlinear { colour } else { 1.0 }))
+        let again = if nonlinear { colour } else { 1.0 };
+        colour / (eta * eta * (1.0 - again) + leaving * again)
     });
     let of_layer = 1.0 - passed(space.view.z);
-    let of_body = passed(space.view.z) * (1.0 - inner) * eta * eta * body.iter().sum::<f64>() / 3.0;
+    let of_body = passed(space.view.z) * leaving * body.iter().sum::<f64>() / 3.0;
     let share = (of_layer / (of_layer + of_body)).clamp(0.1, 0.9);
     if light.z < 4.0 * U {
         return Bsdf { is_unknown: light.z > -4.0 * U, ..Bsdf::default() };
