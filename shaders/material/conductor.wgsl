@@ -1,4 +1,4 @@
-//@ use choice/distribution
+//@ use choice/facets
 //@ use choice/multiscatter
 // A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta - 1. Its second part has k, and as `parameter`
 // the factor of that reflection, or 0 where the colour is an albedo. A microfacet is drawn from those that are visible, so the weight is its

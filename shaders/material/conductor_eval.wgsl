@@ -1,4 +1,4 @@
-//@ use choice/distribution
+//@ use choice/facets
 //@ use choice/multiscatter
 // A conductor that is smooth is a mirror.
 fn conductor_is_non_specular(material: Material) -> bool {

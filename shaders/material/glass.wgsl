@@ -1,7 +1,7 @@
 //@ use choice/boundary
 //@ use choice/fresnel
 //@ use choice/film
-//@ use choice/distribution
+//@ use choice/facets
 // A boundary of glass with microfacets. A microfacet is drawn from those that are visible. It reflects with the probability of its reflectance
 // and refracts otherwise, so the weight is the share of the visible microfacets that the light reaches too (Walter et al., EGSR 2007). Light that
 // ends on the wrong side of the surface is lost. Radiance is not scaled by the index squared, as with a dielectric.

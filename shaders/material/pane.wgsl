@@ -1,4 +1,4 @@
-//@ use choice/distribution
+//@ use choice/facets
 //@ use choice/film
 //@ use choice/fresnel
 //@ use choice/inner_reflections

@@ -1,4 +1,4 @@
-//@ use choice/distribution
+//@ use choice/facets
 //@ use choice/multiscatter
 //@ use choice/layer
 //@ use choice/film

@@ -1,4 +1,4 @@
-//@ use choice/distribution
+//@ use choice/facets
 //@ use choice/fresnel
 //@ use material/plastic_eval
 // A matt body under a clear layer, smooth or of microfacets. Light is reflected by the layer, or enters it, is scattered by the body, which the

@@ -1,4 +1,4 @@
-//@ use choice/distribution
+//@ use choice/facets
 //@ use choice/fresnel
 //@ use choice/rough_layer
 // The body scatters at every angle.

@@ -123,7 +123,7 @@ pub const PLASTICS: Room = Room {
     max_depth: 6,
     faults: &[
         ("material/plastic_eval", "let matt = both_ways *", "let matt = select(1.0, 1.2, FAULT) * both_ways *"),
-        ("lobe/beckmann", "return 2.0 *", "return select(2.0, 3.0, FAULT) *"),
+        ("lobe/anisotropy", "return 2.0 *", "return select(2.0, 3.0, FAULT) *"),
     ],
 };
 
