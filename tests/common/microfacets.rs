@@ -87,8 +87,8 @@ pub fn kernel_with(material: &str, with: &[&str], setup: &Setup<'_>) -> Kernel {
         |lobe: &&Lobe| Entry { name: lobe.name().to_string(), number: 0, closes: false, why: Reason::EveryRender };
     let layers: Vec<_> = layers.map(entry).collect();
     let facts: Vec<_> = those.map(|fact| (fact, true)).collect();
-    let leaving = layers.iter().rev().cloned().collect();
-    let plan = Choices { lists: BTreeMap::from([("layer", layers), ("leaving_layer", leaving)]), ..Choices::default() };
+    let inner = layers.iter().rev().cloned().collect();
+    let plan = Choices { lists: BTreeMap::from([("layer", layers), ("inner_layer", inner)]), ..Choices::default() };
     let Setup { replaced, plants, .. } = *setup;
     let values = [("material", material)];
     Kernel::with("test/rough", &Setup { replaced, plants, values: &values, facts: &facts, plan })
