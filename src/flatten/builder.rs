@@ -1,6 +1,7 @@
 //! Fills the tables of a scene for the kernels.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
 
@@ -254,15 +255,20 @@ impl Builder<'_> {
             self.flat.directional_albedos = microfacets::directional_albedos().to_vec();
         }
         tables.iter().for_each(|table| self.flat.directional_albedos.extend(table()));
+        let mut begins = HashMap::new();
         for (number, (_, material)) in self.scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let Material::Plastic(plastic) = material else { continue };
-            let (leaving, table) = plastic.layer();
+            let layer = plastic.layer();
+            let (leaving, table) = &*layer;
+            let tables = &mut self.flat.directional_albedos;
+            let begin = *begins.entry(Arc::as_ptr(&layer)).or_insert_with(|| {
+                let begin = 4 * tables.len();
+                tables.extend(table.chunks_exact(4).map(|four| [0, 1, 2, 3].map(|i| four[i] as f32)));
+                begin
+            });
             let index = self.materials[number] as usize;
-            self.flat.materials[index].numbers[2] = leaving as f32;
-            self.flat.materials[index + 1].numbers[1] = (4 * self.flat.directional_albedos.len()) as f32;
-            self.flat
-                .directional_albedos
-                .extend(table.chunks_exact(4).map(|four| [0, 1, 2, 3].map(|i| four[i] as f32)));
+            self.flat.materials[index].numbers[2] = *leaving as f32;
+            self.flat.materials[index + 1].numbers[1] = begin as f32;
         }
     }
 

@@ -1,5 +1,8 @@
 //! A matt body under a clear layer, as that of Mitsuba's plastic and roughplastic.
 
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use super::boundary::glass_numbers;
 use super::declared::plastic::FIELDS;
 use super::declared::{Distribution, Plastic};
@@ -9,6 +12,9 @@ use super::row::{ALPHA, BECKMANN, EMISSION, ONE_SIDED, ROUGH_LAYER, Slot};
 use super::width::{ANY_WIDTH, LEAST_ROUGHNESS, LobeWidth};
 use crate::data::{self, NO_TEXTURE};
 use crate::texture::Use;
+
+/// By their index, alpha, and whether they have Beckmann's distribution.
+type Layers = HashMap<(u64, u64, bool), Arc<(f64, Vec<f64>)>>;
 
 pub const KIND: MaterialKind = MaterialKind {
     numbers: &["roughness", "contrast", "leaving"],
@@ -31,11 +37,8 @@ impl Plastic {
         };
         let model = model.emissive(&self.emission).cut_out(&self.alpha, None, false).one_sided(self.one_sided);
         let is_beckmann = self.distribution == Distribution::Beckmann;
-        model.flagged(&FIELDS.distribution, BECKMANN, is_beckmann).flagged(
-            &FIELDS.roughness,
-            ROUGH_LAYER,
-            self.is_rough(),
-        )
+        let model = model.flagged(&FIELDS.distribution, BECKMANN, is_beckmann);
+        model.flagged(&FIELDS.roughness, ROUGH_LAYER, self.is_rough())
     }
 
     fn is_rough(&self) -> bool {
@@ -44,13 +47,21 @@ impl Plastic {
 
     /// The share of the body's light that leaves the layer, times the index squared; and what a rough layer lets pass: the table of
     /// shaders/lobe/rough_layer.
-    pub fn layer(&self) -> (f64, Vec<f64>) {
+    pub fn layer(&self) -> Arc<(f64, Vec<f64>)> {
+        // Scenes have many plastics of one layer, and a session has them in every image.
+        static KNOWN: Mutex<Option<Layers>> = Mutex::new(None);
         let Plastic { ior, distribution, .. } = *self;
-        if !self.is_rough() {
-            // As much enters as leaves.
-            return (1.0 - Layer { eta: ior, alpha: 0.0, distribution }.mean_reflectance(), Vec::new());
-        }
-        let from = |eta: f64| Layer { eta, alpha: self.roughness.powi(2), distribution };
-        (ior * ior * (1.0 - from(1.0 / ior).mean_reflectance()), from(ior).table())
+        let alpha = if self.is_rough() { self.roughness.powi(2) } else { 0.0 };
+        let key = (ior.to_bits(), alpha.to_bits(), distribution == Distribution::Beckmann);
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let made = known.get_or_insert_default().entry(key).or_insert_with(|| {
+            let from = |eta: f64| Layer { eta, alpha, distribution };
+            Arc::new(match alpha > 0.0 {
+                true => (ior * ior * (1.0 - from(1.0 / ior).mean_reflectance()), from(ior).table()),
+                // As much enters as leaves.
+                false => (1.0 - from(ior).mean_reflectance(), Vec::new()),
+            })
+        });
+        Arc::clone(made)
     }
 }

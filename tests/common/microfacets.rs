@@ -119,7 +119,7 @@ pub fn plastics() -> &'static [OnePlastic] {
         let distribution = if ior == 1.1 { "Beckmann" } else { "Ggx" };
         let text = format!("(diffuse: Rgb(0, 0, 0), ior: {ior}, roughness: {roughness}, distribution: {distribution})");
         let Ok(Material::Plastic(own)) = ron::from_str(&format!("Plastic{text}")) else { panic!("{text}") };
-        let (leaving, table) = own.layer();
+        let (leaving, table) = (*own.layer()).clone();
         OnePlastic { own, leaving, table }
     };
     ALL.get_or_init(|| numbers().map(one).collect())

@@ -180,10 +180,9 @@ pub fn metal(row: &In, direction: DVec3) -> Bsdf {
 
 /// Plastics of all their numbers.
 pub fn plastic_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
-    let rows = rows_from((random, count, towards_light), -1.0, |i, row, _| {
+    rows_from((random, count, towards_light), -1.0, |i, row, _| {
         plastic(In { colour: [0.9, 0.5, 0.0], ..row }, i / 4 % plastics().len(), i.is_multiple_of(3))
-    });
-    rows
+    })
 }
 
 /// A plastic's BSDF: its layer, and what enters it, is scattered by the body and leaves it.

@@ -93,6 +93,11 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
             let ior = index(&own, "polypropylene")?;
             let facets = if kind == "plastic" { Facets::SMOOTH } else { facets(&own, reader)? };
             no_tint(&own, "specular_reflectance")?;
+            if facets.roughness > 0.0 {
+                let message =
+                    "its body is brighter by up to 3 % here: Mitsuba integrates its inner reflections by 64 points";
+                reader.lose(node, message);
+            }
             Some(Material::Plastic(Plastic {
                 diffuse: texture_or(&own, "diffuse_reflectance", 0.5, reader)?,
                 ior,
