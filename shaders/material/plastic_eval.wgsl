@@ -6,7 +6,7 @@ fn plastic_is_non_specular(material: Material) -> bool {
     return true;
 }
 
-// What the layer, or a microfacet of it, reflects.
+// The reflectance of the layer, or of a microfacet of it.
 fn plastic_layer(material: Material, cosine: f32) -> f32 {
     let contrast = material.${plastic.contrast};
     return fresnel(cosine, sqrt(1.0 + contrast), contrast).reflectance;
@@ -17,8 +17,8 @@ fn plastic_passed(material: Material, hit: Interaction, cosine: f32) -> f32 {
     return passed_by_layer(1.0 - plastic_layer(material, cosine), material, hit, cosine);
 }
 
-// What comes back of light in the layer. Of the light of the body, `leaving` / n^2 leaves the layer, with its index n, and the body sees the rest
-// again: c / n^2 (1 + c (1 - leaving / n^2) + ...). If it is not nonlinear, all but the first c are 1.
+// The albedo of the body under the layer. Of its light, `leaving` / n^2 leaves the layer, whose index is n, and the body sees the rest again:
+// c / n^2 (1 + c (1 - leaving / n^2) + ...). If it is not nonlinear, all but the first c are 1.
 fn plastic_body(material: Material, hit: Interaction) -> vec3<f32> {
     let again = select(vec3<f32>(1.0), hit.colour, hit.second.${plastic.nonlinear} > 0.0);
     return hit.colour / ((1.0 + material.${plastic.contrast}) * (1.0 - again) + material.${plastic.leaving} * again);

@@ -60,16 +60,14 @@ declare! {
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = number(Range::from_to(-1e3, 1e3), NO_UNIT).or("1");
             /// Whether its back is black: the side that a one-sided `DiffuseLight` does not light.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            one_sided: bool = flag().or("false");
+            @default one_sided: bool = flag().or("false");
         }
         /// A mirror, perfect or rough. It has no Fresnel term. Rays that would go below the surface are absorbed.
         Metal: metal, "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)" {
             albedo: Texture = lambertian::FIELDS.albedo;
             /// Roughness. A random vector of at most this length is added to the reflected direction, which has the length 1.
             @default fuzz: f64 = number(Range::SHARE, NO_UNIT).or("0");
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            one_sided: bool = lambertian::FIELDS.one_sided;
+            @default one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// A clear solid, such as glass or water. It reflects and refracts.
         Dielectric: dielectric, "Dielectric(ior: 1.5)" {
@@ -128,8 +126,7 @@ declare! {
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            one_sided: bool = lambertian::FIELDS.one_sided;
+            @default one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets. Light that they
         /// would scatter more than once is lost.
@@ -240,8 +237,7 @@ declare! {
             normal: Option<Texture> = lambertian::FIELDS.normal;
             #[serde(default = "one", skip_serializing_if = "is_one")]
             normal_scale: f64 = lambertian::FIELDS.normal_scale;
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            one_sided: bool = lambertian::FIELDS.one_sided;
+            @default one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// A pane that is thin: one surface stands for both of its sides, and what passes is not bent. It reflects as one surface
         /// does, as glTF has it for transmission without a volume. A smooth pane lets light pass straight on, which is no scattering
@@ -254,8 +250,7 @@ declare! {
             #[serde(default = "zero", with = "number")]
             roughness: Texture = SHARE.or("0");
             /// Whether it reflects as both sides of a slab do, with all reflections between them: 2R / (1 + R) instead of R.
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            inner_reflections: bool = flag().or("false");
+            @default inner_reflections: bool = flag().or("false");
             @default transmittance: Option<Texture> = dielectric::FIELDS.transmittance;
             #[serde(default, deserialize_with = "normal_map", skip_serializing_if = "Option::is_none")]
             normal: Option<Texture> = lambertian::FIELDS.normal;
@@ -278,8 +273,7 @@ declare! {
             @default emission: Option<Texture> = lambertian::FIELDS.emission;
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
-            #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-            one_sided: bool = lambertian::FIELDS.one_sided;
+            @default one_sided: bool = lambertian::FIELDS.one_sided;
         }
     }
 }
@@ -294,7 +288,7 @@ pub enum Distribution {
 
 impl Checked for Distribution {}
 
-/// What a file has that gives these fields alone.
+/// The material of a file that gives these fields alone.
 macro_rules! defaults_of_files {
     ($($kind:ident $text:literal;)*) => { $(
         impl Default for $kind {

@@ -1,4 +1,4 @@
-//! What a clear layer on a body lets pass and reflects, smooth or of microfacets: integrals that kernels have as numbers and as a table.
+//! The light that a clear layer on a body lets pass and reflects, smooth or of microfacets: integrals that kernels have as numbers and as a table.
 
 use std::f64::consts::PI;
 

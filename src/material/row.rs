@@ -57,7 +57,7 @@ pub const ONE_SIDED: &RowKind = &RowKind::new("one_sided", &[], Sets::Nothing);
 /// A pane reflects as both sides of a slab do. The row is not read.
 pub const INNER_REFLECTIONS: &RowKind = &RowKind::new("inner_reflections", &[], Sets::Nothing);
 
-/// Its microfacets have the distribution of Beckmann.
+/// The distribution of Beckmann for its microfacets.
 pub const BECKMANN: &RowKind = &RowKind::new("beckmann", &[], Sets::Share("beckmann"));
 
 /// The layer on its body is rough. The row is not read.

@@ -3,9 +3,9 @@
 use glam::{DAffine3, DVec3};
 
 use super::document::{DEEPEST, Node};
-use super::metals;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
+use super::tables;
 use super::values::colour;
 use crate::error::Result;
 use crate::printable::quote;
@@ -13,34 +13,6 @@ use crate::scene::types::*;
 
 const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, principled, \
                      twosided, mask, bumpmap, normalmap, null";
-
-/// Indices of refraction by their names, as Mitsuba's page on `dielectric` lists them.
-const INDICES: [(&str, f64); 24] = [
-    ("vacuum", 1.0),
-    ("helium", 1.00004),
-    ("hydrogen", 1.00013),
-    ("air", 1.00028),
-    ("carbon dioxide", 1.00045),
-    ("water", 1.333),
-    ("acetone", 1.36),
-    ("ethanol", 1.361),
-    ("carbon tetrachloride", 1.461),
-    ("glycerol", 1.4729),
-    ("benzene", 1.501),
-    ("silicone oil", 1.52045),
-    ("bromine", 1.661),
-    ("water ice", 1.31),
-    ("fused quartz", 1.458),
-    ("pyrex", 1.47),
-    ("acrylic glass", 1.49),
-    ("polypropylene", 1.49),
-    ("bk7", 1.5046),
-    ("sodium chloride", 1.544),
-    ("amber", 1.55),
-    ("pet", 1.575),
-    ("diamond", 2.419),
-    ("silicone", 1.52045),
-];
 
 /// A BSDF: nothing if it is `null`.
 pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
@@ -189,7 +161,9 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
                 let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
                 own.find("material").unwrap_or(node).error_at("value", message)
             };
-            let (eta, k) = metals::of_name(name).ok_or_else(unknown)?;
+            let measured = tables::row(include_str!("metals.csv"), name);
+            let [a, b, c, d, e, f] = measured.unwrap_or_default()[..] else { return Err(unknown()) };
+            let (eta, k) = (Colour::new(a, b, c), Colour::new(d, e, f));
             (None, Some(eta / outside), Some(k / outside))
         }
     };
@@ -259,13 +233,12 @@ fn index(own: &Properties, default: &str) -> Result<f64> {
 }
 
 fn by_name(node: &Node, name: &str) -> Result<f64> {
-    let known = INDICES.iter().find(|(known, _)| *known == name.to_ascii_lowercase());
-    known
-        .map(|(_, ior)| *ior)
-        .ok_or_else(|| node.error_at("value", format!("no index of refraction of {} is known", quote(name))))
+    let known = tables::row(include_str!("indices.csv"), &name.to_ascii_lowercase());
+    let missing = || node.error_at("value", format!("no index of refraction of {} is known", quote(name)));
+    known.and_then(|numbers| numbers.first().copied()).ok_or_else(missing)
 }
 
-/// How rough microfacets are.
+/// The roughness of microfacets.
 struct Facets {
     roughness: f64,
     distribution: Distribution,

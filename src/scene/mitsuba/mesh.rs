@@ -10,24 +10,10 @@ use crate::shape::mesh::Mesh;
 pub const AROUND: u32 = 128;
 
 /// A mesh of vertices with normals and texture coordinates, v downwards as Mitsuba has it.
+#[derive(Default)]
 struct Builder(Mesh);
 
 impl Builder {
-    fn new() -> Builder {
-        Builder(Mesh {
-            positions: Vec::new(),
-            triangles: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            further_uvs: Vec::new(),
-            tangents: Vec::new(),
-            colours: Vec::new(),
-            alphas: Vec::new(),
-            faces: Vec::new(),
-            warnings: Vec::new(),
-        })
-    }
-
     fn vertex(&mut self, position: DVec3, normal: DVec3, u: f64, v: f64) -> u32 {
         self.0.positions.push(position);
         self.0.normals.push(normal.as_vec3());
@@ -78,14 +64,14 @@ impl Builder {
 }
 
 pub fn rectangle() -> Mesh {
-    let mut all = Builder::new();
+    let mut all = Builder::default();
     all.square(false, &|p| p);
     all.0
 }
 
 /// The cube from -1 to 1. Each face shows a whole image, with the axes that Mitsuba gives it.
 pub fn cube() -> Mesh {
-    let mut all = Builder::new();
+    let mut all = Builder::default();
     for (x, y, z) in [
         (DVec3::X, DVec3::Z, DVec3::NEG_Y),
         (DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
@@ -105,7 +91,7 @@ fn around(share: f64) -> DVec3 {
 }
 
 pub fn sphere() -> Mesh {
-    let mut all = Builder::new();
+    let mut all = Builder::default();
     all.turned(AROUND / 2, &|u, v| {
         let (sin, cos) = match v {
             0.0 => (0.0, 1.0),
@@ -119,7 +105,7 @@ pub fn sphere() -> Mesh {
 }
 
 pub fn disk() -> Mesh {
-    let mut all = Builder::new();
+    let mut all = Builder::default();
     all.turned(1, &|u, v| (v * around(u), DVec3::Z));
     // Its u is the radius, and its v the share of a turn, downwards.
     all.0.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(1.0 - uv.y, 1.0 - uv.x));
@@ -128,7 +114,7 @@ pub fn disk() -> Mesh {
 
 /// The side of a cylinder of radius 1 from z = 0 to 1.
 pub fn cylinder() -> Mesh {
-    let mut all = Builder::new();
+    let mut all = Builder::default();
     all.turned(1, &|u, v| (around(u) + (1.0 - v) * DVec3::Z, around(u)));
     all.0
 }

@@ -339,7 +339,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
         }
         inside = Some(medium(reader.follow(child, "medium")?, reader)?);
     }
-    // What scatters nothing absorbs, by channels too.
+    // A medium that scatters nothing absorbs, by channels too.
     let absorption = inside.as_ref().map(|medium| medium.extinction).filter(|found| *found != Colour::splat(found.x));
     reader.to_uv = None;
     let emission = match emitters[..] {
