@@ -75,6 +75,25 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The index of a material of an element, under a name of its own. Many shapes may have a BSDF each that is the same.
+    pub fn add_material(&mut self, material: Material, node: &Node) -> usize {
+        let next = self.materials.len();
+        let index = *self.same.entry(format!("{material:?}")).or_insert(next);
+        if node.attribute("id").is_none() && index < next {
+            return index;
+        }
+        let base = node.attribute("id").or(node.attribute("type")).unwrap_or("default");
+        let mut name = base.to_owned();
+        while let Some(known) = self.names.get_mut(&name) {
+            *known += 1;
+            name = format!("{base} {known}");
+        }
+        self.names.insert(name.clone(), 1);
+        self.places.insert(format!("materials[{name:?}]"), node.at.location());
+        self.materials.push((name, material));
+        next
+    }
+
     /// The element, or the one that it refers to.
     pub fn target(&self, node: &'a Node) -> Result<&'a Node> {
         if node.tag != "ref" {

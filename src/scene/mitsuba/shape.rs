@@ -382,24 +382,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
                 (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter, reader)?),
             };
             let to_uv = reader.to_uv.unwrap_or(DAffine3::IDENTITY);
-            let made = found.map(|material| {
-                let base = of_bsdf.unwrap_or(node);
-                // Many shapes may have a BSDF each that is the same.
-                let index = *reader.same.entry(format!("{material:?}")).or_insert(reader.materials.len());
-                if base.attribute("id").is_none() && index < reader.materials.len() {
-                    return (index, to_uv);
-                }
-                let base = base.attribute("id").or(base.attribute("type")).unwrap_or("default").to_owned();
-                let mut name = base.clone();
-                while let Some(known) = reader.names.get_mut(&name) {
-                    *known += 1;
-                    name = format!("{base} {known}");
-                }
-                reader.names.insert(name.clone(), 1);
-                reader.places.insert(format!("materials[{name:?}]"), of_bsdf.unwrap_or(node).at.location());
-                reader.materials.push((name, material));
-                (reader.materials.len() - 1, to_uv)
-            });
+            let made = found.map(|material| (reader.add_material(material, of_bsdf.unwrap_or(node)), to_uv));
             reader.known.insert(key, made);
             made
         }
