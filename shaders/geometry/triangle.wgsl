@@ -86,9 +86,14 @@ fn triangle_uv(triangle: Triangle, point: vec3<f32>, weights: vec3<f32>) -> Surf
     if triangle.instance.to_uvs == NO_UVS {
         return SurfaceUv(vec2<f32>(0.0), vec2<bool>(false));
     }
+    return SurfaceUv(fract(interpolated_uv(triangle, weights)), vec2<bool>(true));
+}
+
+// Texture coordinates that may lie outside of 0 to 1.
+fn interpolated_uv(triangle: Triangle, weights: vec3<f32>) -> vec2<f32> {
     let face = meshes[triangle.face] + triangle.instance.to_uvs;
     let a = bitcast<vec2<f32>>(meshes[face.x].xy);
     let b = bitcast<vec2<f32>>(meshes[face.y].xy);
     let c = bitcast<vec2<f32>>(meshes[face.z].xy);
-    return SurfaceUv(fract(weights.x * a + weights.y * b + weights.z * c), vec2<bool>(true));
+    return weights.x * a + weights.y * b + weights.z * c;
 }

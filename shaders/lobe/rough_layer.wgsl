@@ -1,5 +1,5 @@
 //@ implements rough_layer when rough_layer
-//@ use bind/directional_albedos
+//@ use lobe/tabled_albedo
 // The share of light at a cosine that a layer of microfacets lets pass, interpolated in a table of the material (src/material/layer.rs).
 
 // The elements of a table, for equal steps of the cosine's square root.
@@ -11,12 +11,7 @@ fn passed_by_layer(by_smooth: f32, material: Material, hit: Interaction, cosine:
     }
     let x = sqrt(cosine) * f32(LAYER_COLUMNS - 1u);
     let column = min(u32(x), LAYER_COLUMNS - 2u);
-    let at = u32(hit.second.${plastic.table}) + column;
-    return mix(passed_by_layer_at(at), passed_by_layer_at(at + 1u), x - f32(column));
-}
-
-fn passed_by_layer_at(index: u32) -> f32 {
-    return directional_albedos[index / 4u][index % 4u];
+    return tabled_albedo(u32(hit.second.${plastic.table}) + column, x - f32(column));
 }
 
 //@ without

@@ -1,4 +1,4 @@
-//@ use bind/directional_albedos
+//@ use lobe/tabled_albedo
 // The directional albedo of white sheen, interpolated in a table behind that of rough metals. It is nowhere less than the true one.
 
 // The size of the table, and where it begins (src/lobe/sheen.rs).
@@ -15,11 +15,5 @@ fn white_sheen_albedo(cosine: f32, roughness: f32) -> f32 {
     let at = SHEEN_BEGIN + row * SHEEN_COLUMNS + column;
     let below = at + SHEEN_COLUMNS;
     let right = x - f32(column);
-    let upper = mix(sheen_albedo_at(at), sheen_albedo_at(at + 1u), right);
-    let lower = mix(sheen_albedo_at(below), sheen_albedo_at(below + 1u), right);
-    return mix(upper, lower, y - f32(row));
-}
-
-fn sheen_albedo_at(index: u32) -> f32 {
-    return directional_albedos[index / 4u][index % 4u];
+    return mix(tabled_albedo(at, right), tabled_albedo(below, right), y - f32(row));
 }

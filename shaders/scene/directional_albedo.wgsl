@@ -1,4 +1,4 @@
-//@ use bind/directional_albedos
+//@ use lobe/tabled_albedo
 // The directional albedo of a rough white metal by single scattering, interpolated in a table.
 
 // The size of the table (src/material/microfacets.rs).
@@ -15,11 +15,5 @@ fn directional_albedo(cosine: f32, roughness: f32) -> f32 {
     let at = row * ALBEDO_COLUMNS + column;
     let below = at + ALBEDO_COLUMNS;
     let right = x - f32(column);
-    let upper = mix(directional_albedo_at(at), directional_albedo_at(at + 1u), right);
-    let lower = mix(directional_albedo_at(below), directional_albedo_at(below + 1u), right);
-    return mix(upper, lower, y - f32(row));
-}
-
-fn directional_albedo_at(index: u32) -> f32 {
-    return directional_albedos[index / 4u][index % 4u];
+    return mix(tabled_albedo(at, right), tabled_albedo(below, right), y - f32(row));
 }

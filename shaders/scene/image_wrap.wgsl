@@ -12,11 +12,7 @@ fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> Sur
     if fract(number) == 0.0 {
         return triangle_uv(triangle, point, local);
     }
-    let face = meshes[triangle.face] + triangle.instance.to_uvs;
-    let a = bitcast<vec2<f32>>(meshes[face.x].xy);
-    let b = bitcast<vec2<f32>>(meshes[face.y].xy);
-    let c = bitcast<vec2<f32>>(meshes[face.z].xy);
-    let uv = local.x * a + local.y * b + local.z * c;
+    let uv = interpolated_uv(triangle, local);
     let mirrored = abs(uv - 2.0 * round(0.5 * uv));
     return SurfaceUv(select(saturate(uv), mirrored, fract(number) == 0.5), vec2<bool>(false));
 }

@@ -23,9 +23,8 @@ impl Conductor {
         let (albedo, eta, k) = (self.albedo.as_ref(), self.eta, self.k);
         let is_complete =
             albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
-        let is_beckmann = self.distribution == Distribution::Beckmann;
-        let compensates =
-            (is_beckmann && self.multiscatter).then_some("no multiscatter with Beckmann: it is that of Ggx");
+        let compensates = (self.distribution == Distribution::Beckmann && self.multiscatter)
+            .then_some("no multiscatter with Beckmann: it is that of Ggx");
         // 0 where it has an albedo.
         let reflectance = eta.map_or(0.0, |_| self.reflectance);
         let model = Model {
@@ -50,7 +49,7 @@ impl Conductor {
             .flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter)
             .bumped(&self.normal, self.normal_scale)
             .one_sided(self.one_sided)
-            .flagged(&FIELDS.distribution, BECKMANN, is_beckmann);
+            .distributed(self.distribution);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
 

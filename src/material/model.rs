@@ -1,6 +1,6 @@
 //! The properties of materials, as the rest of the host sees them.
 
-use super::declared::{dielectric, is_white, is_zero, lambertian};
+use super::declared::{Distribution, conductor, dielectric, is_white, is_zero, lambertian};
 use super::row::{
     ALPHA, BECKMANN, EMISSION, MULTISCATTER, NORMAL, ONE_SIDED, ROUGHNESS, Row, RowKind, Slot, VERTEX_ALPHA,
     VERTEX_COLOURS, VERTEX_EMISSION,
@@ -154,6 +154,11 @@ impl<'a> Model<'a> {
     pub fn flagged(mut self, field: &'static Field, kind: &'static RowKind, is_there: bool) -> Model<'a> {
         self.rows.extend(is_there.then(|| Row::white(kind, field, &[])));
         self
+    }
+
+    /// Gives its microfacets this distribution.
+    pub fn distributed(self, distribution: Distribution) -> Model<'a> {
+        self.flagged(&conductor::FIELDS.distribution, BECKMANN, distribution == Distribution::Beckmann)
     }
 
     /// Adds a normal map.

@@ -13,7 +13,7 @@ use super::width::{ANY_WIDTH, LEAST_ROUGHNESS, LobeWidth};
 use crate::data::{self, NO_TEXTURE};
 use crate::texture::Use;
 
-/// By their index, alpha, and whether they have Beckmann's distribution.
+/// The numbers and tables of layers by their index, alpha, and whether they have Beckmann's distribution.
 type Layers = HashMap<(u64, u64, bool), Arc<(f64, Vec<f64>)>>;
 
 pub const KIND: MaterialKind = MaterialKind {
@@ -36,9 +36,7 @@ impl Plastic {
             ..Model::default()
         };
         let model = model.emissive(&self.emission).cut_out(&self.alpha, None, false).one_sided(self.one_sided);
-        let is_beckmann = self.distribution == Distribution::Beckmann;
-        let model = model.flagged(&FIELDS.distribution, BECKMANN, is_beckmann);
-        model.flagged(&FIELDS.roughness, ROUGH_LAYER, self.is_rough())
+        model.distributed(self.distribution).flagged(&FIELDS.roughness, ROUGH_LAYER, self.is_rough())
     }
 
     fn is_rough(&self) -> bool {

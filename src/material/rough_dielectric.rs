@@ -1,8 +1,8 @@
 //! A clear solid with a rough surface: frosted glass.
 
 use super::boundary::{glass_numbers, widths_of_boundary};
+use super::declared::RoughDielectric;
 use super::declared::rough_dielectric::FIELDS;
-use super::declared::{Distribution, RoughDielectric};
 use super::dielectric;
 use super::model::{MaterialKind, Model, with_numbers};
 use super::row::{BECKMANN, NORMAL, ROUGHNESS, varying};
@@ -33,8 +33,7 @@ impl RoughDielectric {
             second_part: Some(data::Material { texture: NO_TEXTURE, ..with_numbers([ior, 0.0, 0.0]) }),
             ..glass
         };
-        let is_beckmann = self.distribution == Distribution::Beckmann;
-        let model = model.bumped(&self.normal, self.normal_scale).flagged(&FIELDS.distribution, BECKMANN, is_beckmann);
+        let model = model.bumped(&self.normal, self.normal_scale).distributed(self.distribution);
         model.with_rows(anisotropy::rows(self.anisotropy, self.anisotropy_rotation, &self.anisotropy_texture))
     }
 
