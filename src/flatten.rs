@@ -41,7 +41,7 @@ use crate::bitmap::FORMATS;
 use crate::data::MAX_PRIMITIVES;
 use crate::delta_light::WorldLight;
 use crate::error::{Error, Result};
-use crate::material::{Emitted, LobeWidth, Model, Vertices};
+use crate::material::{Emitted, LobeWidth, Model, Slot, Vertices};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::printable::and_more;
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
@@ -147,7 +147,8 @@ pub fn flatten_with(
         around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],
-        framed: models.iter().map(Model::framed).collect(),
+        framed: framed(&models, &finder.needed),
+        needed: &finder.needed,
         models,
         shows_emission: emissions.iter().map(Emitted::is_seen).collect(),
         images: HashMap::new(),
@@ -224,8 +225,8 @@ fn required(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>]) -> (Featur
     features.quantities.pane_textures = features.any("textured_pane").is_some();
     // Whether an object uses each material.
     let mut used = vec![false; scene.materials.len()];
-    for primitive in &finder.primitives {
-        let number = primitive.material as usize;
+    let needed = |primitive: &Primitive<'_>| &finder.needed[primitive.material as usize];
+    for &number in finder.primitives.iter().flat_map(needed) {
         if !std::mem::replace(&mut used[number], true) {
             let (name, material) = &scene.materials[number];
             require_material(&mut features, scene, name, material, &models[number]);
@@ -419,12 +420,18 @@ fn models<'a>(scene: &'a Scene, finder: &Finder<'_>) -> Vec<Model<'a>> {
     let mut vertices = vec![Vertices::default(); scene.materials.len()];
     for primitive in &finder.primitives {
         if let Some(MeshShape { mesh, .. }) = primitive.shape.mesh() {
-            let own = &mut vertices[primitive.material as usize];
-            own.colours |= !mesh.colours.is_empty();
-            own.alphas |= !mesh.alphas.is_empty();
+            for &number in &finder.needed[primitive.material as usize] {
+                vertices[number].colours |= !mesh.colours.is_empty();
+                vertices[number].alphas |= !mesh.alphas.is_empty();
+            }
         }
     }
     scene.materials.iter().zip(vertices).map(|((_, material), vertices)| material.model_on_device(vertices)).collect()
+}
+
+/// The slots of each material that have a frame on objects: its own, and those of its parts.
+fn framed<'a>(models: &[Model<'a>], needed: &[Vec<usize>]) -> Vec<Vec<Slot<'a>>> {
+    needed.iter().map(|numbers| numbers.iter().flat_map(|number| models[*number].framed()).collect()).collect()
 }
 
 /// The emission of each material that an object has; nothing of the others.

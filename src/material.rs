@@ -9,6 +9,7 @@ mod diffuse_light;
 mod lambertian;
 mod layer;
 mod metal;
+mod mix;
 pub mod microfacets;
 mod model;
 mod pbr;
@@ -29,10 +30,10 @@ use crate::texture::{Texture, Use};
 pub use boundary::{glass_numbers, widths_of_boundary};
 pub use declared::{
     Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR,
-    MOST_THICKNESS, Material, Metal, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
+    MOST_THICKNESS, Material, Metal, Mix, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
-pub use row::{ALPHA, ROUGH_LAYER, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
+pub use row::{ALPHA, MIX, ROUGH_LAYER, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};
 pub use width::{Along, LEAST_ROUGHNESS, LobeWidth, widths_of_facets, widths_of_roughness};
 
 kinds! {
@@ -46,6 +47,7 @@ kinds! {
     Pbr => pbr::KIND,
     ThinDielectric => thin_dielectric::KIND,
     Plastic => plastic::KIND,
+    Mix => mix::KIND,
 }
 
 impl Material {
@@ -61,6 +63,7 @@ impl Material {
             Material::Pbr(own) => own.model(),
             Material::ThinDielectric(own) => own.model(),
             Material::Plastic(own) => own.model(),
+            Material::Mix(own) => own.model(),
         }
     }
 

@@ -2,6 +2,7 @@
 //@ use choice/evaluation
 //@ use choice/followed_channel
 //@ use choice/light_absorption
+//@ use choice/mix
 //@ use choice/normal_map
 //@ use choice/one_sided
 //@ use choice/both_sides
@@ -14,7 +15,6 @@
 //@ use scene/materials
 //@ use scene/responses
 //@ use light_path/reversal
-//@ use scene/surfaces
 //@ use light_path/density_ratio
 //@ use light_path/lens_connection
 //@ use step/light_depth
@@ -138,7 +138,7 @@ fn throughput_of_rough(path: ptr<function, Path>, event: LightEvent, orders: Ord
 fn scatter_light_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
     let hit = path_hit(path);
-    let surface = surface_at(hit, ray);
+    let surface = surface_of_event(path, hit);
     let frame = shading_frame(hit, surface, ray.direction);
     let evaluated = follow_channel(path, evaluate_material(hit, surface, frame.front));
     absorb_ray(path, hit.t);

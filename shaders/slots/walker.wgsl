@@ -1,5 +1,5 @@
-//@ implements walker_slot when alpha | pane | motion
-// What a walk needs to decide at random whether a transparent surface stops its ray.
+//@ implements walker_slot when alpha | pane | motion | mix & queues
+// What a walk needs to decide at random whether a transparent surface stops its ray, and which queue its hit goes to.
 fn load_walker(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);

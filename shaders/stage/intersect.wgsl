@@ -26,5 +26,5 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     record_hit_of_slot(slot, &path);
     store_status(slot, path.status);
     store_hit(slot, &path);
-    sort_slot(slot, path_hit(&path));
+    sort_slot(slot, &path);
 }

@@ -30,5 +30,5 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     store_shadow_ray(slot, &path);
     store_ray(slot, &path);
     store_throughput(slot, &path);
-    sort_slot(slot, path_hit(&path));
+    sort_slot(slot, &path);
 }

@@ -1,6 +1,7 @@
 //@ implements scatter when surface
 //@ use bind/settings
 //@ use choice/sampler
+//@ use choice/mix
 //@ use choice/evaluation
 //@ use choice/followed_channel
 //@ use choice/normal_map
@@ -13,7 +14,6 @@
 //@ use choice/surface_light
 //@ use choice/density_ratio
 //@ use choice/aov_surface
-//@ use scene/surfaces
 //@ use scene/materials
 //@ use scene/interaction
 // The material at the path's hit scatters the path or ends it.
@@ -21,7 +21,7 @@ fn scatter_path(path: ptr<function, Path>) {
     // The hit and its shading frame.
     let ray = (*path).ray;
     let hit = path_hit(path);
-    let surface = surface_at(hit, ray);
+    let surface = surface_of_event(path, hit);
     let frame = shading_frame(hit, surface, ray.direction);
 
     // The material with its textures.

@@ -17,7 +17,7 @@ use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
 use crate::lobe::{LOBES, Rows};
-use crate::material::{ALPHA, Material, Model, Slot, emission_row, microfacets};
+use crate::material::{ALPHA, MIX, Material, Model, Slot, emission_row, microfacets};
 use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
@@ -45,6 +45,8 @@ pub struct Builder<'a> {
     pub materials: Vec<u32>,
     /// The properties of each of the scene's materials.
     pub models: Vec<Model<'a>>,
+    /// The numbers of the materials that each of the scene's materials needs: its own, and those of its parts.
+    pub needed: &'a [Vec<usize>],
     /// The slots of each of the scene's materials that have frames. On every object, each has its own frame, in this order.
     pub framed: Vec<Vec<Slot<'a>>>,
     /// Whether anything that it emits shows, for each of the scene's materials.
@@ -285,7 +287,11 @@ impl Builder<'_> {
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
             let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, |slot| u32::from(slot.has_frame())) };
             let rows: Vec<_> = model.rows.iter().copied().chain(light).collect();
-            for row in rows {
+            for mut row in rows {
+                if let (MIX, [_, a, b]) = (row.kind, &self.needed[number][..]) {
+                    let frames = self.framed[*a].len() as u32;
+                    row.numbers = [self.materials[*a], self.materials[*b], frames].map(|number| number as f32);
+                }
                 own.set(row.kind, self.flat.materials.len() as u32);
                 let on_device = data::Material { kind: frame, numbers: row.numbers, ..data::Material::default() };
                 frame += u32::from(row.slot.has_frame());

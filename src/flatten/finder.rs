@@ -1,6 +1,7 @@
 //! Finds the primitives and media of a scene, each with the transform from its own space to the world.
 
 use std::collections::{BTreeMap, HashMap};
+use std::iter;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -8,7 +9,7 @@ use glam::DVec3;
 use super::motion::{Motion, Placement, Shutter, in_space};
 use super::swept::swept;
 use crate::delta_light::WorldLight;
-use crate::scene::{Camera, Object, Scene, Texture};
+use crate::scene::{Camera, Material, Object, Scene, Texture};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
@@ -55,6 +56,8 @@ pub struct WorldMedium<'a> {
 /// Collects the primitives and media of a scene.
 pub struct Finder<'a> {
     materials: HashMap<&'a str, u32>,
+    /// The numbers of the materials that each one needs: its own, and those of its parts.
+    pub needed: Vec<Vec<usize>>,
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
     /// The camera's position.
     eye: DVec3,
@@ -81,8 +84,15 @@ impl<'a> Finder<'a> {
         eye: DVec3,
         camera: &Camera,
     ) -> Finder<'a> {
+        let materials: HashMap<&str, u32> =
+            (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect();
+        let with_parts = |(number, (_, material)): (usize, &(String, Material))| {
+            let parts = material.parts().filter_map(|(_, name)| Some(*materials.get(name)? as usize));
+            iter::once(number).chain(parts).collect()
+        };
         Finder {
-            materials: (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect(),
+            needed: scene.materials.iter().enumerate().map(with_parts).collect(),
+            materials,
             meshes,
             eye,
             shutter: Shutter::new(camera),

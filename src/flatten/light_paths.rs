@@ -57,6 +57,7 @@ impl Builder<'_> {
         let (mut solid, mut panes, mut reason) = (Vec::new(), Vec::new(), None);
         // Once for each material, since a roughness may be an image, whose least texel counts.
         let aimed: Vec<bool> = self.scene.materials.iter().map(|(_, m)| is_aimed_at(m, &self.scene.bitmaps)).collect();
+        let aimed: Vec<bool> = self.needed.iter().map(|numbers| numbers.iter().any(|number| aimed[*number])).collect();
         for (index, primitive) in with_indices(primitives).filter(|(_, primitive)| aimed[primitive.material as usize]) {
             let (name, material) = &self.scene.materials[primitive.material as usize];
             if primitive.shape.large_sphere().is_none() {

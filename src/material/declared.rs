@@ -22,6 +22,7 @@ pub const MOST_THICKNESS: f64 = 1e6;
 
 const ALBEDO: Field = texture(Use::Albedo.range());
 const RADIANCE: Field = texture(Use::Radiance.range());
+const NAME: Field = other("a material's name in quotes");
 const SHARE: Field = varying(Range::SHARE);
 
 declare! {
@@ -274,6 +275,18 @@ declare! {
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
             @default one_sided: bool = lambertian::FIELDS.one_sided;
+        }
+        /// Two materials of the scene, of which each ray that meets the surface finds one, at random.
+        Mix: mix, "Mix(a: \"paint\", b: \"rust\", share: Image(path: \"mask.png\", channel: R))" {
+            /// A name among the materials. It is no Mix, DiffuseLight or ThinDielectric, and has no emission, alpha or absorption.
+            a: String = NAME;
+            /// The other one.
+            b: String = NAME;
+            /// The share of rays that find `b`.
+            #[serde(with = "number")]
+            share: Texture = SHARE;
+            #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+            alpha: Texture = lambertian::FIELDS.alpha;
         }
     }
 }

@@ -57,6 +57,11 @@ impl MaterialKind {
         }
     }
 
+    /// Whether kernels have functions of the kind: it scatters or emits.
+    pub const fn has_functions(&self) -> bool {
+        self.emits || !self.widths.is_empty()
+    }
+
     /// Whether materials of the kind may have such a row.
     pub fn can_have(&self, row: &RowKind) -> bool {
         self.rows.contains(&row) || self.has_lobes && LOBES.iter().any(|lobe| lobe.rows.contains(&row))

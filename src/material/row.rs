@@ -63,6 +63,9 @@ pub const BECKMANN: &RowKind = &RowKind::new("beckmann", &[], Sets::Share("beckm
 /// The layer on its body is rough. The row is not read.
 pub const ROUGH_LAYER: &RowKind = &RowKind::new("rough_layer", &[], Sets::Nothing);
 
+/// Each event has one of two materials, the second with the probability that the texture gives: their indices, and how many frames the first has.
+pub const MIX: &RowKind = &RowKind::new("mix", &["first", "second", "frames"], Sets::Nothing);
+
 /// The kinds of row that are of no lobe.
 pub const ROWS: &[&RowKind] = &[
     EMISSION,
@@ -78,6 +81,7 @@ pub const ROWS: &[&RowKind] = &[
     INNER_REFLECTIONS,
     BECKMANN,
     ROUGH_LAYER,
+    MIX,
 ];
 
 /// A texture of a material, with the field that holds it.

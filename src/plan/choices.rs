@@ -21,7 +21,8 @@ const OTHER_TABLES: &str = "nodes media lights delta_lights light_nodes emitters
 /// The kinds of material that the scene uses.
 pub(super) fn materials(features: &Features) -> Vec<Entry> {
     let reason = |name| features.reason(&format!("material.{name}")).cloned().map(Reason::Requested);
-    closed(numbered(MATERIALS).filter_map(|(number, name)| Some((name, number, reason(name)?))))
+    let own = numbered(MATERIALS).zip(Material::KINDS).filter(|(_, kind)| kind.has_functions());
+    closed(own.filter_map(|((number, name), _)| Some((name, number, reason(name)?))))
 }
 
 /// Kinds with their numbers. The last one closes a switch over them.

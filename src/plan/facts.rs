@@ -107,7 +107,10 @@ pub(super) struct Purpose<'a> {
 pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpose<'_>) -> Facts {
     let mut facts = Facts::new();
     let reason = |fact: &str| features.reason(fact).cloned().map(Reason::Requested);
-    let is_served = |number: usize| purpose.served.iter().any(|kind| kind.number as usize == number);
+    // Any kernel may meet a kind that has no functions: a mix.
+    let is_served = |number: usize| {
+        !Material::KINDS[number].has_functions() || purpose.served.iter().any(|kind| kind.number as usize == number)
+    };
     // A fact of some kinds of material, by the reason for each kind.
     let of_materials = |name: &str, reasons: Vec<Option<Reason>>| {
         let served = reasons.iter().enumerate().filter(|(number, _)| is_served(*number));

@@ -84,6 +84,7 @@ pub fn contents(
         has_media,
         materials: Vec::new(),
         known: HashMap::new(),
+        parts: HashMap::new(),
         same: HashMap::new(),
         to_uv: None,
         grouped: HashMap::new(),

@@ -7,7 +7,7 @@ pub use super::projection::{Distortion, FisheyeModel, Projection};
 pub use crate::bitmap::{Bitmap, Bitmaps};
 pub use crate::delta_light::Falloff;
 pub use crate::material::{
-    Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Metal, Pbr, Plastic, RoughDielectric,
+    Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, Material, Metal, Mix, Pbr, Plastic, RoughDielectric,
     ThinDielectric,
 };
 pub use crate::texture::{Colour, Texture, Use, Wrap};

@@ -1,6 +1,7 @@
 //! Refuses values that parse but are invalid. Every error points at the value's own location.
 
 use std::collections::{BTreeMap, HashMap};
+use std::iter;
 
 use glam::DVec3;
 
@@ -38,6 +39,11 @@ pub fn objects(scene: &Scene, findings: &mut Findings) {
         all_are_lost: scene.materials.is_empty() && !findings.is_empty(),
     };
     let top = scene.top();
+    for (name, material) in &scene.materials {
+        let at = top.field("materials");
+        let at = at.key(name);
+        findings.record(known.check_parts(&at.variant(material.name()), material));
+    }
     for (index, value) in scene.objects.iter().enumerate() {
         object(&known, &top.field("objects").index(index), value, TransformBound::IDENTITY, findings);
     }
@@ -419,23 +425,49 @@ struct KnownNames<'a> {
 }
 
 impl KnownNames<'_> {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.scene.materials.iter().map(|(name, _)| name.as_str())
+    }
+
+    fn known(&self) -> String {
+        one_of(self.names(), "the scene defines no materials")
+    }
+
+    /// The material of a name that stands at a place of the file; nothing if it has errors of its own.
+    fn find(&self, at: &ValuePath, name: &str) -> Result<Option<&Material>> {
+        let found = self.materials.get(name).copied();
+        // A material that has errors is there all the same.
+        if found.is_none()
+            && !self.all_are_lost
+            && !self.scene.source.has(&[Step::Field("materials"), Step::Key(name)])
+        {
+            let meant = meant(name, self.names());
+            return Err(at.error(format!("there is no material {name:?}: {}{meant}", self.known())));
+        }
+        Ok(found)
+    }
+
+    /// Checks that the parts of a mix are there, and can be parts.
+    fn check_parts(&self, at: &ValuePath, mix: &Material) -> Result<()> {
+        for (field, name) in mix.parts() {
+            let at = at.field(field);
+            if let Some(what) = self.find(&at, name)?.and_then(Material::not_mixed) {
+                return Err(at.error(format!("{name:?} cannot be mixed, because it {what}")));
+            }
+        }
+        Ok(())
+    }
+
     /// Checks that the object names a material, that the material exists, and that it fits the object.
     fn check_material(&self, above: &ValuePath, object: &Object) -> Result<()> {
-        let names = || self.scene.materials.iter().map(|(name, _)| name.as_str());
-        let known = || one_of(names(), "the scene defines no materials");
         let at = above.field("material");
         let Some(name) = object.material() else {
-            return Err(at.error(format!("material is missing: {}", known())));
+            return Err(at.error(format!("material is missing: {}", self.known())));
         };
-        let Some(material) = self.materials.get(name) else {
-            // A material that has errors is there all the same.
-            if self.all_are_lost || self.scene.source.has(&[Step::Field("materials"), Step::Key(name)]) {
-                return Ok(());
-            }
-            let meant = meant(name, names());
-            return Err(at.error(format!("there is no material {name:?}: {}{meant}", known())));
-        };
-        let images = material.textures().into_iter().filter(|texture| texture.needs_uv());
+        let Some(material) = self.find(&at, name)? else { return Ok(()) };
+        let parts = material.parts().filter_map(|(_, part)| self.materials.get(part).copied());
+        let images = iter::once(material).chain(parts).flat_map(Material::textures);
+        let images = images.filter(|texture| texture.needs_uv());
         let Some(uv_set) = images.map(Texture::uv_set).max() else { return Ok(()) };
         if uv_set > 0 && object.kind().is_some_and(|kind| kind.shader != mesh::KIND.shader) {
             return Err(at.error(format!(

@@ -15,6 +15,7 @@ impl Scene {
         let top = self.top();
         let mut used = HashSet::new();
         self.visit_objects(&mut |_, object| used.extend(object.material()));
+        used.extend(self.materials.iter().flat_map(|(_, material)| material.parts().map(|(_, name)| name)));
         let mut warnings = self.notes.clone();
         warnings.extend(radians(&top.field("camera").field("vertical_fov")));
         let mut cleaned = HashSet::new();

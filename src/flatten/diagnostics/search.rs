@@ -35,9 +35,9 @@ impl<'a> Search<'a> {
         is_lit: bool,
         emissions: &[Emitted],
     ) -> Search<'a> {
-        let role = |((_, material), emitted): (&(String, Material), &Emitted)| {
+        let role = |(((_, material), emitted), needed): ((&(String, Material), &Emitted), &Vec<usize>)| {
             let model = material.model();
-            let transmissive = material.is_transmissive();
+            let transmissive = needed.iter().any(|number| scene.materials[*number].1.is_transmissive());
             Role {
                 transmissive,
                 opaque: !transmissive && !model.has_alpha(),
@@ -45,7 +45,7 @@ impl<'a> Search<'a> {
                 one_sided: model.emission().is_some_and(|emission| !emission.two_sided),
             }
         };
-        let roles = scene.materials.iter().zip(emissions).map(role).collect();
+        let roles = scene.materials.iter().zip(emissions).zip(&finder.needed).map(role).collect();
         Search { scene, finder, view, extent, is_lit, roles }
     }
 

@@ -8,11 +8,12 @@ use super::reader::Reader;
 use super::tables;
 use super::values::colour;
 use crate::error::Result;
-use crate::printable::quote;
+use crate::material::LobeWidth;
+use crate::printable::{counted, quote};
 use crate::scene::types::*;
 
 const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, principled, \
-                     twosided, mask, bumpmap, normalmap, null";
+                     twosided, mask, blendbsdf, bumpmap, normalmap, null";
 
 /// A BSDF: nothing if it is `null`.
 pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
@@ -30,27 +31,29 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
     let kind = own.kind()?;
     let found = match kind {
         "null" => None,
+        "blendbsdf" => Some(mix(&own, two_sided, reader)?),
         "twosided" => {
-            let inner = inner(&own, reader)?;
+            let [inner] = inner(&own, reader)?;
             material(inner, true, reader)?
         }
         "bumpmap" | "normalmap" => {
             own.take(|child| child.tag == "texture");
             own.ignore(&["scale"]);
             reader.lose(node, &format!("the {kind} is left out: the surface is smooth"));
-            let inner = inner(&own, reader)?;
+            let [inner] = inner(&own, reader)?;
             material(inner, two_sided, reader)?
         }
         "mask" => {
             let alpha = share(&own, "opacity", 0.5, reader)?;
-            let inner = inner(&own, reader)?;
+            let [inner] = inner(&own, reader)?;
             let mut found = material(inner, two_sided, reader)?;
             match &mut found {
                 None => {}
                 Some(Material::Lambertian(own)) => own.alpha = alpha,
                 Some(Material::Pbr(own)) => own.alpha = alpha,
                 Some(Material::Plastic(own)) => own.alpha = alpha,
-                Some(_) => return Err(inner.error("only diffuse and plastic can be inside a mask here")),
+                Some(Material::Mix(own)) => own.alpha = alpha,
+                Some(_) => return Err(inner.error("only diffuse, plastic and blendbsdf can be inside a mask here")),
             }
             found
         }
@@ -85,6 +88,27 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
     };
     own.end(reader);
     Ok(found)
+}
+
+/// A blend of two BSDFs, which become materials with names.
+fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
+    let share = share(own, "weight", 0.5, reader)?;
+    let [a, b] = inner(own, reader)?;
+    let mut name_of = |part: &'a Node| {
+        let found = material(part, two_sided, reader)?;
+        let found = found.ok_or_else(|| part.error("null cannot be mixed here: write a mask"))?;
+        if let Some(what) = found.not_mixed() {
+            return Err(part.error(format!("it cannot be mixed here, because it {what}")));
+        }
+        if found.model().widths.contains(&LobeWidth::Specular) {
+            reader.lose(part, "its mirror image is brighter here: Mitsuba 3.9.1 loses light of smooth surfaces in a blend");
+        }
+        let index = reader.add_material(found, part);
+        let name = reader.materials[index].0.clone();
+        reader.parts.insert(name.clone(), index);
+        Ok(name)
+    };
+    Ok(Material::Mix(Mix { a: name_of(a)?, b: name_of(b)?, share, alpha: Texture::grey(1.0) }))
 }
 
 /// Burley's material as that of glTF, which is near to it.
@@ -122,13 +146,13 @@ pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
     Material::Lambertian(Lambertian { albedo, one_sided, ..Lambertian::default() })
 }
 
-/// The one BSDF that another is made of.
-fn inner<'a>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<&'a Node> {
-    let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref");
-    match all[..] {
-        [one] => reader.follow(one, "bsdf"),
-        _ => Err(own.node.error(format!("expected one bsdf in it, found {}", all.len()))),
-    }
+/// The BSDFs that another is made of.
+fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<[&'a Node; N]> {
+    let is_other = |child| reader.target(child).is_ok_and(|target| target.tag != "bsdf");
+    let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref" && !is_other(child));
+    let all = all.into_iter().map(|child| reader.follow(child, "bsdf")).collect::<Result<Vec<_>>>()?;
+    let error = |all: Vec<_>| own.node.error(format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len()));
+    all.try_into().map_err(error)
 }
 
 fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
@@ -338,8 +362,9 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Resu
         return Err(node.error("expected one to_uv in all textures of a surface, found another"));
     }
     if own.kind()? == "checkerboard" {
-        // Theirs has v downwards, ours upwards, so that squares which were equal are not.
-        let (odd, even) = (own.colour_or("color0", 0.4)?, own.colour_or("color1", 0.2)?);
+        // Theirs has v downwards, ours upwards, so that squares which were equal are not. Mitsuba 3.9.1 gives numbers the other way round.
+        let [odd, even] = if is_number { [("color1", 0.2), ("color0", 0.4)] } else { [("color0", 0.4), ("color1", 0.2)] };
+        let [odd, even] = [own.colour_or(odd.0, odd.1)?, own.colour_or(even.0, even.1)?];
         own.end(reader);
         return Ok(Texture::Checker { scale: 0.5, even, odd, uv: true });
     }

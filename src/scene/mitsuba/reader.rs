@@ -38,6 +38,8 @@ pub struct Reader<'a> {
     pub materials: Vec<(String, Material)>,
     /// The materials of BSDFs by their index, and how their textures lie, by the element, or null, and the emission.
     pub known: HashMap<(*const Node, String), Option<(usize, DAffine3)>>,
+    /// The indices of the parts of mixes by their names.
+    pub parts: HashMap<String, usize>,
     /// The indices of materials by what they are.
     pub same: HashMap<String, usize>,
     /// How the textures lie that have been read for a surface.

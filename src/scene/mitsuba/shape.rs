@@ -390,11 +390,14 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
     let of_name = made.and_then(|(index, _)| reader.materials.get(index));
     let material = of_name.map(|(name, _)| name.clone());
     let (of_name, to_uv) = (of_name.map(|(_, own)| own), made.map_or(DAffine3::IDENTITY, |(_, to_uv)| to_uv));
-    let textures = of_name.map(Material::textures).unwrap_or_default();
-    let is_brushed = of_name.is_some_and(|material| material.has_row(ANISOTROPY));
+    let parts = of_name.into_iter().flat_map(Material::parts);
+    let parts = parts.filter_map(|(_, name)| reader.materials.get(*reader.parts.get(name)?));
+    let all: Vec<&Material> = of_name.into_iter().chain(parts.map(|(_, part)| part)).collect();
+    let textures: Vec<&Texture> = all.iter().flat_map(|material| material.textures()).collect();
+    let is_brushed = all.iter().any(|material| material.has_row(ANISOTROPY));
     let is_textured = is_brushed || textures.iter().any(|texture| texture.needs_uv());
     let has_image = textures.iter().any(|texture| texture.decoded().is_some());
-    let is_glass = matches!(of_name, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
+    let is_glass = all.iter().any(|own| matches!(own, Material::Dielectric(_) | Material::RoughDielectric(_)));
     let inside = inside.filter(|_| absorption.is_none());
     Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
 }
