@@ -277,7 +277,7 @@ declare! {
             @default one_sided: bool = lambertian::FIELDS.one_sided;
         }
         /// Two materials of the scene, of which each ray that meets the surface finds one, at random.
-        Mix: mix, "Mix(a: \"paint\", b: \"rust\", share: Image(path: \"mask.png\", channel: R))" {
+        Mix: mix, "Mix(a: \"paint\", b: \"rust\", share: 0.3)" {
             /// A name among the materials. It is no Mix, DiffuseLight or ThinDielectric, and has no emission, alpha or absorption.
             a: String = NAME;
             /// The other one.

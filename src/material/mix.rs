@@ -1,10 +1,10 @@
 //! A mix of two materials, of which each scattering event has one. It has no BSDF of its own.
 
+use super::Material;
 use super::declared::Mix;
 use super::declared::mix::FIELDS;
 use super::model::{MaterialKind, Model};
 use super::row::{ALPHA, MIX, Row, Slot};
-use super::Material;
 use crate::texture::{Colour, Use};
 
 pub const KIND: MaterialKind = MaterialKind { rows: &[ALPHA, MIX], ..MaterialKind::new("mix", &[]) };

@@ -437,9 +437,7 @@ impl KnownNames<'_> {
     fn find(&self, at: &ValuePath, name: &str) -> Result<Option<&Material>> {
         let found = self.materials.get(name).copied();
         // A material that has errors is there all the same.
-        if found.is_none()
-            && !self.all_are_lost
-            && !self.scene.source.has(&[Step::Field("materials"), Step::Key(name)])
+        if found.is_none() && !self.all_are_lost && !self.scene.source.has(&[Step::Field("materials"), Step::Key(name)])
         {
             let meant = meant(name, self.names());
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", self.known())));

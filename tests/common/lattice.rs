@@ -160,6 +160,13 @@ const POINTS: &[Point] = &[
          Sphere(center: (-0.9, 0.5, 0.4), radius: 0.3, material: \"worn\"),",
     ),
     under_a_lamp(
+        "mixes under a lamp",
+        "\"mirror\": Metal(albedo: Rgb(0.9, 0.8, 0.7)), \"gloss\": Plastic(diffuse: Checker(scale: 0.2, even: (0.9, 0.8, 0.7), odd: (0.1, 0.2, 0.3))),
+         \"clear\": Dielectric(ior: 1.5), \"worn\": Mix(a: \"gloss\", b: \"mirror\", share: Checker(scale: 0.1, even: (0.2, 0, 0), odd: (0.9, 0, 0)), alpha: 0.8),
+         \"milky\": Mix(a: \"clear\", b: \"gloss\", share: 0.3),",
+        "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"worn\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.3, material: \"milky\"),",
+    ),
+    under_a_lamp(
         "velvet under a lamp",
         "\"velvet\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, sheen: Rgb(0.9, 0.5, 0.3), sheen_roughness: 0.4),",
         "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"velvet\"),",

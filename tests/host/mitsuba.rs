@@ -180,6 +180,18 @@ fn errors_have_places() {
             "a.xml:5:1: bsdf twosided: expected a bsdf that is not inside itself",
         ),
         (
+            "<shape type=\"sphere\"><bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/></bsdf></shape>",
+            "a.xml:5:22: bsdf blendbsdf: expected 2 bsdfs in it, found 1",
+        ),
+        (
+            "<shape type=\"sphere\"><bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/><bsdf type=\"null\"/></bsdf></shape>",
+            "a.xml:5:67: bsdf null: null cannot be mixed here: write a mask",
+        ),
+        (
+            "<shape type=\"sphere\"><bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/><bsdf type=\"thindielectric\"/></bsdf></shape>",
+            "a.xml:5:67: bsdf thindielectric: it cannot be mixed here, because it is a ThinDielectric",
+        ),
+        (
             "<bsdf type=\"conductor\" id=\"x\"><string name=\"material\" value=\"Xx\"/></bsdf><shape type=\"sphere\"><ref id=\"x\"/></shape>",
             "a.xml:5:55: string material.value: the metal \"Xx\" is not known here",
         ),
@@ -275,6 +287,10 @@ fn what_mitsuba_shows_otherwise_is_told() {
         (ball(2.0, fog) + &ball(1.0, fog), "inside of another: here their densities add"),
         (ball(9.5, fog), "inside of a medium that it does not name"),
         ("<shape type=\"rectangle\"><bsdf type=\"dielectric\"/></shape>".to_owned(), "its glass has no inside"),
+        (
+            ball(1.0, "<bsdf type=\"blendbsdf\"><bsdf type=\"conductor\"/><bsdf type=\"diffuse\"/></bsdf>"),
+            "its mirror image is brighter here",
+        ),
         ("<path value=\"..\"/>".to_owned() + &ball(1.0, lamp), "outside of the scene's folder: .."),
     ] {
         let scene = read(&xml(&elements), &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));

@@ -255,7 +255,11 @@ fn around(group: &str, form: &Form) -> String {
         }
         (_, "render") => render = example,
         ("Backgrounds", _) => background = example.to_owned(),
-        ("Materials", _) => material = example.to_owned(),
+        ("Materials", _) => {
+            let part = |name| format!(", \"{name}\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))");
+            let parts = ["paint", "rust"].into_iter().filter(|name| example.contains(name)).map(part);
+            material = example.to_owned() + &parts.collect::<String>();
+        }
         ("Textures", _) => material = format!("Lambertian(albedo: {example})"),
         ("Objects", _) => object = example.to_owned(),
         _ => {

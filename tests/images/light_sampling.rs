@@ -127,6 +127,29 @@ pub const PLASTICS: Room = Room {
     ],
 };
 
+/// Mixes of matt, rough, specular and clear materials, also by images.
+pub const MIXES: Room = Room {
+    walls: ["spotted", "dusty", ""],
+    lamp: 0.5,
+    brighter: 1.02,
+    materials: r#"
+        "matt": Lambertian(albedo: Rgb(0.7, 0.5, 0.3), normal: Image(path: "bumps.exr")),
+        "steel": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: Checker(scale: 0.3, even: (0.3, 0, 0), odd: (0.7, 0, 0))),
+        "gloss": Plastic(diffuse: Rgb(0.3, 0.6, 0.7), ior: 1.8),
+        "glass": Dielectric(ior: 1.5),
+        "spotted": Mix(a: "matt", b: "steel", share: Image(path: "marks.png", channel: G)),
+        "dusty": Mix(a: "gloss", b: "matt", share: 0.4),
+        "milky": Mix(a: "glass", b: "gloss", share: 0.3),"#,
+    objects: r#"
+        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: "spotted"),
+        Sphere(center: (-0.4, 0.45, 0), radius: 0.4, material: "milky"),"#,
+    max_depth: 6,
+    faults: &[
+        ("scene", "share: 0.4", "share: 0.3"),
+        ("material/mix", "< extension_colour(", "< select(1.0, 0.8, FAULT) * extension_colour("),
+    ],
+};
+
 /// Numbers that vary over a surface: a floor that is a mirror in places, and frosted glass that is clear in places.
 pub const NUMBERS: Room = Room {
     walls: ["floor", "back", "wall"],
@@ -332,6 +355,7 @@ rooms! {
     beside_metals_that_lose_nothing MULTISCATTER
     beside_layers LAYERS
     beside_plastics PLASTICS
+    beside_mixes MIXES
     where_numbers_vary NUMBERS
     under_normal_maps NORMAL_MAPS
     behind_coloured_glass COLOURED_GLASS

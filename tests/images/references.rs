@@ -176,7 +176,7 @@ fn the_default_settings_agree_with_every_reference() {
 fn scenes_of_mitsuba_are_as_mitsuba_renders_them() {
     for name in "shapes glass metals lights fog lens turned_sky images checks bent instances old dusk ball_matt ball_both ball_image ball_glass \
                  ball_tinted ball_pane ball_frosted ball_mirror ball_gold ball_steel ball_dim ball_veil ball_worn ball_brushed ball_hazy ball_plastic \
-                 ball_deep ball_rubber ball_satin wine"
+                 ball_deep ball_rubber ball_satin ball_blend ball_dusty wine"
         .split_whitespace()
     {
         let reference = Reference::load(&format!("mitsuba/{name}"));

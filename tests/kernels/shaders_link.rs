@@ -299,8 +299,15 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend([lit(surfaces.clone(), set, false), surfaces]);
     }
     found.push(few(lit(with_media(features(7, materials, 0, SOLID, false), 1, false), 7, false)));
-    let pairs: Vec<usize> = (1..=materials).filter(|set| set.count_ones() <= 2 || *set == materials).collect();
+    // A mix has parts.
+    let mix = bits_of(|kind| !kind.has_functions());
+    let pairs = (1..=materials).filter(|set| *set != mix && (set.count_ones() <= 2 || *set == materials));
+    let pairs: Vec<usize> = pairs.collect();
     found.extend(pairs.iter().map(|set| features(1, *set, 0, SOLID, false)));
+    for (set, textures) in [(3 | mix, 0), (materials, textures)] {
+        let mixed = with(features(1, set, textures, SOLID, false), "mix", MATERIALS, mix);
+        found.extend([mixed.clone(), lit(mixed.clone(), 1, false), lit(with(mixed, "alpha", MATERIALS, mix), 1, true)]);
+    }
     found.extend((0..=textures).map(|set| features(1, 1, set, SOLID, false)));
     // Images of every format, on surfaces and in the sky.
     for formats in (0..FORMATS.len()).map(|i| 1 << i) {

@@ -1,5 +1,7 @@
 //! BSDFs and textures as materials.
 
+use std::path::Path;
+
 use glam::{DAffine3, DVec3};
 
 use super::document::{DEEPEST, Node};
@@ -10,6 +12,7 @@ use super::values::colour;
 use crate::error::Result;
 use crate::material::LobeWidth;
 use crate::printable::{counted, quote};
+use crate::scene::gltf_path::has_ending;
 use crate::scene::types::*;
 
 const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, principled, \
@@ -101,7 +104,10 @@ fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a>) -> Re
             return Err(part.error(format!("it cannot be mixed here, because it {what}")));
         }
         if found.model().widths.contains(&LobeWidth::Specular) {
-            reader.lose(part, "its mirror image is brighter here: Mitsuba 3.9.1 loses light of smooth surfaces in a blend");
+            reader.lose(
+                part,
+                "its mirror image is brighter here: Mitsuba 3.9.1 loses light of smooth surfaces in a blend",
+            );
         }
         let index = reader.add_material(found, part);
         let name = reader.materials[index].0.clone();
@@ -151,7 +157,8 @@ fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a>) -> Resul
     let is_other = |child| reader.target(child).is_ok_and(|target| target.tag != "bsdf");
     let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref" && !is_other(child));
     let all = all.into_iter().map(|child| reader.follow(child, "bsdf")).collect::<Result<Vec<_>>>()?;
-    let error = |all: Vec<_>| own.node.error(format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len()));
+    let error =
+        |all: Vec<_>| own.node.error(format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len()));
     all.try_into().map_err(error)
 }
 
@@ -321,7 +328,7 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
                     .iter()
                     .any(|child| child.attribute("name") == Some("raw") && child.attribute("value") == Some("true"))
             });
-            if !is_raw {
+            if !is_raw && !is_linear(&path) {
                 let node = own.find(name).unwrap_or(own.node);
                 reader.lose(node, "its codes count as linear here: write raw as true");
             }
@@ -329,6 +336,11 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
         }
         other => Ok(other),
     }
+}
+
+/// Whether the texels of an image are linear.
+fn is_linear(path: &str) -> bool {
+    has_ending(Path::new(path), &["exr", "hdr"])
 }
 
 /// A colour or a texture.
@@ -363,7 +375,8 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Resu
     }
     if own.kind()? == "checkerboard" {
         // Theirs has v downwards, ours upwards, so that squares which were equal are not. Mitsuba 3.9.1 gives numbers the other way round.
-        let [odd, even] = if is_number { [("color1", 0.2), ("color0", 0.4)] } else { [("color0", 0.4), ("color1", 0.2)] };
+        let [odd, even] =
+            if is_number { [("color1", 0.2), ("color0", 0.4)] } else { [("color0", 0.4), ("color1", 0.2)] };
         let [odd, even] = [own.colour_or(odd.0, odd.1)?, own.colour_or(even.0, even.1)?];
         own.end(reader);
         return Ok(Texture::Checker { scale: 0.5, even, odd, uv: true });
@@ -374,9 +387,8 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Resu
     let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
     own.ignore(&["accel", "format"]);
     let path = reader.path(path, node);
-    let is_linear = crate::scene::gltf_path::has_ending(std::path::Path::new(&path), &["exr", "hdr"]);
-    let is_raw = own.flag_or("raw", is_linear)?;
-    if is_raw && !is_linear && !is_number {
+    let is_raw = own.flag_or("raw", is_linear(&path))?;
+    if is_raw && !is_linear(&path) && !is_number {
         return Err(own
             .find("raw")
             .unwrap_or(node)
