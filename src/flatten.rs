@@ -124,13 +124,7 @@ pub fn flatten_with(
         let name = |(own, place): (Option<&str>, usize)| own.map_or_else(|| format!("objects[{place}]"), str::to_owned);
         flat.object_names = finder.primitives.iter().map(|primitive| name(primitive.name)).collect();
     }
-    if brightest == 0.0 {
-        let at = scene.location(&[Step::Field("background")]);
-        flat.warnings.push(format!(
-            "{at}: background: nothing in this scene emits light, so that the image is black: give the background a colour, or an \
-             object a DiffuseLight"
-        ));
-    }
+    flat.warnings.extend(without_light(scene, brightest));
     flat.warnings.extend(without_direction(scene, &view));
     flat.warnings.extend(hidden_emissions(scene, &emissions));
     flat.settings = view.settings(&space);
@@ -289,6 +283,17 @@ fn require_camera(features: &mut Features, scene: &Scene, view: &View) {
     if let Film::Round { lens: Lens::Fisheye(model), .. } = view.film {
         features.quantities.fisheye = model as u32;
     }
+}
+
+/// The warning that nothing emits light.
+fn without_light(scene: &Scene, brightest: f64) -> Option<String> {
+    let at = scene.location(&[Step::Field("background")]);
+    (brightest == 0.0).then(|| {
+        format!(
+            "{at}: background: nothing in this scene emits light, so that the image is black: give the background a colour, or an \
+             object a DiffuseLight"
+        )
+    })
 }
 
 /// The warning that a part of the image is black, because its pixels have no direction.

@@ -14,7 +14,7 @@ impl Mix {
     pub fn model(&self) -> Model<'_> {
         let share = Slot { field: &FIELDS.share, usage: Use::Share, texture: &self.share };
         let model = Model::default().cut_out(&self.alpha, None, false);
-        // Its parts have their frames behind that of the last row.
+        // The frames of the parts are behind that of the last row.
         model.with_rows(vec![Row::new(MIX, share, &[])])
     }
 }
@@ -26,7 +26,7 @@ impl Material {
         mix.into_iter().flat_map(|own| [(FIELDS.a.name, own.a.as_str()), (FIELDS.b.name, own.b.as_str())])
     }
 
-    /// What keeps it from being a part of a mix, in words.
+    /// The reason why it cannot be a part of a mix, if there is one.
     pub fn not_mixed(&self) -> Option<&'static str> {
         let model = self.model();
         let all = [

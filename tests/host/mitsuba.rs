@@ -291,6 +291,10 @@ fn what_mitsuba_shows_otherwise_is_told() {
             ball(1.0, "<bsdf type=\"blendbsdf\"><bsdf type=\"conductor\"/><bsdf type=\"diffuse\"/></bsdf>"),
             "its mirror image is brighter here",
         ),
+        (
+            "<emitter type=\"sunsky\"><float name=\"turbidity\" value=\"3\"/></emitter>".to_owned(),
+            "it becomes a white and blue sky",
+        ),
         ("<path value=\"..\"/>".to_owned() + &ball(1.0, lamp), "outside of the scene's folder: .."),
     ] {
         let scene = read(&xml(&elements), &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));

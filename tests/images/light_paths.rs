@@ -70,8 +70,8 @@ fn scenes() -> Vec<(&'static str, String)> {
             "mixes of matt and specular materials beside a lamp",
             lit(
                 "",
-                ", \"mirror\": Metal(albedo: Rgb(0.9, 0.8, 0.7)), \"clear\": Dielectric(ior: 1.5), \"satin\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.2),
-                 \"worn\": Mix(a: \"mirror\", b: \"floor\", share: 0.4), \"dusty\": Mix(a: \"clear\", b: \"satin\", share: Checker(scale: 0.3, even: (0.1, 0, 0), odd: (0.6, 0, 0)))",
+                ", \"satin\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.2),
+                 \"worn\": Mix(a: \"mirror\", b: \"floor\", share: 0.4), \"dusty\": Mix(a: \"glass\", b: \"satin\", share: Checker(scale: 0.3, even: (0.1, 0, 0), odd: (0.6, 0, 0)))",
                 &format!(
                     "Sphere(center: (-1, 0.6, 0), radius: 0.5, material: \"worn\"), Sphere(center: (0.3, 1.1, 0.4), radius: 0.5, material: \"dusty\"),
                      Box(min: (0.6, 0, -0.4), max: (1.3, 0.9, 0.3), material: \"worn\"), {LAMP}"

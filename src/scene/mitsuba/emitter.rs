@@ -8,6 +8,7 @@ use super::reader::Reader;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::gltf;
+use crate::scene::sky::SKY;
 use crate::scene::types::{Background, Colour, Falloff, Object, Texture, Transform};
 
 /// Half a turn around y: their skies have +z in the middle, ours -z.
@@ -42,6 +43,11 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
             let tint = Colour::splat(own.number_or("scale", 1.0)?);
             Emitter::Background(Background::Image { path: reader.path(path, node), tint, by: turned(&own)? })
         }
+        "sky" | "sunsky" => {
+            own.take(|_| true);
+            reader.lose(node, "it becomes a white and blue sky, without a sun: its radiance is another");
+            Emitter::Background(SKY)
+        }
         "point" => {
             let at = own.vector("position")?.unwrap_or(to_world.translation);
             Emitter::Object(Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)? })
@@ -64,7 +70,7 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
             Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer, falloff: Falloff::Linear })
         }
         "area" => return Err(node.error("expected an area emitter inside a shape")),
-        _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap")),
+        _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap, sky, sunsky")),
     };
     own.end(reader);
     Ok(found)
