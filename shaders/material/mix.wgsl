@@ -1,45 +1,9 @@
-//@ implements mix when mix
-//@ use bind/extensions
-//@ use bind/materials
-//@ use bind/settings
-//@ use choice/sampler
-//@ use scene/extensions
-//@ use scene/surfaces
-// A mix of two materials. Each event has one of them, by a random number of its own. All strategies that can make a path meet a part with the
-// same probability, so that it cancels in their MIS weights.
+// A mix of two materials, which has no BSDF of its own.
 
-// Tells its random numbers from those of other decisions in the same block.
-const PART_OF_MIX: u32 = 0x6d6978u;
-
-// The surface at the path's event, with the part of a mix that the event has.
-fn surface_of_event(path: ptr<function, Path>, hit: Hit) -> Surface {
-    var surface = surface_at(hit, (*path).ray);
-    let number = extensions[surface.material].mix;
-    if number == NO_EXTENSION {
-        return surface;
-    }
-    let row = materials[number];
-    let dimension = bounce_dimension((*path).depth, DIMENSION_SCATTER);
-    let is_second = random4((*path).pixel, (*path).sample, dimension, settings.seed ^ PART_OF_MIX).x < extension_colour(number, hit, surface).x;
-    // Behind the frames of the mix are those of its first part, then those of its second.
-    surface.frame += row.kind + u32(row.texture != NO_TEXTURE) + u32(select(0.0, row.${mix.frames}, is_second));
-    surface.material = u32(select(row.${mix.first}, row.${mix.second}, is_second));
-    return surface;
-}
-
-// The kind of material of the event.
-fn kind_of_event(path: ptr<function, Path>, hit: Hit) -> u32 {
-    return materials[surface_of_event(path, hit).material].kind;
-}
-
-//@ without
-//@ use bind/materials
-//@ use scene/surfaces
-// No material is a mix.
-fn surface_of_event(path: ptr<function, Path>, hit: Hit) -> Surface {
-    return surface_at(hit, (*path).ray);
-}
-
-fn kind_of_event(path: ptr<function, Path>, hit: Hit) -> u32 {
-    return materials[material_index(hit)].kind;
+// The surface with a part of its mix: the first one, or the second. `row` is the row of the mix, behind whose frames are those of its parts.
+fn part_of_mix(row: Material, surface: Surface, is_second: bool) -> Surface {
+    var part = surface;
+    part.material = u32(select(row.${mix.first}, row.${mix.second}, is_second));
+    part.frame += row.kind + u32(row.texture != NO_TEXTURE) + u32(select(0.0, row.${mix.frames}, is_second));
+    return part;
 }

@@ -146,7 +146,7 @@ pub const MIXES: Room = Room {
     max_depth: 6,
     faults: &[
         ("scene", "share: 0.4", "share: 0.3"),
-        ("material/mix", "< extension_colour(", "< select(1.0, 0.0, FAULT) * extension_colour("),
+        ("scene/mix", "< extension_colour(", "< select(1.0, 0.0, FAULT) * extension_colour("),
     ],
 };
 
