@@ -16,6 +16,7 @@ use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
 use super::mitsuba::{self, is_mitsuba};
 use super::model::Scene;
+use super::pbrt::{self, is_pbrt};
 use super::recover::{Parts, parts_of};
 use super::sky::SKY;
 use super::types::*;
@@ -46,8 +47,8 @@ impl Scene {
         if is_gltf(path) || mesh_files::is_mesh(path) {
             return of_model(path, path, options, progress, assets);
         }
-        if is_mitsuba(path) {
-            return of_mitsuba(path, path, options, progress, assets);
+        if is_mitsuba(path) || is_pbrt(path) {
+            return of_another(path, path, options, progress, assets);
         }
         if let Some(what) = other_kind(path) {
             return Err(of_file(path, what));
@@ -59,12 +60,12 @@ impl Scene {
 
     /// The scene of a glTF file or a mesh file, as the scene file `to` would have it. `assets` then has the files that it was read from.
     pub fn of_model(path: &Path, to: &Path, options: &GltfOptions, assets: &mut Assets) -> Result<Scene> {
-        if is_mitsuba(path) {
+        if is_mitsuba(path) || is_pbrt(path) {
             assets.begin(path);
-            return of_mitsuba(path, to, options, &mut |_, _, _| {}, assets);
+            return of_another(path, to, options, &mut |_, _, _| {}, assets);
         }
         if !is_gltf(path) && !mesh_files::is_mesh(path) {
-            let expected = "expected a file that ends in .glb, .gltf, .xml, .obj, .ply or .stl";
+            let expected = "expected a file that ends in .glb, .gltf, .xml, .pbrt, .obj, .ply or .stl";
             return Err(Error::Usage(format!("{}: {expected}", path.display())));
         }
         assets.begin(path);
@@ -291,8 +292,8 @@ fn of_model(
     Ok(scene)
 }
 
-/// The scene of a file of Mitsuba, as the scene file `to` would have it.
-fn of_mitsuba(
+/// The scene of a file of another renderer, as the scene file `to` would have it.
+fn of_another(
     path: &Path,
     to: &Path,
     options: &GltfOptions,
@@ -300,8 +301,9 @@ fn of_mitsuba(
     assets: &mut Assets,
 ) -> Result<Scene> {
     GltfOptions { defines: Vec::new(), lossless: false, ..options.clone() }.refuse(path, false)?;
+    let read = if is_pbrt(path) { pbrt::contents } else { mitsuba::contents };
     let mitsuba::Contents { parts, meshes, notes, files, places, findings } =
-        mitsuba::contents(path, to, options, progress, assets)?;
+        read(path, to, options, progress, assets)?;
     let made = meshes.keys().cloned().collect();
     let scene = Scene::of_parts(parts, Source::with_places(to, places));
     let mut scene = Scene { meshes, made, notes, libraries: files, ..scene };

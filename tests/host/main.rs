@@ -20,6 +20,7 @@ mod mesh_scenes;
 mod mitsuba;
 mod named_files;
 mod page;
+mod pbrt;
 mod plan;
 mod scene_file;
 mod statistics;

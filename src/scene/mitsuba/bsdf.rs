@@ -192,7 +192,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
                 let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
                 own.find("material").unwrap_or(node).error_at("value", message)
             };
-            let measured = tables::row(include_str!("metals.csv"), name);
+            let measured = tables::row(tables::METALS, name);
             let [a, b, c, d, e, f] = measured.unwrap_or_default()[..] else { return Err(unknown()) };
             let (eta, k) = (Colour::new(a, b, c), Colour::new(d, e, f));
             (None, Some(eta / outside), Some(k / outside))

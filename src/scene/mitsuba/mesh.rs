@@ -1,6 +1,7 @@
 //! Meshes that no file has as the scene needs them: shapes of Mitsuba as triangles, and meshes that are changed.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
@@ -8,6 +9,14 @@ use crate::shape::mesh::Mesh;
 
 /// The edges around a sphere, a disk or a cylinder, and half of them from pole to pole.
 pub const AROUND: u32 = 128;
+
+/// The path of a mesh that no file has, in the scene `to`: in the scene's own file, or in one that `convert` writes.
+pub fn path_of(to: &Path, is_in_place: bool, number: usize) -> String {
+    match is_in_place {
+        true => format!("{}#meshes/{number}", to.file_name().unwrap_or_default().to_string_lossy()),
+        false => format!("{}-{number}.ply", to.file_stem().unwrap_or_default().to_string_lossy()),
+    }
+}
 
 /// A mesh of vertices with normals and texture coordinates, v downwards as Mitsuba has it.
 #[derive(Default)]

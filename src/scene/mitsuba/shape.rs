@@ -22,7 +22,7 @@ use crate::shape::mesh::Mesh;
 const KNOWN: &str = "obj, ply, serialized, sphere, rectangle, cube, disk, cylinder, shapegroup, instance";
 
 /// Their spheres have poles on z, ours on y: this takes ours to theirs.
-const POLES: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y);
+pub const POLES: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y);
 
 /// What is inside a shape and on it.
 struct Surface {
@@ -220,7 +220,7 @@ fn sphere(node: &Node, by: &DAffine3, flips: bool, surface: &Surface, reader: &m
 }
 
 /// The same shape as the boundary of a medium.
-fn without_material(mut object: Object) -> Object {
+pub fn without_material(mut object: Object) -> Object {
     let inner = if let Object::Transformed { object, .. } = &mut object { &mut **object } else { &mut object };
     if let Object::Sphere { material, .. }
     | Object::Quad { material, .. }
@@ -249,11 +249,7 @@ fn made(node: &Node, mut mesh: Mesh, by: &DAffine3, flips: bool, surface: &Surfa
 
 /// Adds a mesh that no file has.
 fn add(mesh: Mesh, surface: &Surface, reader: &mut Reader) -> Object {
-    let (name, number) = (reader.to.clone(), reader.meshes.len());
-    let path = match reader.is_in_place {
-        true => format!("{}#meshes/{number}", name.file_name().unwrap_or_default().to_string_lossy()),
-        false => format!("{}-{number}.ply", name.file_stem().unwrap_or_default().to_string_lossy()),
-    };
+    let path = mesh::path_of(&reader.to, reader.is_in_place, reader.meshes.len());
     reader.meshes.insert(path.clone(), Arc::new(mesh));
     Object::Mesh { path, material: surface.material.clone() }
 }

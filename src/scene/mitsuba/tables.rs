@@ -1,5 +1,8 @@
 //! Tables of measured numbers: .csv files beside this one, of names and their numbers.
 
+/// The eta and the k of metals.
+pub const METALS: &str = include_str!("metals.csv");
+
 /// The names of a table, each with its numbers as text.
 fn lines(table: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
     table.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split_once(','))

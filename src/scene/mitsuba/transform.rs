@@ -32,18 +32,14 @@ fn one(step: &Node) -> Result<DAffine3> {
             Ok(DAffine3::from_mat3(DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))))
         }
         "lookat" => {
-            let origin = point(step, "origin")?;
-            let forward = (point(step, "target")? - origin).try_normalize();
-            let forward = forward.ok_or_else(|| step.error("expected a target that is not the origin"))?;
+            let (origin, target) = (point(step, "origin")?, point(step, "target")?);
+            let forward = (target - origin).normalize_or_zero();
             let up = if step.attribute("up").is_some() { point(step, "up")? } else { DVec3::ZERO };
             // Without one Mitsuba takes an axis of a frame around the view (Duff et al., JCGT 6(1), 2017).
             let sign = 1f64.copysign(forward.z);
             let b = -forward.x / (sign + forward.z);
             let any = DVec3::new(1.0 + sign * forward.x * b, sign * forward.y * b, -sign * forward.x);
-            let up = if up == DVec3::ZERO { any } else { up };
-            let left = up.cross(forward).try_normalize();
-            let left = left.ok_or_else(|| step.error("expected an up that is not parallel to the view"))?;
-            Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: origin })
+            look_at(origin, target, if up == DVec3::ZERO { any } else { up }).map_err(|message| step.error(message))
         }
         "matrix" => match numbers(step, "value")?[..] {
             [a, b, c, d, e, f, g, h, i] => Ok(rows([a, b, c, d, e, f, g, h, i], DVec3::ZERO)),
@@ -55,6 +51,13 @@ fn one(step: &Node) -> Result<DAffine3> {
         },
         _ => Err(step.error("expected translate, rotate, scale, lookat or matrix")),
     }
+}
+
+/// The transform from a camera to the world: x is the viewer's left, y up and z forward.
+pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> std::result::Result<DAffine3, &'static str> {
+    let forward = (to - from).try_normalize().ok_or("expected a target that is not the origin")?;
+    let left = up.cross(forward).try_normalize().ok_or("expected an up that is not parallel to the view")?;
+    Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: from })
 }
 
 fn rows(numbers: [f64; 9], translation: DVec3) -> DAffine3 {

@@ -1,0 +1,366 @@
+//! Materials and textures.
+
+use glam::DVec2;
+
+use super::params::Params;
+use super::reader::{AS_THEY_ARE, Mapping, Reader};
+use crate::error::Result;
+use crate::printable::quote;
+use crate::scene::mitsuba::tables;
+use crate::scene::types::*;
+
+const KNOWN: &str =
+    "diffuse, dielectric, thindielectric, conductor, coateddiffuse, diffusetransmission, mix, interface";
+
+/// The indices of the glasses that have names, at 587.6 nm.
+const GLASSES: [(&str, f64); 7] = [
+    ("glass-BK7", 1.5168),
+    ("glass-BAF10", 1.6700),
+    ("glass-FK51A", 1.4866),
+    ("glass-LASF9", 1.8503),
+    ("glass-SF5", 1.6727),
+    ("glass-SF10", 1.7283),
+    ("glass-SF11", 1.7847),
+];
+
+/// The material of a directive; nothing for an interface.
+pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Option<Material>> {
+    params.ignore(&["type"]);
+    reader.mapping.set(None);
+    for name in ["displacement", "normalmap"] {
+        if params.has(name) {
+            params.ignore(&[name]);
+            reader.lose(
+                params.place_of(name),
+                &params.title,
+                &format!("its {name} is left out: the surface is smooth"),
+            );
+        }
+    }
+    let found = match kind {
+        "" | "none" | "interface" => None,
+        "diffuse" => Some(lambertian(texture_or(params, "reflectance", 0.5, reader)?)),
+        "coateddiffuse" => {
+            for (name, usual) in [("thickness", 0.01), ("g", 0.0)] {
+                if params.number_or(name, usual)? != usual {
+                    reader.lose(
+                        params.place_of(name),
+                        &params.title,
+                        &format!("its {name} is not used: nothing lies in its layer"),
+                    );
+                }
+            }
+            params.ignore(&["maxdepth", "nsamples"]);
+            if params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
+                reader.lose(
+                    params.place_of("albedo"),
+                    &params.title,
+                    "its albedo is not used: nothing lies in its layer",
+                );
+            }
+            Some(Material::Plastic(Plastic {
+                diffuse: texture_or(params, "reflectance", 0.5, reader)?,
+                ior: index(params, reader)?,
+                roughness: Facets::of(params, reader)?.plain(params)?,
+                nonlinear: true,
+                ..Plastic::default()
+            }))
+        }
+        "diffusetransmission" => {
+            let scale = params.number_or("scale", 1.0)?;
+            let share = |name| match texture_or(params, name, 0.25, reader)? {
+                Texture::Rgb(r, g, b) => Ok(scale * Colour::new(r, g, b)),
+                _ => Err(params.error_at(name, "a texture of diffusetransmission is not read")),
+            };
+            let (reflected, passed) = (share("reflectance")?, share("transmittance")?);
+            let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
+            let sum = of_reflected + of_passed;
+            if sum > 1.0 {
+                return Err(params
+                    .error(format!("expected a reflectance and a transmittance of 1 at most together, found {sum}")));
+            }
+            // Of what the body scatters, this share passes.
+            let through = if sum > 0.0 { of_passed / sum } else { 0.0 };
+            let over = |colour: Colour, share: f64| if share > 0.0 { colour / share } else { Colour::ZERO };
+            let (base, far) = (over(reflected, 1.0 - through), over(passed, through));
+            Some(Material::Pbr(Pbr {
+                base_color: Texture::Rgb(base.x, base.y, base.z),
+                metallic: Texture::grey(0.0),
+                specular: Texture::grey(0.0),
+                diffuse_transmission: Texture::grey(through),
+                diffuse_transmission_color: Texture::Rgb(far.x, far.y, far.z),
+                ..Pbr::default()
+            }))
+        }
+        "dielectric" => {
+            let (ior, facets) = (index(params, reader)?, Facets::of(params, reader)?);
+            Some(match facets.is_smooth() {
+                true => Material::Dielectric(Dielectric { ior, ..Dielectric::default() }),
+                false => Material::RoughDielectric(RoughDielectric {
+                    ior,
+                    roughness: facets.roughness,
+                    anisotropy: facets.anisotropy,
+                    anisotropy_rotation: facets.rotation,
+                    ..RoughDielectric::default()
+                }),
+            })
+        }
+        "thindielectric" => Some(Material::ThinDielectric(ThinDielectric {
+            ior: index(params, reader)?,
+            inner_reflections: true,
+            ..ThinDielectric::default()
+        })),
+        "conductor" => Some(conductor(params, reader)?),
+        "mix" => Some(mix(params, reader)?),
+        _ => return Err(params.error(format!("this material is not read: expected one of {KNOWN}"))),
+    };
+    reader.end(params);
+    Ok(found)
+}
+
+pub fn lambertian(albedo: Texture) -> Material {
+    Material::Lambertian(Lambertian { albedo, ..Lambertian::default() })
+}
+
+fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
+    let facets = Facets::of(params, reader)?;
+    let (eta, k) = match params.has("reflectance") {
+        true if params.has("eta") || params.has("k") => {
+            return Err(params.error("expected a reflectance, or eta and k, found both"));
+        }
+        true => {
+            let Texture::Rgb(r, g, b) = texture_or(params, "reflectance", 0.5, reader)? else {
+                return Err(params.error_at("reflectance", "a texture of a conductor is not read"));
+            };
+            // As pbrt makes them of a reflectance.
+            let reflectance = Colour::new(r, g, b).clamp(Colour::ZERO, Colour::splat(0.9999));
+            (Colour::ONE, reflectance.map(|r| 2.0 * r.sqrt() / (1.0 - r).sqrt()))
+        }
+        false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 3)?),
+    };
+    Ok(Material::Conductor(Conductor {
+        eta: Some(eta),
+        k: Some(k),
+        roughness: facets.roughness,
+        anisotropy: facets.anisotropy,
+        anisotropy_rotation: facets.rotation,
+        ..Conductor::default()
+    }))
+}
+
+/// The eta or the k of a metal, whose numbers stand from `first` on in its row.
+fn of_metal(params: &Params, name: &str, first: usize) -> Result<Colour> {
+    let of_name = |text: &str| {
+        let metal = text.strip_prefix("metal-").and_then(|rest| rest.strip_suffix(&format!("-{name}")));
+        let row = metal.and_then(|metal| tables::row(tables::METALS, metal)).unwrap_or_default();
+        let missing = || params.error_at(name, format!("the metal {} is not known here: give its rgb", quote(text)));
+        row.get(first..first + 3).map(|own| Colour::new(own[0], own[1], own[2])).ok_or_else(missing)
+    };
+    match params.spectrum(name)? {
+        None => of_name(&format!("metal-Cu-{name}")),
+        Some(super::params::Spectrum::Named(text)) => of_name(&text),
+        Some(super::params::Spectrum::Rgb(colour)) => Ok(colour),
+        Some(super::params::Spectrum::Curve { .. }) => {
+            Err(params.error_at(name, format!("{name} by wavelengths is not read: give its rgb")))
+        }
+    }
+}
+
+fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
+    let names = params.words("materials")?;
+    let [a, b] = names[..] else {
+        return Err(params.error_at("materials", format!("expected the names of two materials, found {}", names.len())));
+    };
+    let mut name_of = |name: &str| {
+        let wrong = |message: &str| params.error_at("materials", format!("{}: {message}", quote(name)));
+        let look = reader.named_looks.get(name).and_then(|look| reader.looks.get(*look));
+        let look = look.ok_or_else(|| wrong("there is no material of this name above"))?;
+        let (found, at) = (look.material.clone(), look.at.clone());
+        let found = found.ok_or_else(|| wrong("an interface cannot be mixed"))?;
+        match found.not_mixed() {
+            Some(what) => Err(wrong(&format!("it cannot be mixed here, because it {what}"))),
+            None => Ok(reader.add_material(found, name, &at)),
+        }
+    };
+    let (a, b) = (name_of(a)?, name_of(b)?);
+    Ok(Material::Mix(Mix { a, b, share: number_or(params, "amount", 0.5, reader)?, alpha: Texture::grey(1.0) }))
+}
+
+/// The index of refraction inside.
+fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
+    let ior = match params.spectrum("eta")? {
+        None => 1.5,
+        Some(super::params::Spectrum::Rgb(eta)) if eta == Colour::splat(eta.x) => eta.x,
+        Some(super::params::Spectrum::Named(name)) => {
+            let known = GLASSES.into_iter().find(|(known, _)| *known == name);
+            let unknown =
+                || params.error_at("eta", format!("the glass {} is not known here: give a float", quote(&name)));
+            let (_, ior) = known.ok_or_else(unknown)?;
+            reader.lose(params.place_of("eta"), &params.title, &format!("its index is {ior} for all colours here"));
+            ior
+        }
+        Some(_) => return Err(params.error_at("eta", "expected one number, or the name of a glass")),
+    };
+    match ior > 0.0 {
+        true => Ok(ior),
+        false => Err(params.error_at("eta", format!("expected an index above 0, found {ior}"))),
+    }
+}
+
+/// The microfacets of a material.
+struct Facets {
+    /// The square root of alpha.
+    roughness: Texture,
+    anisotropy: f64,
+    /// In degrees, from u towards v.
+    rotation: f64,
+}
+
+impl Facets {
+    /// The roughness of u and v, of which pbrt takes the root as alpha unless `remaproughness` is false.
+    fn of(params: &Params, reader: &mut Reader) -> Result<Facets> {
+        let remaps = params.flag_or("remaproughness", true)?;
+        let usual = number_or(params, "roughness", 0.0, reader)?;
+        let one = |name: &str, reader: &mut Reader| match params.has(name) {
+            true => number_or(params, name, 0.0, reader),
+            false => Ok(usual.clone()),
+        };
+        let (u, v) = (one("uroughness", reader)?, one("vroughness", reader)?);
+        let (Some(u), Some(v)) = (u.plain(), v.plain()) else {
+            return Err(params.error("a texture of roughness is not read"));
+        };
+        let [u, v] = [u.x, v.x].map(|x| if remaps { x.max(0.0).sqrt() } else { x.max(0.0) });
+        if u.max(v) > 1.0 {
+            reader.lose(&params.at, &params.title, &format!("its alpha {} counts as 1", u.max(v)));
+        }
+        let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
+        Ok(Facets {
+            // pbrt takes less as smooth.
+            roughness: Texture::grey(if most < 1e-3 { 0.0 } else { least.sqrt() }),
+            anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
+            rotation: if v > u { 90.0 } else { 0.0 },
+        })
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.roughness == Texture::grey(0.0) && self.anisotropy == 0.0
+    }
+
+    fn plain(self, params: &Params) -> Result<f64> {
+        match (self.anisotropy, self.roughness.plain()) {
+            (0.0, Some(roughness)) => Ok(roughness.x),
+            _ => Err(params.error("expected one roughness for u and v")),
+        }
+    }
+}
+
+/// A number that may be a texture.
+pub fn number_or(params: &Params, name: &str, default: f64, reader: &Reader) -> Result<Texture> {
+    match params.texture(name)? {
+        Some(texture) => known(params, name, texture, false, reader),
+        None => Ok(Texture::grey(params.number_or(name, default)?)),
+    }
+}
+
+/// A colour that may be a texture.
+pub fn texture_or(params: &Params, name: &str, default: f64, reader: &Reader) -> Result<Texture> {
+    match params.texture(name)? {
+        Some(texture) => known(params, name, texture, true, reader),
+        None => {
+            let Colour { x, y, z } = params.colour(name)?.unwrap_or(Colour::splat(default));
+            Ok(Texture::Rgb(x, y, z))
+        }
+    }
+}
+
+fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &Reader) -> Result<Texture> {
+    let kind = if is_colour { "spectrum" } else { "float" };
+    let missing = || params.error_at(name, format!("there is no {kind} texture {} above", quote(texture)));
+    let (found, mapping) = reader.textures.get(&(is_colour, texture.to_owned())).cloned().ok_or_else(missing)?;
+    if found.needs_uv() && reader.mapping.replace(Some(mapping)).is_some_and(|other| other != mapping) {
+        return Err(params.error_at(name, "expected one mapping of all textures of a surface, found another"));
+    }
+    Ok(found)
+}
+
+/// The texture of a directive.
+pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader) -> Result<(Texture, Mapping)> {
+    reader.mapping.set(None);
+    let one = |name: &str, default: f64, reader: &Reader| match is_colour {
+        true => texture_or(params, name, default, reader),
+        false => number_or(params, name, default, reader),
+    };
+    let found = match kind {
+        "constant" => one("value", 1.0, reader)?,
+        "scale" => {
+            let (texture, scale) = (one("tex", 1.0, reader)?, number_or(params, "scale", 1.0, reader)?);
+            let scale = scale.plain().ok_or_else(|| params.error_at("scale", "a texture as scale is not read"))?.x;
+            match texture {
+                Texture::Rgb(r, g, b) => Texture::Rgb(scale * r, scale * g, scale * b),
+                Texture::Image { path, tint, channel, uv_set, wrap } => {
+                    Texture::Image { path, tint: scale * tint, channel, uv_set, wrap }
+                }
+                Texture::Checker { scale: size, even, odd, uv } => {
+                    Texture::Checker { scale: size, even: scale * even, odd: scale * odd, uv }
+                }
+                _ => return Err(params.error_at("tex", "this texture cannot be scaled here")),
+            }
+        }
+        "checkerboard" => {
+            if params.integer_or("dimension", 2)? != 2 {
+                return Err(params.error_at("dimension", "expected 2: others are not read"));
+            }
+            let plain = |name, default| match one(name, default, reader)? {
+                Texture::Rgb(r, g, b) => Ok(Colour::new(r, g, b)),
+                _ => Err(params.error_at(name, "a texture in a checkerboard is not read")),
+            };
+            Texture::Checker { scale: 1.0, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
+        }
+        "imagemap" => {
+            let file = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
+            let path = reader.named(&reader.resolve(file, params.place_of("filename")));
+            params.ignore(&["filter", "maxanisotropy"]);
+            let wrap = match params.word("wrap")?.unwrap_or("repeat") {
+                "repeat" => Wrap::Repeat,
+                "clamp" => Wrap::Clamp,
+                _ => return Err(params.error_at("wrap", "expected a wrap of repeat or clamp")),
+            };
+            if params.flag_or("invert", false)? {
+                return Err(params.error_at("invert", "expected false: inverted images are not read"));
+            }
+            let encoding = params.word("encoding")?.unwrap_or("sRGB");
+            if encoding != "sRGB" && !(encoding == "linear" && !is_colour) {
+                return Err(params.error_at("encoding", "expected sRGB for colours: others are not read"));
+            }
+            if encoding == "sRGB" && !is_colour && !is_linear(file) {
+                reader.lose(&params.at, &params.title, "its codes count as linear here: write encoding linear");
+            }
+            Texture::Image {
+                path,
+                tint: Colour::splat(params.number_or("scale", 1.0)?),
+                channel: None,
+                uv_set: 0,
+                wrap,
+            }
+        }
+        _ => {
+            let message = "this texture is not read: expected constant, scale, checkerboard or imagemap";
+            return Err(params.error(message));
+        }
+    };
+    let own = if ["checkerboard", "imagemap"].contains(&kind) { Some(mapping(params)?) } else { None };
+    reader.end(params);
+    Ok((found, own.or(reader.mapping.take()).unwrap_or(AS_THEY_ARE)))
+}
+
+fn is_linear(path: &str) -> bool {
+    crate::scene::gltf_path::has_ending(std::path::Path::new(path), &["exr", "hdr", "pfm"])
+}
+
+fn mapping(params: &Params) -> Result<Mapping> {
+    if params.word("mapping")?.is_some_and(|mapping| mapping != "uv") {
+        return Err(params.error_at("mapping", "expected uv: other mappings are not read"));
+    }
+    let both = |u: &str, v: &str, usual| Ok(DVec2::new(params.number_or(u, usual)?, params.number_or(v, usual)?));
+    Ok([both("uscale", "vscale", 1.0)?, both("udelta", "vdelta", 0.0)?])
+}

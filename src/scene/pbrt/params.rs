@@ -1,0 +1,303 @@
+//! The parameters of a directive: each is asked for by its name, and those that nobody asks for are errors.
+
+use std::cell::Cell;
+
+use glam::{DVec2, DVec3};
+
+use super::tokens::{Place, Token, Tokens, number_of};
+use crate::error::{Error, Result};
+use crate::printable::{counted, quote};
+use crate::scene::mitsuba::spectrum;
+use crate::scene::types::Colour;
+
+#[derive(Clone, Debug)]
+enum Values {
+    Numbers(Vec<f64>),
+    Words(Vec<String>),
+}
+
+#[derive(Clone, Debug)]
+pub struct Param {
+    kind: String,
+    name: String,
+    values: Values,
+    at: Place,
+    used: Cell<bool>,
+}
+
+/// The parameters of a directive.
+#[derive(Clone, Debug)]
+pub struct Params {
+    /// What they are of: "Shape sphere".
+    pub title: String,
+    pub at: Place,
+    all: Vec<Param>,
+}
+
+/// A colour as lights and materials take it.
+pub enum Spectrum {
+    /// Linear Rec. 709.
+    Rgb(Colour),
+    /// A curve of wavelengths, whose colour this is for a light, with a luminance of 1, and for a surface.
+    Curve {
+        light: Colour,
+        surface: Colour,
+    },
+    Named(String),
+}
+
+impl Params {
+    /// Reads the parameters that come next.
+    pub fn read(title: String, at: Place, tokens: &mut Tokens<'_>) -> Result<Params> {
+        let mut all: Vec<Param> = Vec::new();
+        while let Some(Token::Text(declared)) = tokens.peek()? {
+            tokens.next()?;
+            let at = tokens.place();
+            let mut words = declared.split_ascii_whitespace();
+            let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
+                return Err(at.error(&title, format!("expected \"type name\", found {}", quote(declared))));
+            };
+            if all.iter().any(|known| known.name == name) {
+                return Err(at.error(&title, format!("{name} is given twice")));
+            }
+            let values = values(&format!("{title}.{name}"), tokens)?;
+            all.push(Param { kind: kind.to_owned(), name: name.to_owned(), values, at, used: Cell::new(false) });
+        }
+        Ok(Params { title, at, all })
+    }
+
+    /// The parameters with those of a default, where they are not given.
+    pub fn with_defaults(mut self, defaults: &[Param]) -> Params {
+        for default in defaults {
+            if !self.all.iter().any(|own| own.name == default.name) {
+                // Nobody need ask for a default.
+                default.used.set(true);
+                self.all.push(default.clone());
+            }
+        }
+        self
+    }
+
+    pub fn into_defaults(self) -> Vec<Param> {
+        self.all
+    }
+
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        self.at.error(&self.title, message)
+    }
+
+    /// An error at a parameter, or at the directive if it is not there.
+    pub fn error_at(&self, name: &str, message: impl Into<String>) -> Error {
+        let at = self.all.iter().find(|param| param.name == name).map_or(&self.at, |param| &param.at);
+        at.error(&format!("{}.{name}", self.title), message)
+    }
+
+    pub fn place_of(&self, name: &str) -> &Place {
+        self.all.iter().find(|param| param.name == name).map_or(&self.at, |param| &param.at)
+    }
+
+    fn find(&self, name: &str, kinds: &[&str]) -> Result<Option<&Param>> {
+        let Some(param) = self.all.iter().find(|param| param.name == name) else { return Ok(None) };
+        param.used.set(true);
+        match kinds.contains(&param.kind.as_str()) {
+            true => Ok(Some(param)),
+            false => {
+                Err(self.error_at(name, format!("expected the type {}, found {}", kinds.join(" or "), param.kind)))
+            }
+        }
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.all.iter().any(|param| param.name == name)
+    }
+
+    /// Parameters that do not change the image.
+    pub fn ignore(&self, names: &[&str]) {
+        self.all.iter().filter(|param| names.contains(&param.name.as_str())).for_each(|param| param.used.set(true));
+    }
+
+    pub fn numbers(&self, name: &str, kinds: &[&str]) -> Result<Option<&[f64]>> {
+        match self.find(name, kinds)?.map(|param| &param.values) {
+            None => Ok(None),
+            Some(Values::Numbers(all)) => Ok(Some(all)),
+            Some(Values::Words(_)) => Err(self.error_at(name, "expected numbers")),
+        }
+    }
+
+    fn some<const N: usize>(&self, name: &str, kinds: &[&str]) -> Result<Option<[f64; N]>> {
+        let found = self.numbers(name, kinds)?;
+        let wrong = |found: &[f64]| {
+            self.error_at(name, format!("expected {}, found {}", counted(N as u64, "number"), found.len()))
+        };
+        found.map(|found| <[f64; N]>::try_from(found).map_err(|_| wrong(found))).transpose()
+    }
+
+    pub fn number(&self, name: &str) -> Result<Option<f64>> {
+        Ok(self.some::<1>(name, &["float"])?.map(|[x]| x))
+    }
+
+    pub fn number_or(&self, name: &str, default: f64) -> Result<f64> {
+        Ok(self.number(name)?.unwrap_or(default))
+    }
+
+    pub fn integer_or(&self, name: &str, default: i64) -> Result<i64> {
+        match self.some::<1>(name, &["integer"])? {
+            None => Ok(default),
+            Some([x]) if x.fract() == 0.0 && x.abs() < 1e15 => Ok(x as i64),
+            Some([x]) => Err(self.error_at(name, format!("expected an integer, found {x}"))),
+        }
+    }
+
+    pub fn point_or(&self, name: &str, default: DVec3) -> Result<DVec3> {
+        Ok(self.some::<3>(name, &["point3", "point", "vector3", "vector"])?.map_or(default, DVec3::from_array))
+    }
+
+    fn tuples<const N: usize>(&self, name: &str, kinds: &[&str]) -> Result<Vec<[f64; N]>> {
+        let all = self.numbers(name, kinds)?.unwrap_or_default();
+        let (tuples, rest) = all.as_chunks::<N>();
+        match rest.is_empty() {
+            true => Ok(tuples.to_vec()),
+            false => {
+                Err(self.error_at(name, format!("expected {N} numbers for each element, found {} numbers", all.len())))
+            }
+        }
+    }
+
+    pub fn points(&self, name: &str) -> Result<Vec<DVec3>> {
+        let kinds = ["point3", "point", "normal3", "normal", "vector3", "vector"];
+        Ok(self.tuples::<3>(name, &kinds)?.into_iter().map(DVec3::from_array).collect())
+    }
+
+    pub fn points2(&self, name: &str) -> Result<Vec<DVec2>> {
+        let kinds = ["point2", "float", "vector2"];
+        Ok(self.tuples::<2>(name, &kinds)?.into_iter().map(DVec2::from_array).collect())
+    }
+
+    /// The indices of vertices, in groups.
+    pub fn indices<const N: usize>(&self, name: &str, vertices: usize) -> Result<Vec<[u32; N]>> {
+        let all = self.tuples::<N>(name, &["integer"])?;
+        let is_known = |x: &f64| x.fract() == 0.0 && (0.0..vertices as f64).contains(x);
+        match all.iter().flatten().find(|x| !is_known(x)) {
+            None => Ok(all.into_iter().map(|group| group.map(|x| x as u32)).collect()),
+            Some(x) => {
+                Err(self.error_at(name, format!("expected indices of vertices from 0 to below {vertices}, found {x}")))
+            }
+        }
+    }
+
+    pub fn word(&self, name: &str) -> Result<Option<&str>> {
+        self.word_of(name, &["string"])
+    }
+
+    fn word_of(&self, name: &str, kinds: &[&str]) -> Result<Option<&str>> {
+        let Some(param) = self.find(name, kinds)? else { return Ok(None) };
+        match &param.values {
+            Values::Words(words) if words.len() == 1 => Ok(words.first().map(String::as_str)),
+            _ => Err(self.error_at(name, "expected one text in quotes")),
+        }
+    }
+
+    pub fn words(&self, name: &str) -> Result<Vec<&str>> {
+        match self.find(name, &["string"])?.map(|param| &param.values) {
+            None => Ok(Vec::new()),
+            Some(Values::Words(words)) => Ok(words.iter().map(String::as_str).collect()),
+            Some(Values::Numbers(_)) => Err(self.error_at(name, "expected texts in quotes")),
+        }
+    }
+
+    pub fn flag_or(&self, name: &str, default: bool) -> Result<bool> {
+        match self.word_of(name, &["bool"])? {
+            None => Ok(default),
+            Some("true") => Ok(true),
+            Some("false") => Ok(false),
+            Some(other) => Err(self.error_at(name, format!("expected true or false, found {}", quote(other)))),
+        }
+    }
+
+    /// The name of the texture that a parameter is, if it is one.
+    pub fn texture(&self, name: &str) -> Result<Option<&str>> {
+        let is_texture = self.all.iter().any(|param| param.name == name && param.kind == "texture");
+        if is_texture { self.word_of(name, &["texture"]) } else { Ok(None) }
+    }
+
+    pub fn spectrum(&self, name: &str) -> Result<Option<Spectrum>> {
+        let Some(param) = self.find(name, &["rgb", "spectrum", "blackbody", "float"])? else { return Ok(None) };
+        let unit = |colour: Colour| colour / crate::data::luminance(colour.to_array()).max(f64::MIN_POSITIVE);
+        Ok(Some(match (param.kind.as_str(), &param.values) {
+            ("rgb", Values::Numbers(all)) if all.len() == 3 => Spectrum::Rgb(Colour::new(all[0], all[1], all[2])),
+            ("rgb", _) => return Err(self.error_at(name, "expected three numbers")),
+            ("float", Values::Numbers(all)) if all.len() == 1 => Spectrum::Rgb(Colour::splat(all[0])),
+            ("blackbody", Values::Numbers(all)) if all.len() == 1 && all[0] > 0.0 => {
+                let light = unit(spectrum::of_black_body(all[0]));
+                Spectrum::Curve { light, surface: light }
+            }
+            ("blackbody", _) => return Err(self.error_at(name, "expected one temperature above 0 kelvins")),
+            (_, Values::Words(words)) if words.len() == 1 => Spectrum::Named(words[0].clone()),
+            (_, Values::Numbers(all)) => {
+                let pairs: Vec<(f64, f64)> = all.as_chunks::<2>().0.iter().map(|[at, value]| (*at, *value)).collect();
+                if all.len() % 2 != 0 || pairs.is_empty() || !pairs.is_sorted_by(|a, b| a.0 < b.0) {
+                    let message = "expected wavelengths that rise, each with its value";
+                    return Err(self.error_at(name, message));
+                }
+                let (light, surface) = (spectrum::of_pairs(&pairs, true), spectrum::of_pairs(&pairs, false));
+                Spectrum::Curve { light: unit(light), surface }
+            }
+            _ => return Err(self.error_at(name, "expected one name")),
+        }))
+    }
+
+    /// A colour that is no light's.
+    pub fn colour(&self, name: &str) -> Result<Option<Colour>> {
+        match self.spectrum(name)? {
+            None => Ok(None),
+            Some(Spectrum::Rgb(colour) | Spectrum::Curve { surface: colour, .. }) => Ok(Some(colour)),
+            Some(Spectrum::Named(name_of)) => {
+                Err(self.error_at(name, format!("the spectrum {} is not read here: give its rgb", quote(&name_of))))
+            }
+        }
+    }
+
+    /// The parameters that nobody has asked for.
+    pub fn unused(&self) -> Vec<Error> {
+        let unused = self.all.iter().filter(|param| !param.used.get());
+        let error = |param: &Param| {
+            let message = "this parameter is not read: remove it if the image does not need it";
+            param.at.error(&format!("{}.{}", self.title, param.name), message)
+        };
+        unused.map(error).collect()
+    }
+}
+
+/// The value of a parameter: one, or several in brackets.
+fn values(what: &str, tokens: &mut Tokens<'_>) -> Result<Values> {
+    let expected = "a value, or several in brackets";
+    let first = tokens.expect(what, expected)?;
+    let is_list = first == Token::Open;
+    let mut token = if is_list { tokens.expect(what, "]")? } else { first };
+    let (mut numbers, mut words) = (Vec::new(), Vec::new());
+    while token != Token::Close {
+        match token {
+            Token::Text(text) => words.push(text.to_owned()),
+            Token::Word(word @ ("true" | "false")) => words.push(word.to_owned()),
+            _ => match number_of(token) {
+                Some(number) => numbers.push(number),
+                None => {
+                    let message = format!("expected {expected}, found {}", token.words());
+                    return Err(tokens.place().error(what, message));
+                }
+            },
+        }
+        if !is_list {
+            break;
+        }
+        token = tokens.expect(what, "]")?;
+    }
+    match (words.is_empty(), numbers.is_empty()) {
+        (false, false) => Err(tokens.place().error(what, "expected numbers or texts, found both")),
+        (false, true) => Ok(Values::Words(words)),
+        (true, _) if !is_list && numbers.is_empty() => {
+            Err(tokens.place().error(what, format!("expected {expected}, found ]")))
+        }
+        (true, _) => Ok(Values::Numbers(numbers)),
+    }
+}

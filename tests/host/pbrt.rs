@@ -1,0 +1,261 @@
+//! Scenes of pbrt-v4: what directives become, where errors are, and that no text makes the reader panic.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use gpu_rt::error::Error;
+use gpu_rt::scene::{Assets, GltfOptions, Scene};
+use tempfile::TempDir;
+
+use crate::common::stats::Random;
+
+const VIEW: &str = r#"Scale -1 1 1 LookAt 0 0 0 0 0 1 0 1 0 Camera "perspective" "float fov" 90
+Film "rgb" "integer xresolution" 40 "integer yresolution" 20 Sampler "halton" "integer pixelsamples" 16 PixelFilter "box"
+Integrator "volpath" "integer maxdepth" 4 WorldBegin
+"#;
+const VIEW_IN_RON: &str = "image: (width: 40, height: 20),
+    camera: (look_from: (0, 0, 0), look_at: (0, 0, 1), up: (0, 1, 0), vertical_fov: 90), render: (samples: 16, max_depth: 4),";
+
+fn folder(files: &[(&str, &[u8])]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn load(path: &Path, lossless: bool) -> Result<Scene, Error> {
+    let options = GltfOptions { lossless, ..GltfOptions::default() };
+    Scene::load_as(path, &options, &mut |_, _, _| {}, &mut Assets::default())
+}
+
+fn read(text: &str) -> Result<Scene, Error> {
+    let folder = folder(&[("a.pbrt", text.as_bytes())]);
+    load(&folder.path().join("a.pbrt"), false)
+}
+
+/// Errors without the folder of their file.
+fn error(files: &[(&str, &[u8])]) -> String {
+    let folder = folder(files);
+    let error = load(&folder.path().join("a.pbrt"), false).expect_err("it is wrong").to_string();
+    error.replace(&format!("{}/", folder.path().display()), "")
+}
+
+/// A scene, and the same in our own form with what is told of it.
+type Same = (&'static str, &'static str, &'static [&'static str]);
+
+const SAME: &[Same] = &[
+    (
+        r#"LightSource "infinite" "rgb L" [0.5 0.25 1]
+        MakeNamedMaterial "red" "string type" "diffuse" "rgb reflectance" [0.2 0.3 0.4]
+        AttributeBegin NamedMaterial "red" Translate 1 2 3 Shape "sphere" "float radius" 2 AttributeEnd
+        AttributeBegin AreaLightSource "diffuse" "rgb L" [1 0 0] "float scale" 2 "bool twosided" true
+          Material "diffuse" "rgb reflectance" [0 0 0] Shape "disk" "float radius" 0.5 "float height" 4 AttributeEnd
+        LightSource "point" "point3 from" [1 2 3] "rgb I" [1 1 1]
+        LightSource "distant" "point3 from" [0 1 0] "point3 to" [0 0 0] "blackbody L" 6500 "float scale" 0"#,
+        r#"background: Solid((0.5, 0.25, 1)),
+        materials: { "red": Lambertian(albedo: Rgb(0.2, 0.3, 0.4)), "diffuse": DiffuseLight(emit: Rgb(2, 0, 0)) },
+        objects: [
+            Sphere(center: (1, 2, 3), radius: 2, material: "red"),
+            Disk(center: (0, 0, 4), normal: (0, 0, 1), radius: 0.5, material: "diffuse"),
+            PointLight(at: (1, 2, 3), intensity: (1, 1, 1)), DirectionalLight(direction: (0, -1, 0), irradiance: (0, 0, 0)),
+        ],"#,
+        &[],
+    ),
+    (
+        r#"MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [1 1 1] "rgb sigma_s" [1 1 1] "float scale" 2 "float g" 0.25
+        MakeNamedMedium "wine" "string type" "homogeneous" "rgb sigma_a" [1 2 3] "rgb sigma_s" [0 0 0]
+        AttributeBegin MediumInterface "fog" "" Material "interface" Shape "sphere" AttributeEnd
+        AttributeBegin MediumInterface "wine" "" Material "dielectric" "float eta" 1.3 Shape "sphere" AttributeEnd
+        Material "conductor" "spectrum eta" "metal-Al-eta" "spectrum k" "metal-Al-k" "float roughness" 0.0625 Shape "disk"
+        Material "dielectric" "float roughness" 0.25 "bool remaproughness" false Shape "disk"
+        Material "coateddiffuse" "rgb reflectance" [0.2 0.3 0.4] Shape "disk"
+        Material "thindielectric" Shape "disk"
+        MakeNamedMaterial "a" "string type" "diffuse" MakeNamedMaterial "b" "string type" "conductor"
+        Material "mix" "string materials" ["a" "b"] "float amount" 0.25 Shape "disk""#,
+        r#"materials: {
+            "dielectric": Dielectric(ior: 1.3, absorption: (1, 2, 3)),
+            "conductor": Conductor(eta: (1.6575, 0.8804, 0.52124), k: (9.22381, 6.2695, 4.837), roughness: 0.5),
+            "dielectric 2": RoughDielectric(ior: 1.5, roughness: 0.5),
+            "coateddiffuse": Plastic(diffuse: Rgb(0.2, 0.3, 0.4), nonlinear: true),
+            "thindielectric": ThinDielectric(ior: 1.5, inner_reflections: true),
+            "a": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)),
+            "b": Conductor(eta: (0.20101, 0.92375, 1.10222), k: (3.91326, 2.45305, 2.14209)),
+            "mix": Mix(a: "a", b: "b", share: 0.25),
+        },
+        objects: [
+            Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 4, albedo: Rgb(0.5, 0.5, 0.5), anisotropy: 0.25),
+            Sphere(center: (0, 0, 0), radius: 1, material: "dielectric"),
+            Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "conductor"),
+            Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "dielectric 2"),
+            Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "coateddiffuse"),
+            Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "thindielectric"),
+            Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "mix"),
+        ],"#,
+        &[],
+    ),
+];
+
+#[test]
+fn a_scene_is_that_of_the_scene_file() {
+    for (directives, ron, told) in SAME {
+        let found = read(&(VIEW.to_owned() + directives)).unwrap_or_else(|error| panic!("{error}"));
+        let background = if ron.contains("background") { "" } else { "background: Solid((0, 0, 0))," };
+        let expected = Scene::parse(&format!("Scene({VIEW_IN_RON} {background} {ron})"), Path::new("a.ron"));
+        let expected = expected.unwrap_or_else(|error| panic!("{error}"));
+        let text = found.text().replace("89.99999999999999", "90.0");
+        assert!(text == expected.text(), "{text}\n{}", expected.text());
+        // A planted fault is found.
+        let planted = read(&(VIEW.to_owned() + &directives.replacen("0.25", "0.26", 1)));
+        assert_ne!(planted.expect("it is valid").text(), expected.text());
+        let warnings = found.warnings();
+        let is_told = |own: &String| told.iter().any(|told| own.contains(told));
+        assert!(warnings.len() == told.len() && warnings.iter().all(is_told), "{warnings:?}");
+    }
+}
+
+#[test]
+fn errors_have_places() {
+    for (directives, expected) in [
+        ("Shape \"hair\"", "a.pbrt:4:1: Shape hair: this shape is not read: expected one of sphere, "),
+        ("Shape \"sphere\" \"float radius\" \"x\"", "a.pbrt:4:16: Shape sphere.radius: expected numbers"),
+        ("Shape \"sphere\" \"float size\" 1", "a.pbrt:4:16: Shape sphere.size: this parameter is not read"),
+        ("Shape \"sphere\" \"integer radius\" 1", "radius: expected the type float, found integer"),
+        ("\n  Shape \"sphere\" \"float radius\" [1 2]", "a.pbrt:5:18: Shape sphere.radius: expected 1 number, found 2"),
+        ("Shape \"sphere\" \"float radius\" [1", "Shape sphere.radius: expected ], found the end of the file"),
+        ("Sphere", "a.pbrt:4:1: Sphere: this directive is not read"),
+        ("Translate 1 2", "Translate: expected 3 numbers, found the end of the file"),
+        ("NamedMaterial \"x\"", "a.pbrt:4:1: NamedMaterial: there is no material \"x\" above"),
+        ("ObjectInstance \"x\"", "ObjectInstance: there is no object \"x\""),
+        ("AttributeEnd", "AttributeEnd: expected AttributeBegin before it"),
+        ("AttributeBegin", "a.pbrt:4:1: AttributeBegin: expected its end before that of the file"),
+        ("Film \"rgb\"", "Film rgb: expected it before WorldBegin"),
+        ("Include \"b.pbrt\"", "a.pbrt:4:1: Include: cannot read the scene file: "),
+        ("Include \"a.pbrt\"", "a.pbrt:4:1: Include: a.pbrt includes itself: expected no circle"),
+        (
+            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]",
+            "indices of vertices from 0 to below 3, found 3",
+        ),
+        (
+            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1] \"integer indices\" [0 1 2]",
+            "expected 3 numbers for each element",
+        ),
+        (
+            "MakeNamedMedium \"a\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [1 1 1] MediumInterface \"a\" \"\" Shape \"sphere\"",
+            "a.pbrt:4:1: MakeNamedMedium: expected one number for the extinction of all channels of its medium, found [2.0, 3.0, 4.0]",
+        ),
+        ("LightSource \"infinite\" \"string filename\" \"a.exr\"", "an image of an infinite light is not read"),
+        ("Shape \"sphere\" \"float zmax\" 0.5", "expected the whole sphere"),
+        ("ReverseOrientation Shape \"sphere\" \"float radius\" 0", "expected a radius above 0, found 0"),
+        ("Transform [1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 1] Shape \"sphere\"", "Transform: expected 0 0 0 1 as its last row"),
+    ] {
+        let found = error(&[("a.pbrt", (VIEW.to_owned() + directives).as_bytes())]);
+        assert!(found.contains(expected), "{found}\nexpected {expected}");
+    }
+    assert!(error(&[("a.pbrt", b"Film \"rgb\"")]).starts_with("a.pbrt:1:1: scene: expected WorldBegin"));
+    let inner =
+        error(&[("a.pbrt", (VIEW.to_owned() + "Include \"b.pbrt\"").as_bytes()), ("b.pbrt", b"\nShape \"hair\"")]);
+    assert!(inner.starts_with("b.pbrt:2:1: Shape hair"), "{inner}");
+}
+
+#[test]
+fn what_pbrt_shows_otherwise_is_told_and_can_be_refused() {
+    for (directives, told) in [
+        ("Shape \"curve\"", "Shape curve: it is left out"),
+        (
+            "Material \"dielectric\" \"spectrum eta\" \"glass-BK7\" Shape \"disk\"",
+            "its index is 1.5168 for all colours",
+        ),
+        ("Material \"diffuse\" \"string normalmap\" \"n.png\" Shape \"disk\"", "its normalmap is left out"),
+        ("Shape \"cylinder\"", "it becomes a mesh with 128 edges around"),
+        ("Scale 1 2 3 Shape \"sphere\"", "it becomes a mesh with 128 edges around"),
+        ("Material \"coateddiffuse\" \"float thickness\" 1 Shape \"disk\"", "its thickness is not used"),
+    ] {
+        let files = folder(&[("a.pbrt", (VIEW.to_owned() + directives + " LightSource \"infinite\"").as_bytes())]);
+        let path = files.path().join("a.pbrt");
+        let warnings = load(&path, false).unwrap_or_else(|error| panic!("{error}")).warnings();
+        assert!(warnings.iter().any(|own| own.contains("a.pbrt:4:") && own.contains(told)), "{told}: {warnings:?}");
+        let refused = load(&path, true).expect_err("it loses something").to_string();
+        assert!(refused.contains(told) && refused.contains("(--lossless)"), "{refused}");
+    }
+}
+
+/// A view without `Scale -1 1 1` shows the mirror image. Packed and included files are read; a part of the film is a part of the image.
+#[test]
+fn views_and_files_are_those_of_pbrt() {
+    let mirrored = read(&VIEW.replacen("Scale -1 1 1", "", 1)).expect("it is valid");
+    assert!(mirrored.camera.mirror && !read(VIEW).expect("it is valid").camera.mirror);
+    let tall = VIEW.replace("\"integer yresolution\" 20", "\"integer yresolution\" 80");
+    let fov = read(&tall).expect("it is valid").camera.vertical_fov.expect("it is plain");
+    assert!((fov - 2.0 * 2f64.atan().to_degrees()).abs() < 1e-9, "{fov}");
+    let part = VIEW.replace("Film \"rgb\"", "Film \"rgb\" \"float cropwindow\" [0.25 0.5 0 1]");
+    let part = read(&part).expect("it is valid");
+    assert_eq!((part.image.width, part.image.height), (10, 20));
+    let text = format!("{:?}", part.camera.projection);
+    assert!(text.contains("fx: 10.0") && text.contains("cx: 10.0"), "{text}");
+
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+    packed.write_all(b"Shape \"sphere\"").unwrap();
+    let packed = packed.finish().unwrap();
+    let including = VIEW.to_owned() + "Include \"b.pbrt.gz\" Include \"b.pbrt.gz\"";
+    let files = folder(&[("a.pbrt", including.as_bytes()), ("b.pbrt.gz", &packed)]);
+    assert_eq!(load(&files.path().join("a.pbrt"), false).expect("it is valid").objects.len(), 2);
+}
+
+/// Shapes that are turned inside out, by a mirror image or by themselves, have the front that pbrt gives them.
+#[test]
+fn fronts_are_those_of_pbrt() {
+    let mesh = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]";
+    let normal = |before: &str, more: &str| {
+        let scene = read(&format!("{VIEW}{before} {mesh} {more}")).unwrap_or_else(|error| panic!("{error}"));
+        let mesh = &scene.meshes["a.pbrt#meshes/0"];
+        let [a, b, c] = mesh.triangles[0].map(|corner| mesh.positions[corner as usize]);
+        (b - a).cross(c - a).z
+    };
+    assert!(normal("", "") > 0.0);
+    assert!(normal("Scale -1 1 1", "") > 0.0);
+    assert!(normal("ReverseOrientation", "") < 0.0);
+    assert!(normal("ReverseOrientation Scale -1 1 1", "") < 0.0);
+    assert!(normal("Scale -1 1 1", "\"normal N\" [0 0 1 0 0 1 0 0 1]") > 0.0);
+    assert!(normal("ReverseOrientation", "\"normal N\" [0 0 1 0 0 1 0 0 1]") < 0.0);
+}
+
+/// Random edits: each scene is read or refused, without a panic.
+#[test]
+fn mutants_do_not_panic() {
+    let scenes: Vec<Vec<u8>> =
+        SAME.iter().map(|(directives, ..)| (VIEW.to_owned() + directives).into_bytes()).collect();
+    let files = folder(&[]);
+    let path = files.path().join("mutant.pbrt");
+    let mut random = Random(69);
+    let (mut good, mut bad) = (0, 0);
+    for number in 0..2000 {
+        let mut text = scenes[number % scenes.len()].clone();
+        for _ in 0..=random.below(4) {
+            if text.is_empty() {
+                break;
+            }
+            let at = random.below(text.len());
+            match random.below(4) {
+                0 => text[at] = b"[]\"\n-9. e#ab0"[random.below(13)],
+                1 => _ = text.remove(at),
+                2 => text.truncate(at.max(1)),
+                _ => {
+                    let part = text[at..(at + random.below(40)).min(text.len())].to_vec();
+                    let to = random.below(text.len());
+                    text.splice(to..to, part);
+                }
+            }
+        }
+        fs::write(&path, &text).unwrap();
+        match load(&path, false) {
+            Ok(_) => good += 1,
+            Err(_) => bad += 1,
+        }
+    }
+    println!("{good} are read, {bad} refused");
+    assert!(good > 20 && bad > 1000, "{good} are read, {bad} refused");
+}
