@@ -20,7 +20,7 @@ pub const OIDN: &str = "The folder of the library of Open Image Denoise [default
 /// The scene, from a file or standard input.
 #[derive(Clone, Debug, Default, Args)]
 pub struct SceneArgs {
-    /// The scene: a .ron, .glb, .gltf, .obj, .ply or .stl file, or a .xml of Mitsuba.
+    /// The scene: a .ron, .glb, .gltf, .obj, .ply or .stl file, a .xml of Mitsuba, or a .pbrt.
     ///
     /// - is a .ron on standard input.
     #[arg(id = "scene", value_name = "SCENE")]
@@ -61,7 +61,7 @@ pub struct GltfArgs {
     /// For a .xml of Mitsuba: the value of $NAME in it, in place of its `default`.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = MITSUBA)]
     pub define: Vec<(String, String)>,
-    /// For a .xml of Mitsuba: what cannot be as the file says is an error, not a warning.
+    /// For a .xml of Mitsuba or a .pbrt: what cannot be as the file says is an error, not a warning.
     #[arg(long, help_heading = MITSUBA)]
     pub lossless: bool,
 }

@@ -15,7 +15,7 @@ use crate::scene::{Assets, write_ply};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// The .glb or .gltf file, whose meshes and images stay in it, or the .xml of Mitsuba.
+    /// The .glb or .gltf file, whose meshes and images stay in it, the .xml of Mitsuba, or the .pbrt.
     pub scene: PathBuf,
     #[command(flatten)]
     pub gltf: GltfArgs,

@@ -49,11 +49,13 @@ pub struct GltfOptions {
 impl GltfOptions {
     /// Refuses what only scenes of Mitsuba have.
     pub fn refuse_mitsuba(&self, path: &Path) -> Result<()> {
-        let given = [("-D", !self.defines.is_empty()), ("--lossless", self.lossless)];
-        match given.into_iter().find(|(_, is_given)| *is_given) {
-            Some((option, _)) => {
-                Err(Error::Usage(format!("{option} is for scenes of Mitsuba, which are .xml: {}", path.display())))
-            }
+        let of_both = "scenes of Mitsuba and pbrt, which are .xml and .pbrt";
+        let given = [
+            ("-D", "scenes of Mitsuba, which are .xml", !self.defines.is_empty()),
+            ("--lossless", of_both, self.lossless),
+        ];
+        match given.into_iter().find(|(.., is_given)| *is_given) {
+            Some((option, what, _)) => Err(Error::Usage(format!("{option} is for {what}: {}", path.display()))),
             None => Ok(()),
         }
     }

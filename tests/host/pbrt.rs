@@ -170,6 +170,7 @@ fn what_pbrt_shows_otherwise_is_told_and_can_be_refused() {
             "its index is 1.5168 for all colours",
         ),
         ("Material \"diffuse\" \"string normalmap\" \"n.png\" Shape \"disk\"", "its normalmap is left out"),
+        ("AreaLightSource \"diffuse\" Shape \"disk\"", "the backs of its shapes are black here"),
         ("Shape \"cylinder\"", "it becomes a mesh with 128 edges around"),
         ("Scale 1 2 3 Shape \"sphere\"", "it becomes a mesh with 128 edges around"),
         ("Material \"coateddiffuse\" \"float thickness\" 1 Shape \"disk\"", "its thickness is not used"),

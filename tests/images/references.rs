@@ -176,7 +176,7 @@ fn the_default_settings_agree_with_every_reference() {
 fn scenes_of_mitsuba_are_as_mitsuba_renders_them() {
     for name in "shapes glass metals lights fog lens turned_sky images checks bent instances old dusk ball_matt ball_both ball_image ball_glass \
                  ball_tinted ball_pane ball_frosted ball_mirror ball_gold ball_steel ball_dim ball_veil ball_worn ball_brushed ball_hazy ball_plastic \
-                 ball_deep ball_rubber ball_satin ball_blend ball_dusty wine"
+                 ball_deep ball_rubber ball_satin ball_blend ball_dusty wine alike"
         .split_whitespace()
     {
         let reference = Reference::load(&format!("mitsuba/{name}"));
@@ -194,6 +194,20 @@ fn scenes_of_mitsuba_are_as_mitsuba_renders_them() {
         let planted = worst_by_seeds(&reference, &shots, 12, |_, _| 1.0);
         assert!(planted.p < planted.threshold, "{name}: its mirror image is not found");
     }
+}
+
+/// The same scene by pbrt's directives.
+#[test]
+fn a_scene_of_pbrt_is_as_mitsuba_renders_the_same() {
+    let reference = Reference::load("mitsuba/alike");
+    let scene = Scene::load(&folder().join("pbrt/alike.pbrt")).unwrap_or_else(|error| panic!("{error}"));
+    let request = Request::spp(64).mis().sobol().roulette();
+    let shots: Vec<Shot> = (420..424).map(|seed| render(&scene, &request.clone().seed(seed))).collect();
+    let found = worst_by_seeds(&reference, &shots, 12, |_, _| 1.0);
+    println!("{found:?}");
+    assert!(found.p >= found.threshold, "{found:?}");
+    let planted = worst_by_seeds(&reference, &shots, 12, |_, _| 1.03);
+    assert!(planted.p < planted.threshold, "all of it times 1.03 is not found");
 }
 
 /// A scene with one thing else in it.

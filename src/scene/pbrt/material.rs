@@ -314,7 +314,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
                 Texture::Rgb(r, g, b) => Ok(Colour::new(r, g, b)),
                 _ => Err(params.error_at(name, "a texture in a checkerboard is not read")),
             };
-            Texture::Checker { scale: 1.0, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
+            Texture::Checker { scale: 0.5, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
         }
         "imagemap" => {
             let file = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
@@ -348,7 +348,12 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
             return Err(params.error(message));
         }
     };
-    let own = if ["checkerboard", "imagemap"].contains(&kind) { Some(mapping(params)?) } else { None };
+    let own = match kind {
+        "imagemap" => Some(mapping(params)?),
+        // Texture coordinates repeat at 1, where two squares have passed.
+        "checkerboard" => Some(mapping(params)?.map(|part| 0.5 * part)),
+        _ => None,
+    };
     reader.end(params);
     Ok((found, own.or(reader.mapping.take()).unwrap_or(AS_THEY_ARE)))
 }

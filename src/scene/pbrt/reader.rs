@@ -59,6 +59,8 @@ pub struct Definition {
 pub struct Reader<'a> {
     /// The scene file that is written, to whose folder paths are relative.
     pub to: PathBuf,
+    /// The folder of the scene's first file.
+    pub folder: PathBuf,
     /// Whether the scene is read from where it stays.
     pub is_in_place: bool,
     pub lossless: bool,
@@ -114,6 +116,7 @@ impl<'a> Reader<'a> {
             Look { material: Some(Material::Lambertian(matt)), mapping: AS_THEY_ARE, name: "default".to_owned(), at };
         Reader {
             to: to.to_owned(),
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             is_in_place: path == to,
             lossless,
             state: State {
@@ -207,9 +210,11 @@ impl<'a> Reader<'a> {
         Object::Mesh { path, material }
     }
 
-    /// A file that a directive names, beside the file of the directive.
+    /// A file that a directive names: beside the scene's first file, as pbrt has it, or else beside the file of the directive.
     pub fn resolve(&self, name: &str, at: &Place) -> PathBuf {
-        at.file.parent().unwrap_or(Path::new("")).join(name)
+        let beside_first = self.folder.join(name);
+        let beside = at.file.parent().unwrap_or(Path::new("")).join(name);
+        if !beside_first.exists() && beside.exists() { beside } else { beside_first }
     }
 
     /// The path of a file as the scene names it.

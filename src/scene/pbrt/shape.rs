@@ -112,6 +112,9 @@ fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Res
             let emit = Texture::Rgb(x, y, z);
             let found = found.unwrap_or_else(|| lambertian(Texture::grey(0.0)));
             let is_black = matches!(&found, Material::Lambertian(own) if own.albedo == Texture::grey(0.0));
+            if !is_black && !two_sided {
+                reader.lose(&place, "AreaLightSource", "the backs of its shapes are black here");
+            }
             match found {
                 _ if is_black => Some(Material::DiffuseLight(DiffuseLight { emit, two_sided })),
                 Material::Lambertian(own) => {
